@@ -1,0 +1,63 @@
+# Needs make and Python >= 3.11, nothing else: each target first installs what it needs into .venv (once).
+# Choose an interpreter with `make PYTHON=python3.13 ...`; further arguments for pytest with `make test ARGS="-k gear"`.
+
+PYTHON ?= python3
+ARGS ?=
+
+VENV := .venv
+RUN := $(VENV)/bin/python
+PIP := $(RUN) -m pip --disable-pip-version-check
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.NOTPARALLEL:
+.PHONY: help demo test lint format types docs bench clean
+
+help:  ## show this list
+	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' Makefile
+
+demo: $(VENV)/.installed  ## tables on the screen, plots in out/
+	$(RUN) -m torsionnet.demo
+
+test: $(VENV)/.group-test  ## all tests and docstring examples, on all cores
+	$(RUN) -m pytest -n auto $(ARGS)
+
+lint: $(VENV)/.group-lint  ## ruff: rules and formatting
+	$(RUN) -m ruff check .
+	$(RUN) -m ruff format --check .
+
+format: $(VENV)/.group-lint  ## let ruff reformat, and repair what it safely can
+	$(RUN) -m ruff format .
+	$(RUN) -m ruff check --fix .
+
+types: $(VENV)/.group-lint  ## mypy, strict
+	$(RUN) -m mypy
+
+docs: $(VENV)/.group-docs  ## HTML pages in docs/_build/html; a warning is an error
+	$(RUN) -m sphinx -W --keep-going -b html docs docs/_build/html
+
+bench: $(VENV)/.group-test  ## run every script in benchmarks/
+	@set -e; for script in benchmarks/[!_]*.py; do \
+	    test -e "$$script" || { echo "no scripts in benchmarks/"; break; }; \
+	    echo "== $$script"; $(RUN) "$$script"; \
+	done
+
+clean:  ## remove everything that make creates, .venv included
+	rm -rf $(VENV) build dist out docs/_build docs/gallery docs/generated docs/sg_execution_times.rst
+	rm -rf .cache .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	find torsionnet tests benchmarks examples docs -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# The package itself, editable. pip knows dependency groups (PEP 735) from 25.1 on.
+$(VENV)/.installed: pyproject.toml
+	@"$(PYTHON)" -c 'pass' || { echo "no Python at PYTHON=$(PYTHON); torsionnet needs 3.11 or newer" >&2; exit 1; }
+	@"$(PYTHON)" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	    echo "torsionnet needs Python >= 3.11, but $(PYTHON) is $$("$(PYTHON)" --version 2>&1);" \
+	         "name another one: make PYTHON=python3.12 ..." >&2; exit 1; }
+	"$(PYTHON)" -m venv $(VENV)
+	$(PIP) install --quiet --upgrade "pip>=25.1"
+	$(PIP) install --quiet --editable .
+	@touch $@
+
+$(VENV)/.group-%: $(VENV)/.installed
+	$(PIP) install --quiet --group $*
+	@touch $@

@@ -1,0 +1,64 @@
+"""What a user installs: the wheel is complete and works away from the checkout."""
+
+import json
+import os
+import subprocess
+import sys
+import zipfile
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.slow
+
+FIND_LIBRARY = """
+import json, torsionnet.files.library as library
+print(json.dumps({"module": library.__file__, "models": {name: str(path) for name, path in library.library_models().items()}}))
+"""
+
+
+def run(*arguments, **options):
+    done = subprocess.run(arguments, capture_output=True, text=True, timeout=300, check=False, **options)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory, pytestconfig):
+    directory = tmp_path_factory.mktemp("dist")
+    run(
+        sys.executable, "-m", "pip", "wheel", "--quiet", "--disable-pip-version-check",
+        "--no-deps", "--no-build-isolation", "--wheel-dir", str(directory), str(pytestconfig.rootpath),
+    )  # fmt: skip
+    (path,) = directory.glob("torsionnet-*.whl")
+    return path
+
+
+@pytest.fixture(scope="module")
+def library_names(pytestconfig):
+    names = {path.stem for path in (pytestconfig.rootpath / "library").glob("*.yaml")}
+    assert "dmf_rig" in names
+    return names
+
+
+def test_wheel_holds_models_and_type_marker(wheel, library_names):
+    files = set(zipfile.ZipFile(wheel).namelist())
+    assert "torsionnet/py.typed" in files
+    assert files >= {f"torsionnet/library/{name}.yaml" for name in library_names}
+    assert {name.split("/")[0].split("-")[0] for name in files} == {"torsionnet"}
+
+
+def test_installed_package_finds_its_library(wheel, library_names, tmp_path):
+    target, elsewhere = tmp_path / "installed", tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    run(
+        sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check",
+        "--no-deps", "--target", str(target), str(wheel),
+    )  # fmt: skip
+    environment = {**os.environ, "PYTHONPATH": str(target)}
+    found = json.loads(run(sys.executable, "-c", FIND_LIBRARY, cwd=elsewhere, env=environment))
+    assert Path(found["module"]).is_relative_to(target)
+    assert set(found["models"]) == library_names
+    for path in map(Path, found["models"].values()):
+        assert path.is_relative_to(target)
+        assert path.is_file()
