@@ -251,7 +251,7 @@ def parse_unit(text: str) -> Unit:
     return Unit(factor / 4 if disc and disc[2] == "GD" else factor, dimension, text)
 
 
-_NUMERAL = re.compile(r"([+-]?)([0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE]([+-]?[0-9]+))?")
+NUMERAL = re.compile(r"([+-]?)([0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE]([+-]?[0-9]+))?")
 
 
 def parse_number(numeral: re.Match[str]) -> Fraction:
@@ -279,7 +279,7 @@ def parse_quantity(text: str) -> Quantity:
     if len(text) > _MAX_LENGTH:
         raise UnitError(f"a quantity has at most {_MAX_LENGTH} characters")
     written = text.strip()
-    numeral = _NUMERAL.match(written)
+    numeral = NUMERAL.match(written)
     if numeral is None:
         infinite = written.lower().lstrip("+-.") in ("inf", "infinity", "nan")
         raise UnitError(f'expected a number, got "{written}"' + ("; it has to be finite" if infinite else ""))
