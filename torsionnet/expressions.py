@@ -23,10 +23,11 @@ from fractions import Fraction
 from functools import cached_property, lru_cache
 from typing import Any, Literal
 
+from torsionnet import units
 from torsionnet.errors import TorsionnetError, did_you_mean
-from torsionnet.units import DIMENSIONS, NUMERAL, Dimension, UnitError, parse_number, parse_quantity
+from torsionnet.units import DIMENSIONS, NUMERAL, Dimension, UnitError
 
-RESERVED_NAMES = frozenset({"s", "omega", "ground", "pi", "sqrt", "inf", "nan"})
+RESERVED_NAMES = frozenset({"s", "omega", "ground", "pi", "sqrt"})
 _MAX_LENGTH, _MAX_NODES, _MAX_DEPTH, _MAX_EXPONENT = 200, 60, 20, 4
 _SUM, _PRODUCT, _UNARY, _ATOM = 1, 2, 3, 4
 _Kind = Dimension | Literal["bare", "unknown"]
@@ -41,10 +42,10 @@ class ExpressionError(TorsionnetError, ValueError):
 
 
 def _exact_sqrt(value: Fraction | float) -> Fraction | float:
-    if isinstance(value, Fraction):
-        root = Fraction(math.isqrt(value.numerator), math.isqrt(value.denominator))
-        return root if root * root == value else math.sqrt(value)
-    return math.sqrt(value)
+    if not isinstance(value, Fraction | int):
+        return math.sqrt(value)
+    root = Fraction(math.isqrt(value.numerator), math.isqrt(value.denominator))
+    return root if root * root == value else math.sqrt(value)
 
 
 @dataclass(frozen=True)
@@ -73,10 +74,11 @@ class Expression:
         """Calculate the value in an algebra; raises :class:`ExpressionError`, also for results beyond a float."""
         try:
             result = self.value_in(values, algebra)
-            if isinstance(result, int | float | Fraction) and not math.isfinite(result):
-                raise OverflowError
+            finite = not isinstance(result, int | float | Fraction) or math.isfinite(result)
         except OverflowError:
-            raise ExpressionError(f'the value of "{self}" is too large') from None
+            finite = False
+        if not finite:
+            raise ExpressionError(f'the value of "{self}" is too large')
         return result
 
     def dimension(self, dimensions: Mapping[str, Dimension | None]) -> Dimension | None:
@@ -118,7 +120,7 @@ class Number(Expression):
     text: str | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "value", _fraction(self.value))
+        object.__setattr__(self, "value", units.exact(self.value))
 
     def value_in(self, values: Mapping[str, Any], algebra: Algebra) -> Any:  # noqa: ARG002
         return algebra.number(Fraction(self.value))
@@ -127,7 +129,7 @@ class Number(Expression):
         return "bare" if self.unit_dimension is None else self.unit_dimension
 
     def written(self) -> tuple[str, int]:
-        text = _numeral(Fraction(self.value))
+        text = units.numeral_of(Fraction(self.value))
         return text, _PRODUCT if "/" in text else _UNARY if text.startswith("-") else _ATOM
 
     def __str__(self) -> str:
@@ -255,14 +257,18 @@ class Power(Expression):
         base, exponent = self.base.value_in(values, algebra), Fraction(self.exponent)
         if exponent < 0:
             _refuse_zero(base, self.base)
-        return (base if exponent.denominator == 1 else _root(base, self.base, algebra)) ** exponent.numerator
+        if exponent.denominator == 1:
+            return base**exponent.numerator
+        if isinstance(base, int | float | Fraction) and base < 0:
+            raise ExpressionError(f'"{self.base}" is {float(base):g}; a negative number has no square root here')
+        return algebra.sqrt(base) ** exponent.numerator
 
     def kind_of(self, dimensions: Mapping[str, Dimension | None]) -> _Kind:
         kind = self.base.kind_of(dimensions)
         return kind if isinstance(kind, str) else kind**self.exponent
 
     def written(self) -> tuple[str, int]:
-        exponent = _numeral(Fraction(self.exponent))
+        exponent = units.numeral_of(Fraction(self.exponent))
         # Powers bind from right to left: a base that is a power itself needs the parentheses, too.
         return f"{self.base.within(_ATOM)}**{f'({exponent})' if self.exponent < 0 else exponent}", _UNARY
 
@@ -277,20 +283,13 @@ class SquareRoot(Expression):
         return (self.operand,)
 
     def value_in(self, values: Mapping[str, Any], algebra: Algebra) -> Any:
-        return _root(self.operand.value_in(values, algebra), self.operand, algebra)
+        return Power(self.operand, Fraction(1, 2)).value_in(values, algebra)
 
     def kind_of(self, dimensions: Mapping[str, Dimension | None]) -> _Kind:
-        kind = self.operand.kind_of(dimensions)
-        return kind if isinstance(kind, str) else kind ** Fraction(1, 2)
+        return Power(self.operand, Fraction(1, 2)).kind_of(dimensions)
 
     def written(self) -> tuple[str, int]:
         return f"sqrt({self.operand.within(_SUM)})", _ATOM
-
-
-def _root(value: Any, source: Expression, algebra: Algebra) -> Any:
-    if isinstance(value, int | float | Fraction) and value < 0:
-        raise ExpressionError(f'"{source}" is {float(value):g}; the square root of a negative number is no number')
-    return algebra.sqrt(value)
 
 
 def _refuse_zero(value: Any, source: Expression) -> None:
@@ -305,28 +304,9 @@ def _apart(operand: Expression) -> str:
     return f"(+{text})" if isinstance(operand, Number) and level == _ATOM else ""
 
 
-def _fraction(value: Fraction | float) -> Fraction:
-    """Take a float for the shortest decimal that gives it: 0.1 is 1/10."""
-    try:
-        finite = math.isfinite(value)
-    except OverflowError:
-        finite = False
-    if not finite:
-        raise ExpressionError(f"expected a finite number, got {value if isinstance(value, float) else 'a huge one'}")
-    if isinstance(value, Fraction | int):
-        return Fraction(value)
-    return Fraction(float.__repr__(float(value)))
-
-
-def _numeral(value: Fraction) -> str:
-    if value.denominator == 1 and abs(value) < 10**16:
-        return str(value)
-    short = repr(float(value))
-    return short if Fraction(short) == value else str(value)
-
-
 _CHARACTERS = re.compile(r"[A-Za-z0-9_+\-*/(). ^]*")
 _PIECE = re.compile(rf"(?P<number>{NUMERAL.pattern.replace('([+-]?)', '()', 1)})|(?P<name>[A-Za-z_][A-Za-z0-9_]*)|.")
+_OPERATION = re.compile(r"\s*[-+*/^()]")
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _OPERATORS: dict[type[ast.operator], Literal["+", "-", "*", "/"]] = {
     ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}  # fmt: skip
@@ -341,6 +321,8 @@ def check_name(name: str) -> str | None:
     """
     if not _NAME.fullmatch(name):
         return f'"{name}" is no name: a letter comes first, then letters, digits and _ (no accents)'
+    if name.lower() in ("nan", "inf", "infinity"):
+        return f'"{name}" is no finite number'
     if keyword.iskeyword(name):
         return f'"{name}" is a word of the Python language'
     return f'"{name}" is reserved' if name in RESERVED_NAMES else None
@@ -361,9 +343,10 @@ def parse_expression(text: str) -> Expression:
     """
     try:
         return _Reader(text).expression()
-    except ExpressionError as error:
-        where = f' at column {error.offset + 1}' if error.offset is not None else ""
-        raise ExpressionError(f'"{_short(text)}"{where}: {error}', error.offset) from None
+    except (ExpressionError, UnitError) as error:
+        offset = error.offset if isinstance(error, ExpressionError) else None
+        where = "" if offset is None else f" at column {offset + 1}"
+        raise ExpressionError(f'"{_short(text)}"{where}: {error}', offset) from None
 
 
 def _short(text: str) -> str:
@@ -371,25 +354,19 @@ def _short(text: str) -> str:
 
 
 class _Reader:
-    """Turns one text into a tree; ``^`` is replaced first, so columns are mapped back for messages."""
+    """Turns one text into a tree; ``columns`` leads from its source, with ``**`` for ``^``, back to the text."""
 
     def __init__(self, text: str) -> None:
-        self.text, self.source, self.nodes = text, text.strip().replace("^", "**"), 0
-        if not self.source:
-            raise ExpressionError("the expression is empty")
-        if len(text) > _MAX_LENGTH:
-            raise ExpressionError(f"an expression has at most {_MAX_LENGTH} characters")
+        if not 0 < len(text.strip()) <= len(text) <= _MAX_LENGTH:
+            raise ExpressionError(f"an expression has 1 to {_MAX_LENGTH} characters, not {len(text)}")
+        blanks = len(text) - len(text.lstrip())
+        self.source, self.nodes = text.strip().replace("^", "**"), 0
+        self.columns = [blanks + i for i, sign in enumerate(text[blanks:]) for _ in range(1 + (sign == "^"))]
         self.check_pieces()
 
     def fault(self, message: str, node: ast.expr | int) -> ExpressionError:
         column = node if isinstance(node, int) else node.col_offset
-        offset = len(self.text) - len(self.text.lstrip())
-        for character in self.text.strip():
-            column -= 2 if character == "^" else 1
-            if column < 0:
-                break
-            offset += 1
-        return ExpressionError(message, offset)
+        return ExpressionError(message, self.columns[min(column, len(self.columns) - 1)])
 
     def check_pieces(self) -> None:
         """Refuse by character and word what ``ast`` need not see, or would only call a syntax error."""
@@ -401,37 +378,31 @@ class _Reader:
             kind, found, start = piece.lastgroup, piece[0], piece.start()
             if kind and operand:
                 raise self.fault(f'an operator is missing before "{found}"; a product is written with *', start)
-            if kind == "name":
-                self.check_word(found, start)
-            elif piece["number"]:
-                self.number(found, start)
-            elif found == ".":
+            reason = check_name(found) if kind == "name" and found not in ("pi", "sqrt") else None
+            if reason:
+                raise self.fault(reason, start)
+            if kind == "number":
+                self.number(start)
+            if found == ".":
                 raise self.fault('"." stands only in decimal numbers', start)
-            operand = found == ")" or bool(kind) or (operand and found == " ")
+            operand = bool(kind) or found == ")" or (operand and found == " ")
 
-    def check_word(self, word: str, start: int) -> None:
-        if word.lower() in ("nan", "inf", "infinity"):
-            raise self.fault(f'"{word}" is no finite number', start)
-        reason = None if word in ("pi", "sqrt") else check_name(word)
-        if reason:
-            raise self.fault(reason, start)
-
-    def number(self, numeral: str, start: int) -> Number:
-        match = NUMERAL.fullmatch(numeral)
+    def number(self, start: int) -> Number:
+        numeral = NUMERAL.match(self.source, start)
+        if numeral is None:
+            raise self.fault("expected a number", start)
         try:
-            return Number(parse_number(match)) if match else Number(0)
-        except (UnitError, ExpressionError) as error:
+            return Number(units.parse_number(numeral))
+        except UnitError as error:
             raise self.fault(str(error), start) from None
 
     def expression(self) -> Expression:
         try:
-            tree = ast.parse(self.source, mode="eval")
+            return self.read(ast.parse(self.source, mode="eval").body, 0)
         except SyntaxError as error:
-            column = min((error.offset or 1) - 1, len(self.source))
-            raise self.fault("this is no complete expression", max(column, 0)) from None
-        except (ValueError, RecursionError, MemoryError):
+            raise self.fault("this is no complete expression", max((error.offset or 1) - 1, 0)) from None
+        except (RecursionError, MemoryError):
             raise ExpressionError("the expression is too deeply nested") from None
-        return self.read(tree.body, 0)
 
     def read(self, node: ast.expr, depth: int) -> Expression:
         self.nodes += 1
@@ -439,21 +410,18 @@ class _Reader:
             limit = f"{_MAX_DEPTH} levels" if depth > _MAX_DEPTH else f"{_MAX_NODES} numbers, names and operators"
             raise self.fault(f"the expression has more than {limit}", node)
         if isinstance(node, ast.Constant):
-            return self.number(self.source[node.col_offset : node.end_col_offset], node.col_offset)
-        if isinstance(node, ast.Name):
-            return self.name(node)
+            return self.number(node.col_offset)
+        if isinstance(node, ast.Name) and node.id != "sqrt":
+            return Pi() if node.id == "pi" else Name(node.id)
         if isinstance(node, ast.UnaryOp):
             return self.signed(node, depth)
-        if isinstance(node, ast.BinOp):
-            return self.power(node, depth) if isinstance(node.op, ast.Pow) else self.binary(node, depth)
-        if isinstance(node, ast.Call):
-            return self.root(node, depth)
-        raise self.fault("only numbers, names, + - * / **, sqrt and pi are allowed", node)
-
-    def name(self, node: ast.Name) -> Expression:
-        if node.id == "sqrt":
-            raise self.fault("sqrt needs its operand in parentheses", node)
-        return Pi() if node.id == "pi" else Name(node.id)
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):
+            return self.power(node, depth)
+        if isinstance(node, ast.BinOp) and type(node.op) in _OPERATORS:
+            return self.binary(node, depth)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "sqrt" and node.args:
+            return SquareRoot(self.read(node.args[0], depth + 1))
+        raise self.fault("allowed are numbers, names, + - * / **, sqrt(x) and pi; nothing else can be called", node)
 
     def signed(self, node: ast.UnaryOp, depth: int) -> Expression:
         operand = self.read(node.operand, depth + 1)
@@ -464,42 +432,26 @@ class _Reader:
         return Negative(operand)
 
     def binary(self, node: ast.BinOp, depth: int) -> Expression:
-        if type(node.op) not in _OPERATORS:
-            raise self.fault("only the operators + - * / ** are allowed", node)
         # A long sum leans to the left; it is not nested more deeply for that.
         left = self.read(node.left, depth if isinstance(node.left, ast.BinOp) else depth + 1)
         right = self.read(node.right, depth + 1)
-        if isinstance(node.op, ast.Div) and _is_literal(node.left) and isinstance(node.right, ast.Constant):
-            if isinstance(left, Number) and isinstance(right, Number) and right.value:
-                return Number(Fraction(left.value) / Fraction(right.value))
+        literals = isinstance(node.right, ast.Constant) and not isinstance(node.left, ast.BinOp)
+        if literals and isinstance(node.op, ast.Div) and isinstance(left, Number) and right != Number(0):
+            return Number(Fraction(left.value) / right.value_in({}, RATIONAL))
         return Binary(_OPERATORS[type(node.op)], left, right)
 
     def power(self, node: ast.BinOp, depth: int) -> Expression:
         base, exponent = self.read(node.left, depth + 1), self.read(node.right, depth + 1)
-        if not isinstance(exponent, Number) or (2 * exponent.value) % 1 or abs(exponent.value) > _MAX_EXPONENT:
+        value = Fraction(exponent.value) if isinstance(exponent, Number) else None
+        if value is None or value.denominator not in (1, 2) or abs(value) > _MAX_EXPONENT:
             raise self.fault(f"an exponent is a whole or half number of at most {_MAX_EXPONENT}", node.right)
         if _has_power(base):
             raise self.fault("a power of a power is not allowed", node)
-        return Power(base, Fraction(exponent.value))
-
-    def root(self, node: ast.Call, depth: int) -> Expression:
-        if not isinstance(node.func, ast.Name) or node.func.id != "sqrt":
-            raise self.fault("only sqrt can be called; a product is written with *", node)
-        if len(node.args) != 1 or node.keywords or isinstance(node.args[0], ast.Starred):
-            raise self.fault("sqrt has one operand", node)
-        return SquareRoot(self.read(node.args[0], depth + 1))
-
-
-def _is_literal(node: ast.expr) -> bool:
-    inner = node.operand if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub) else node
-    return isinstance(inner, ast.Constant)
+        return Power(base, value)
 
 
 def _has_power(tree: Expression) -> bool:
     return isinstance(tree, Power) or any(_has_power(part) for part in tree.parts())
-
-
-_OPERATION = re.compile(r"\s*[-+*/^()]")
 
 
 def scalar(value: object) -> Expression:
@@ -516,17 +468,19 @@ def scalar(value: object) -> Expression:
     """
     if isinstance(value, Expression):
         return value
-    if isinstance(value, str):
-        return _from_text(value)
+    try:
+        return _from_text(value) if isinstance(value, str) else _from_object(value)
+    except UnitError as error:
+        raise ExpressionError(str(error)) from None
+
+
+def _from_object(value: Any) -> Expression:
+    if isinstance(value, numbers.Real) and not isinstance(value, bool):
+        return Number(units.exact(value))
     if hasattr(value, "magnitude") and hasattr(value, "units"):
-        return _from_pint(value)
-    if isinstance(value, bool):
-        raise ExpressionError(f"expected a number, got {str(value).lower()}")
-    if isinstance(value, numbers.Integral):
-        return Number(int(value))
-    if isinstance(value, numbers.Real):
-        return Number(value if isinstance(value, Fraction) else float(value))
-    raise ExpressionError(f"expected a number, a quantity or an expression, got {_short(repr(value))}")
+        return _from_quantity(units.read_pint(value))
+    got = str(value).lower() if isinstance(value, bool) else _short(repr(value))
+    raise ExpressionError(f"expected a number, a quantity or an expression, got {got}")
 
 
 def _from_text(text: str) -> Expression:
@@ -534,32 +488,14 @@ def _from_text(text: str) -> Expression:
     numeral = NUMERAL.match(written)
     if numeral is None or _OPERATION.match(written, numeral.end()):
         return parse_expression(text)
+    rest = written[numeral.end() :].strip()
     try:
-        quantity = parse_quantity(written)
+        return _from_quantity(units.parse_quantity(written))
     except UnitError as error:
-        rest = written[numeral.end() :].strip()
         if not _NAME.fullmatch(rest) or check_name(rest) or "did you mean" in str(error):
-            raise ExpressionError(str(error)) from None
-        product = f"{numeral[0]}*{rest}"
-        raise ExpressionError(f'"{rest}" is not a known unit; if it is a parameter, write {product}') from None
+            raise
+        raise ExpressionError(f"{error}; if it is a parameter, write {numeral[0]}*{rest}") from None
+
+
+def _from_quantity(quantity: units.Quantity) -> Expression:
     return Number(quantity.value, quantity.dimension, quantity.text)
-
-
-def _from_pint(quantity: Any) -> Expression:
-    # The unit as given goes first: pint itself makes 1/s of Hz, and with it loses the cycle.
-    try:
-        return _with_unit(quantity)
-    except UnitError:
-        pass
-    try:
-        return _with_unit(quantity.to_base_units())
-    except UnitError as error:
-        raise ExpressionError(f"{_short(str(quantity))}: {error}") from None
-
-
-def _with_unit(quantity: Any) -> Expression:
-    magnitude = scalar(quantity.magnitude)
-    if not isinstance(magnitude, Number):
-        raise ExpressionError(f"expected a number with a unit, got {_short(repr(quantity))}")
-    parsed = parse_quantity(f"{_numeral(Fraction(magnitude.value))} {quantity.units:~}")
-    return Number(parsed.value, parsed.dimension, parsed.text)

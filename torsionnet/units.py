@@ -17,11 +17,15 @@ import re
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
+from numbers import Integral
+from numbers import Real as RealNumber
+from typing import Any
 
 from torsionnet.errors import TorsionnetError, did_you_mean
 
 Real = Fraction | float
 _MAX_LENGTH, _MAX_EXPONENT, _MAX_DECIMAL_EXPONENT, _MAX_DEPTH = 100, 6, 300, 10
+_SAFE_LENGTH = 40  # so few digits, and a unit so short, stay far inside the range of a float
 
 
 class UnitError(TorsionnetError, ValueError):
@@ -255,7 +259,11 @@ NUMERAL = re.compile(r"([+-]?)([0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE]([+-]?[0-9]+)
 
 
 def parse_number(numeral: re.Match[str]) -> Fraction:
-    """Give the exact value of a decimal numeral; never builds a number beyond the range of a float."""
+    """Give the exact value of a match of :data:`NUMERAL`; a huge exponent is refused, not calculated."""
+    return Fraction(*_ratio(numeral))
+
+
+def _ratio(numeral: re.Match[str]) -> tuple[int, int]:
     sign, mantissa, exponent = numeral.groups()
     if mantissa[0] == "0" and mantissa[1:2].isdigit():
         raise UnitError(f'"{numeral[0]}" begins with 0, which some programs read as octal; leave the 0 out')
@@ -264,9 +272,10 @@ def parse_number(numeral: re.Match[str]) -> Fraction:
     whole, _, decimals = mantissa.partition(".")
     power = int(exponent or 0) - len(decimals)
     digits = int(sign + whole + decimals)
-    return Fraction(digits * 10**power) if power >= 0 else Fraction(digits, 10**-power)
+    return (digits * 10**power, 1) if power >= 0 else (digits, 10**-power)
 
 
+@lru_cache(maxsize=4096)
 def parse_quantity(text: str) -> Quantity:
     """Read a number with or without a unit; raises :class:`UnitError`.
 
@@ -286,11 +295,18 @@ def parse_quantity(text: str) -> Quantity:
     rest = written[numeral.end() :]
     if rest and _STRAY.match(rest):
         raise UnitError(_misread(written))
-    number = parse_number(numeral)
     unit = parse_unit(rest.strip()) if rest else None
-    value = number * unit.factor if unit else number
-    _check_range(value, written)
+    value = _times(_ratio(numeral), unit.factor if unit else 1)
+    if numeral[3] or len(written) > _SAFE_LENGTH:
+        _check_range(value, written)
     return Quantity(value, unit.dimension if unit else None, written)
+
+
+def _times(ratio: tuple[int, int], factor: Real) -> Real:
+    # Fraction * Fraction would take most of the time of reading a model.
+    if isinstance(factor, float):
+        return ratio[0] / ratio[1] * factor
+    return Fraction(ratio[0] * factor.numerator, ratio[1] * factor.denominator)
 
 
 _STRAY = re.compile(r"[,:;.'’_]|\s*(?!1\s*/)[0-9]")
@@ -315,6 +331,55 @@ def _check_range(value: Real, written: str) -> None:
         size = math.inf
     if math.isinf(size) or (size == 0.0 and value != 0):
         raise UnitError(f'"{written}" is too large or too small a number')
+
+
+def exact(value: Real | RealNumber) -> Fraction:
+    """Take a float for the shortest decimal that gives it; raises :class:`UnitError` beyond the range of a float.
+
+    >>> exact(0.1)
+    Fraction(1, 10)
+    """
+    try:
+        size = float(value)
+    except OverflowError:
+        raise UnitError("the number is too large") from None
+    if not math.isfinite(size) or (size == 0.0 and value != 0):
+        raise UnitError(f"expected a finite number that is not too small, got {value}")
+    if isinstance(value, Fraction):
+        return value
+    # numpy's integers and floats come here, too, and write themselves differently.
+    return Fraction(int(value)) if isinstance(value, Integral) else Fraction(float.__repr__(size))
+
+
+def numeral_of(value: Fraction) -> str:
+    """Write a fraction as a decimal numeral if that is exact and short, else as a quotient.
+
+    >>> numeral_of(Fraction(1, 8)), numeral_of(Fraction(1, 3))
+    ('0.125', '1/3')
+    """
+    if value.denominator == 1 and abs(value) < 10**16:
+        return str(value)
+    short = repr(float(value))
+    return short if Fraction(short) == value else str(value)
+
+
+def read_pint(quantity: Any) -> Quantity:
+    """Read a quantity of pint, or of whatever else has ``magnitude``, ``units`` and ``to_base_units``."""
+    # The unit as given goes first: in base units pint makes 1/s of Hz and so loses the cycle.
+    try:
+        return _read_given(quantity)
+    except UnitError:
+        pass
+    try:
+        return _read_given(quantity.to_base_units())
+    except UnitError as error:
+        raise UnitError(f"{quantity}: {error}") from None
+
+
+def _read_given(quantity: Any) -> Quantity:
+    if not isinstance(quantity.magnitude, RealNumber):
+        raise UnitError(f"expected one real number, got {quantity.magnitude}")
+    return parse_quantity(f"{float(exact(quantity.magnitude))!r} {quantity.units:~}")
 
 
 # The names of dimensions with the SI unit that messages show; the later of two equal dimensions wins in ``str``.

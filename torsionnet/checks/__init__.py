@@ -1,0 +1,75 @@
+"""Consistency checks, one function each; :func:`check_definition` runs them all.
+
+Checks of names and values say everything they find. The structural ones need a model whose names and values are sound,
+and run on the base model and on every alternative of every axis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from torsionnet.checks import names, values
+from torsionnet.checks.structure import structure, unconnected_parts
+from torsionnet.configurations import combinations, label
+from torsionnet.definition import Definition
+from torsionnet.errors import Fault
+from torsionnet.parameters import resolve
+
+MOST_COMBINATIONS = 64
+
+
+def check_definition(definition: Definition) -> list[Fault]:
+    """Every fault, warning and note of a model with all its configurations."""
+    faults = [fault for check in names.CHECKS for fault in check(definition)]
+    faults += values.wrong_dimensions(definition) + values.passive_tables(definition)
+    faults += unconnected_parts(definition)
+    known, found = resolve(definition.parameters)
+    faults += found + values.sizes(definition, known)
+    if has_errors(faults):
+        return _unique(faults)
+    faults += structure(definition, known)
+    for name, variant in variants(definition):
+        faults += _in_configuration(name, check_variant(variant), faults)
+    return _unique(faults)
+
+
+def check_variant(definition: Definition) -> list[Fault]:
+    """The checks that depend on values: for a configuration or changed parameters of a sound model."""
+    known, faults = resolve(definition.parameters)
+    faults += values.sizes(definition, known)
+    return faults if has_errors(faults) else faults + structure(definition, known)
+
+
+def variants(definition: Definition) -> Iterator[tuple[str, Definition]]:
+    """Every combination of alternatives while they are few, else each alternative alone."""
+    count = 1
+    for alternatives in definition.axes.values():
+        count *= max(1, len(alternatives))
+    if count <= MOST_COMBINATIONS:
+        choices = [choice for choice in combinations(definition.axes) if choice]
+    else:
+        choices = [{axis: name} for axis, alternatives in definition.axes.items() for name in alternatives]
+    for choice in choices:
+        variant = definition
+        for axis, name in choice.items():
+            variant = variant.overlaid(definition.axes[axis][name])
+        yield label(choice, definition.axes), variant
+
+
+def has_errors(faults: list[Fault]) -> bool:
+    return any(fault.severity == "error" for fault in faults)
+
+
+def _in_configuration(name: str, found: list[Fault], base: list[Fault]) -> list[Fault]:
+    """Faults a configuration adds to those of the base model, with its name."""
+    known = {(fault.path, fault.message) for fault in base}
+    return [
+        replace(fault, message=f"in configuration {name}: {fault.message}")
+        for fault in found
+        if fault.severity == "error" and (fault.path, fault.message) not in known
+    ]
+
+
+def _unique(faults: list[Fault]) -> list[Fault]:
+    return list(dict.fromkeys(faults))

@@ -1,0 +1,77 @@
+"""A drivetrain reduced to arrays: kinematic rows over the kept coordinates, and what acts on each row.
+
+With the rows B (n_laws x n_q) the equations of motion are
+
+    M = B^T diag(J) B,   C = B^T diag(c) B,   K = B^T diag(k) B,
+    D(s) = M s^2 + C s + K + sum_d kappa_d(omega) b_d b_d^T
+
+Solvers that care about accuracy use the rows; the assembled matrices are for those that do not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray: TypeAlias = NDArray[np.float64]
+ComplexArray: TypeAlias = NDArray[np.complex128]
+
+DynamicStiffness: TypeAlias = Callable[[FloatArray], ComplexArray]
+"""kappa(omega): complex stiffness in N m/rad at omega in rad/s; shape in = shape out."""
+
+
+@dataclass(frozen=True)
+class RowSystem:
+    """Rows and coefficients of every law of a drivetrain, in the kept coordinates q.
+
+    Attributes
+    ----------
+    rows : (n_laws, n_q) array
+        gamma = rows @ q, the scalar motion on which each law acts, in rad.
+    inertia, damping, stiffness : (n_laws,) arrays
+        J in kg m^2, c in N m s/rad, k in N m/rad of each law; all >= 0.
+    dynamic : tuple of (law index, kappa)
+        Laws that also have a frequency-dependent complex stiffness kappa(omega), omega >= 0.
+    """
+
+    rows: FloatArray
+    inertia: FloatArray
+    damping: FloatArray
+    stiffness: FloatArray
+    dynamic: tuple[tuple[int, DynamicStiffness], ...] = ()
+
+    @property
+    def n_coordinates(self) -> int:
+        return int(self.rows.shape[1])
+
+    def _gram(self, coefficients: NDArray[np.generic]) -> NDArray[np.generic]:
+        used = np.flatnonzero(coefficients)
+        rows = self.rows[used]
+        return np.asarray(rows.T @ (coefficients[used, None] * rows))
+
+    @cached_property
+    def M(self) -> FloatArray:
+        """Inertia matrix (n_q, n_q), kg m^2."""
+        return np.asarray(self._gram(self.inertia), dtype=float)
+
+    @cached_property
+    def C(self) -> FloatArray:
+        """Viscous damping matrix (n_q, n_q), N m s/rad."""
+        return np.asarray(self._gram(self.damping), dtype=float)
+
+    @cached_property
+    def K(self) -> FloatArray:
+        """Stiffness matrix (n_q, n_q), N m/rad, without frequency-dependent parts."""
+        return np.asarray(self._gram(self.stiffness), dtype=float)
+
+    def kappa(self, omega: float) -> ComplexArray:
+        """Frequency-dependent complex stiffness of each law at one omega in rad/s, shape (n_laws,)."""
+        values = np.zeros(len(self.stiffness), dtype=complex)
+        for index, law in self.dynamic:
+            values[index] += law(np.array([omega]))[0]
+        return values

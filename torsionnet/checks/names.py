@@ -1,0 +1,171 @@
+"""Does every name mean something, and does everything named get used?"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+from torsionnet.channels import ELEMENT_QUANTITIES
+from torsionnet.definition import Definition, all_nodes
+from torsionnet.elements import GROUND
+from torsionnet.errors import Fault, Path, did_you_mean
+from torsionnet.expressions import Expression
+from torsionnet.operating_point import OperatingPoint
+
+
+def _nodes(definition: Definition) -> tuple[str, ...]:
+    return all_nodes(definition.elements.values())
+
+
+def _unknown_node(name: str, nodes: Collection[str], path: Path) -> Fault:
+    if name == GROUND:
+        return Fault("ground does not move; name a node", path)
+    return Fault(f'no node is named "{name}"{did_you_mean(name, nodes)}', path)
+
+
+def _expressions(definition: Definition) -> Iterator[tuple[Path, Expression]]:
+    for name, parameter in definition.parameters.items():
+        yield ("parameters", name), parameter.value
+    for name, element in definition.elements.items():
+        for entry, (spec, value) in element.scalars().items():
+            for subpath, expression, _ in spec.expressions(value):
+                yield ("elements", name, entry, *subpath), expression
+    for axis, alternatives in definition.axes.items():
+        for label, overlay in alternatives.items():
+            for name, value in overlay.parameters.items():
+                yield ("configurations", axis, label, name), value
+            yield from _point_expressions(overlay.operating_point, ("configurations", axis, label, "operating_point"))
+    yield from _point_expressions(definition.operating_point, ("operating_point",))
+
+
+def _point_expressions(point: OperatingPoint | None, path: Path) -> Iterator[tuple[Path, Expression]]:
+    if point is not None:
+        for table in ("speed", "torque"):
+            for node, value in getattr(point, table).items():
+                yield (*path, table, node), value
+
+
+def undefined_parameters(definition: Definition) -> list[Fault]:
+    """Expressions that use a parameter nobody defines."""
+    known = definition.parameters
+    return [
+        Fault(f'no parameter is named "{name}"{did_you_mean(name, known)}', path)
+        for path, expression in _expressions(definition)
+        for name in sorted(expression.names - known.keys())
+    ]
+
+
+def unused_parameters(definition: Definition) -> list[Fault]:
+    """Parameters that nothing uses (a warning: the model is complete without them)."""
+    used = {name for _, expression in _expressions(definition) for name in expression.names}
+    return [
+        Fault(f'parameter "{name}" is not used', ("parameters", name), "warning", on_key=True)
+        for name in definition.parameters
+        if name not in used
+    ]
+
+
+def unknown_nodes(definition: Definition) -> list[Fault]:
+    """Sensors, inputs and operating points on nodes the elements do not have."""
+    nodes = _nodes(definition)
+    faults = []
+    for table in ("inputs", "sensors"):
+        for name, channel in getattr(definition, table).items():
+            if not (table == "sensors" and channel.quantity in ELEMENT_QUANTITIES) and channel.of not in nodes:
+                faults.append(_unknown_node(channel.of, nodes, (table, name, channel.quantity)))
+    points: list[tuple[Path, OperatingPoint | None]] = [(("operating_point",), definition.operating_point)]
+    for axis, alternatives in definition.axes.items():
+        for label, overlay in alternatives.items():
+            points.append((("configurations", axis, label, "operating_point"), overlay.operating_point))
+    for path, point in points:
+        for table in ("speed", "torque"):
+            for node in getattr(point, table, {}):
+                if node not in nodes:
+                    faults.append(_unknown_node(str(node), nodes, (*path, table, node)))
+    return faults
+
+
+def unknown_elements(definition: Definition) -> list[Fault]:
+    """Sensors of elements, and ports of elements, that do not exist."""
+    faults = []
+    for name, sensor in definition.sensors.items():
+        if sensor.quantity not in ELEMENT_QUANTITIES:
+            continue
+        path = ("sensors", name, sensor.quantity)
+        element = definition.elements.get(sensor.of)
+        if element is None:
+            faults.append(Fault(_no_element(sensor.of, definition), path))
+        elif sensor.at is not None and sensor.at not in {*element.ports, *element.ports.values()}:
+            ports = [node for node in element.ports.values() if node != GROUND]
+            hint = did_you_mean(sensor.at, ports)
+            faults.append(Fault(f'{sensor.of} is not attached to "{sensor.at}"{hint}; it is attached to {", ".join(ports)}', ("sensors", name, "at")))
+    return faults
+
+
+def _no_element(name: str, definition: Definition) -> str:
+    if name in _nodes(definition):
+        return f'"{name}" is a node, no element; a torque is taken through an element'
+    return f'no element is named "{name}"{did_you_mean(name, definition.elements)}'
+
+
+def unknown_in_configurations(definition: Definition) -> list[Fault]:
+    """Alternatives that change parameters or elements the model does not have."""
+    faults = []
+    for axis, alternatives in definition.axes.items():
+        for label, overlay in alternatives.items():
+            path = ("configurations", axis, label)
+            for name in overlay.parameters:
+                if name not in definition.parameters:
+                    hint = did_you_mean(name, [*definition.parameters, "on", "off", "operating_point"])
+                    faults.append(Fault(f'no parameter is named "{name}"{hint}', (*path, name), on_key=True))
+            for switch in ("on", "off"):
+                for index, name in enumerate(getattr(overlay, switch)):
+                    if name not in definition.elements:
+                        hint = did_you_mean(name, definition.elements)
+                        faults.append(Fault(f'no element is named "{name}"{hint}', (*path, switch, index)))
+            both = set(overlay.on) & set(overlay.off)
+            faults += [Fault(f"{name} is switched on and off at once", (*path, "off")) for name in sorted(both)]
+    return faults
+
+
+def hidden_names(definition: Definition) -> list[Fault]:
+    """Names where ``output=`` or ``input=`` could mean two things: sensors and inputs win over nodes."""
+    nodes = set(_nodes(definition))
+    faults = []
+    for table in ("inputs", "sensors"):
+        for name, channel in getattr(definition, table).items():
+            if name in nodes and channel.of != name:
+                text = f'"{name}" is also a node; as output= or input= the name means {channel}'
+                faults.append(Fault(text, (table, name), "warning", on_key=True))
+    for name in definition.sensors:
+        if name in definition.inputs:
+            text = f'"{name}" is a sensor and an input; as input= it means the excitation, as output= the sensor'
+            faults.append(Fault(text, ("sensors", name), "warning", on_key=True))
+    return faults
+
+
+def dead_ends(definition: Definition) -> list[Fault]:
+    """Nodes at which a single connection ends: nothing acts there, which often is a misspelt name."""
+    touching: dict[str, list[str]] = {}
+    for element in definition.elements.values():
+        for node in element.ports.values():
+            touching.setdefault(node, []).append(element.name)
+    used = {channel.of for table in (definition.inputs, definition.sensors) for channel in table.values()}
+    used |= {GROUND, *definition.operating_point.speed, *definition.operating_point.torque}
+    faults = []
+    for node, names in touching.items():
+        if len(names) == 1 and node not in used and len(definition.elements[names[0]].ports) > 1:
+            others = [other for other in touching if other != node]
+            text = f'only {names[0]} is attached to node "{node}"{did_you_mean(node, others)}; it carries no torque there'
+            faults.append(Fault(text, ("elements", names[0]), "warning", on_key=True))
+    return faults
+
+
+CHECKS = (
+    undefined_parameters,
+    unknown_nodes,
+    unknown_elements,
+    unknown_in_configurations,
+    unused_parameters,
+    hidden_names,
+    dead_ends,
+)

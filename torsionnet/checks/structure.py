@@ -1,0 +1,167 @@
+"""Can the connected parts move, hold together and carry what is asked of them? Needs sound names and values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from torsionnet.definition import Definition, all_nodes
+from torsionnet.elements import GROUND, Values
+from torsionnet.elimination import reduce_rows
+from torsionnet.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.kinematics import Kinematics, contradicting_loop, exact_row, solve_kinematics, virtual_motion
+from torsionnet.speeds import mean_speeds
+
+
+def unconnected_parts(definition: Definition) -> list[Fault]:
+    """Groups of nodes with no element between them, counting also elements that are switched off.
+
+    Ground does not connect: what is only tied to ground does not feel its neighbour.
+    """
+    groups = node_groups(element.ports.values() for element in definition.elements.values())
+    if len(groups) < 2:  # noqa: PLR2004
+        return []
+    main = max(groups, key=len)
+    faults = []
+    for group in groups:
+        if group is main:
+            continue
+        owner = next(name for name, element in definition.elements.items() if group & set(element.ports.values()))
+        hints = [did_you_mean(node, main) for node in sorted(group)]
+        hint = next((text for text in hints if text), "")
+        order = [node for node in all_nodes(definition.elements.values()) if node in group]
+        text = f"{_listed(order)} {'is' if len(order) == 1 else 'are'} not connected to the rest of the drivetrain{hint}"
+        faults.append(Fault(text, ("elements", owner), on_key=True))
+    return faults
+
+
+def node_groups(groups: Iterable[Iterable[str]]) -> list[set[str]]:
+    """Connected groups of nodes, from the groups each element joins."""
+    home: dict[str, set[str]] = {}
+    for group in groups:
+        merged = set(group) - {GROUND}
+        for node in list(merged):
+            merged |= home.get(node, set())
+        for node in merged:
+            home[node] = merged
+    return list({id(group): group for group in home.values()}.values())
+
+
+def _listed(names: Sequence[str], most: int = 6) -> str:
+    shown = ", ".join(names[:most])
+    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"
+
+
+def contradicting_gears(definition: Definition, kinematics: Kinematics) -> list[Fault]:
+    """A rigid loop whose ratios do not agree: nothing on it could turn."""
+    loop = contradicting_loop(kinematics.parts, kinematics.nodes)
+    if not loop:
+        return []
+    text = (
+        f"the rigid ratios of {', '.join(loop)} contradict each other: the loop could not turn; "
+        "correct a ratio or give one of them a stiffness"
+    )
+    return [Fault(text, ("elements", loop[-1]), on_key=True)] if loop[-1] in definition.elements else [Fault(text)]
+
+
+def massless_without_hold(definition: Definition, kinematics: Kinematics) -> list[Fault]:
+    """Motions no inertia, spring or damper answers: the receptance there would be infinite at every frequency."""
+    rows = [exact_row(kinematics.reduced(law.row)) for _, law in kinematics.laws if law.acts]
+    free = free_motions(rows, kinematics.coordinates)
+    faults = []
+    for moving in free:
+        nodes = [node for node in kinematics.nodes if kinematics.reduced({node: 1}).keys() & moving]
+        if not nodes:
+            continue
+        owner = next((name for name, element in definition.elements.items() if nodes[0] in element.ports.values()), None)
+        verb = "moves" if len(nodes) == 1 else "move together"
+        text = f"{_listed(nodes)} {verb} freely, with no inertia, spring or damper to hold {'it' if len(nodes) == 1 else 'them'}"
+        faults.append(Fault(text, ("elements", owner) if owner else (), on_key=True))
+    return faults
+
+
+def free_motions(rows: Sequence[Mapping[str, Any]], coordinates: Sequence[str]) -> list[set[str]]:
+    """For each independent motion that leaves every row at zero, the coordinates that move in it."""
+    order = {name: index for index, name in enumerate(coordinates)}
+    kept = [{name: value for name, value in row.items() if name in order} for row in rows]
+    solved = reduce_rows([row for row in kept if row], order).solved
+    free = [name for name in coordinates if name not in solved]
+    return [{name, *(other for other, row in solved.items() if name in row)} for name in free]
+
+
+def locked_inputs(definition: Definition, kinematics: Kinematics) -> list[Fault]:
+    """An input on a node that cannot move."""
+    faults = []
+    imposed = {definition.inputs[name].of: name for name in kinematics.imposed}
+    for name, channel in definition.inputs.items():
+        row = kinematics.reduction.solved.get(channel.of)
+        path = ("inputs", name, channel.quantity)
+        if row is not None and not row:
+            faults.append(Fault(f'"{channel.of}" is locked; an input there does nothing', path))
+        elif channel.quantity == "torque" and channel.of in imposed:
+            faults.append(Fault(f'the angle of "{channel.of}" is imposed by {imposed[channel.of]}; a torque there does nothing', path))
+    fixed = [index for index in kinematics.reduction.blocked if index < len(kinematics.imposed)]
+    for index in fixed:
+        name = kinematics.imposed[index]
+        faults.append(Fault(f"the angle imposed by {name} contradicts a rigid connection to another imposed angle", ("inputs", name)))
+    if not fixed and kinematics.reduction.blocked:
+        faults.append(Fault("two imposed angles act on nodes that are rigidly connected", ("inputs", kinematics.imposed[-1])))
+    return faults
+
+
+def indeterminate_torques(definition: Definition, kinematics: Kinematics) -> list[Fault]:
+    """Torque sensors on a rigid connection whose torque equilibrium alone does not determine."""
+    faults = []
+    for name, sensor in definition.sensors.items():
+        if sensor.quantity != "torque":
+            continue
+        for index, (owner, _) in enumerate(kinematics.constraints):
+            if owner == sensor.of:
+                try:
+                    virtual_motion(kinematics, index)
+                except UsageError as error:
+                    faults.append(Fault(str(error), ("sensors", name, "torque")))
+    return faults
+
+
+def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fault]:
+    """How many ways the drivetrain can turn without any spring answering (information, not an error)."""
+    del definition
+    count = len(rigid_motions(kinematics))
+    if not count:
+        return []
+    what = "one rigid-body mode" if count == 1 else f"{count} rigid-body modes"
+    return [Fault(f"the drivetrain can turn freely: {what}", (), "note")]
+
+
+def rigid_motions(kinematics: Kinematics) -> list[set[str]]:
+    """The independent motions of the coordinates that no spring resists."""
+    rows = [exact_row(kinematics.reduced(law.row)) for _, law in kinematics.laws if law.is_elastic]
+    return free_motions(rows, kinematics.coordinates)
+
+
+def inconsistent_speeds(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
+    """Mean speeds that the gear ratios do not allow together."""
+    try:
+        mean_speeds(definition, values)
+    except ModelError as error:
+        return list(error.faults)
+    return []
+
+
+CHECKS = (
+    locked_inputs,
+    massless_without_hold,
+    indeterminate_torques,
+    rigid_body_modes,
+)
+
+
+def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
+    """All structural checks of one configuration; contradicting gears make the rest meaningless."""
+    kinematics = solve_kinematics(definition, Values(values))
+    faults = contradicting_gears(definition, kinematics)
+    if faults:
+        return faults
+    faults = [fault for check in CHECKS for fault in check(definition, kinematics)]
+    return faults + inconsistent_speeds(definition, values)

@@ -1,0 +1,129 @@
+"""Do dimensions and sizes make sense?"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from fractions import Fraction
+
+from torsionnet.definition import Definition
+from torsionnet.elements import Element, Law, Values
+from torsionnet.elements.fields import DampingQuantity, Quantity
+from torsionnet.errors import Fault, Path
+from torsionnet.expressions import Expression, ExpressionError
+from torsionnet.parameters import dimensions
+from torsionnet.units import DIMENSIONS, Dimension, expected_unit
+
+Numbers = Mapping[str, "Fraction | float"]
+
+
+def wrong_dimensions(definition: Definition) -> list[Fault]:
+    """Expressions of another dimension than the place they stand in."""
+    known, faults = dimensions(definition.parameters)
+    for name, element in definition.elements.items():
+        for entry, (spec, value) in element.scalars().items():
+            for subpath, expression, wanted in spec.expressions(value):
+                fault = _dimension_fault(expression, wanted, known)
+                if fault:
+                    faults.append(Fault(fault, ("elements", name, entry, *subpath)))
+    for axis, alternatives in definition.axes.items():
+        for label, overlay in alternatives.items():
+            for name, value in overlay.parameters.items():
+                fault = _overlay_fault(value, known.get(name), known)
+                if fault:
+                    faults.append(Fault(fault, ("configurations", axis, label, name)))
+    return faults
+
+
+def _dimension_fault(expression: Expression, wanted: str, known: Mapping[str, Dimension | None]) -> str | None:
+    if not expression.names or not expression.names <= known.keys():
+        return None
+    try:
+        found = expression.dimension(known)
+    except ExpressionError as error:
+        return str(error)
+    if found is None or found == DIMENSIONS[wanted]:
+        return None
+    hint = ""
+    if found * DIMENSIONS[wanted] == DIMENSIONS["1"]:
+        hint = f"; write 1/{expression}" if len(expression.names) == 1 else f"; write 1/({expression})"
+    return f'"{expression}" has the dimension of {found}; expected {wanted if wanted != "1" else "a plain number"} in {expected_unit(wanted)}{hint}'
+
+
+def _overlay_fault(value: Expression, base: Dimension | None, known: Mapping[str, Dimension | None]) -> str | None:
+    if not value.names <= known.keys():
+        return None
+    try:
+        found = value.dimension(known)
+    except ExpressionError as error:
+        return str(error)
+    if found is None or base is None or found == base:
+        return None
+    return f'"{value}" has the dimension of {found}; the parameter is in {base}'
+
+
+def sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
+    """Values out of their bounds, not finite or not calculable, for resolved parameters."""
+    faults: list[Fault] = []
+    for name, value in numbers.items():
+        bounds = definition.parameters[name].bounds
+        if bounds and not bounds[0] <= value <= bounds[1]:
+            text = f"{name} = {float(value):g} is outside its bounds {bounds[0]:g} to {bounds[1]:g}"
+            faults.append(Fault(text, ("parameters", name), "warning"))
+    for element in definition.elements.values():
+        found = _field_sizes(element, numbers)
+        faults += found or _law_sizes(element, numbers)
+    return faults
+
+
+def _field_sizes(element: Element, numbers: Numbers) -> list[Fault]:
+    faults = []
+    for entry, (spec, value) in element.scalars().items():
+        for subpath, expression, wanted in spec.expressions(value):
+            path: Path = ("elements", element.name, entry, *subpath)
+            text = _size_fault(spec, expression, numbers, measure=bool(subpath), wanted=wanted)
+            if text:
+                faults.append(Fault(text, path))
+    return faults
+
+
+def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measure: bool, wanted: str) -> str | None:
+    if not expression.names <= numbers.keys():
+        return None
+    try:
+        value = float(expression.evaluate(numbers))
+    except (ExpressionError, OverflowError) as error:
+        return f"{expression} cannot be calculated: {error}"
+    if not math.isfinite(value):
+        return f"{expression} is not a finite number"
+    shown = f"{expression} = {value:g}" if expression.names else f"{value:g}"
+    if measure:
+        positive = wanted == "frequency" or not isinstance(spec, DampingQuantity)
+        return f"{shown}: must {'be greater than' if positive else 'not be less than'} 0" if value < 0 or (positive and value == 0) else None
+    reason = spec.bound_fault(value) if isinstance(spec, Quantity) else None
+    return f"{shown}: {spec.description if isinstance(spec, Quantity) else ''} {reason}" if reason else None
+
+
+def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
+    """A safety net behind the bounds of single fields: no law may have a negative coefficient."""
+    names = {name for _, (spec, value) in element.scalars().items() for _, expression, _ in spec.expressions(value) for name in expression.names}
+    if not names <= numbers.keys():
+        return []
+    try:
+        parts = element.parts(Values(numbers))
+    except (ExpressionError, ArithmeticError) as error:
+        return [Fault(f"{element.name} cannot be calculated: {error}", ("elements", element.name))]
+    for part in parts:
+        if isinstance(part, Law) and min(part.inertia, part.damping, part.stiffness, part.loss_factor) < 0:
+            return [Fault(f"the values of {element.name} give it a negative inertia, damping or stiffness", ("elements", element.name))]
+    return []
+
+
+def passive_tables(definition: Definition) -> list[Fault]:
+    """Tabulated damping below zero: the element would feed energy into a vibration."""
+    return [
+        Fault(f"the damping of {name} is negative at some frequency; it would drive the vibration there", ("elements", name, "table"), "warning")
+        for name, element in definition.elements.items()
+        for entry, (_, value) in element.scalars().items()
+        if entry == "table" and not value.is_passive
+    ]

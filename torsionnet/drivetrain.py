@@ -1,0 +1,373 @@
+"""The drivetrain: elements between nodes, with parameters, inputs, sensors and configurations. It never changes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from functools import cached_property
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.channels import Input, Sensor
+from torsionnet.checks import check_definition, check_variant, has_errors
+from torsionnet.configurations import Overlay, combinations, label, parse_choice, read_overlay
+from torsionnet.definition import Definition, all_nodes, collect_elements, define
+from torsionnet.elements import Element
+from torsionnet.elements.fields import FieldError
+from torsionnet.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.operating_point import OperatingPoint
+from torsionnet.parameters import Parameter, read_value, resolve
+from torsionnet.speeds import mean_speeds, mean_torques, total_ratio
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import control
+    import networkx as nx
+    from numpy.typing import ArrayLike
+
+    from torsionnet.assembly.symbolic import SymbolicSystem
+    from torsionnet.response import FrequencyResponse, Modes
+
+Channels = "str | Sensor | Sequence[str | Sensor]"
+
+
+class Drivetrain:
+    """A torsional model; every method that changes something returns a changed copy.
+
+    Parameters
+    ----------
+    name : str
+        Title of the model.
+    elements : iterable of Element
+        In the order of declaration, which fixes the order of nodes and, where nothing else is said, of coordinates.
+    parameters : mapping, optional
+        Name -> number in SI, text with unit, or expression of other parameters.
+    inputs, sensors : mapping, optional
+        Name -> ``{"torque": node}``, ``{"angle": node}``; ``{"angle": node}``, ``{"torque": element, "at": node}``, ...
+        A node whose angle is imposed by an input stands still wherever that input is not the excitation.
+    configurations : mapping, optional
+        Axis -> alternative -> ``{parameter: value, "on": [...], "off": [...]}``; with a single axis, its name may be left out.
+    operating_point : mapping, optional
+        ``{"speed": {node: value}, "torque": {node: value}}``.
+    source, description : str, optional
+        Where the numbers come from, and what the model is.
+
+    Raises
+    ------
+    ModelError
+        With every fault of the model.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.Drivetrain("one mass", [tn.Inertia("rotor", node="a", inertia=0.152),
+    ...     tn.Spring("dmf", nodes=("a", "ground"), stiffness="k", damping=4)], parameters={"k": "0.46 kN*m/rad"})
+    >>> round(float(rig.modes().natural_frequencies[0]), 3)
+    8.755
+    """
+
+    def __init__(
+        self,
+        name: str,
+        elements: Iterable[Element],
+        parameters: Mapping[str, Any] | None = None,
+        inputs: Mapping[str, Any] | None = None,
+        sensors: Mapping[str, Any] | None = None,
+        configurations: Mapping[str, Any] | None = None,
+        operating_point: Mapping[str, Any] | OperatingPoint | None = None,
+        source: str = "",
+        description: str = "",
+    ) -> None:
+        table, faults = collect_elements(elements)
+        definition, found = define(
+            name,
+            table,
+            parameters=parameters,
+            inputs=inputs,
+            sensors=sensors,
+            configurations=configurations,
+            operating_point=operating_point,
+            source=source,
+            description=description,
+        )
+        faults += found + check_definition(definition)
+        _refuse(faults, name)
+        self._definition = definition
+        self._choice: dict[str, str] = {}
+        self._findings = tuple(faults)
+
+    @classmethod
+    def from_definition(cls, definition: Definition, choice: Mapping[str, str], findings: Iterable[Fault]) -> Drivetrain:
+        """Drivetrain of a definition that has been checked."""
+        new = cls.__new__(cls)
+        new._definition = definition  # noqa: SLF001
+        new._choice = dict(choice)  # noqa: SLF001
+        new._findings = tuple(findings)  # noqa: SLF001
+        return new
+
+    @property
+    def definition(self) -> Definition:
+        """The typed content of the model."""
+        return self._definition
+
+    @property
+    def name(self) -> str:
+        return self._definition.name
+
+    @property
+    def source(self) -> str:
+        """Where the numbers come from."""
+        return self._definition.source
+
+    @property
+    def description(self) -> str:
+        return self._definition.description
+
+    @cached_property
+    def elements(self) -> Mapping[str, Element]:
+        """Elements that are switched on, by name, in the order of declaration."""
+        return MappingProxyType({element.name: element for element in self._definition.active})
+
+    @cached_property
+    def nodes(self) -> tuple[str, ...]:
+        """Nodes in the order of their first mention, without ground."""
+        return all_nodes(self._definition.active)
+
+    @property
+    def inputs(self) -> Mapping[str, Input]:
+        """Excitations by name."""
+        return MappingProxyType(dict(self._definition.inputs))
+
+    @property
+    def sensors(self) -> Mapping[str, Sensor]:
+        """Measured quantities by name."""
+        return MappingProxyType(dict(self._definition.sensors))
+
+    @cached_property
+    def parameters(self) -> Mapping[str, float]:
+        """Value in SI of every parameter, by name."""
+        return MappingProxyType({name: float(value) for name, value in self.exact_values.items()})
+
+    @property
+    def parameter_definitions(self) -> Mapping[str, Parameter]:
+        """Parameters as written: expression, unit, description, bounds."""
+        return MappingProxyType(dict(self._definition.parameters))
+
+    @cached_property
+    def exact_values(self) -> Mapping[str, Any]:
+        """Value in SI of every parameter; a Fraction unless a root or pi was involved."""
+        return MappingProxyType(resolve(self._definition.parameters)[0])
+
+    @property
+    def axes(self) -> Mapping[str, tuple[str, ...]]:
+        """Axes of configurations and the alternatives on each."""
+        return MappingProxyType({axis: tuple(names) for axis, names in self._definition.axes.items()})
+
+    @property
+    def configurations(self) -> tuple[str, ...]:
+        """Names of the configurations; with several axes every combination, as ``gear=V,clutch=open``."""
+        axes = self._definition.axes
+        return tuple(label(choice, axes) for choice in combinations(axes) if choice)
+
+    @property
+    def configuration(self) -> str:
+        """The configuration chosen with :meth:`configured`, or an empty string."""
+        return label(self._choice, self._definition.axes) if self._choice else ""
+
+    @property
+    def title(self) -> str:
+        """Name and configuration."""
+        return f"{self.name} ({self.configuration})" if self._choice else self.name
+
+    def configured(self, name: str = "", /, **overrides: Any) -> Drivetrain:
+        """A copy in a named configuration and with other parameter values.
+
+        Parameters
+        ----------
+        name : str
+            ``"V"``, or ``"gear=V,clutch=open"`` where there are several axes. Axes not named keep their state.
+        **overrides
+            Parameter values: SI numbers, quantities or expressions. A derived parameter given here loses its expression,
+            and everything derived from it follows the new value.
+
+        Raises
+        ------
+        UsageError
+            No such configuration or parameter.
+        ModelError
+            A value that is impossible.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> tn.load("amt_rig").configured("V", c_O=360).parameters["c_O"]
+        360.0
+        """
+        definition, choice = self._definition, dict(self._choice)
+        if name:
+            for axis, alternative in parse_choice(name, definition.axes).items():
+                definition = definition.overlaid(definition.axes[axis][alternative])
+                choice[axis] = alternative
+        if overrides:
+            definition = definition.overlaid(_read_overrides(overrides, definition))
+        faults = check_variant(definition)
+        _refuse(faults, label(choice, definition.axes) or self.name)
+        return self.from_definition(definition, choice, faults)
+
+    def switched(self, *, on: Iterable[str] = (), off: Iterable[str] = ()) -> Drivetrain:
+        """A copy with elements switched on or off by name."""
+        overlay, _ = read_overlay({"on": list(on), "off": list(off)}, ())
+        for element in (*overlay.on, *overlay.off):
+            if element not in self._definition.elements:
+                msg = f'no element is named "{element}"{did_you_mean(element, self._definition.elements)}'
+                raise UsageError(msg)
+        definition = self._definition.overlaid(overlay)
+        faults = check_variant(definition)
+        _refuse(faults, self.name)
+        return self.from_definition(definition, self._choice, faults)
+
+    def check(self) -> tuple[Fault, ...]:
+        """Warnings and notes about the model (errors have already been refused)."""
+        return self._findings
+
+    def ratio_between(self, first: str, second: str) -> float:
+        """Total ratio: mean speed of node ``first`` over that of node ``second``.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> tn.load("amt_rig").configured("V").ratio_between("motor", "hub")
+        3.26
+        """
+        return total_ratio(self._definition, self.exact_values, first, second)
+
+    @cached_property
+    def mean_speeds(self) -> Mapping[str, float]:
+        """Mean speed in rad/s of every node the operating point determines."""
+        return MappingProxyType(mean_speeds(self._definition, self.exact_values))
+
+    @cached_property
+    def mean_torques(self) -> Mapping[str, float]:
+        """Mean external torque in N m by node, as given in the operating point."""
+        return MappingProxyType(mean_torques(self._definition, self.exact_values))
+
+    def graph(self) -> nx.MultiGraph[str]:
+        """The drivetrain as a networkx graph: nodes, and an edge for each pair of ports an element connects.
+
+        Node ``ground`` is there if an element is attached to it. Elements with one port are in the node attribute
+        ``elements``; edges carry ``element`` and ``kind``.
+        """
+        from torsionnet.graph import build_graph
+
+        return build_graph(self)
+
+    def frequency_response(
+        self,
+        output: Channels,
+        input: Channels,  # noqa: A002
+        frequencies: ArrayLike,
+        *,
+        excitation: str | Sequence[str] | None = None,
+    ) -> FrequencyResponse:
+        """Transfer functions between sensors, inputs and nodes at the given frequencies.
+
+        Parameters
+        ----------
+        output : str, Sensor or sequence of these
+            Names of sensors or nodes (the angle there), or ``torque(element, port)``, ``twist(element)``,
+            ``velocity(node)``, ``acceleration(node)``, ``angle(node)``.
+        input : str, Sensor or sequence of these
+            Names of inputs or nodes (a torque there): response to an excitation. Names of sensors: a *measured*
+            input, Y_out Y_in^-1 under the excitation, equations (8)-(13) and (20) of Galvagno et al. (2015).
+        frequencies : (n_f,) array
+            Hz, >= 0. At 0 the finite limit, or inf with a warning.
+        excitation : str or sequence of str, optional
+            What drives the drivetrain when the input is measured; default: the model's only input.
+
+        Returns
+        -------
+        FrequencyResponse
+            ``values`` of shape (n_f, n_out, n_in).
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> H = tn.load("dmf_rig").frequency_response("theta_1", "T_T", [8.116])
+        >>> round(float(abs(H.values[0, 0, 0])) * 57.29578, 4)
+        0.2519
+        """
+        from torsionnet.solve.transfer import frequency_response
+
+        return frequency_response(self, output, input, frequencies, excitation=excitation)
+
+    def modes(self, *, measured_input: str | Sensor | None = None, excitation: str | None = None) -> Modes:
+        """Complex modes: natural frequencies, damping ratios, shapes at all nodes and energy shares.
+
+        Parameters
+        ----------
+        measured_input : str or Sensor, optional
+            The poles of transfer functions against this measured input instead: those of the drivetrain cut there.
+        excitation : str, optional
+            Which input drives the drivetrain then; default: the model's only input.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> tn.load("dmf_rig").modes().natural_frequencies.round(5).tolist()
+        [7.10526, 80.98336]
+        """
+        from torsionnet.solve.modes import modes
+
+        return modes(self, measured_input=measured_input, excitation=excitation)
+
+    def symbolic(self, *, referred_to: Sequence[str] = ()) -> SymbolicSystem:
+        """M, C, K in the model's own symbols; ``referred_to`` chooses the nodes kept as coordinates."""
+        from torsionnet.assembly.symbolic import symbolic_system
+
+        return symbolic_system(self, referred_to)
+
+    def to_control(self) -> control.StateSpace:
+        """State space with the model's inputs and sensors as named signals, for python-control."""
+        from torsionnet.solve.state_space import to_control
+
+        return to_control(self)
+
+    def to_yaml(self, path: str | Path | None = None) -> str:
+        """The model as text of a model file, also written to ``path`` if given."""
+        from torsionnet.files import dump
+
+        return dump(self._definition, path)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Drivetrain):
+            return NotImplemented
+        return self._definition.to_data() == other._definition.to_data()
+
+    def __hash__(self) -> int:
+        return hash((self.name, tuple(self._definition.elements)))
+
+    def __repr__(self) -> str:
+        counts = f"{len(self.elements)} elements, {len(self.nodes)} nodes, {len(self._definition.parameters)} parameters"
+        chosen = f", {self.configuration}" if self._choice else ""
+        return f"<Drivetrain {self.name!r}: {counts}{chosen}>"
+
+
+def _refuse(faults: Iterable[Fault], title: str) -> None:
+    errors = [fault for fault in faults if fault.severity == "error"]
+    if errors and has_errors(errors):
+        raise ModelError(errors, title if isinstance(title, str) and title else "the model")
+
+
+def _read_overrides(overrides: Mapping[str, Any], definition: Definition) -> Overlay:
+    values = {}
+    for name, raw in overrides.items():
+        if name not in definition.parameters:
+            msg = f'no parameter is named "{name}"{did_you_mean(name, definition.parameters)}'
+            raise UsageError(msg)
+        try:
+            values[name] = read_value(raw)
+        except FieldError as error:
+            raise ModelError([Fault(error.message, ("parameters", name))]) from None
+    return replace(Overlay(), parameters=values)

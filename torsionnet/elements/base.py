@@ -1,0 +1,141 @@
+"""The base of all element types, and the register of them.
+
+A new element type is one class in this package: a frozen dataclass whose fields carry specifications
+(:mod:`torsionnet.elements.fields`) and a ``parts`` method that yields laws and constraints. Registering it makes it
+known to model files, the JSON Schema, the checks and the documentation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import Field, dataclass, fields
+from typing import Any, ClassVar, TypeVar
+
+from torsionnet.damping import DampingMeasure
+from torsionnet.elements.fields import FieldError, Flag, NodeName, NodePair, Spec, Text, entry, node_name_fault, spec_of
+from torsionnet.elements.laws import Constraint, Law, Part, Row, Values
+from torsionnet.errors import Fault, ModelError, Path
+
+ELEMENT_TYPES: dict[str, type[Element]] = {}
+
+E = TypeVar("E", bound="Element")
+
+
+def register(cls: type[E]) -> type[E]:
+    """Make an element type known under its ``kind``."""
+    ELEMENT_TYPES[cls.kind] = cls
+    return cls
+
+
+@dataclass(frozen=True)
+class Element:
+    """One part of a drivetrain.
+
+    Attributes
+    ----------
+    name : str
+        Unique in its drivetrain.
+    description : str
+        Free text for tables and reports.
+    enabled : bool
+        A disabled element takes no part until a configuration switches it on.
+    """
+
+    kind: ClassVar[str] = ""
+    """The word for the type in a model file."""
+    glyph: ClassVar[str] = ""
+    """How the schematic draws it: disc, spring, damper, coupling, gear, planetary, differential, clamp or shaft."""
+    sign: ClassVar[str] = "positive when it drives from the first node into the element"
+    """What a positive torque through the element means; at any other port: positive when it drives out of the element."""
+
+    name: str
+    description: str = entry(Text("free text for tables and reports"), "", kw_only=True)
+    enabled: bool = entry(Flag("whether the element takes part before a configuration says otherwise"), True, kw_only=True)
+
+    def __post_init__(self) -> None:
+        faults = [*self._coerce_fields()]
+        faults = faults or [Fault(message, ("elements", self.name, *path)) for path, message in self.contradictions()]
+        if faults:
+            raise ModelError(faults, f"element {self.name!r}")
+
+    def _coerce_fields(self) -> list[Fault]:
+        reason = node_name_fault(self.name) if isinstance(self.name, str) else f"{self.name!r} is no name"
+        faults = [Fault(reason, ("elements", str(self.name)))] if reason else []
+        for declared in self.declared():
+            raw = getattr(self, declared.name)
+            if raw is None and declared.default is None:
+                continue
+            try:
+                object.__setattr__(self, declared.name, spec_of(declared).coerce(raw))
+            except FieldError as error:
+                faults.append(Fault(error.message, ("elements", self.name, declared.name, *error.path)))
+        return faults
+
+    @classmethod
+    def declared(cls) -> tuple[Field[Any], ...]:
+        """The fields with a specification, in the order of the class; the common ones last."""
+        own = [declared for declared in fields(cls) if "spec" in declared.metadata]
+        return tuple(sorted(own, key=lambda declared: declared.kw_only))
+
+    def contradictions(self) -> list[tuple[Path, str]]:
+        """(path, message) of fields that are fine alone but not together."""
+        return []
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        """Laws and constraints, with coefficients in the algebra of ``value``."""
+        raise NotImplementedError
+
+    def twist(self, value: Values) -> Row:
+        """The row whose motion is called the twist of the element."""
+        return self.parts(value)[0].row
+
+    def holds(self, value: Values) -> tuple[Row, ...]:
+        """Rows that stay at zero on average: the element passes a mean speed on through them."""
+        parts = self.parts(value)
+        return tuple(part.row for part in parts if isinstance(part, Constraint) or part.is_elastic)
+
+    @property
+    def ports(self) -> dict[str, str]:
+        """Port name to node, the port that defines the sign of the torque first."""
+        ports: dict[str, str] = {}
+        for declared in self.declared():
+            spec, nodes = spec_of(declared), getattr(self, declared.name)
+            if isinstance(spec, NodePair):
+                ports |= {"first": nodes[0], "second": nodes[1]}
+            elif isinstance(spec, NodeName) and nodes is not None:
+                ports[declared.name] = nodes
+        return ports
+
+    @property
+    def internal_nodes(self) -> tuple[str, ...]:
+        """Nodes the element brings along by itself."""
+        return ()
+
+    def scalars(self) -> dict[str, tuple[Spec, Any]]:
+        """Field name to (specification, value) of everything that was given."""
+        given = {declared.name: (spec_of(declared), getattr(self, declared.name)) for declared in self.declared()}
+        return {name: pair for name, pair in given.items() if pair[1] is not None}
+
+    def to_data(self) -> dict[str, Any]:
+        """The entry of a model file that makes this element."""
+        data: dict[str, Any] = {"type": self.kind}
+        for declared in self.declared():
+            current = getattr(self, declared.name)
+            if current is not None and current != declared.default:
+                data[declared.name] = spec_of(declared).plain(current)
+        return data
+
+
+def make_element(kind: str, name: str, data: Mapping[str, Any]) -> Element:
+    """Element of a registered type from the entries of a model file."""
+    return ELEMENT_TYPES[kind](name, **data)
+
+
+def viscous(damping: Any, stiffness: Any, value: Values) -> Any:
+    """Viscous coefficient of a damping field: given directly, or by a damping measure of the stiffness."""
+    if isinstance(damping, DampingMeasure):
+        return damping.viscous(stiffness, value.parameters, value.algebra)
+    return 0 if damping is None else value(damping)
+
+
+__all__ = ["ELEMENT_TYPES", "Constraint", "Element", "Law", "Part", "Row", "Values", "make_element", "register", "viscous"]

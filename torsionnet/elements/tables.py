@@ -1,0 +1,45 @@
+"""A measured dynamic stiffness over frequency: rows of frequency, stiffness and damping, interpolated linearly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class StiffnessTable:
+    """Dynamic stiffness kappa(omega) = k(f) + j omega c(f) from a table.
+
+    Attributes
+    ----------
+    frequencies : tuple of float
+        Hz, strictly increasing, at least one.
+    stiffness : tuple of float
+        k(f), the real part, N m/rad.
+    damping : tuple of float
+        c(f), the imaginary part divided by omega, N m s/rad.
+
+    Between the rows k and c are interpolated linearly, outside they keep the value of the nearest row.
+    """
+
+    frequencies: tuple[float, ...]
+    stiffness: tuple[float, ...]
+    damping: tuple[float, ...]
+
+    def kappa(self, omega: NDArray[np.float64]) -> NDArray[np.complex128]:
+        """Complex stiffness in N m/rad at omega >= 0 in rad/s."""
+        import numpy as np
+
+        frequency = np.asarray(omega, dtype=float) / (2 * np.pi)
+        k = np.interp(frequency, self.frequencies, self.stiffness)
+        c = np.interp(frequency, self.frequencies, self.damping)
+        return np.asarray(k + 1j * np.asarray(omega) * c)
+
+    @property
+    def is_passive(self) -> bool:
+        """Whether the table can only take energy out of a vibration (c >= 0 at every row)."""
+        return min(self.damping) >= 0

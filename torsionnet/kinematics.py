@@ -1,0 +1,186 @@
+"""From elements to coordinates: all parts of a definition, and the constraints solved for theta = T q."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from torsionnet.definition import Definition, all_nodes
+from torsionnet.elements import Constraint, Law, Part, Row, Values
+from torsionnet.elimination import Reduction, exact, reduce_rows, smallest_culprits, substitute
+from torsionnet.errors import UsageError
+
+
+@dataclass(frozen=True)
+class OwnedPart:
+    """A law or constraint together with the name of its element."""
+
+    element: str
+    part: Part
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """Parts and solved constraints of one configuration.
+
+    Attributes
+    ----------
+    nodes : tuple of str
+        All nodes in the order of their first mention.
+    parts : tuple of OwnedPart
+        In the order of the elements.
+    imposed : tuple of str
+        Names of the inputs that impose an angle; each appears in rows as the pseudo node ``input:NAME``.
+    reduction : Reduction
+        Every dependent node over coordinates and imposed angles; an empty row is a node held at zero.
+    coordinates : tuple of str
+        The nodes kept as coordinates q.
+    """
+
+    nodes: tuple[str, ...]
+    parts: tuple[OwnedPart, ...]
+    imposed: tuple[str, ...]
+    reduction: Reduction
+    coordinates: tuple[str, ...]
+
+    def reduced(self, row: Row) -> Row:
+        """A row over nodes as a row over coordinates and imposed angles."""
+        return substitute(row, self.reduction.solved)
+
+    @property
+    def laws(self) -> tuple[tuple[str, Law], ...]:
+        return tuple((owned.element, owned.part) for owned in self.parts if isinstance(owned.part, Law))
+
+    @property
+    def constraints(self) -> tuple[tuple[str, Row], ...]:
+        return constraints_of(self.parts)
+
+
+def pseudo_node(input_name: str) -> str:
+    """The unknown that stands for an imposed angle; no node can have this name."""
+    return f"input:{input_name}"
+
+
+def owned_parts(definition: Definition, value: Values) -> tuple[OwnedPart, ...]:
+    """Laws and constraints of all elements that are switched on."""
+    return tuple(OwnedPart(element.name, part) for element in definition.active for part in element.parts(value))
+
+
+def constraints_of(parts: Sequence[OwnedPart]) -> tuple[tuple[str, Row], ...]:
+    return tuple((owned.element, owned.part.row) for owned in parts if isinstance(owned.part, Constraint))
+
+
+def exact_row(row: Row) -> dict[str, Fraction]:
+    """The row on exact rational values, on which pivots and rank are decided."""
+    return {node: exact(coefficient) for node, coefficient in row.items()}
+
+
+def imposed_rows(definition: Definition) -> dict[str, Row]:
+    """Row node - imposed angle = 0 of every input that imposes an angle."""
+    return {
+        name: {channel.of: Fraction(1), pseudo_node(name): Fraction(-1)}
+        for name, channel in definition.inputs.items()
+        if channel.quantity == "angle"
+    }
+
+
+def solve_kinematics(definition: Definition, value: Values, referred_to: Collection[str] = ()) -> Kinematics:
+    """Solve all constraints exactly; ``referred_to`` names nodes to be kept as coordinates.
+
+    Raises
+    ------
+    UsageError
+        ``referred_to`` names an unknown node, or nodes the constraints tie to each other or to ground.
+    """
+    nodes = all_nodes(definition.active)
+    _require_nodes(referred_to, nodes)
+    parts = owned_parts(definition, value)
+    imposed = imposed_rows(definition)
+    owners = [*imposed, *(name for name, _ in constraints_of(parts))]
+    rows: list[Any] = [*imposed.values(), *(exact_row(row) for _, row in constraints_of(parts))]
+    order = {node: index for index, node in enumerate(nodes)}
+    keep = {*referred_to, *(pseudo_node(name) for name in imposed)}
+    reduction = reduce_rows(rows, order, keep)
+    tied = [index for index, row in enumerate(rows) if index in reduction.blocked and _names_kept(row, reduction, referred_to)]
+    if tied and referred_to:
+        msg = f"{', '.join(referred_to)} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground"
+        raise UsageError(msg)
+    coordinates = tuple(node for node in nodes if node not in reduction.solved)
+    return Kinematics(nodes, parts, tuple(imposed), reduction, coordinates)
+
+
+def _names_kept(row: Row, reduction: Reduction, referred_to: Collection[str]) -> bool:
+    return any(node in referred_to for node in substitute(row, reduction.solved))
+
+
+def _require_nodes(wanted: Collection[str], nodes: Collection[str]) -> None:
+    from torsionnet.errors import did_you_mean
+
+    for node in wanted:
+        if node not in nodes:
+            msg = f'no node is named "{node}"{did_you_mean(node, nodes)}'
+            raise UsageError(msg)
+
+
+def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list[str]:
+    """Elements whose rigid ratios contradict each other, so that a node is held at zero without a clamp; or nothing.
+
+    Constraints on a single node are clamps and left out. Where the ratios of a rigid loop do not agree, the only motion
+    left to its nodes is none.
+    """
+    loose = [(name, row) for name, row in constraints_of(parts) if len(row) > 1]
+    rows = [exact_row(row) for _, row in loose]
+    order = {node: index for index, node in enumerate(nodes)}
+    reduction = reduce_rows(rows, order)
+    held = [node for node, row in reduction.solved.items() if not row]
+    if not held:
+        return []
+
+    def contradicts(some: Sequence[Any]) -> bool:
+        return any(not row for row in reduce_rows(some, order).solved.values())
+
+    suspects = min((reduction.origins[node] for node in held), key=len)
+    return list(dict.fromkeys(loose[index][0] for index in smallest_culprits(rows, suspects, contradicts)))
+
+
+def virtual_motion(kinematics: Kinematics, index: int) -> dict[str, Fraction]:
+    """Motion z that violates constraint number ``index`` by one and no other: its torque is the work of all else on z.
+
+    Raises
+    ------
+    UsageError
+        The torque is statically indeterminate; the message names the rigid loop.
+    """
+    constraints = kinematics.constraints
+    rows: list[Any] = [exact_row(row) for _, row in constraints]
+    rows[index] = {**rows[index], _UNIT: Fraction(-1)}
+    rows = [row for number, row in enumerate(rows) if number != index] + [rows[index]]
+    names = [name for number, (name, _) in enumerate(constraints) if number != index] + [constraints[index][0]]
+    imposed = [{node: Fraction(1)} for row in _imposed_nodes(kinematics) for node in row]
+    order = {node: number for number, node in enumerate(kinematics.nodes)}
+    reduction = reduce_rows([*imposed, *rows], order, {_UNIT})
+    for blocked, origin in reduction.blocked.items():
+        loop = sorted({number - len(imposed) for number in (*origin, blocked) if number >= len(imposed)})
+        loop_names = list(dict.fromkeys(names[number] for number in loop))
+        raise UsageError(_indeterminate(constraints[index][0], loop_names))
+    solved = reduction.solved
+    return {node: row[_UNIT] for node, row in solved.items() if _UNIT in row}
+
+
+_UNIT = "one"
+
+
+def _imposed_nodes(kinematics: Kinematics) -> list[list[str]]:
+    tied = kinematics.reduction.solved
+    return [[node for node, row in tied.items() if row == {pseudo_node(name): 1}][:1] for name in kinematics.imposed]
+
+
+def _indeterminate(element: str, loop: list[str]) -> str:
+    if len(loop) < 2:  # noqa: PLR2004
+        return f"torque through {element} is statically indeterminate; give it a stiffness"
+    return (
+        f"torque through {element} is statically indeterminate: {', '.join(loop)} form a rigid loop; "
+        "give one of them a stiffness"
+    )
