@@ -382,15 +382,12 @@ class _Reader:
             if reason:
                 raise self.fault(reason, start)
             if kind == "number":
-                self.number(start)
+                self.number(found, start)
             if found == ".":
                 raise self.fault('"." stands only in decimal numbers', start)
             operand = bool(kind) or found == ")" or (operand and found == " ")
 
-    def number(self, start: int) -> Number:
-        numeral = NUMERAL.match(self.source, start)
-        if numeral is None:
-            raise self.fault("expected a number", start)
+    def number(self, numeral: str, start: int) -> Number:
         try:
             return Number(units.parse_number(numeral))
         except UnitError as error:
@@ -410,7 +407,7 @@ class _Reader:
             limit = f"{_MAX_DEPTH} levels" if depth > _MAX_DEPTH else f"{_MAX_NODES} numbers, names and operators"
             raise self.fault(f"the expression has more than {limit}", node)
         if isinstance(node, ast.Constant):
-            return self.number(node.col_offset)
+            return self.number(self.source[node.col_offset : node.end_col_offset], node.col_offset)
         if isinstance(node, ast.Name) and node.id != "sqrt":
             return Pi() if node.id == "pi" else Name(node.id)
         if isinstance(node, ast.UnaryOp):
@@ -497,5 +494,5 @@ def _from_text(text: str) -> Expression:
         raise ExpressionError(f"{error}; if it is a parameter, write {numeral[0]}*{rest}") from None
 
 
-def _from_quantity(quantity: units.Quantity) -> Expression:
-    return Number(quantity.value, quantity.dimension, quantity.text)
+def _from_quantity(given: units.Quantity) -> Expression:
+    return Number(given.value, given.dimension, given.text)

@@ -258,8 +258,15 @@ def parse_unit(text: str) -> Unit:
 NUMERAL = re.compile(r"([+-]?)([0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE]([+-]?[0-9]+))?")
 
 
-def parse_number(numeral: re.Match[str]) -> Fraction:
-    """Give the exact value of a match of :data:`NUMERAL`; a huge exponent is refused, not calculated."""
+def parse_number(text: str) -> Fraction:
+    """Give the exact value of a decimal numeral; a huge exponent is refused, not calculated.
+
+    >>> parse_number("2.5e-3")
+    Fraction(1, 400)
+    """
+    numeral = NUMERAL.fullmatch(text)
+    if numeral is None:
+        raise UnitError(f'expected a number, got "{text}"')
     return Fraction(*_ratio(numeral))
 
 
