@@ -1,0 +1,141 @@
+"""Modes of a row system: complex eigenvalues with damping, natural frequencies without.
+
+    (s^2 M + s C + K) q = 0,    lambda = -zeta omega_0 +- j omega_0 sqrt(1 - zeta^2)
+
+>>> import numpy as np
+>>> rows = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, -1.0]])
+>>> two_mass = RowSystem(rows, np.array([2.0, 2.0, 0.0]), np.array([0.0, 0.0, 0.2]), np.array([0.0, 0.0, 100.0]))
+>>> modes = complex_modes(two_mass)
+>>> modes.kinds
+('rigid body', 'oscillatory')
+>>> print(np.round(modes.eigenvalues, 6))
+[ 0. +0.j     -0.1+9.9995j]
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.solve import frozen
+from torsionnet.solve.reduction import AnyArray, null_basis, orthogonal_complement, subspaces
+from torsionnet.solve.spectrum import physical, refined, solve
+
+RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
+
+
+@dataclass(frozen=True)
+class EigenSolution:
+    """Modes, rigid bodies first, then by |lambda| ascending.
+
+    Attributes
+    ----------
+    eigenvalues : (n_modes,) complex array
+        lambda in rad/s: one entry per conjugate pair (Im > 0), each real pole once, each rigid-body mode once (0).
+    vectors : (n_q, n_modes) complex array
+        Displacement shapes in q; the largest component of each is 1 (real positive).
+    kinds : tuple of str
+        "rigid body", "real pole" or "oscillatory".
+    converged : (n_modes,) boolean array
+        False where the frequency of a frequency-dependent law and of its mode could not be made to agree.
+    iterations : (n_modes,) integer array
+        Eigenvalue problems solved for the mode.
+    errors : (n_modes,) array
+        Estimated relative error of each eigenvalue with respect to the exact one of the given coefficients;
+        0 for rigid-body modes, which are exact.
+    """
+
+    eigenvalues: ComplexArray
+    vectors: ComplexArray
+    kinds: tuple[str, ...]
+    converged: NDArray[np.bool_]
+    iterations: NDArray[np.int_]
+    errors: FloatArray
+
+
+def complex_modes(system: RowSystem) -> EigenSolution:
+    """All modes with damping; an undamped system gets purely imaginary eigenvalues.
+
+    Real parts are never positive: the damping matrix is positive semidefinite, so a positive one is rounding.
+    With frequency-dependent laws each mode uses their stiffness at its own frequency |Im lambda|; real poles
+    use the real part at rest.
+
+    Raises
+    ------
+    SolveError
+        Where coordinates have neither inertia nor spring nor damper.
+    """
+    stiff = frozen.stiff_laws(system)
+    spaces = subspaces(system, stiff, system.damping > 0)
+    if system.dynamic:
+        omega, shapes = undamped_modes(system)
+        starts = [(float(omega[i]), shapes[:, i].astype(complex)) for i in np.flatnonzero(omega)]
+        found = frozen.modes(system, spaces, starts)
+    else:
+        undamped = not np.any(system.damping > 0)
+        spectrum = refined(solve(system, spaces, system.stiffness, undamped=undamped))
+        kept, real = physical(spectrum)
+        found = frozen.Found.all_converged(spectrum, kept, real)
+    return _sorted_solution(spaces.rigid, found)
+
+
+def _sorted_solution(rigid: FloatArray, found: frozen.Found) -> EigenSolution:
+    order = np.argsort(np.abs(found.values), kind="stable")
+    n_rigid, real = rigid.shape[1], found.real[order]
+    values = np.where(real, found.values[order].real, found.values[order])
+    values = np.minimum(values.real, 0.0) + 1j * values.imag
+    shapes = scaled(found.shapes[:, order])
+    shapes[:, real] = shapes[:, real].real
+    return EigenSolution(
+        eigenvalues=np.concatenate([np.zeros(n_rigid), values]).astype(complex),
+        vectors=np.hstack([scaled(rigid), shapes]).astype(complex),
+        kinds=(RIGID,) * n_rigid + tuple(REAL if is_real else OSCILLATORY for is_real in real),
+        converged=np.concatenate([np.ones(n_rigid, dtype=bool), found.converged[order]]),
+        iterations=np.concatenate([np.zeros(n_rigid, dtype=int), found.iterations[order]]),
+        errors=np.concatenate([np.zeros(n_rigid), found.errors[order]]),
+    )
+
+
+def scaled(shapes: AnyArray) -> AnyArray:
+    """Scale each column so that its largest component is 1; of equally large ones the first."""
+    if not shapes.size:
+        return shapes
+    size = np.abs(shapes)
+    first = np.argmax(size >= size.max(axis=0) * (1 - 1e-9), axis=0)
+    return np.asarray(shapes / shapes[first, np.arange(shapes.shape[1])])
+
+
+def undamped_modes(system: RowSystem) -> tuple[FloatArray, FloatArray]:
+    """Natural frequencies and shapes of M and K alone.
+
+    Damping is ignored; a frequency-dependent law counts with the real part of its stiffness at the mode's own
+    frequency.
+
+    Returns
+    -------
+    omega : (n,) array
+        One natural frequency in rad/s for each dynamic degree of freedom (rank of M), ascending; 0.0 for rigid bodies.
+    shapes : (n_q, n) array
+        Real shapes; the largest component of each is 1.
+    """
+    stiff = frozen.stiff_laws(system)
+    basis = _held_coordinates(system, stiff)
+    system = RowSystem(system.rows @ basis, system.inertia, system.damping, system.stiffness, system.dynamic)
+    spaces = subspaces(system, stiff, np.zeros_like(stiff))
+    if system.dynamic:
+        found = frozen.modes(system, spaces, undamped=True)
+    else:
+        spectrum = refined(solve(system, spaces, system.stiffness, undamped=True))
+        found = frozen.Found.all_converged(spectrum, *physical(spectrum))
+    order = np.argsort(found.values.imag, kind="stable")
+    omega = np.concatenate([np.zeros(spaces.rigid.shape[1]), found.values.imag[order]])
+    return omega, np.asarray(scaled(basis @ np.hstack([spaces.rigid, found.shapes[:, order].real])))
+
+
+def _held_coordinates(system: RowSystem, stiff: NDArray[np.bool_]) -> FloatArray:
+    """Orthonormal basis of the coordinates that inertias or springs act on; the identity if that is all."""
+    floating = null_basis(system.rows[stiff | (system.inertia > 0)])
+    return np.asarray(orthogonal_complement(floating, system.n_coordinates), dtype=float)

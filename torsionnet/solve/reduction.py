@@ -1,0 +1,203 @@
+"""The first-order form of a row system: velocities and spring forces, without massless or undriven directions.
+
+With S = diag(sqrt(J)) B, G = diag(sqrt(c)) B and E = diag(sqrt(k)) B the equations of motion are
+
+    S^T S v' + G^T G v + E^T w = 0,    w' = E v,    v = q'
+
+K = E^T E is never formed, and a rigid-body motion (E v = 0) has one zero eigenvalue here instead of two.
+All dimensions come from ranks of the *unweighted* normalised rows, never from thresholds on stiffness or eigenvalues:
+
+    N_0 = null(spring, damper)    undamped rigid motion: deflated
+    N_2 = null(inertia, damper)   massless, held by springs: N_2^T E^T w = 0, static elimination
+    N_1 : rest of null(inertia)   massless, held by dampers: velocity follows from the forces
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import FloatArray, RowSystem
+from torsionnet.errors import SolveError
+
+AnyArray: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]
+
+RANK_TOLERANCE = 1e-11
+"""On normalised rows, which hold ratios of O(1..100): consistent loops of ratios meet to about 1e-15."""
+
+
+@dataclass(frozen=True)
+class Subspaces:
+    """Bases of coordinate directions told apart by what acts on them; columns are directions in q.
+
+    Attributes
+    ----------
+    rigid : (n_q, n_rigid) array
+        Motions that no spring resists.
+    moving : (n_q, n_x) array
+        X with X^T M X = I, M-orthogonal to the undamped rigid motions N_0.
+    damped, held : arrays
+        Massless directions N_1 and N_2.
+    springs : (n_k,) index array
+        The laws with stiffness.
+    spring_rank : int
+        Rank of the spring rows.
+    undamped_rigid : int
+        dim N_0.
+    """
+
+    rigid: FloatArray
+    moving: FloatArray
+    damped: FloatArray
+    held: FloatArray
+    springs: NDArray[np.intp]
+    spring_rank: int
+    undamped_rigid: int
+
+
+@dataclass(frozen=True)
+class FirstOrder:
+    """x' = A x with x = (scaled velocities, spring forces), and how to get back to q."""
+
+    matrix: AnyArray
+    coupling: AnyArray  # (n_u, n_x): the velocity-to-force block of the matrix
+    spaces: Subspaces
+    recover: AnyArray  # (n_q, n_x + n_u): v = recover @ x, up to the scale of a mode
+
+
+def null_basis(rows: FloatArray) -> FloatArray:
+    """Orthonormal basis of the null space of normalised rows, shape (n_q, nullity)."""
+    n_q = rows.shape[1]
+    rows = rows[np.any(rows != 0, axis=1)]
+    if not len(rows):
+        return np.eye(n_q)
+    unit = rows / np.linalg.norm(rows, axis=1)[:, None]
+    _, sigma, vt = np.linalg.svd(unit)
+    rank = int(np.count_nonzero(sigma > RANK_TOLERANCE * sigma[0]))
+    return np.asarray(vt[rank:].T)
+
+
+def _echelon(basis: FloatArray) -> FloatArray:
+    """Combine columns so that each has a coordinate of its own: separate trains get separate rigid modes."""
+    basis = basis.copy()
+    free = np.ones(len(basis), dtype=bool)
+    for column in range(basis.shape[1]):
+        row = int(np.argmax(np.abs(basis[:, column]) * free))
+        free[row] = False
+        basis[:, column] /= basis[row, column]
+        others = np.arange(basis.shape[1]) != column
+        basis[:, others] -= np.outer(basis[:, column], basis[row, others])
+    basis[np.abs(basis) < RANK_TOLERANCE * np.max(np.abs(basis), initial=0.0)] = 0.0
+    return basis
+
+
+def orthogonal_complement(columns: AnyArray, size: int) -> AnyArray:
+    """Orthonormal basis of the vectors z with columns^T z = 0 (bilinear); columns of full rank."""
+    if not columns.shape[1]:
+        return np.eye(size)
+    return np.asarray(np.linalg.qr(columns.conj(), mode="complete")[0][:, columns.shape[1] :])
+
+
+def _mass_basis(scaled_rows: FloatArray, rank: int) -> FloatArray:
+    """X with (S X)^T (S X) = I spanning a complement of null(S); exact scaling where M is diagonal."""
+    lengths = np.linalg.norm(scaled_rows, axis=0)
+    used = np.flatnonzero(lengths)
+    basis = np.zeros((scaled_rows.shape[1], rank))
+    unit = scaled_rows[:, used] / lengths[used]
+    if np.count_nonzero(unit) == len(unit) == len(used):
+        basis[used, np.arange(rank)] = 1.0 / lengths[used]
+        return basis
+    _, sigma, vt = np.linalg.svd(unit, full_matrices=False)
+    basis[used] = vt[:rank].T / sigma[:rank] / lengths[used, None]
+    return basis
+
+
+def subspaces(system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bool_]) -> Subspaces:
+    """Tell directions apart by the ranks of the rows.
+
+    Raises
+    ------
+    SolveError
+        Where some coordinates have neither inertia nor spring nor damper.
+    """
+    rows, heavy = system.rows, system.inertia > 0
+    free = null_basis(rows[heavy | stiff | damped]).shape[1]
+    if free:
+        raise SolveError(f"{free} coordinate(s) have neither inertia nor spring nor damper acting on them")
+    massless, held = null_basis(rows[heavy]), null_basis(rows[heavy | damped])
+    rigid = _echelon(null_basis(rows[stiff]))
+    undamped_rigid = null_basis(rows[stiff | damped])
+    scaled = np.sqrt(system.inertia[heavy])[:, None] * rows[heavy]
+    moving = _mass_basis(scaled, system.n_coordinates - massless.shape[1])
+    deflated = (scaled @ moving).T @ (scaled @ undamped_rigid)
+    if undamped_rigid.shape[1]:
+        moving = np.asarray(moving @ orthogonal_complement(deflated, moving.shape[1]), dtype=float)
+    within = orthogonal_complement(massless.T @ held, massless.shape[1])
+    return Subspaces(
+        rigid=rigid,
+        moving=moving,
+        damped=np.asarray(massless @ within, dtype=float),
+        held=held,
+        springs=np.flatnonzero(stiff),
+        spring_rank=system.n_coordinates - rigid.shape[1],
+        undamped_rigid=undamped_rigid.shape[1],
+    )
+
+
+def _spring_rows(system: RowSystem, spaces: Subspaces, stiffness: AnyArray) -> AnyArray:
+    return np.asarray(np.sqrt(stiffness[spaces.springs])[:, None] * system.rows[spaces.springs])
+
+
+def _force_basis(springs: AnyArray, held: AnyArray, rank: int) -> AnyArray:
+    """Y: spring forces in range(E) that balance on every massless held direction, Y^T E N_2 = 0."""
+    if len(springs) == rank:
+        return orthogonal_complement(held, rank)
+    inside = np.linalg.svd(springs, full_matrices=False)[0][:, :rank]
+    return np.asarray(inside @ orthogonal_complement(inside.T @ held, rank))
+
+
+def first_order(
+    system: RowSystem, spaces: Subspaces, stiffness: AnyArray, damping: FloatArray | None = None
+) -> FirstOrder:
+    """A of x' = A x with x = (velocities in the basis X, forces in the basis Y).
+
+    With G_1 = G N_1 = Q_1 R_1 and H = R_1^-T (E N_1)^T Y
+
+        A = [[-(P G X)^T (P G X), -(Y^T E X - H^T Q_1^T G X)^T],
+             [(Y^T Y)^-1 (Y^T E X - H^T Q_1^T G X), -(Y^T Y)^-1 H^T H]],    P = I - Q_1 Q_1^T
+
+    whose symmetric part is -(C^ + D^) <= 0 for real stiffness: no unstable pole.
+    """
+    damping = system.damping if damping is None else damping
+    E = _spring_rows(system, spaces, stiffness)
+    acting = damping > 0
+    G = np.sqrt(damping[acting])[:, None] * system.rows[acting]
+    E_x, E_1, E_2 = E @ spaces.moving, E @ spaces.damped, E @ spaces.held
+    Y = _force_basis(E, E_2, spaces.spring_rank)
+    Q_1, R_1 = np.linalg.qr(G @ spaces.damped)
+    G_x = G @ spaces.moving
+    slip = Q_1.T @ G_x
+    H = np.linalg.solve(R_1.T, E_1.T @ Y)
+    G_p = G_x - Q_1 @ slip
+    forces = Y.T @ E_x - H.T @ slip
+    gram_inverse = np.linalg.inv(Y.T @ Y) if np.iscomplexobj(Y) else np.eye(Y.shape[1])
+    coupling = gram_inverse @ forces if np.iscomplexobj(Y) else forces
+    lower = -gram_inverse @ (H.T @ H)
+    matrix = np.block([[-(G_p.T @ G_p), -forces.T], [coupling, lower]])
+    recover = _recover(spaces, E, E_2, -np.linalg.solve(R_1, np.hstack([slip, H])))
+    return FirstOrder(np.asarray(matrix), np.asarray(coupling), spaces, recover)
+
+
+def _recover(spaces: Subspaces, E: AnyArray, E_2: AnyArray, slip: AnyArray) -> AnyArray:
+    """Express v = X x + N_1 z_1 + N_2 z_2 with (E N_2)^T E v = 0."""
+    n_x = spaces.moving.shape[1]
+    moving = np.hstack([spaces.moving, np.zeros((len(spaces.moving), slip.shape[1] - n_x))])
+    known = moving + spaces.damped @ slip
+    if not E_2.shape[1]:
+        return np.asarray(known)
+    if np.isrealobj(E):
+        return np.asarray(known - spaces.held @ np.linalg.lstsq(E_2, E @ known, rcond=0.0)[0])
+    return np.asarray(known - spaces.held @ np.linalg.solve(E_2.T @ E_2, E_2.T @ (E @ known)))

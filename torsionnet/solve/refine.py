@@ -1,0 +1,242 @@
+"""Eigenvalues beyond double precision: simultaneous root finding on det D(z) in mpmath.
+
+Double precision leaves an absolute error of about 1e-16 ||A||; with stiffnesses from 1e2 to 1e10 the slow modes are
+noise. Here the Ehrlich-Aberth iteration (D. A. Bini, V. Noferini, "Solving polynomial eigenvalue problems by means of
+the Ehrlich-Aberth method", Linear Algebra Appl. 439 (2013), doi:10.1016/j.laa.2013.02.024)
+
+    z_j <- z_j - 1 / (p'(z_j)/p(z_j) - sum_{i != j} 1/(z_j - z_i)),    p(z) = det(A_0 + A_1 z + A_2 z^2)
+
+moves the uncertain roots only. Each approximation is repelled by all others, so two starting values
+cannot run into the same simple eigenvalue, and clusters keep their count.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+
+DIGITS = 80
+STEP = 1e-24
+"""Relative step of the numerical derivative; far over the working precision, far under every wanted accuracy."""
+CONVERGED = 1e-15
+MAX_ITERATIONS = 120
+
+Entry = tuple[int, int, tuple[Any, ...]]
+
+
+@dataclass(frozen=True)
+class Polynomial:
+    """sum_d rows^T diag(coefficients[d]) rows z^d, entry by entry in mpmath numbers; nonzero entries only.
+
+    The coordinates are renumbered in the order of elimination; `place[j]` is the new number of coordinate j.
+    `operations` counts the multiplications of one elimination without pivoting.
+    """
+
+    size: int
+    entries: tuple[Entry, ...]
+    place: tuple[int, ...]
+    operations: int
+
+    def at(self, z: Any) -> list[dict[int, Any]]:
+        """Rows of the matrix at z, as {column: value}."""
+        matrix: list[dict[int, Any]] = [{} for _ in range(self.size)]
+        for i, j, coefficients in self.entries:
+            value = coefficients[-1]
+            for coefficient in coefficients[-2::-1]:
+                value = value * z + coefficient
+            matrix[i][j] = value
+        return matrix
+
+    def slope(self, z: Any, vector: Sequence[Any]) -> list[Any]:
+        """P'(z) @ vector."""
+        result = [z * 0] * self.size
+        for i, j, coefficients in self.entries:
+            value = sum(d * c * z ** (d - 1) for d, c in enumerate(coefficients) if d)
+            result[i] = result[i] + value * vector[j]
+        return result
+
+
+def polynomial(rows: FloatArray, coefficients: Sequence[NDArray[np.generic]]) -> Polynomial:
+    """Assemble sum_d rows^T diag(coefficients[d]) rows z^d at `DIGITS` digits from exact doubles."""
+    import mpmath
+
+    sums: dict[tuple[int, int], list[Any]] = {}
+    with mpmath.workdps(DIGITS):
+        for law, row in enumerate(rows):
+            used = np.flatnonzero(row)
+            exact = [_exact(values[law]) for values in coefficients]
+            entries = {int(i): mpmath.mpf(float(row[i])) for i in used}
+            for i, a in entries.items():
+                for j, b in entries.items():
+                    total = sums.setdefault((i, j), [mpmath.mpf(0)] * len(exact))
+                    for d, value in enumerate(exact):
+                        total[d] = total[d] + a * b * value
+    kept = {ij: tuple(total) for ij, total in sums.items() if any(total)}
+    place, operations = _least_fill(rows.shape[1], kept)
+    moved = tuple((place[i], place[j], total) for (i, j), total in kept.items())
+    return Polynomial(rows.shape[1], moved, place, operations)
+
+
+def _least_fill(size: int, pattern: Iterable[tuple[int, int]]) -> tuple[tuple[int, ...], int]:
+    """Number the coordinates by minimum degree; also the multiplications that this order costs."""
+    neighbours: dict[int, set[int]] = {i: set() for i in range(size)}
+    for i, j in pattern:
+        if i != j:
+            neighbours[i].add(j)
+    place, operations = [0] * size, 0
+    for number in range(size):
+        leaf = min(neighbours, key=lambda i: len(neighbours[i]))
+        around = neighbours.pop(leaf)
+        for i in around:
+            neighbours[i] |= around - {i}
+            neighbours[i].discard(leaf)
+        place[leaf] = number
+        operations += len(around) * (len(around) + 1)
+    return tuple(place), operations
+
+
+def _exact(value: Any) -> Any:
+    import mpmath
+
+    return mpmath.mpc(complex(value)) if complex(value).imag else mpmath.mpf(float(np.real(value)))
+
+
+def eliminate(matrix: list[dict[int, Any]], right: list[Any] | None = None) -> tuple[Any, list[Any]]:
+    """Determinant (and solution for a right-hand side) by sparse Gaussian elimination with partial pivoting."""
+    determinant: Any = 1
+    order: list[int] = []
+    active = list(range(len(matrix)))
+    for column in range(len(matrix)):
+        holders = [i for i in active if matrix[i].get(column)]
+        if not holders:
+            return determinant * 0, []
+        pivot = max(holders, key=lambda i: _size(matrix[i][column]))
+        determinant = determinant * matrix[pivot][column]
+        if active.index(pivot) % 2:
+            determinant = -determinant
+        active.remove(pivot)
+        order.append(pivot)
+        for i in holders:
+            if i != pivot:
+                _subtract(matrix, right, i, pivot, column)
+    return determinant, _substitute(matrix, right, order) if right is not None else []
+
+
+def _size(value: Any) -> Any:
+    return abs(value.real) + abs(value.imag)
+
+
+def _subtract(matrix: list[dict[int, Any]], right: list[Any] | None, i: int, pivot: int, column: int) -> None:
+    factor = matrix[i].pop(column) / matrix[pivot][column]
+    row = matrix[i]
+    for j, value in matrix[pivot].items():
+        if j != column:
+            row[j] = row.get(j, 0) - factor * value
+    if right is not None:
+        right[i] = right[i] - factor * right[pivot]
+
+
+def _substitute(matrix: list[dict[int, Any]], right: list[Any], order: list[int]) -> list[Any]:
+    solution: dict[int, Any] = {}
+    for column, i in reversed(list(enumerate(order))):
+        known = sum((value * solution[j] for j, value in matrix[i].items() if j != column), start=right[i] * 0)
+        solution[column] = (right[i] - known) / matrix[i][column]
+    return [solution[j] for j in range(len(matrix))]
+
+
+def _inverse_newton(p: Polynomial, z: Any) -> Any:
+    """p'(z)/p(z), or None exactly on a root."""
+    here, _ = eliminate(p.at(z))
+    if here == 0:
+        return None
+    step = z * STEP
+    there, _ = eliminate(p.at(z + step))
+    return (there / here - 1) / step
+
+
+def refine_roots(
+    p: Polynomial,
+    roots: NDArray[np.float64] | ComplexArray,
+    uncertain: NDArray[np.bool_],
+    zeros: int,
+    spread: FloatArray,
+) -> tuple[list[Any], bool]:
+    """Move the uncertain ones of all nonzero roots of det P until they stand still.
+
+    Parameters
+    ----------
+    p : Polynomial
+        P(z); det P has exactly the given roots and `zeros` zero roots.
+    roots : (n,) array
+        All nonzero finite roots with multiplicity, approximately.
+    uncertain : (n,) boolean array
+        Those to move.
+    zeros : int
+        Multiplicity of the root zero.
+    spread : (n,) array
+        Relative uncertainty of each root; coinciding uncertain starting values are set apart by it.
+
+    Returns
+    -------
+    list of mpmath numbers, bool
+        The roots, and whether all of them converged.
+    """
+    import mpmath
+
+    with mpmath.workdps(DIGITS):
+        z = [mpmath.mpmathify(complex(root)) for root in _set_apart(roots, uncertain, spread)]
+        if np.isrealobj(roots):
+            z = [value.real for value in z]
+        moving = [int(j) for j in np.flatnonzero(uncertain)]
+        for _ in range(MAX_ITERATIONS):
+            moving = [j for j in moving if not _move(p, z, j, zeros)]
+            if not moving:
+                break
+    return z, not moving
+
+
+def _move(p: Polynomial, z: list[Any], j: int, zeros: int) -> bool:
+    """Move root j by one Ehrlich-Aberth step; True when it stood still."""
+    newton = _inverse_newton(p, z[j])
+    if newton is None:
+        return True
+    repulsion = sum((1 / (z[j] - other) for i, other in enumerate(z) if i != j), start=zeros / z[j])
+    step = 1 / (newton - repulsion)
+    z[j] = z[j] - step
+    return bool(_size(step) <= CONVERGED * _size(z[j]))
+
+
+def _set_apart(
+    roots: NDArray[np.float64] | ComplexArray, uncertain: NDArray[np.bool_], spread: FloatArray
+) -> NDArray[np.generic]:
+    """Start values that are pairwise distinct and, in the complex case, not symmetric to the real axis."""
+    angles = 0.7 + np.arange(len(roots)) * 2.4
+    turn = np.cos(angles) if np.isrealobj(roots) else np.exp(1j * angles)
+    return np.where(uncertain, roots * (1 + turn * np.clip(spread, 1e-13, 1e-2)), roots)
+
+
+def refine_vector(p: Polynomial, z: Any, vector: ComplexArray) -> ComplexArray:
+    """One step of inverse iteration P(z (1 + tiny)) q' = P'(z) q, scaled to max |q'| = 1."""
+    import mpmath
+
+    with mpmath.workdps(DIGITS):
+        start = [mpmath.mpmathify(vector[j].item()) for j in np.argsort(p.place)]
+        _, solution = eliminate(p.at(z * (1 + STEP)), p.slope(z, start))
+        largest = max(solution, key=_size, default=None)
+        if not largest:
+            return vector
+        return np.array([complex(solution[j] / largest) for j in p.place])
+
+
+def to_complex(roots: Sequence[Any], *, square_root: bool) -> ComplexArray:
+    """Round to double precision: z, or j sqrt(z) for z = omega^2."""
+    import mpmath
+
+    with mpmath.workdps(DIGITS):
+        return np.array([1j * float(mpmath.sqrt(abs(z))) if square_root else complex(z) for z in roots], dtype=complex)

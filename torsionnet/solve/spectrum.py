@@ -1,0 +1,136 @@
+"""All nonzero eigenvalues and shapes of a row system with fixed coefficients, each with a bound on its error."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.solve.reduction import AnyArray, FirstOrder, Subspaces, first_order
+
+REFINE_ABOVE = 1e-10
+"""Eigenvalues whose estimated relative error is larger are refined in mpmath."""
+REAL_BELOW = 1e-13
+"""Refined eigenvalues with |Im| <= this |lambda| are real: inputs in double precision cannot tell."""
+MAX_OPERATIONS = 60_000
+"""Multiplications of one sparse elimination times roots to refine; about ten seconds of mpmath."""
+_EPS = float(np.finfo(float).eps)
+
+
+@dataclass(frozen=True)
+class Spectrum:
+    """Nonzero eigenvalues of one set of coefficients.
+
+    Attributes
+    ----------
+    values : (n,) complex array
+        Nonzero eigenvalues lambda in rad/s, conjugates included; of an undamped system only those with Im > 0.
+    shapes : (n_q, n) complex array
+        Displacement shapes in q, any scale.
+    errors : (n,) array
+        Estimated relative error of each eigenvalue.
+    undamped : bool
+        Purely imaginary by construction.
+    """
+
+    values: ComplexArray
+    shapes: ComplexArray
+    errors: FloatArray
+    undamped: bool
+    system: RowSystem
+    spaces: Subspaces
+    stiffness: AnyArray
+
+
+def solve(system: RowSystem, spaces: Subspaces, stiffness: AnyArray, *, undamped: bool) -> Spectrum:
+    """Solve in double precision: singular values of the coupling if undamped, else eigenvalues of the first-order form.
+
+    The error estimate of an eigenvalue is eps ||A|| / |lambda| times its condition number.
+    """
+    damping = np.zeros_like(system.damping) if undamped else system.damping
+    form = first_order(system, spaces, stiffness, damping)
+    values, states, condition = _singular(form) if undamped else _standard(form)
+    safety = 4.0 if not (spaces.damped.size or spaces.held.size) else 100.0
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        errors = safety * _EPS * np.linalg.norm(form.matrix) * condition / np.abs(values)
+    errors = np.where(np.isfinite(errors), errors, np.inf)
+    return Spectrum(values, form.recover @ states, errors, undamped, system, spaces, stiffness)
+
+
+def _singular(form: FirstOrder) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+    _, sigma, vt = np.linalg.svd(form.coupling)
+    forces = np.zeros((len(form.matrix) - len(sigma), len(sigma)))
+    return 1j * sigma, np.vstack([vt.T, forces]).astype(complex), np.ones(len(sigma))
+
+
+def _standard(form: FirstOrder) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+    values, states = np.linalg.eig(form.matrix)
+    try:
+        condition = np.linalg.norm(np.linalg.inv(states), axis=1)
+    except np.linalg.LinAlgError:  # exactly defective, as critical damping can be
+        condition = np.full(len(values), np.inf)
+    if np.isrealobj(form.matrix):  # conjugates stand side by side and are refined together
+        upper = np.flatnonzero(values.imag > 0)
+        condition[upper] = condition[upper + 1] = np.maximum(condition[upper], condition[upper + 1])
+    return values.astype(complex), states.astype(complex), condition
+
+
+def refined(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spectrum:
+    """Replace the wanted eigenvalues that are uncertain, as far as the limit on work allows, by mpmath's."""
+    chosen = spectrum.errors > REFINE_ABOVE
+    chosen = chosen if wanted is None else chosen & wanted
+    if not np.any(chosen):
+        return spectrum
+    from torsionnet.solve import refine
+
+    squared = spectrum.undamped
+    coefficients = _coefficients(spectrum)
+    p = refine.polynomial(spectrum.system.rows, coefficients)
+    chosen = _affordable(chosen, spectrum.errors, MAX_OPERATIONS // max(p.operations, 1))
+    zeros = spectrum.spaces.rigid.shape[1] + (0 if squared else spectrum.spaces.undamped_rigid)
+    starts: AnyArray = spectrum.values.imag**2 if squared else spectrum.values
+    roots, done = refine.refine_roots(p, starts, chosen, zeros, spectrum.errors)
+    values = np.where(chosen, refine.to_complex(roots, square_root=squared), spectrum.values)
+    errors = np.where(chosen, refine.CONVERGED, spectrum.errors)
+    if not (done and (wanted is not None or squared or _in_pairs(values, errors))):
+        return spectrum
+    shapes = spectrum.shapes.copy()
+    for j in np.flatnonzero(chosen):
+        shapes[:, j] = refine.refine_vector(p, roots[j], shapes[:, j])
+    return replace(spectrum, values=values, shapes=shapes, errors=errors)
+
+
+def _in_pairs(values: ComplexArray, errors: FloatArray) -> bool:
+    """Tell whether as many eigenvalues lie above the real axis as below."""
+    sides = np.sign(values.imag)[~_on_real_axis(values, errors)]
+    return bool(np.sum(sides) == 0)
+
+
+def _on_real_axis(values: ComplexArray, errors: FloatArray) -> NDArray[np.bool_]:
+    margin = np.where(errors <= REAL_BELOW, REAL_BELOW, 0.0)
+    return np.asarray(np.abs(values.imag) <= margin * np.abs(values))
+
+
+def _coefficients(spectrum: Spectrum) -> list[AnyArray]:
+    """Of z = lambda: (k, c, J); of z = omega^2: (k, -J)."""
+    system = spectrum.system
+    if spectrum.undamped:
+        return [spectrum.stiffness, -system.inertia]
+    return [spectrum.stiffness, system.damping, system.inertia]
+
+
+def _affordable(chosen: NDArray[np.bool_], errors: FloatArray, count: int) -> NDArray[np.bool_]:
+    """The most uncertain ones first; equal errors stay together, so that conjugates do."""
+    if np.count_nonzero(chosen) <= count:
+        return chosen
+    limit = np.sort(errors[chosen])[::-1][count] if count else np.inf
+    return np.asarray(chosen & (errors > limit))
+
+
+def physical(spectrum: Spectrum) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Indices of one eigenvalue per conjugate pair and of all real ones, and which of these are real."""
+    real = _on_real_axis(spectrum.values, spectrum.errors)
+    kept = np.flatnonzero(real | (spectrum.values.imag > 0))
+    return kept, np.asarray(real[kept])
