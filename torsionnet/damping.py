@@ -115,6 +115,12 @@ def _omega_over_stiffness(stiffness: float | None, frequency: float | None) -> f
     return 2 * math.pi * (frequency or 0.0) / (stiffness or 1.0)
 
 
+def _is_zero(value: Any) -> bool:
+    # sympy and numpy divide by zero without an exception; an array is left to its owner.
+    zero = value == 0
+    return getattr(zero, "ndim", 0) == 0 and bool(zero)
+
+
 @dataclass(frozen=True)
 class DampingMeasure:
     """What a spring's damping may be instead of c: a measure, its value, and the frequency in Hz where it holds.
@@ -144,10 +150,9 @@ class DampingMeasure:
         if self.measure == "c":
             raise DampingError("c has a loss factor only at a stiffness and a frequency; use convert_damping")
         value = self.value.evaluate(values, algebra)
-        try:
-            return MEASURES[self.measure].to_loss_factor(value, algebra, None)
-        except ZeroDivisionError:
-            raise DampingError(f'{self.measure} = "{self.value}" is 0') from None
+        if self.measure in ("Q", "magnifier") and _is_zero(value):
+            raise DampingError(f'{self.measure} = "{self.value}" is 0, the damping would be infinite')
+        return MEASURES[self.measure].to_loss_factor(value, algebra, None)
 
     def viscous(self, stiffness: Any, values: Mapping[str, Any], algebra: Algebra) -> Any:
         """Calculate c = eta*k/(2*pi*f) in any algebra; the value itself for the measure ``c``."""
@@ -156,7 +161,6 @@ class DampingMeasure:
         if self.at is None:
             raise DampingError(f"{self.measure} is a viscous damping only at a frequency; add for example at: 50 Hz")
         frequency = self.at.evaluate(values, algebra)
-        try:
-            return self.loss_factor(values, algebra) * stiffness / (2 * algebra.pi * frequency)
-        except ZeroDivisionError:
-            raise DampingError(f'the frequency "{self.at}" where {self.measure} holds is 0') from None
+        if _is_zero(frequency):
+            raise DampingError(f'the frequency "{self.at}" where {self.measure} holds is 0')
+        return self.loss_factor(values, algebra) * stiffness / (2 * algebra.pi * frequency)

@@ -397,7 +397,7 @@ class _Reader:
         try:
             return self.read(ast.parse(self.source, mode="eval").body, 0)
         except SyntaxError as error:
-            raise self.fault("this is no complete expression", max((error.offset or 1) - 1, 0)) from None
+            raise self.fault("this is no complete expression", (error.offset or len(self.source)) - 1) from None
         except (RecursionError, MemoryError):
             raise ExpressionError("the expression is too deeply nested") from None
 
@@ -477,7 +477,7 @@ def _from_object(value: Any) -> Expression:
     if hasattr(value, "magnitude") and hasattr(value, "units"):
         return _from_quantity(units.read_pint(value))
     got = str(value).lower() if isinstance(value, bool) else _short(repr(value))
-    raise ExpressionError(f"expected a number, a quantity or an expression, got {got}")
+    raise ExpressionError(f"expected a number, got {got}")
 
 
 def _from_text(text: str) -> Expression:

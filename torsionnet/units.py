@@ -24,7 +24,7 @@ from typing import Any
 from torsionnet.errors import TorsionnetError, did_you_mean
 
 Real = Fraction | float
-_MAX_LENGTH, _MAX_EXPONENT, _MAX_DECIMAL_EXPONENT, _MAX_DEPTH = 100, 6, 300, 10
+_MAX_LENGTH, _MAX_EXPONENT, _MAX_DECIMAL_EXPONENT, _MAX_DEPTH = 100, 6, 330, 10
 _SAFE_LENGTH = 40  # so few digits, and a unit so short, stay far inside the range of a float
 
 
@@ -274,7 +274,7 @@ def _ratio(numeral: re.Match[str]) -> tuple[int, int]:
     sign, mantissa, exponent = numeral.groups()
     if mantissa[0] == "0" and mantissa[1:2].isdigit():
         raise UnitError(f'"{numeral[0]}" begins with 0, which some programs read as octal; leave the 0 out')
-    if exponent and (len(exponent) > len("+0300") or abs(int(exponent)) > _MAX_DECIMAL_EXPONENT):
+    if exponent and (len(exponent) > len("+0330") or abs(int(exponent)) > _MAX_DECIMAL_EXPONENT):
         raise UnitError(f'"{numeral[0]}" is too large or too small a number')
     whole, _, decimals = mantissa.partition(".")
     power = int(exponent or 0) - len(decimals)
@@ -325,9 +325,10 @@ def _misread(written: str) -> str:
     comma = re.match(r"([+-]?[0-9]+),([0-9]+)(?![0-9,.])", written)
     if comma:
         return f'"{written}" has a decimal comma; write {comma[1]}.{comma[2]}'
-    grouped = re.match(r"[+-]?[0-9]{1,3}(?:[,.'’_\s][0-9]{3})+", written)
+    grouped = re.match(r"([+-]?[0-9]{1,3}(?:[,.'’_\s][0-9]{3})+)(?:[.,]([0-9]+))?", written)
     if grouped:
-        return f'"{written}" has thousands separators; write {re.sub("[^0-9+-]", "", grouped[0])}'
+        decimals = f".{grouped[2]}" if grouped[2] else ""
+        return f'"{written}" has thousands separators; write {re.sub("[^0-9+-]", "", grouped[1])}{decimals}'
     return f'expected a number and a unit, got "{written}"; digits stand together, with one decimal point'
 
 
