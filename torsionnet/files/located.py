@@ -1,0 +1,236 @@
+"""YAML text to plain data in which every entry knows its place.
+
+A composer of its own over PyYAML's events: it needs no constructor, reads scalars by the core rules of YAML 1.2
+(``no`` and ``3:1`` stay text), keeps the digits of numbers, refuses duplicate keys and tags, and bounds what a file may
+ask for.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple, TypeAlias
+
+import yaml
+
+from torsionnet.errors import Fault, ModelError, Path, Position
+from torsionnet.files.scalars import plain_value
+from torsionnet.files.syntax import explain
+
+MOST_CHARACTERS = 4_000_000
+MOST_NODES = 200_000
+MOST_LEVELS = 20
+LONGEST_EXCERPT = 400
+
+_BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
+_CONTROL = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
+_PARSER: Any = getattr(yaml, "CParser", None)
+
+
+class _PythonParser(yaml.reader.Reader, yaml.scanner.Scanner, yaml.parser.Parser):
+    """The event source where PyYAML comes without its C library."""
+
+    def __init__(self, text: str) -> None:
+        yaml.reader.Reader.__init__(self, text)
+        yaml.scanner.Scanner.__init__(self)
+        yaml.parser.Parser.__init__(self)
+
+
+class Span(NamedTuple):
+    """A stretch of text, counted from 0, the end exclusive."""
+
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+
+
+@dataclass(slots=True)
+class Node:
+    """A value with its place and that of its key; ``size`` counts the values in it, aliases followed."""
+
+    value: Any
+    span: Span
+    key: Span | None = None
+    entries: dict[str | int, Node] = field(default_factory=dict)
+    size: int = 1
+
+
+@dataclass
+class Document:
+    """The data of a file and where each entry stands.
+
+    ``dropped`` holds values that a duplicate key made unreadable: what they name is not in ``data``.
+    """
+
+    file: str
+    lines: list[str]
+    root: Node | None = None
+    faults: list[Fault] = field(default_factory=list)
+    dropped: list[tuple[Path, Any]] = field(default_factory=list)
+
+    @property
+    def data(self) -> Any:
+        return None if self.root is None else self.root.value
+
+    def position(self, path: Path = (), *, on_key: bool = False) -> Position:
+        """Where an entry stands, or the nearest entry above it that exists.
+
+        Of a value that fills several lines the key is shown.
+        """
+        node, found = self.root, 0
+        while node is not None and found < len(path) and path[found] in node.entries:
+            node, found = node.entries[path[found]], found + 1
+        if node is None:
+            return self.place(Span(0, 0, 0, 1))
+        show_key = on_key or found < len(path) or node.span.end_line > node.span.line
+        return self.place(node.key if show_key and node.key else node.span)
+
+    def place(self, span: Span) -> Position:
+        """The position of a span; of several lines the first."""
+        source = self.lines[span.line] if span.line < len(self.lines) else ""
+        end = span.end_column if span.end_line == span.line else len(source.rstrip())
+        shown = "" if len(source) > LONGEST_EXCERPT else "".join(char if char.isprintable() else " " for char in source)
+        return Position(self.file, span.line + 1, span.column + 1, max(end, span.column + 1) + 1, shown.rstrip())
+
+    def fault(self, message: str, span: Span, path: Path = ()) -> Fault:
+        return Fault(message, path, position=self.place(span))
+
+
+def compose(text: str, file: str, parser: Any = None) -> Document:
+    """The single document in ``text``; ModelError for a fault that makes the rest unreadable."""
+    document = Document(file, _BREAK.split(text[:MOST_CHARACTERS]))
+    if len(text) > MOST_CHARACTERS:
+        raise ModelError(
+            [document.fault(f"the file is too large: more than {MOST_CHARACTERS} characters", Span(0, 0, 0, 1))]
+        )
+    control = _CONTROL.search(text)
+    if control:
+        line = len(_BREAK.findall(text, 0, control.start()))
+        column = control.start() - max((end.end() for end in _BREAK.finditer(text, 0, control.start())), default=0)
+        what = f"a character that text cannot hold (U+{ord(control[0]):04X}); delete it"
+        raise ModelError([document.fault(what, Span(line, column, line, column + 1))])
+    try:
+        _Composer((parser or _PARSER or _PythonParser)(text), document).document()
+    except yaml.MarkedYAMLError as error:
+        message, mark = explain(error, document.lines)
+        raise ModelError([document.fault(message, Span(mark[0], mark[1], mark[0], mark[1] + 1))]) from None
+    return document
+
+
+Entry: TypeAlias = "tuple[str, Span]"
+
+
+class _Composer:
+    """One pass over the events; its recursion is as deep as the data, which is bounded."""
+
+    def __init__(self, events: Any, document: Document) -> None:
+        self.events = events
+        self.result = document
+        self.anchors: dict[str, Node] = {}
+        self.count = 0
+
+    def document(self) -> None:
+        self.events.get_event()
+        if isinstance(self.events.get_event(), yaml.StreamEndEvent):
+            return
+        self.result.root = self.node(self.events.get_event(), (), 0)
+        self.events.get_event()
+        more = self.events.get_event()
+        if not isinstance(more, yaml.StreamEndEvent):
+            raise self.refusal("a second document begins here (---); a file holds one model", _span(more))
+
+    def refusal(self, message: str, span: Span) -> ModelError:
+        return ModelError([*self.result.faults, self.result.fault(message, span)])
+
+    def node(self, event: Any, path: Path, depth: int) -> Node:
+        if depth > MOST_LEVELS:
+            raise self.refusal(f"entries are nested more than {MOST_LEVELS} levels deep", _span(event))
+        if isinstance(event, yaml.AliasEvent):
+            return self.grow(self.alias(event), event)
+        if event.tag is not None and not (event.tag == "!" and isinstance(event, yaml.ScalarEvent)):
+            raise self.refusal(
+                f'tags such as "{_tag(event.tag)}" have no meaning in a model file; delete it', _span(event)
+            )
+        if isinstance(event, yaml.ScalarEvent):
+            node = Node(plain_value(event.value) if event.implicit[0] else event.value, _span(event))
+        elif isinstance(event, yaml.SequenceStartEvent):
+            node = self.sequence(event, path, depth)
+        else:
+            node = self.mapping(event, path, depth)
+        if event.anchor:
+            self.anchors[event.anchor] = node
+        return self.grow(node, event)
+
+    def grow(self, node: Node, event: Any) -> Node:
+        """Count a finished value: an alias counts as all it stands for, anything else was counted within."""
+        self.count += node.size if isinstance(event, yaml.AliasEvent) else 1
+        if self.count > MOST_NODES:
+            raise self.refusal(f"the file holds more than {MOST_NODES} entries, aliases (*) followed", _span(event))
+        return node
+
+    def alias(self, event: Any) -> Node:
+        if event.anchor not in self.anchors:
+            raise self.refusal(
+                f'no anchor "&{event.anchor}" stands before this alias; text that begins with * needs quotes',
+                _span(event),
+            )
+        return replace(self.anchors[event.anchor], span=_span(event), key=None)
+
+    def sequence(self, event: Any, path: Path, depth: int) -> Node:
+        node = Node([], _span(event))
+        while not isinstance(inner := self.events.get_event(), yaml.SequenceEndEvent):
+            index = len(node.value)
+            entry = self.node(inner, (*path, index), depth + 1)
+            node.value.append(entry.value)
+            node.entries[index] = entry
+            node.size += entry.size
+        node.span = _between(event, inner)
+        return node
+
+    def mapping(self, event: Any, path: Path, depth: int) -> Node:
+        node = Node({}, _span(event))
+        while not isinstance(inner := self.events.get_event(), yaml.MappingEndEvent):
+            key, span = self.key(inner)
+            entry = self.node(self.events.get_event(), (*path, key), depth + 1)
+            node.size += entry.size
+            entry.key = span
+            if key in node.entries:
+                self.duplicate(node.entries[key], entry, (*path, key))
+            else:
+                node.value[key] = entry.value
+                node.entries[key] = entry
+        node.span = _between(event, inner)
+        return node
+
+    def key(self, event: Any) -> Entry:
+        span = _span(event)
+        if not isinstance(event, yaml.ScalarEvent):
+            raise self.refusal("a name is expected before the colon, not a list, mapping or alias", span)
+        if event.value == "<<" and event.implicit[0]:
+            raise self.refusal("merging with << is not supported; write the entries out", span)
+        if event.tag is not None:
+            raise self.refusal(f'tags such as "{_tag(event.tag)}" have no meaning in a model file; delete it', span)
+        return event.value, span
+
+    def duplicate(self, first: Node, second: Node, path: Path) -> None:
+        """Both places are named; the first entry counts, so that the others can still be checked against it."""
+        assert first.key is not None
+        assert second.key is not None
+        where = f"line {first.key.line + 1}, column {first.key.column + 1}"
+        text = f'"{path[-1]}" was already given at {where}; each name stands once'
+        self.result.faults.append(self.result.fault(text, second.key, path))
+        self.result.dropped.append((path, second.value))
+
+
+def _span(event: Any) -> Span:
+    start, end = event.start_mark, event.end_mark
+    return Span(start.line, start.column, end.line, end.column)
+
+
+def _between(first: Any, last: Any) -> Span:
+    return Span(first.start_mark.line, first.start_mark.column, last.end_mark.line, last.end_mark.column)
+
+
+def _tag(tag: str) -> str:
+    return tag.replace("tag:yaml.org,2002:", "!!")

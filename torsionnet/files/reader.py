@@ -1,0 +1,164 @@
+"""Model files to drivetrains; every fault gets its place in the file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable
+from dataclasses import replace
+from pathlib import Path
+
+from torsionnet.checks import has_errors
+from torsionnet.definition import Definition, read_definition
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.files.decoding import decode
+from torsionnet.files.followups import check_what_was_read
+from torsionnet.files.library import library_models
+from torsionnet.files.located import Document, compose
+
+SUFFIXES = (".yaml", ".yml", ".json")
+LONGEST_MESSAGE = 600
+
+
+def load(model: str | os.PathLike[str]) -> Drivetrain:
+    """The drivetrain of a model file, or of a library model given by name.
+
+    Parameters
+    ----------
+    model : str or path
+        A ``.yaml``, ``.yml`` or ``.json`` file, or a name out of :func:`library_models`.
+
+    Raises
+    ------
+    ModelError
+        With every fault of the file and its place.
+    UsageError
+        There is no such file or library model.
+
+    Examples
+    --------
+    >>> load("dmf_rig").nodes
+    ('motor', 'primary', 'secondary')
+    """
+    path = find_model(model)
+    return _drivetrain(*read_file(path), path.name)
+
+
+def loads(text: str, file: str = "<text>") -> Drivetrain:
+    """The drivetrain a model file with this text describes.
+
+    Examples
+    --------
+    >>> text = "{torsionnet: 1, name: wheel, elements: {disc: {type: inertia, node: a, inertia: 2}}}"
+    >>> loads(text).name
+    'wheel'
+    """
+    return _drivetrain(*read_text(text, file), file)
+
+
+def read_file(path: str | os.PathLike[str]) -> tuple[Definition | None, list[Fault]]:
+    """The definition in a file, None if it has errors, and all faults, warnings and notes in the order of the file."""
+    found = find_model(path)
+    try:
+        raw = found.read_bytes()
+    except OSError as error:
+        msg = f"{found} cannot be read: {error.strerror or error}"
+        raise UsageError(msg) from None
+    try:
+        text = decode(raw, str(found))
+    except ModelError as error:
+        return None, list(error.faults)
+    return read_text(text, str(found))
+
+
+def read_text(text: str, file: str) -> tuple[Definition | None, list[Fault]]:
+    """As :func:`read_file`, for text that is already at hand."""
+    try:
+        document = compose(text.removeprefix("\ufeff"), file)
+    except ModelError as error:
+        return None, _presentable(error.faults)
+    if not isinstance(document.data, dict):
+        return None, [_no_model(document)]
+    definition, faults = read_definition(document.data)
+    faults = check_what_was_read(definition, document, faults)
+    found = _presentable(
+        fault if fault.position else _located(fault, document) for fault in [*document.faults, *faults]
+    )
+    return (None if has_errors(found) else definition), found
+
+
+def _no_model(document: Document) -> Fault:
+    if document.data is None:
+        return Fault("the file is empty; a model begins with torsionnet: 1", position=document.position())
+    what = "a list" if isinstance(document.data, list) else "a single value"
+    text = f"this is {what}; a model is made of entries: torsionnet: 1, name: ..., elements: ..."
+    return Fault(text, position=document.position())
+
+
+def _located(fault: Fault, document: Document) -> Fault:
+    return fault.at(document.position(fault.path, on_key=fault.on_key))
+
+
+def _presentable(faults: Iterable[Fault]) -> list[Fault]:
+    """In the order of the file, each once, in one printable line."""
+    tidy = dict.fromkeys(replace(fault, message=_one_line(fault.message)) for fault in faults)
+    seen = {(fault.message, fault.severity, fault.position): fault for fault in tidy}
+    return sorted(
+        seen.values(), key=lambda fault: (fault.position.line, fault.position.column) if fault.position else (0, 0)
+    )
+
+
+def _one_line(message: str) -> str:
+    half = LONGEST_MESSAGE // 2
+    short = message if len(message) <= LONGEST_MESSAGE else f"{message[:half]} ... {message[-half:]}"
+    return "".join(char if char.isprintable() else repr(char)[1:-1] for char in short)
+
+
+def _drivetrain(definition: Definition | None, faults: list[Fault], title: str) -> Drivetrain:
+    if definition is None:
+        raise ModelError([fault for fault in faults if fault.severity == "error"], title)
+    return Drivetrain.from_definition(definition, {}, faults)
+
+
+def find_model(model: str | os.PathLike[str]) -> Path:
+    """The file meant by a path or by the name of a library model; UsageError says what there is instead."""
+    path = Path(model)
+    if "\0" in str(path):
+        msg = "a file name cannot hold the character U+0000"
+        raise UsageError(msg)
+    library = library_models()
+    if isinstance(model, str) and model in library:
+        return library[model]
+    if path.is_dir():
+        msg = f"{path} is a folder; name a model file in it{_files_in(path)}"
+        raise UsageError(msg)
+    if not path.exists():
+        raise UsageError(_missing(path, library))
+    if path.suffix.lower() not in SUFFIXES:
+        msg = f"{path} is no model file; its name would end in {', '.join(SUFFIXES)}"
+        raise UsageError(msg)
+    return path
+
+
+def _files_in(folder: Path) -> str:
+    try:
+        names = sorted(entry.name for entry in folder.iterdir() if entry.suffix.lower() in SUFFIXES)
+    except OSError:
+        return ""
+    return f": {', '.join(names[:6])}" if names else ""
+
+
+def _missing(path: Path, library: Iterable[str]) -> str:
+    names = sorted(library)
+    if path.suffix.lower() not in SUFFIXES and len(path.parts) <= 1:
+        hint = did_you_mean(path.name, [*names, *_beside(path)])
+        hint = hint or f"; there are {', '.join(names)}"
+        return f'no library model is named "{path}"{hint} (a file name ends in .yaml)'
+    return f"there is no file {path}{did_you_mean(path.name, _beside(path)) or did_you_mean(path.stem, names)}"
+
+
+def _beside(path: Path) -> list[str]:
+    try:
+        return [entry.name for entry in path.parent.iterdir() if entry.suffix.lower() in SUFFIXES]
+    except OSError:
+        return []

@@ -1,0 +1,74 @@
+"""Faults of YAML syntax in the words of someone who edits a model file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import yaml
+
+_MEANINGS = (
+    (
+        "mapping values are not allowed",
+        'a ":" is not expected here; check the indentation, and put text that holds ": " in quotes',
+    ),
+    (r"expected ',' or '}'", 'a "," between two entries or the closing "}" is missing{since}'),
+    (r"expected ',' or '\]'", 'a "," between two values or the closing "]" is missing{since}'),
+    ("unexpected end of stream", "a quote is opened here and never closed"),
+    ("unexpected document separator", "a quote is opened here and never closed"),
+    ("could not find expected ':'", 'a ":" is missing after this name'),
+    ("expected (key|<block end>|'-' indicator)", "this does not fit the indentation of the lines above"),
+    ("expected <?document start", "this stands outside of the model; check the indentation of the lines above"),
+    (
+        "(unknown escape|escape sequence|hexdecimal)",
+        'a backslash in double quotes begins an escape; use single quotes or write "\\\\"',
+    ),
+    ("(undefined tag handle|tag|directive)", 'words that begin with "!" or "%" need quotes'),
+    ("(anchor|alias)", 'text that begins with "&" or "*" needs quotes'),
+    (
+        "block (sequence|mapping) entries are not allowed|block sequence entries",
+        'a list item ("- ") is not expected here',
+    ),
+    ("node content", "a value is missing or is not closed here"),
+    ("indentation", "this does not fit the indentation of the lines above"),
+)
+
+
+def explain(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> tuple[str, tuple[int, int]]:
+    """What is wrong, and the line and column (from 0) where."""
+    problem = error.problem or "this is no YAML"
+    mark = _mark(error.problem_mark or error.context_mark, lines)
+    character = lines[mark[0]][mark[1] : mark[1] + 1] if mark[0] < len(lines) else ""
+    if "cannot start any token" in problem:
+        return _no_start(character), mark
+    since = ""
+    if error.context_mark is not None:
+        opened = _mark(error.context_mark, lines)
+        since = f"; it began at line {opened[0] + 1}, column {opened[1] + 1}"
+        if "end of stream" in problem or "document separator" in problem:
+            mark = opened
+    for pattern, meaning in _MEANINGS:
+        if re.search(pattern, problem):
+            return meaning.replace("{since}", since), mark
+    return f"this cannot be read as YAML: {problem}", mark
+
+
+def _no_start(character: str) -> str:
+    if character == "\t":
+        return "a tab stands here; YAML is indented with spaces"
+    return f'a value cannot begin with "{character}"; put it in quotes'
+
+
+def _mark(mark: yaml.Mark | None, lines: Sequence[str]) -> tuple[int, int]:
+    """The place of a mark; the end of the file is the end of the last line that holds something."""
+    if mark is None:
+        return 0, 0
+    line, column = mark.line, mark.column
+    if line < len(lines) and (lines[line][column:].strip() or column):
+        return line, column
+    line = min(line, len(lines) - 1)
+    while line > 0 and not lines[line].strip():
+        line -= 1
+    if line == mark.line:
+        return line, column
+    return line, max(len(lines[line].rstrip()) - 1, 0)
