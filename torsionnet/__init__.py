@@ -1,1 +1,97 @@
-"""placeholder"""
+"""Lumped-parameter torsional models of drivetrains.
+
+Describe a drivetrain as elements between nodes, in a model file or in Python; get natural frequencies, damping ratios,
+mode shapes and transfer functions between any two sensors, also against a measured input.
+
+>>> import torsionnet as tn
+>>> rig = tn.load("dmf_rig")
+>>> rig.modes().natural_frequencies.round(3).tolist()
+[7.105, 80.983]
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "Conventions": "response",
+    "Damper": "elements",
+    "Differential": "elements",
+    "Drivetrain": "drivetrain",
+    "Element": "elements",
+    "Fault": "errors",
+    "FrequencyResponse": "response",
+    "Gear": "elements",
+    "HystereticSpring": "elements",
+    "Inertia": "elements",
+    "Input": "channels",
+    "Lock": "elements",
+    "MissingExtraError": "errors",
+    "ModelError": "errors",
+    "Modes": "response",
+    "OperatingPoint": "operating_point",
+    "Parameter": "parameters",
+    "Planetary": "elements",
+    "RigidCoupling": "elements",
+    "Sensor": "channels",
+    "Shaft": "elements",
+    "SolveError": "errors",
+    "Spring": "elements",
+    "TabulatedSpring": "elements",
+    "TorsionnetError": "errors",
+    "TorsionnetWarning": "errors",
+    "UsageError": "errors",
+    "convert_damping": "damping",
+    "library_models": "files",
+    "load": "files",
+    "loads": "files",
+}
+
+__all__ = ["__version__", *_HOMES]  # noqa: PLE0604
+
+if TYPE_CHECKING:
+    from torsionnet.channels import Input, Sensor
+    from torsionnet.damping import convert_damping
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.elements import (
+        Damper,
+        Differential,
+        Element,
+        Gear,
+        HystereticSpring,
+        Inertia,
+        Lock,
+        Planetary,
+        RigidCoupling,
+        Shaft,
+        Spring,
+        TabulatedSpring,
+    )
+    from torsionnet.errors import (
+        Fault,
+        MissingExtraError,
+        ModelError,
+        SolveError,
+        TorsionnetError,
+        TorsionnetWarning,
+        UsageError,
+    )
+    from torsionnet.files import library_models, load, loads
+    from torsionnet.operating_point import OperatingPoint
+    from torsionnet.parameters import Parameter
+    from torsionnet.response import Conventions, FrequencyResponse, Modes
+
+
+def __getattr__(name: str) -> object:
+    """Import a public name where it is first used: starting up stays quick."""
+    if name not in _HOMES:
+        msg = f"module {__name__!r} has no attribute {name!r}"
+        raise AttributeError(msg)
+    return getattr(importlib.import_module(f"torsionnet.{_HOMES[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from torsionnet.assembly.symbolic import SymbolicSystem
+    from torsionnet.assembly.system import Assembly
     from torsionnet.response import FrequencyResponse, Modes
 
 Channels = "str | Sensor | Sequence[str | Sensor]"
@@ -159,6 +160,13 @@ class Drivetrain:
     def exact_values(self) -> Mapping[str, Any]:
         """Value in SI of every parameter; a Fraction unless a root or pi was involved."""
         return MappingProxyType(resolve(self._definition.parameters)[0])
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """The drivetrain in numbers: coordinates, rows and coefficients."""
+        from torsionnet.assembly.system import assemble
+
+        return assemble(self._definition, self.exact_values)
 
     @property
     def axes(self) -> Mapping[str, tuple[str, ...]]:

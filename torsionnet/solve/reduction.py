@@ -71,13 +71,41 @@ class FirstOrder:
 def null_basis(rows: FloatArray) -> FloatArray:
     """Orthonormal basis of the null space of normalised rows, shape (n_q, nullity)."""
     n_q = rows.shape[1]
-    rows = rows[np.any(rows != 0, axis=1)]
-    if not len(rows):
-        return np.eye(n_q)
-    unit = rows / np.linalg.norm(rows, axis=1)[:, None]
-    _, sigma, vt = np.linalg.svd(unit)
-    rank = int(np.count_nonzero(sigma > RANK_TOLERANCE * sigma[0]))
-    return np.asarray(vt[rank:].T)
+    free = _not_pinned(rows)
+    rest = rows[:, free]
+    rest = rest[np.any(rest != 0, axis=1)]
+    inside = np.eye(len(free))
+    if len(rest):
+        unit = rest / np.linalg.norm(rest, axis=1)[:, None]
+        _, sigma, vt = np.linalg.svd(unit)
+        rank = int(np.count_nonzero(sigma > RANK_TOLERANCE * sigma[0]))
+        inside = np.asarray(vt[rank:].T)
+    basis = np.zeros((n_q, inside.shape[1]))
+    basis[free] = inside
+    return basis
+
+
+def _not_pinned(rows: FloatArray) -> list[int]:
+    """List the coordinates that rows with a single entry do not fix, one after the other, at zero.
+
+    This is exact, so that a locked train keeps its full rank whatever its ratios multiply to.
+    """
+    open_rows = [set(np.flatnonzero(row).tolist()) for row in rows]
+    touching: list[list[set[int]]] = [[] for _ in range(rows.shape[1])]
+    for row in open_rows:
+        for column in row:
+            touching[column].append(row)
+    pinned: set[int] = set()
+    single = [row for row in open_rows if len(row) == 1]
+    while single:
+        for column in single.pop().copy():
+            pinned.add(column)
+            for row in touching[column]:
+                row.discard(column)
+                if len(row) == 1:
+                    single.append(row)
+            touching[column] = []
+    return [column for column in range(rows.shape[1]) if column not in pinned]
 
 
 def _echelon(basis: FloatArray) -> FloatArray:

@@ -114,6 +114,9 @@ def eliminate(matrix: list[dict[int, Any]], right: list[Any] | None = None) -> t
     active = list(range(len(matrix)))
     for column in range(len(matrix)):
         holders = [i for i in active if matrix[i].get(column)]
+        for i in active:
+            if i not in holders:
+                matrix[i].pop(column, None)  # a stored zero
         if not holders:
             return determinant * 0, []
         pivot = max(holders, key=lambda i: _size(matrix[i][column]))
@@ -227,7 +230,7 @@ def refine_vector(p: Polynomial, z: Any, vector: ComplexArray) -> ComplexArray:
 
     with mpmath.workdps(DIGITS):
         start = [mpmath.mpmathify(vector[j].item()) for j in np.argsort(p.place)]
-        _, solution = eliminate(p.at(z * (1 + STEP)), p.slope(z, start))
+        _, solution = eliminate(p.at(z + z * STEP), p.slope(z, start))
         largest = max(solution, key=_size, default=None)
         if not largest:
             return vector

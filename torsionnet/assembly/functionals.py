@@ -1,0 +1,143 @@
+"""What sensors read, as linear functionals of motion and applied torque.
+
+Every reading is a sum of terms coefficient(s) * gamma, gamma = a^T theta, plus a direct share of applied torques. The
+torque through a rigid connection is its multiplier: with a virtual motion z that violates that constraint alone by one,
+lambda = z^T (B u - D(s) theta), so that it reads like any other sensor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.system import Assembly
+from torsionnet.channels import SENSOR_QUANTITIES, UNITS, Sensor
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.elements import GROUND, Element, Values
+from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.kinematics import virtual_motion
+
+
+@dataclass(frozen=True)
+class Term:
+    """factor * s^power * (row theta), or with ``law`` factor * kappa_law(s) * (row theta)."""
+
+    row: FloatArray
+    imposed: FloatArray
+    factor: float
+    power: int = 0
+    law: int | None = None
+
+
+@dataclass(frozen=True)
+class Functional:
+    """A reading: terms of motion, and ``direct``: node -> share of a torque applied there."""
+
+    name: str
+    unit: str
+    terms: tuple[Term, ...]
+    direct: Mapping[str, float] = field(default_factory=dict)
+
+    def coefficients(self, kappa: ComplexArray, s: ComplexArray) -> ComplexArray:
+        """Coefficient of every term, shape (n_f, n_terms); ``kappa`` as of Assembly.law_stiffness."""
+        columns = [term.factor * (s**term.power if term.law is None else kappa[:, term.law]) for term in self.terms]
+        return np.stack(columns, axis=1) if columns else np.zeros((len(s), 0), dtype=complex)
+
+
+def functional(drivetrain: Drivetrain, sensor: Sensor, name: str = "") -> Functional:
+    """The functional of a sensor.
+
+    Raises
+    ------
+    UsageError
+        The node, element or port does not exist or is switched off, or the torque is statically indeterminate.
+    """
+    assembly = drivetrain.assembly
+    label, unit = name or str(sensor), UNITS.get(sensor.quantity, "")
+    if sensor.quantity in ("angle", "velocity", "acceleration"):
+        _require(sensor.of, drivetrain.nodes, "node")
+        power = ("angle", "velocity", "acceleration").index(sensor.quantity)
+        return Functional(label, unit, (_motion(assembly, {sensor.of: 1}, 1.0, power),))
+    if sensor.quantity not in SENSOR_QUANTITIES:
+        msg = f'"{sensor.quantity}" is no quantity of a sensor; choose {", ".join(SENSOR_QUANTITIES)}'
+        raise UsageError(msg)
+    _require(sensor.of, drivetrain.elements, "element", drivetrain.definition.elements)
+    element = drivetrain.elements[sensor.of]
+    if sensor.quantity == "twist":
+        row = element.twist(Values(drivetrain.exact_values))
+        return Functional(label, unit, (_motion(assembly, row, 1.0, 0),))
+    return _torque(assembly, element, sensor.at, label)
+
+
+def _require(name: str, known: Any, what: str, switched_off: Any = ()) -> None:
+    if name in known:
+        return
+    if name in switched_off:
+        msg = f'{what} "{name}" is switched off in this configuration'
+        raise UsageError(msg)
+    msg = f'no {what} is named "{name}"{did_you_mean(name, known)}'
+    raise UsageError(msg)
+
+
+def _motion(assembly: Assembly, row: Mapping[str, Any], factor: float, power: int) -> Term:
+    return Term(*assembly.rows_of(row), factor=factor, power=power)
+
+
+def port_of(element: Element, at: str | None) -> tuple[str, int]:
+    """(node, sign) of a port given by its own name or its node: +1 into the element at the first port, else -1.
+
+    A connection without inertia hands on to ground what it takes at its other end, so that end is returned instead.
+    """
+    ports = list(element.ports.items())
+    index = 0 if at is None else next((i for i, names in enumerate(ports) if at in names), None)
+    if index is None:
+        attached = ", ".join(node for _, node in ports)
+        hint = did_you_mean(str(at), element.ports.values())
+        msg = f'{element.name} is not attached to "{at}"{hint}; it is attached to {attached}'
+        raise UsageError(msg)
+    if ports[index][1] == GROUND:
+        index = _other_end(element, index)
+    return ports[index][1], 1 if index == 0 else -1
+
+
+def _other_end(element: Element, index: int) -> int:
+    if element.glyph in ("spring", "damper", "coupling") and len(element.ports) == 2:  # noqa: PLR2004
+        return 1 - index
+    msg = f"attach {element.name} to a node with a lock instead of ground to read the torque it hands over there"
+    raise UsageError(msg)
+
+
+def _torque(assembly: Assembly, element: Element, at: str | None, label: str) -> Functional:
+    node, sign = port_of(element, at)
+    terms: list[Term] = []
+    direct: dict[str, float] = {}
+    laws = [(owner, law) for owner, law in assembly.kinematics.laws if law.acts]
+    for index, (owner, law) in enumerate(laws):
+        if owner == element.name and node in law.row:
+            terms.append(_law_term(assembly, index, sign * float(law.row[node])))
+    for index, (owner, row) in enumerate(assembly.kinematics.constraints):
+        if owner == element.name and node in row:
+            more, shares = _multiplier(assembly, index, sign * float(row[node]))
+            terms += more
+            direct = {name: direct.get(name, 0.0) + shares.get(name, 0.0) for name in {*direct, *shares}}
+    return Functional(label, UNITS["torque"], tuple(terms), direct)
+
+
+def _law_term(assembly: Assembly, index: int, factor: float) -> Term:
+    return Term(assembly.system.rows[index], assembly.imposed_rows[index], factor, law=index)
+
+
+def _multiplier(assembly: Assembly, index: int, factor: float) -> tuple[list[Term], dict[str, float]]:
+    """lambda = z^T (B u - D theta) times ``factor``."""
+    motion = virtual_motion(assembly.kinematics, index)
+    terms = []
+    laws = [law for _, law in assembly.kinematics.laws if law.acts]
+    for number, law in enumerate(laws):
+        work = sum((coefficient * motion[node] for node, coefficient in law.row.items() if node in motion), start=0)
+        if work:
+            terms.append(_law_term(assembly, number, -factor * float(work)))
+    return terms, {node: factor * float(value) for node, value in motion.items()}

@@ -1,0 +1,121 @@
+"""Numbers from a drivetrain: theta = T q + S x, and the rows with their coefficients."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from torsionnet.assembly.rows import ComplexArray, DynamicStiffness, FloatArray, RowSystem
+from torsionnet.definition import Definition
+from torsionnet.elements import Law, Values
+from torsionnet.kinematics import Kinematics, pseudo_node, solve_kinematics
+
+
+@dataclass(frozen=True)
+class Assembly:
+    """One configuration in numbers.
+
+    Attributes
+    ----------
+    kinematics : Kinematics
+    system : RowSystem
+        The laws over the coordinates q.
+    T : (n_nodes, n_q) array
+        Angles of all nodes from the coordinates.
+    S : (n_nodes, n_x) array
+        Angles of all nodes from the imposed angles.
+    imposed_rows : (n_laws, n_x) array
+        The part of gamma that follows imposed angles.
+    owners : tuple of str
+        Element of each law.
+    """
+
+    kinematics: Kinematics
+    system: RowSystem
+    T: FloatArray
+    S: FloatArray
+    imposed_rows: FloatArray
+    owners: tuple[str, ...]
+
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        return self.kinematics.nodes
+
+    @cached_property
+    def node_index(self) -> dict[str, int]:
+        return {node: index for index, node in enumerate(self.nodes)}
+
+    def rows_of(self, row: Mapping[str, Any]) -> tuple[FloatArray, FloatArray]:
+        """A row over nodes as arrays over coordinates (n_q,) and imposed angles (n_x,)."""
+        coordinates, imposed = _columns(self.kinematics)
+        reduced = self.kinematics.reduced(row)
+        return _dense([reduced], coordinates)[0], _dense([reduced], imposed)[0]
+
+    def law_stiffness(self, omega: FloatArray, s: ComplexArray) -> ComplexArray:
+        """kappa_i(s) = J s^2 + c s + k + dynamic(omega) of every law, shape (n_f, n_laws), N m/rad."""
+        system = self.system
+        kappa = system.stiffness + s[:, None] * (system.damping + s[:, None] * system.inertia)
+        for index, law in system.dynamic:
+            kappa[:, index] += law(omega)
+        return np.asarray(kappa)
+
+
+def assemble(definition: Definition, values: Mapping[str, Any], referred_to: tuple[str, ...] = ()) -> Assembly:
+    """Assemble a configuration from its exact parameter values."""
+    kinematics = solve_kinematics(definition, Values(values), referred_to)
+    coordinates, imposed = _columns(kinematics)
+    nodes = [kinematics.reduced({node: 1}) for node in kinematics.nodes]
+    laws = [(owner, law) for owner, law in kinematics.laws if law.acts]
+    rows = [kinematics.reduced(law.row) for _, law in laws]
+    system = RowSystem(
+        rows=_dense(rows, coordinates),
+        inertia=np.array([float(law.inertia) for _, law in laws]),
+        damping=np.array([float(law.damping) for _, law in laws]),
+        stiffness=np.array([0.0 if law.loss_factor else float(law.stiffness) for _, law in laws]),
+        dynamic=tuple(_dynamic(index, law) for index, (_, law) in enumerate(laws) if law.table or law.loss_factor),
+    )
+    return Assembly(
+        kinematics,
+        system,
+        T=_dense(nodes, coordinates),
+        S=_dense(nodes, imposed),
+        imposed_rows=_dense(rows, imposed),
+        owners=tuple(owner for owner, _ in laws),
+    )
+
+
+def _columns(kinematics: Kinematics) -> tuple[dict[str, int], dict[str, int]]:
+    coordinates = {name: index for index, name in enumerate(kinematics.coordinates)}
+    return coordinates, {pseudo_node(name): index for index, name in enumerate(kinematics.imposed)}
+
+
+def _dense(rows: Iterable[Mapping[str, Any]], columns: Mapping[str, int]) -> FloatArray:
+    rows = list(rows)
+    matrix = np.zeros((len(rows), len(columns)))
+    for index, row in enumerate(rows):
+        for name, coefficient in row.items():
+            if name in columns:
+                matrix[index, columns[name]] = float(coefficient)
+    return matrix
+
+
+def _dynamic(index: int, law: Law) -> tuple[int, DynamicStiffness]:
+    if law.table is not None:
+        return index, law.table.kappa
+    stiffness = complex(float(law.stiffness), float(law.stiffness * law.loss_factor))
+    return index, lambda omega: np.full(np.shape(omega), stiffness)
+
+
+def smallest_rate(system: RowSystem) -> float:
+    """A circular frequency in rad/s safely below the slowest motion of the system, for limits at zero frequency."""
+    stiff = [*system.stiffness[system.stiffness > 0], *(abs(law(np.zeros(1))[0]) for _, law in system.dynamic)]
+    inertia = float(system.inertia.sum()) or 1.0
+    damping = float(system.damping.sum())
+    softest = min((float(value) for value in stiff if value > 0), default=1.0)
+    drag = min((float(value) for value in system.damping if value > 0), default=inertia) / inertia
+    return min(math.sqrt(softest / inertia), drag, softest / damping if damping else math.inf)

@@ -1,0 +1,224 @@
+"""Frequency response functions, calculated from a model or estimated from a test."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.response.conventions import SI, Conventions
+from torsionnet.response.table import Column, Table
+
+if TYPE_CHECKING:
+    import control
+
+FloatArray: TypeAlias = NDArray[np.float64]
+ComplexArray: TypeAlias = NDArray[np.complex128]
+
+SIGN_NOTE = "motion ~ exp(+j omega t): a lag is a negative phase; torque at a cut is positive when it drives"
+ORDERS = {"rad": 0, "rad/s": 1, "rad/s^2": 2}
+KINDS = {"rad": "receptance", "rad/s": "mobility", "rad/s^2": "accelerance"}
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One signal of a frequency response: its name and SI unit (rad, rad/s, rad/s^2 or N*m)."""
+
+    name: str
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class FrequencyResponse:
+    """Transfer functions from inputs to outputs over frequency.
+
+    Attributes
+    ----------
+    frequencies : (n_f,) array
+        Hz.
+    values : (n_f, n_out, n_in) complex array
+        SI units, rad for angles.
+    outputs, inputs : tuple of Channel
+    title : str
+        The model or test, with its configuration.
+    conditioning : (n_f,) array, optional
+        Of a measured input: its size against the sum of its terms; near 0 the response there cannot be trusted.
+    coherence : (n_f, n_out, n_in) array, optional
+        Of an estimate.
+    notes : tuple of str
+        Provenance and remarks.
+    """
+
+    frequencies: FloatArray
+    values: ComplexArray
+    outputs: tuple[Channel, ...]
+    inputs: tuple[Channel, ...]
+    title: str = ""
+    conditioning: FloatArray | None = None
+    coherence: FloatArray | None = None
+    notes: tuple[str, ...] = ()
+
+    @property
+    def magnitude(self) -> FloatArray:
+        """|H|, shape (n_f, n_out, n_in), SI."""
+        return np.abs(self.values)
+
+    @property
+    def phase(self) -> FloatArray:
+        """Phase in degrees, -180 to 180, shape (n_f, n_out, n_in); negative when the output lags."""
+        return np.degrees(np.angle(self.values))
+
+    def decibels(self, conventions: Conventions = SI) -> FloatArray:
+        """20 log10 of the magnitude in the unit shown over the dB reference."""
+        scale = np.array([[conventions.scale(self.unit(o, i)) ** self._power(o, i) for i in range(len(self.inputs))] for o in range(len(self.outputs))])
+        with np.errstate(divide="ignore"):
+            return np.asarray(20 * np.log10(self.magnitude * scale / conventions.db_reference))
+
+    def _power(self, output: int, input: int) -> int:  # noqa: A002
+        """+1 for an angle over something else, -1 for its inverse, 0 for a ratio of like signals."""
+        return int("rad" in self.outputs[output].unit) - int("rad" in self.inputs[input].unit)
+
+    def scale(self, conventions: Conventions, output: int = 0, input: int = 0) -> float:  # noqa: A002
+        """Factor from SI to the unit shown for one pair."""
+        return float(conventions.scale("rad") ** self._power(output, input))
+
+    def unit(self, output: int = 0, input: int = 0, conventions: Conventions = SI) -> str:  # noqa: A002
+        """Unit of one pair, such as ``rad/(N*m)``; ``1`` for a ratio of like signals."""
+        above, below = conventions.unit(self.outputs[output].unit), conventions.unit(self.inputs[input].unit)
+        if above == below:
+            return "1"
+        return f"{above}/({below})" if "*" in below or "/" in below else f"{above}/{below}"
+
+    def kind(self, output: int = 0, input: int = 0) -> str:  # noqa: A002
+        """The field's word for one pair: receptance, mobility, accelerance, dynamic stiffness, torque ratio, ..."""
+        above, below = self.outputs[output].unit, self.inputs[input].unit
+        if below == "N*m":
+            return KINDS.get(above, "torque ratio")
+        if above == "N*m":
+            return "dynamic stiffness" if below == "rad" else "transfer function"
+        return "motion ratio" if above == below else "transfer function"
+
+    def select(self, output: str | Sequence[str] | None = None, input: str | Sequence[str] | None = None) -> FrequencyResponse:  # noqa: A002
+        """The part with the named outputs and inputs."""
+        rows, columns = _indices(output, self.outputs, "output"), _indices(input, self.inputs, "input")
+        pick = np.ix_(range(len(self.frequencies)), rows, columns)
+        return replace(
+            self,
+            values=self.values[pick],
+            outputs=tuple(self.outputs[row] for row in rows),
+            inputs=tuple(self.inputs[column] for column in columns),
+            coherence=None if self.coherence is None else self.coherence[pick],
+        )
+
+    def receptance(self) -> FrequencyResponse:
+        """Angle per torque: every output of motion integrated or kept."""
+        return self._of_order("rad")
+
+    def mobility(self) -> FrequencyResponse:
+        """Angular velocity per torque, j omega times the receptance."""
+        return self._of_order("rad/s")
+
+    def accelerance(self) -> FrequencyResponse:
+        """Angular acceleration per torque, -omega^2 times the receptance."""
+        return self._of_order("rad/s^2")
+
+    def _of_order(self, unit: str) -> FrequencyResponse:
+        wrong = [channel.name for channel in self.outputs if channel.unit not in ORDERS]
+        if wrong:
+            msg = f"{', '.join(wrong)} is no angle, velocity or acceleration; select the outputs of motion first"
+            raise UsageError(msg)
+        s = 2j * np.pi * self.frequencies[:, None]
+        steps = np.array([ORDERS[unit] - ORDERS[channel.unit] for channel in self.outputs])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            values = self.values * (s**steps)[:, :, None]
+        return replace(self, values=values, outputs=tuple(Channel(channel.name, unit) for channel in self.outputs))
+
+    def dynamic_stiffness(self) -> FrequencyResponse:
+        """Torque per angle: the inverse of the receptance *matrix* at every frequency.
+
+        Raises
+        ------
+        UsageError
+            There are not as many outputs as inputs.
+        """
+        receptance = self.receptance()
+        if len(self.outputs) != len(self.inputs):
+            msg = f"dynamic stiffness is the inverse of a square receptance matrix; this one is {len(self.outputs)} x {len(self.inputs)}"
+            raise UsageError(msg)
+        if not np.isfinite(receptance.values).all():
+            msg = "the receptance is not finite at some frequency; leave that frequency out"
+            raise UsageError(msg)
+        values = np.linalg.inv(receptance.values)
+        return replace(receptance, values=values, outputs=receptance.inputs, inputs=receptance.outputs, coherence=None)
+
+    def response_amplitude(self, input_amplitudes: Any, conventions: Conventions = SI) -> FloatArray:
+        """Amplitude (n_f, n_out) of the response to harmonic inputs of the given *peak* amplitudes (n_in,) or (n_f, n_in).
+
+        In the angle unit and the kind of amplitude (peak, RMS, peak-to-peak) of ``conventions``.
+        """
+        amplitudes = np.broadcast_to(np.asarray(input_amplitudes), (len(self.frequencies), len(self.inputs)))
+        response = np.abs(np.einsum("foi,fi->fo", self.values, amplitudes))
+        scales = np.array([conventions.scale(channel.unit) for channel in self.outputs])
+        return np.asarray(response * scales * conventions.amplitude_scale)
+
+    def table(self, conventions: Conventions = SI) -> Table:
+        """Frequency, magnitude and phase of every pair, and coherence where there is one."""
+        columns = [Column("frequency", conventions.frequency)]
+        data: list[FloatArray] = [self.frequencies * conventions.frequency_scale]
+        for o, out in enumerate(self.outputs):
+            for i, into in enumerate(self.inputs):
+                label = f"{out.name}/{into.name}"
+                columns += [Column(f"|{label}|", self.unit(o, i, conventions)), Column(f"phase {label}", "deg")]
+                data += [self.magnitude[:, o, i] * self.scale(conventions, o, i), self.phase[:, o, i]]
+                if self.coherence is not None:
+                    columns.append(Column(f"coherence {label}", "1"))
+                    data.append(self.coherence[:, o, i])
+        rows = tuple(tuple(float(cell) for cell in row) for row in zip(*data, strict=True))
+        return Table(self.title, tuple(columns), rows, (*self.notes, SIGN_NOTE))
+
+    def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
+        """The table as CSV text, also written to ``path``."""
+        return self.table(conventions).to_csv(path)
+
+    def to_json(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
+        """The table as JSON text, also written to ``path``."""
+        return self.table(conventions).to_json(path)
+
+    def to_control(self) -> control.FrequencyResponseData:
+        """python-control's FrequencyResponseData with named signals, omega in rad/s."""
+        import control
+
+        return control.FrequencyResponseData(
+            np.moveaxis(self.values, 0, 2),
+            2 * np.pi * self.frequencies,
+            inputs=[channel.name for channel in self.inputs],
+            outputs=[channel.name for channel in self.outputs],
+        )
+
+    def __repr__(self) -> str:
+        outputs, inputs = (", ".join(channel.name for channel in side) for side in (self.outputs, self.inputs))
+        count = len(self.frequencies)
+        span = f"{self.frequencies.min():g} to {self.frequencies.max():g} Hz" if count else "no frequencies"
+        return f"<FrequencyResponse {outputs} / {inputs}: {count} frequencies, {span}>"
+
+    def _repr_html_(self) -> str:
+        table = self.table()
+        step = max(1, len(table.rows) // 20)
+        return replace(table, rows=table.rows[::step]).to_html()
+
+
+def _indices(names: str | Sequence[str] | None, channels: tuple[Channel, ...], what: str) -> list[int]:
+    known = [channel.name for channel in channels]
+    if names is None:
+        return list(range(len(known)))
+    wanted = [names] if isinstance(names, str) else list(names)
+    for name in wanted:
+        if name not in known:
+            msg = f'no {what} is named "{name}"{did_you_mean(name, known)}; there is {", ".join(known)}'
+            raise UsageError(msg)
+    return [known.index(name) for name in wanted]

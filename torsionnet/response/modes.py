@@ -1,0 +1,167 @@
+"""Complex modes of a drivetrain as a result: table, shapes, energies."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.response.conventions import SI, Conventions
+from torsionnet.response.table import Column, Table
+
+FloatArray: TypeAlias = NDArray[np.float64]
+ComplexArray: TypeAlias = NDArray[np.complex128]
+
+RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """Modes: one entry per conjugate pair, one per real pole, one per rigid-body mode; in the order of |lambda|.
+
+    Attributes
+    ----------
+    eigenvalues : (n_modes,) complex array
+        lambda in rad/s, Im >= 0.
+    kinds : tuple of str
+        ``"rigid body"``, ``"real pole"`` or ``"oscillatory"``.
+    nodes : tuple of str
+        Names to the rows of ``shapes``.
+    shapes : (n_nodes, n_modes) complex array
+        Angles, scaled to 1 at the node that moves most; nan at nodes that are not part of a cut system.
+    undamped_natural_frequencies : (n,) array
+        Hz, of M and K alone, ascending, rigid-body modes as 0.
+    elements : tuple of str
+        Names to the rows of the energy shares.
+    kinetic, strain, dissipated : (n_elements, n_modes) arrays
+        Share of each element in the kinetic energy, strain energy and dissipated power of a mode; sums are 1 where there is any.
+    converged : (n_modes,) bool array
+        False where the iteration for a frequency-dependent law did not settle.
+    descriptions : tuple of str
+        A sentence about each mode.
+    title : str
+    notes : tuple of str
+    """
+
+    eigenvalues: ComplexArray
+    kinds: tuple[str, ...]
+    nodes: tuple[str, ...]
+    shapes: ComplexArray
+    undamped_natural_frequencies: FloatArray
+    elements: tuple[str, ...]
+    kinetic: FloatArray
+    strain: FloatArray
+    dissipated: FloatArray
+    converged: NDArray[np.bool_]
+    descriptions: tuple[str, ...]
+    title: str = ""
+    notes: tuple[str, ...] = ()
+
+    @cached_property
+    def natural_frequencies(self) -> FloatArray:
+        """|lambda| / 2 pi in Hz; 0 for a rigid-body mode."""
+        return np.asarray(np.abs(self.eigenvalues) / (2 * np.pi))
+
+    @cached_property
+    def damped_frequencies(self) -> FloatArray:
+        """Im lambda / 2 pi in Hz, the frequency of a free vibration; 0 for real poles and rigid-body modes."""
+        return np.asarray(self.eigenvalues.imag / (2 * np.pi))
+
+    @cached_property
+    def damping_ratios(self) -> FloatArray:
+        """-Re lambda / |lambda|; 1 for a stable real pole, nan for a rigid-body mode, which has none."""
+        size = np.abs(self.eigenvalues)
+        ratios = np.full(len(size), np.nan)
+        np.divide(-self.eigenvalues.real, size, out=ratios, where=size > 0)
+        return ratios + 0.0
+
+    def __len__(self) -> int:
+        return len(self.eigenvalues)
+
+    def shape_at(self, node: str) -> ComplexArray:
+        """The row of ``shapes`` of a node."""
+        if node not in self.nodes:
+            msg = f'no node is named "{node}"{did_you_mean(node, self.nodes)}'
+            raise UsageError(msg)
+        return self.shapes[self.nodes.index(node)]
+
+    def energy_shares(self, mode: int) -> Mapping[str, tuple[float, float, float]]:
+        """(kinetic, strain, dissipated) share of every element in one mode."""
+        shares = np.stack([self.kinetic[:, mode], self.strain[:, mode], self.dissipated[:, mode]], axis=1)
+        return {name: (float(k), float(s), float(d)) for name, (k, s, d) in zip(self.elements, shares, strict=True)}
+
+    def table(self, conventions: Conventions = SI) -> Table:
+        """One row per mode: natural and damped frequency, damping ratio, eigenvalue, kind, description."""
+        columns = (
+            Column("mode"),
+            Column("natural frequency |lambda|/2pi", conventions.frequency),
+            Column("damped frequency Im lambda/2pi", conventions.frequency),
+            Column("damping ratio", "1"),
+            Column("Re lambda", "rad/s"),
+            Column("Im lambda", "rad/s"),
+            Column("kind"),
+            Column("description"),
+        )
+        scale = conventions.frequency_scale
+        rows = tuple(
+            (
+                index + 1,
+                float(self.natural_frequencies[index] * scale),
+                float(self.damped_frequencies[index] * scale),
+                float(self.damping_ratios[index]),
+                float(value.real),
+                float(value.imag),
+                self.kinds[index],
+                self.descriptions[index],
+            )
+            for index, value in enumerate(self.eigenvalues)
+        )
+        undamped = ", ".join(f"{value * scale:.6g}" for value in self.undamped_natural_frequencies)
+        notes = (f"undamped natural frequencies [{conventions.frequency}]: {undamped}", *self.notes)
+        return Table(self.title, columns, rows, notes)
+
+    def shape_table(self) -> Table:
+        """One row per node: magnitude and phase of every shape."""
+        columns = [Column("node")]
+        for index in range(len(self)):
+            columns += [Column(f"|shape {index + 1}|", "rad"), Column(f"phase {index + 1}", "deg")]
+        rows = []
+        for node, row in zip(self.nodes, self.shapes, strict=True):
+            cells: list[float] = []
+            for value in row:
+                cells += [float(abs(value)), float(np.degrees(np.angle(value)))]
+            rows.append((node, *cells))
+        return Table(f"{self.title}: mode shapes", tuple(columns), tuple(rows), ("scaled to 1 at the node that moves most",))
+
+    def energy_table(self) -> Table:
+        """One row per element: its share in kinetic energy, strain energy and dissipation of every mode, in percent."""
+        columns = [Column("element")]
+        for index in range(len(self)):
+            columns += [Column(f"{what} {index + 1}", "%", 4) for what in ("kinetic", "strain", "dissipated")]
+        rows = []
+        for number, name in enumerate(self.elements):
+            shares = [100 * table[number, index] for index in range(len(self)) for table in (self.kinetic, self.strain, self.dissipated)]
+            rows.append((name, *(float(share) for share in shares)))
+        return Table(f"{self.title}: energy shares", tuple(columns), tuple(rows))
+
+    def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
+        """The table as CSV text, also written to ``path``."""
+        return self.table(conventions).to_csv(path)
+
+    def to_json(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
+        """The table as JSON text, also written to ``path``."""
+        return self.table(conventions).to_json(path)
+
+    def __repr__(self) -> str:
+        listed = ", ".join(f"{value:.4g}" for value in self.natural_frequencies[:8])
+        more = ", ..." if len(self) > 8 else ""  # noqa: PLR2004
+        return f"<Modes: {len(self)} modes at {listed}{more} Hz>"
+
+    def _repr_html_(self) -> str:
+        return self.table().to_html()

@@ -1,0 +1,55 @@
+"""Reference solver: the assembled dynamic stiffness, solved by LAPACK for a block of frequencies at a time."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+
+BLOCK_BYTES = 32 * 2**20
+
+
+def respond(system: RowSystem, kappa: ComplexArray, loads: ComplexArray, rows: FloatArray) -> ComplexArray:
+    """Motion of ``rows`` under ``loads``: rows @ D(s)^-1 @ loads.
+
+    Parameters
+    ----------
+    system : RowSystem
+    kappa : (n_f, n_laws) array
+        Dynamic stiffness of each law, N m/rad.
+    loads : (n_f or 1, n_q, n_exc) array
+        Generalised torques, N m.
+    rows : (n_rows, n_q) array
+
+    Returns
+    -------
+    (n_f, n_rows, n_exc) array
+        inf where the dynamic stiffness is singular.
+    """
+    n_f, n_q = len(kappa), system.n_coordinates
+    motion = np.empty((n_f, len(rows), loads.shape[2]), dtype=complex)
+    block = max(1, BLOCK_BYTES // (16 * max(1, n_q) ** 2))
+    for start in range(0, n_f, block):
+        part = slice(start, min(start + block, n_f))
+        stiffness = np.einsum("ij,fi,ik->fjk", system.rows, kappa[part], system.rows, optimize=True)
+        motion[part] = rows @ _solve(stiffness, loads if len(loads) == 1 else loads[part])
+    return motion
+
+
+def _solve(stiffness: ComplexArray, loads: ComplexArray) -> ComplexArray:
+    """Scaled by its own diagonal, which makes rows of very different stiffness comparable."""
+    scale = np.sqrt(np.abs(np.einsum("fii->fi", stiffness)))
+    scale[scale == 0] = 1.0
+    scaled = stiffness / (scale[:, :, None] * scale[:, None, :])
+    right = np.broadcast_to(loads, (len(stiffness), *loads.shape[1:])) / scale[:, :, None]
+    try:
+        return np.asarray(np.linalg.solve(scaled, right) / scale[:, :, None])
+    except np.linalg.LinAlgError:
+        return np.stack([_one(matrix, load) for matrix, load in zip(scaled, right, strict=True)]) / scale[:, :, None]
+
+
+def _one(matrix: ComplexArray, load: ComplexArray) -> ComplexArray:
+    try:
+        return np.asarray(np.linalg.solve(matrix, load))
+    except np.linalg.LinAlgError:
+        return np.full(load.shape, np.inf + 0j)

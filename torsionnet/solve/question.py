@@ -1,0 +1,158 @@
+"""What a user asks for: names turned into readings and excitations, or a clear answer why not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from torsionnet.assembly.functionals import Functional, functional
+from torsionnet.channels import Input, Sensor, parse_sensor
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import UsageError, did_you_mean
+
+
+@dataclass(frozen=True)
+class Question:
+    """Readings of a transfer function: outputs over measured inputs (or over the excitations themselves)."""
+
+    outputs: tuple[Functional, ...]
+    measured: tuple[Functional, ...]
+    excitations: tuple[Input, ...]
+    is_measured: bool
+    notes: tuple[str, ...] = ()
+
+    @property
+    def readings(self) -> tuple[Functional, ...]:
+        return self.outputs + (self.measured if self.is_measured else ())
+
+
+def ask(
+    drivetrain: Drivetrain,
+    output: str | Sensor | Sequence[str | Sensor],
+    input: str | Sensor | Sequence[str | Sensor],  # noqa: A002
+    excitation: str | Sequence[str] | None,
+) -> Question:
+    """Resolve the names of a transfer function.
+
+    Raises
+    ------
+    UsageError
+        An unknown name, no or an ambiguous excitation, or not as many measured inputs as excitations.
+    """
+    outputs = tuple(_output(drivetrain, entry) for entry in _listed(output))
+    entries = _listed(input)
+    if not outputs or not entries:
+        msg = "name at least one output and one input"
+        raise UsageError(msg)
+    resolved = [_input(drivetrain, entry) for entry in entries]
+    if all(isinstance(entry, Input) for entry in resolved):
+        excitations = tuple(entry for entry in resolved if isinstance(entry, Input))
+        labels = [entry if isinstance(entry, str) else str(entry) for entry in entries]
+        measured = tuple(_excitation_reading(label, entry) for label, entry in zip(labels, excitations, strict=True))
+        if excitation is not None and _chosen(drivetrain, excitation) != excitations:
+            msg = "excitation= goes with measured inputs; here the input itself is the excitation"
+            raise UsageError(msg)
+        return Question(outputs, measured, excitations, is_measured=False)
+    return _measured(drivetrain, outputs, entries, resolved, excitation)
+
+
+def _measured(
+    drivetrain: Drivetrain,
+    outputs: tuple[Functional, ...],
+    entries: Sequence[str | Sensor],
+    resolved: Sequence[Input | Functional],
+    excitation: str | Sequence[str] | None,
+) -> Question:
+    unmeasured = [str(entry) for entry, found in zip(entries, resolved, strict=True) if isinstance(found, Input)]
+    if unmeasured:
+        msg = (
+            f"{', '.join(unmeasured)} is an excitation and the other inputs are measured; "
+            "put a sensor where the excitation acts, or name measured inputs only"
+        )
+        raise UsageError(msg)
+    measured = tuple(entry for entry in resolved if isinstance(entry, Functional))
+    excitations = _chosen(drivetrain, excitation) if excitation is not None else _default(drivetrain)
+    if len(excitations) != len(measured):
+        msg = (
+            f"{len(measured)} measured input(s) but {len(excitations)} excitation(s); there must be as many of one as of "
+            f"the other{_known_inputs(drivetrain)}"
+        )
+        raise UsageError(msg)
+    names = ", ".join(str(entry) for entry in excitations)
+    return Question(outputs, measured, excitations, is_measured=True, notes=(f"measured input; excitation: {names}",))
+
+
+def excitations_of(drivetrain: Drivetrain, excitation: str | Sequence[str] | None) -> tuple[Input, ...]:
+    """The excitations named, or the model's only input."""
+    return _chosen(drivetrain, excitation) if excitation is not None else _default(drivetrain)
+
+
+def _default(drivetrain: Drivetrain) -> tuple[Input, ...]:
+    inputs = tuple(drivetrain.inputs.values())
+    if len(inputs) == 1:
+        return inputs
+    if not inputs:
+        msg = "a measured input needs an excitation; declare an input in the model or name a node with excitation="
+    else:
+        msg = f"the model has several inputs; say with excitation= which one drives{_known_inputs(drivetrain)}"
+    raise UsageError(msg)
+
+
+def _known_inputs(drivetrain: Drivetrain) -> str:
+    return f": {', '.join(drivetrain.inputs)}" if drivetrain.inputs else ""
+
+
+def _chosen(drivetrain: Drivetrain, excitation: str | Sequence[str]) -> tuple[Input, ...]:
+    names = [excitation] if isinstance(excitation, str) else list(excitation)
+    return tuple(_named_input(drivetrain, name) for name in names)
+
+
+def _named_input(drivetrain: Drivetrain, name: str) -> Input:
+    if name in drivetrain.inputs:
+        return drivetrain.inputs[name]
+    if name in drivetrain.nodes:
+        return Input("torque", name)
+    known = [*drivetrain.inputs, *drivetrain.nodes]
+    msg = f'no input or node is named "{name}"{did_you_mean(name, known)}; inputs: {", ".join(drivetrain.inputs) or "none"}'
+    raise UsageError(msg)
+
+
+def _listed(names: str | Sensor | Sequence[str | Sensor]) -> list[str | Sensor]:
+    return [names] if isinstance(names, (str, Sensor)) else list(names)
+
+
+def as_sensor(drivetrain: Drivetrain, entry: str | Sensor) -> Sensor | None:
+    """The sensor meant: an object, a declared name, or text such as ``torque(gearbox)``."""
+    if isinstance(entry, Sensor):
+        return entry
+    return drivetrain.sensors[entry] if entry in drivetrain.sensors else parse_sensor(entry)
+
+
+def _output(drivetrain: Drivetrain, entry: str | Sensor) -> Functional:
+    sensor = as_sensor(drivetrain, entry)
+    if sensor is None and entry in drivetrain.nodes:
+        sensor = Sensor("angle", str(entry))
+    if sensor is not None:
+        return functional(drivetrain, sensor, str(entry))
+    known = [*drivetrain.sensors, *drivetrain.nodes]
+    hint = did_you_mean(str(entry), known)
+    declared = ", ".join(drivetrain.sensors) or "none"
+    msg = f'no sensor or node is named "{entry}"{hint}; sensors: {declared}; or write torque(element), twist(element), velocity(node)'
+    raise UsageError(msg)
+
+
+def _input(drivetrain: Drivetrain, entry: str | Sensor) -> Input | Functional:
+    if isinstance(entry, str) and entry in drivetrain.inputs:
+        return drivetrain.inputs[entry]
+    sensor = as_sensor(drivetrain, entry)
+    if sensor is not None:
+        return functional(drivetrain, sensor, str(entry))
+    if entry in drivetrain.nodes:
+        return Input("torque", str(entry))
+    known = [*drivetrain.inputs, *drivetrain.sensors, *drivetrain.nodes]
+    msg = f'no input, sensor or node is named "{entry}"{did_you_mean(str(entry), known)}'
+    raise UsageError(msg)
+
+
+def _excitation_reading(label: str, excitation: Input) -> Functional:
+    return Functional(label, "N*m" if excitation.quantity == "torque" else "rad", ())
