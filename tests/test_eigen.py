@@ -282,7 +282,7 @@ def test_repeated_modes_survive_refinement(monkeypatch):
 # --- published values -----------------------------------------------------------------------------------------------
 
 
-def paper(I_1, I_2, k_1, k_2, c_1, c_2, c_M=0.3):
+def paper(I_1, I_2, k_1, k_2, c_1, c_2, c_M=0.3):  # noqa: PLR0917
     """Galvagno et al. (2015), eq. (14), both rigs."""
     return system(([1, 0], I_1, c_M, 0), ([0, 1], I_2, c_2, k_2), ([1, -1], 0, c_1, k_1))
 
@@ -357,7 +357,7 @@ def test_graded_chains_against_exact_arithmetic(massless, damped):
         modes = complex_modes(s)
         assert inclusion(s, modes) < 1e-9
         assert np.all(modes.eigenvalues.real <= 0)
-        assert residual(s, modes) < 1e-7
+        assert residual(s, modes) < 1e-10
         assert damped or np.all(modes.eigenvalues.real == 0)
 
 
@@ -365,8 +365,9 @@ def test_graded_chains_need_the_refinement(monkeypatch):
     """Guards the test above: without refinement it fails."""
     s = graded_chain(29, massless=2)
     before = complex_modes(s).eigenvalues
+    assert np.all(before != 0)
     monkeypatch.setattr(spectrum_module, "REFINE_ABOVE", np.inf)
-    assert np.max(np.abs(complex_modes(s).eigenvalues - before)[1:] / np.abs(before)[1:]) > 1e-4
+    assert np.max(np.abs(complex_modes(s).eigenvalues - before) / np.abs(before)) > 1e-4
 
 
 @settings(max_examples=60, deadline=None)

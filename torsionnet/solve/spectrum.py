@@ -12,6 +12,8 @@ from torsionnet.solve.reduction import AnyArray, FirstOrder, Subspaces, first_or
 
 REFINE_ABOVE = 1e-10
 """Eigenvalues whose estimated relative error is larger are refined in mpmath."""
+POLISH_ABOVE = 1e-11
+"""Shapes whose forces balance worse than this, relative to their sum of magnitudes, are recomputed in mpmath."""
 REAL_BELOW = 1e-13
 """Refined eigenvalues with |Im| <= this |lambda| are real: inputs in double precision cannot tell."""
 MAX_OPERATIONS = 60_000
@@ -79,25 +81,28 @@ def _standard(form: FirstOrder) -> tuple[ComplexArray, ComplexArray, FloatArray]
 
 def refined(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spectrum:
     """Replace the wanted eigenvalues that are uncertain, as far as the limit on work allows, by mpmath's."""
-    chosen = spectrum.errors > REFINE_ABOVE
-    chosen = chosen if wanted is None else chosen & wanted
-    if not np.any(chosen):
+    squared = spectrum.undamped
+    starts, coefficients = _polynomial_problem(spectrum)
+    wanted = np.ones(len(starts), dtype=bool) if wanted is None else wanted
+    chosen = wanted & (spectrum.errors > REFINE_ABOVE)
+    blurred = wanted & (_residuals(spectrum, starts, coefficients) > POLISH_ABOVE)
+    if not np.any(chosen | blurred):
         return spectrum
     from torsionnet.solve import refine
 
-    squared = spectrum.undamped
-    coefficients = _coefficients(spectrum)
     p = refine.polynomial(spectrum.system.rows, coefficients)
-    chosen = _affordable(chosen, spectrum.errors, MAX_OPERATIONS // max(p.operations, 1))
+    limit = MAX_OPERATIONS // max(p.operations, 1)
+    chosen = _affordable(chosen, spectrum.errors, limit)
     zeros = spectrum.spaces.rigid.shape[1] + (0 if squared else spectrum.spaces.undamped_rigid)
-    starts: AnyArray = spectrum.values.imag**2 if squared else spectrum.values
     roots, done = refine.refine_roots(p, starts, chosen, zeros, spectrum.errors)
     values = np.where(chosen, refine.to_complex(roots, square_root=squared), spectrum.values)
     errors = np.where(chosen, refine.CONVERGED, spectrum.errors)
-    if not (done and (wanted is not None or squared or _in_pairs(values, errors))):
+    if not (
+        done and (squared or np.iscomplexobj(spectrum.stiffness) or not np.all(wanted) or _in_pairs(values, errors))
+    ):
         return spectrum
     shapes = spectrum.shapes.copy()
-    for j in np.flatnonzero(chosen):
+    for j in np.flatnonzero(chosen | blurred)[:limit]:
         shapes[:, j] = refine.refine_vector(p, roots[j], shapes[:, j])
     return replace(spectrum, values=values, shapes=shapes, errors=errors)
 
@@ -113,12 +118,23 @@ def _on_real_axis(values: ComplexArray, errors: FloatArray) -> NDArray[np.bool_]
     return np.asarray(np.abs(values.imag) <= margin * np.abs(values))
 
 
-def _coefficients(spectrum: Spectrum) -> list[AnyArray]:
-    """Of z = lambda: (k, c, J); of z = omega^2: (k, -J)."""
+def _polynomial_problem(spectrum: Spectrum) -> tuple[AnyArray, list[AnyArray]]:
+    """Roots and coefficients of each law: z = lambda with (k, c, J), or z = omega^2 with (k, -J)."""
     system = spectrum.system
     if spectrum.undamped:
-        return [spectrum.stiffness, -system.inertia]
-    return [spectrum.stiffness, system.damping, system.inertia]
+        return spectrum.values.imag**2, [spectrum.stiffness, -system.inertia]
+    return spectrum.values, [spectrum.stiffness, system.damping, system.inertia]
+
+
+def _residuals(spectrum: Spectrum, z: AnyArray, coefficients: list[AnyArray]) -> FloatArray:
+    """|D q| of each shape against the sum of the magnitudes of its terms."""
+    rows, sizes = spectrum.system.rows, np.abs(spectrum.system.rows)
+    powers = [z**d for d in range(len(coefficients))]
+    laws = sum(np.multiply.outer(c, power) for c, power in zip(coefficients, powers, strict=True))
+    terms = sum(np.multiply.outer(np.abs(c), np.abs(power)) for c, power in zip(coefficients, powers, strict=True))
+    left = np.linalg.norm(rows.T @ (laws * (rows @ spectrum.shapes)), axis=0)
+    scale = np.linalg.norm(sizes.T @ (terms * (sizes @ np.abs(spectrum.shapes))), axis=0)
+    return np.asarray(left / np.where(scale > 0, scale, 1.0))
 
 
 def _affordable(chosen: NDArray[np.bool_], errors: FloatArray, count: int) -> NDArray[np.bool_]:
