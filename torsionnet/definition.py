@@ -183,7 +183,7 @@ def _read_element(name: Any, entry: Any) -> Element:
     declared = {entry.name: entry for entry in cls.declared()}
     faults = [
         Fault(
-            f'unknown key "{key}"{did_you_mean(str(key), declared)}; a {kind} has {", ".join(declared)}', (*path, key), on_key=True
+            f'unknown key "{key}"{did_you_mean(str(key), declared)}; {kind} has {", ".join(declared)}', (*path, key), on_key=True
         )
         for key in entry
         if key != "type" and key not in declared

@@ -46,7 +46,7 @@ def _dimension_fault(expression: Expression, wanted: str, known: Mapping[str, Di
         return None
     hint = ""
     if found * DIMENSIONS[wanted] == DIMENSIONS["1"]:
-        hint = f"; write 1/{expression}" if len(expression.names) == 1 else f"; write 1/({expression})"
+        hint = f"; write 1/{expression}" if str(expression) in expression.names else f"; write 1/({expression})"
     return f'"{expression}" has the dimension of {found}; expected {wanted if wanted != "1" else "a plain number"} in {expected_unit(wanted)}{hint}'
 
 

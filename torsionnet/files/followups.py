@@ -7,9 +7,11 @@ from collections.abc import Iterable, Iterator
 from typing import Any
 
 from torsionnet.checks import check_definition, has_errors, names, values
-from torsionnet.definition import KEYS, Definition
-from torsionnet.errors import Fault, Path
+from torsionnet.definition import Definition
+from torsionnet.errors import Fault, Path, did_you_mean
 from torsionnet.files.located import Document
+from torsionnet.files.placing import entry_at
+from torsionnet.parameters import KEYS as PARAMETER_KEYS
 from torsionnet.parameters import resolve
 
 _WORD = re.compile(r"[^\W\d]\w*")
@@ -19,17 +21,32 @@ _CHECKS = tuple(check for check in names.CHECKS if check is not names.dead_ends)
 
 def check_what_was_read(definition: Definition, document: Document, faults: list[Fault]) -> list[Fault]:
     """The faults of reading and those of the checks that still mean something."""
-    if not has_errors(faults) and not document.dropped:
-        return [*faults, *check_definition(definition)]
-    broken = [fault.path for fault in faults if fault.severity == "error"]
-    misspelt = any(path and path[0] not in KEYS for path in broken)
-    if misspelt:
-        faults = [fault for fault in faults if fault.path != ("elements",) or "elements" in document.data]
-    lost = set(_lost_words(document, broken))
-    return [
-        *faults,
-        *(fault for fault in _sound_checks(definition) if not lost & set(_QUOTED.findall(fault.message)[:1])),
-    ]
+    faults = [*faults, *_parameter_keys(document)]
+    lost: set[str] = set()
+    if has_errors(faults) or document.dropped:
+        lost = set(_lost_words(document, [fault.path for fault in faults if fault.severity == "error"]))
+        found = list(_sound_checks(definition))
+    else:
+        found = check_definition(definition)
+    return [*faults, *(fault for fault in found if not _follows(fault, definition, lost))]
+
+
+def _follows(fault: Fault, definition: Definition, lost: set[str]) -> bool:
+    """Whether a fault is about a name in an unreadable entry, or in a circle of definitions (reported by itself)."""
+    names_in = _QUOTED.findall(fault.message)[:1]
+    in_circle = fault.message.startswith("no parameter is named") and names_in[0] in definition.parameters
+    return in_circle or not lost.isdisjoint(names_in)
+
+
+def _parameter_keys(document: Document) -> Iterator[Fault]:
+    """Unknown keys of parameters: a comma in a description without quotes makes one."""
+    table = entry_at(document.data, ("parameters",))
+    for name, entry in table.items() if isinstance(table, dict) else ():
+        for key in entry if isinstance(entry, dict) else ():
+            if key not in PARAMETER_KEYS:
+                hint = did_you_mean(key, PARAMETER_KEYS) or "; text with a comma needs quotes" * (entry[key] is None)
+                text = f'unknown key "{key}"{hint}; a parameter has {", ".join(PARAMETER_KEYS)}'
+                yield Fault(text, ("parameters", name, key), on_key=True)
 
 
 def _sound_checks(definition: Definition) -> Iterator[Fault]:
@@ -46,10 +63,7 @@ def _sound_checks(definition: Definition) -> Iterator[Fault]:
 def _lost_words(document: Document, broken: Iterable[Path]) -> Iterator[str]:
     """Every name in the entries that could not be read: it may well be defined or used there."""
     for path in broken:
-        entry = document.data
-        for part in path[:2]:
-            entry = entry.get(part) if isinstance(entry, dict) else None
-        yield from _words([*path[:2], entry])
+        yield from _words([*path[:2], entry_at(document.data, path[:2])])
     for path, value in document.dropped:
         yield from _words([*path[:2], value])
 
@@ -63,4 +77,5 @@ def _words(value: Any) -> Iterator[str]:
         elif isinstance(entry, (list, tuple)):
             stack += entry
         elif isinstance(entry, str):
+            yield entry
             yield from _WORD.findall(entry)

@@ -24,16 +24,23 @@ LONGEST_EXCERPT = 400
 
 _BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
 _CONTROL = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
-_PARSER: Any = getattr(yaml, "CParser", None)
 
 
-class _PythonParser(yaml.reader.Reader, yaml.scanner.Scanner, yaml.parser.Parser):
+class PythonParser(yaml.reader.Reader, yaml.scanner.Scanner, yaml.parser.Parser):
     """The event source where PyYAML comes without its C library."""
 
     def __init__(self, text: str) -> None:
         yaml.reader.Reader.__init__(self, text)
         yaml.scanner.Scanner.__init__(self)
         yaml.parser.Parser.__init__(self)
+
+
+def _fastest() -> Any:
+    try:
+        from yaml.cyaml import CParser  # type: ignore[attr-defined]
+    except ImportError:
+        return PythonParser
+    return CParser
 
 
 class Span(NamedTuple):
@@ -111,7 +118,7 @@ def compose(text: str, file: str, parser: Any = None) -> Document:
         what = f"a character that text cannot hold (U+{ord(control[0]):04X}); delete it"
         raise ModelError([document.fault(what, Span(line, column, line, column + 1))])
     try:
-        _Composer((parser or _PARSER or _PythonParser)(text), document).document()
+        _Composer((parser or _fastest())(text), document).document()
     except yaml.MarkedYAMLError as error:
         message, mark = explain(error, document.lines)
         raise ModelError([document.fault(message, Span(mark[0], mark[1], mark[0], mark[1] + 1))]) from None

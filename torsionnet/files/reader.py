@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable
-from dataclasses import replace
 from pathlib import Path
 
 from torsionnet.checks import has_errors
@@ -15,9 +14,9 @@ from torsionnet.files.decoding import decode
 from torsionnet.files.followups import check_what_was_read
 from torsionnet.files.library import library_models
 from torsionnet.files.located import Document, compose
+from torsionnet.files.placing import placed, presentable
 
 SUFFIXES = (".yaml", ".yml", ".json")
-LONGEST_MESSAGE = 600
 
 
 def load(model: str | os.PathLike[str]) -> Drivetrain:
@@ -76,14 +75,12 @@ def read_text(text: str, file: str) -> tuple[Definition | None, list[Fault]]:
     try:
         document = compose(text.removeprefix("\ufeff"), file)
     except ModelError as error:
-        return None, _presentable(error.faults)
+        return None, presentable(error.faults)
     if not isinstance(document.data, dict):
         return None, [_no_model(document)]
     definition, faults = read_definition(document.data)
     faults = check_what_was_read(definition, document, faults)
-    found = _presentable(
-        fault if fault.position else _located(fault, document) for fault in [*document.faults, *faults]
-    )
+    found = placed([*document.faults, *faults], document)
     return (None if has_errors(found) else definition), found
 
 
@@ -93,25 +90,6 @@ def _no_model(document: Document) -> Fault:
     what = "a list" if isinstance(document.data, list) else "a single value"
     text = f"this is {what}; a model is made of entries: torsionnet: 1, name: ..., elements: ..."
     return Fault(text, position=document.position())
-
-
-def _located(fault: Fault, document: Document) -> Fault:
-    return fault.at(document.position(fault.path, on_key=fault.on_key))
-
-
-def _presentable(faults: Iterable[Fault]) -> list[Fault]:
-    """In the order of the file, each once, in one printable line."""
-    tidy = dict.fromkeys(replace(fault, message=_one_line(fault.message)) for fault in faults)
-    seen = {(fault.message, fault.severity, fault.position): fault for fault in tidy}
-    return sorted(
-        seen.values(), key=lambda fault: (fault.position.line, fault.position.column) if fault.position else (0, 0)
-    )
-
-
-def _one_line(message: str) -> str:
-    half = LONGEST_MESSAGE // 2
-    short = message if len(message) <= LONGEST_MESSAGE else f"{message[:half]} ... {message[-half:]}"
-    return "".join(char if char.isprintable() else repr(char)[1:-1] for char in short)
 
 
 def _drivetrain(definition: Definition | None, faults: list[Fault], title: str) -> Drivetrain:

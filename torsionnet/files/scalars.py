@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from fractions import Fraction
+from functools import lru_cache
 
 import yaml
 
@@ -13,6 +14,10 @@ Plain = None | bool | int | float | str
 _WORDS: dict[str, Plain] = {"": None, "~": None}
 _WORDS |= dict.fromkeys(("null", "Null", "NULL"))
 _WORDS |= dict.fromkeys(("true", "True", "TRUE"), True) | dict.fromkeys(("false", "False", "FALSE"), False)
+
+# The numbers YAML has and a drivetrain has not: as words they are refused wherever a value is read.
+_WORDS |= {f"{sign}.{form}": f"{sign}inf" for sign in ("", "+", "-") for form in ("inf", "Inf", "INF")}
+_WORDS |= dict.fromkeys((".nan", ".NaN", ".NAN"), "nan")
 
 _INTEGER = re.compile(r"[-+]?(0|[1-9][0-9]{0,17})")
 _DECIMAL = re.compile(r"[-+]?((0|[1-9][0-9]*)(\.[0-9]*)?|\.[0-9]+)([eE][-+]?[0-9]{1,3})?")
@@ -24,6 +29,7 @@ _PLAIN_TEXT = re.compile(r"(?:-?[^\W_]|\()[\w ./^*+()·²³°-]*")
 _ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\t": "\\t", "\r": "\\r"}
 
 
+@lru_cache(maxsize=4096)
 def plain_value(text: str) -> Plain:
     """The value of an unquoted scalar; a number that no float holds exactly as written stays text.
 

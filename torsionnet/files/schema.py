@@ -1,7 +1,7 @@
 """The JSON Schema of model files, made from the specifications of the element types.
 
-Editors complete, explain and check a model file with it (``# yaml-language-server: $schema=torsionnet.schema.json``); what
-needs more than one entry at a time (names, dimensions, connections) is left to ``torsionnet check``.
+Editors complete, explain and check a model file with it (``# yaml-language-server: $schema=torsionnet.schema.json``);
+what needs more than one entry at a time (names, dimensions, connections) is left to ``torsionnet check``.
 """
 
 from __future__ import annotations
@@ -71,7 +71,9 @@ def _entries() -> Schema:
         "name": _text("title of the model"),
         "source": _text("where the numbers come from"),
         "description": _text("what the model is"),
-        "parameters": _table("parameter", "named values with unit, or expressions of other parameters", propertyNames=NAME),
+        "parameters": _table(
+            "parameter", "named values with unit, or expressions of other parameters", propertyNames=NAME
+        ),
         "elements": {**elements, "type": "object", "minProperties": 1},
         "inputs": _table("input", "excitations by name", propertyNames=NAME),
         "sensors": _table("sensor", "measured quantities by name", propertyNames=NAME),
@@ -79,7 +81,10 @@ def _entries() -> Schema:
             "description": "axes of alternatives, gear: {II: {tau: 7.96}}; the name of a single axis may be left out",
             "anyOf": [_table("axis", "axes by name"), _table("alternative", "alternatives by name")],
         },
-        "operating_point": {**_ref("operating_point"), "description": "mean speeds and torques the model is linear about"},
+        "operating_point": {
+            **_ref("operating_point"),
+            "description": "mean speeds and torques the model is linear about",
+        },
     }
 
 

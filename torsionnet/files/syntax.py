@@ -34,6 +34,9 @@ _MEANINGS = (
 )
 
 
+_UNSEPARATED = re.compile(r"(\s*)(\w+)(\s*|:)[{\[]")
+
+
 def explain(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> tuple[str, tuple[int, int]]:
     """What is wrong, and the line and column (from 0) where."""
     problem = error.problem or "this is no YAML"
@@ -42,15 +45,30 @@ def explain(error: yaml.MarkedYAMLError, lines: Sequence[str]) -> tuple[str, tup
     if "cannot start any token" in problem:
         return _no_start(character), mark
     since = ""
+    unseparated = _UNSEPARATED.match(lines[mark[0]]) if "mapping values are not allowed" in problem else None
+    if unseparated:
+        return f'write "{unseparated[2]}: " with a colon and a blank after the name', (mark[0], unseparated.start(2))
     if error.context_mark is not None:
         opened = _mark(error.context_mark, lines)
         since = f"; it began at line {opened[0] + 1}, column {opened[1] + 1}"
         if "end of stream" in problem or "document separator" in problem:
             mark = opened
-    for pattern, meaning in _MEANINGS:
-        if re.search(pattern, problem):
-            return meaning.replace("{since}", since), mark
-    return f"this cannot be read as YAML: {problem}", mark
+        elif "{since}" in _meaning(problem) and opened[0] < mark[0] and _is_whole(lines[opened[0]]):
+            return (
+                f'the "{lines[opened[0]][opened[1]]}" opened here is not closed, or a comma is missing after it',
+                opened,
+            )
+    return _meaning(problem).replace("{since}", since), mark
+
+
+def _meaning(problem: str) -> str:
+    known = (meaning for pattern, meaning in _MEANINGS if re.search(pattern, problem))
+    return next(known, f"this cannot be read as YAML: {problem}")
+
+
+def _is_whole(line: str) -> bool:
+    """Whether entries follow the opening bracket on its line: then its end was meant to stand there too."""
+    return not line.rstrip().endswith(("{", "[", ","))
 
 
 def _no_start(character: str) -> str:
