@@ -1,0 +1,212 @@
+"""Equations of motion in the model's own symbols.
+
+M, C, K come from the same elements and the same elimination as the numbers, with twins of value and symbol. Terms are
+collected by the ratios they are reflected with, so that ``k_1 + k_2/tau**2`` stays as an engineer writes it and
+``I_MT + (I_1 - I_MT)`` collapses to ``I_1``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import sympy
+
+from torsionnet.assembly.twin import TWINS, Twin, rational, twin, twin_parameters
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.elements import Law, Row, Values
+from torsionnet.errors import UsageError
+from torsionnet.kinematics import Kinematics, pseudo_node, solve_kinematics
+
+OMEGA = sympy.Symbol("omega")
+
+
+@dataclass(frozen=True, eq=False)
+class SymbolicSystem:
+    """M, C, K over the kept coordinates: (M s^2 + C s + K + j H) q + kappa(omega) terms = B u.
+
+    Attributes
+    ----------
+    M, C, K : (n_q, n_q) sympy matrices
+        Inertia, viscous damping and stiffness.
+    H : (n_q, n_q) sympy matrix
+        Hysteretic damping k eta.
+    tables : (n_q, n_q) sympy matrix
+        Tabulated dynamic stiffness, as functions ``kappa_NAME(omega)``.
+    coordinates, nodes, inputs : tuple of str
+    T : (n_nodes, n_q) sympy matrix
+        Angles of all nodes from the coordinates.
+    B : (n_q, n_inputs) sympy matrix
+        Generalised torques of unit torque inputs.
+    values : dict
+        Symbol -> exact rational value.
+    conditions : tuple
+        Expressions of symbols that are zero for the values and were taken to be zero always.
+    """
+
+    M: sympy.Matrix
+    C: sympy.Matrix
+    K: sympy.Matrix
+    H: sympy.Matrix
+    tables: sympy.Matrix
+    coordinates: tuple[str, ...]
+    nodes: tuple[str, ...]
+    inputs: tuple[str, ...]
+    T: sympy.Matrix
+    B: sympy.Matrix
+    values: dict[Any, Any]
+    conditions: tuple[Any, ...] = field(default=())
+
+    def dynamic_stiffness(self, s: Any) -> sympy.Matrix:
+        """D(s) = M s^2 + C s + K + j H + tables, (n_q, n_q)."""
+        return self.M * s**2 + self.C * s + self.K + sympy.I * self.H + self.tables
+
+    def equations(self) -> tuple[str, ...]:
+        """One line per coordinate: the equation of motion, with ' for d/dt."""
+        return tuple(self._equation(row) for row in range(len(self.coordinates)))
+
+    def _equation(self, row: int) -> str:
+        terms = []
+        parts = ((self.M, "''"), (self.C, "'"), (self.K + sympy.I * self.H + self.tables, ""))
+        for matrix, dashes in parts:
+            for column, name in enumerate(self.coordinates):
+                if matrix[row, column] != 0:
+                    terms.append(_signed(matrix[row, column], f"theta_{name}{dashes}"))
+        loads = [_signed(self.B[row, i], name) for i, name in enumerate(self.inputs) if self.B[row, i] != 0]
+        return f"{_joined(terms)} = {_joined(loads)}"
+
+
+def _signed(coefficient: Any, name: str) -> str:
+    negative = bool(coefficient.could_extract_minus_sign())
+    shown = -coefficient if negative else coefficient
+    text = str(shown)
+    factor = "" if shown == 1 else f"({text}) " if shown.is_Add else f"{text} "
+    return f"{'-' if negative else '+'} {factor}{name}"
+
+
+def _joined(terms: list[str]) -> str:
+    text = " ".join(terms)
+    return text.removeprefix("+ ") or "0"
+
+
+def symbolic_system(drivetrain: Drivetrain, referred_to: Sequence[str] = ()) -> SymbolicSystem:
+    """See :meth:`torsionnet.Drivetrain.symbolic`.
+
+    Raises
+    ------
+    UsageError
+        ``referred_to`` names unknown nodes or nodes that cannot be coordinates together, or an input imposes an angle.
+    """
+    imposed = [name for name, channel in drivetrain.inputs.items() if channel.quantity == "angle"]
+    if imposed:
+        msg = f"equations with imposed angles are not written out; leave out the input(s) {', '.join(imposed)}"
+        raise UsageError(msg)
+    definition = drivetrain.definition
+    names = [referred_to] if isinstance(referred_to, str) else list(referred_to)
+    values = Values(twin_parameters(definition.parameters, drivetrain.exact_values), TWINS)
+    kinematics = solve_kinematics(definition, Values(drivetrain.exact_values), names)
+    ratios = _Ratios(kinematics, values, definition, names)
+    laws = [(owner, law, ratios.reduced(law.row)) for owner, law in ratios.kinematics.laws if law.acts]
+    coordinates = kinematics.coordinates
+    sums = {key: _Sum(coordinates) for key in ("M", "C", "K", "H", "tables")}
+    for owner, law, row in laws:
+        for key, coefficient in _coefficients(owner, law).items():
+            sums[key].add(coefficient, row)
+    nodes = [ratios.reduced({node: twin(1)}) for node in kinematics.nodes]
+    inputs = tuple(drivetrain.inputs)
+    loads = [ratios.reduced({drivetrain.inputs[name].of: twin(1)}) for name in inputs]
+    return SymbolicSystem(
+        **{key: total.matrix() for key, total in sums.items()},
+        coordinates=coordinates,
+        nodes=kinematics.nodes,
+        inputs=inputs,
+        T=_matrix(nodes, coordinates),
+        B=_matrix(loads, coordinates).T,
+        values={sympy.Symbol(name): rational(value) for name, value in drivetrain.exact_values.items()},
+        conditions=ratios.conditions(),
+    )
+
+
+class _Ratios:
+    """Kinematics on twins, with the pivots of the exact values."""
+
+    def __init__(self, plain: Kinematics, values: Values, definition: Any, names: Sequence[str]) -> None:
+        self.kinematics = _twin_kinematics(plain, values, definition, names)
+
+    def reduced(self, row: Row) -> Row:
+        return self.kinematics.reduced({node: twin(value) for node, value in row.items()})
+
+    def conditions(self) -> tuple[Any, ...]:
+        """What is zero by value only: rows that dropped out though their symbols are not zero."""
+        found = []
+        rows = [{node: twin(value) for node, value in row.items()} for _, row in self.kinematics.constraints]
+        for index in self.kinematics.reduction.redundant:
+            for coefficient in _uncancelled(rows[index], self.kinematics.reduction.solved).values():
+                expression = sympy.numer(sympy.together(sympy.expand(coefficient)))
+                if expression != 0:
+                    found.append(sympy.factor(expression))
+        return tuple(found)
+
+
+def _uncancelled(row: Row, solved: dict[Any, Row]) -> dict[str, Any]:
+    result: dict[str, Any] = {}
+    for node, coefficient in row.items():
+        for free, factor in solved.get(node, {node: twin(1)}).items():
+            result[free] = result.get(free, 0) + coefficient.symbol * factor.symbol
+    return result
+
+
+def _twin_kinematics(plain: Kinematics, values: Values, definition: Any, names: Sequence[str]) -> Kinematics:
+    from torsionnet.elimination import reduce_rows
+    from torsionnet.kinematics import constraints_of, owned_parts
+
+    parts = owned_parts(definition, values)
+    rows = [{node: twin(value) for node, value in row.items()} for _, row in constraints_of(parts)]
+    order = {node: index for index, node in enumerate(plain.nodes)}
+    reduction = reduce_rows(rows, order, {*names, *(pseudo_node(name) for name in plain.imposed)})
+    return Kinematics(plain.nodes, parts, plain.imposed, reduction, plain.coordinates)
+
+
+def _coefficients(owner: str, law: Law) -> dict[str, Any]:
+    table = sympy.Function(f"kappa_{owner}")(OMEGA) if law.table is not None else 0
+    hysteretic = law.stiffness * law.loss_factor
+    given = {"M": law.inertia, "C": law.damping, "K": law.stiffness, "H": hysteretic}
+    symbols = {key: twin(value).symbol for key, value in given.items()}
+    return {key: value for key, value in (symbols | {"tables": table}).items() if value != 0}
+
+
+class _Sum:
+    """A symmetric matrix summed up law by law, each entry collected by the ratio its terms are reflected with."""
+
+    def __init__(self, coordinates: Sequence[str]) -> None:
+        self.index = {name: number for number, name in enumerate(coordinates)}
+        self.entries: dict[tuple[int, int], dict[Any, Any]] = {}
+
+    def add(self, coefficient: Any, row: Row) -> None:
+        used = [(self.index[name], factor.symbol) for name, factor in row.items() if name in self.index]
+        for i, left in used:
+            for j, right in used:
+                ratio, number = _ratio_and_number(left * right)
+                groups = self.entries.setdefault((i, j), {})
+                groups[ratio] = groups.get(ratio, 0) + number * coefficient
+
+    def matrix(self) -> sympy.Matrix:
+        size = len(self.index)
+        result = sympy.zeros(size, size)
+        for place, groups in self.entries.items():
+            result[place] = sympy.Add(*(ratio * sympy.expand(total) if ratio != 1 else sympy.expand(total) for ratio, total in groups.items()))
+        return result
+
+
+def _ratio_and_number(product: Any) -> tuple[Any, Any]:
+    number, ratio = product.as_coeff_Mul()
+    return ratio, number
+
+
+def _matrix(rows: Sequence[Row], coordinates: Sequence[str]) -> sympy.Matrix:
+    return sympy.Matrix(len(rows), len(coordinates), lambda i, j: _symbol(rows[i].get(coordinates[j], 0)))
+
+
+def _symbol(value: Any) -> Any:
+    return value.symbol if isinstance(value, Twin) else value

@@ -1,0 +1,87 @@
+"""A number that carries its symbol along: decisions fall on the exact value, the symbol records what was done."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import sympy
+
+from torsionnet.elimination import exact
+from torsionnet.expressions import Algebra
+
+
+@dataclass(frozen=True, eq=False)
+class Twin:
+    """An exact rational value and the sympy expression it belongs to; equal to a number if its value is."""
+
+    value: Fraction
+    symbol: Any
+
+    def __add__(self, other: Any) -> Twin:
+        other = twin(other)
+        return Twin(self.value + other.value, self.symbol + other.symbol)
+
+    def __mul__(self, other: Any) -> Twin:
+        other = twin(other)
+        return Twin(self.value * other.value, self.symbol * other.symbol)
+
+    def __truediv__(self, other: Any) -> Twin:
+        other = twin(other)
+        return Twin(self.value / other.value, self.symbol / other.symbol)
+
+    def __neg__(self) -> Twin:
+        return Twin(-self.value, -self.symbol)
+
+    def __sub__(self, other: Any) -> Twin:
+        return self + (-twin(other))
+
+    def __rsub__(self, other: Any) -> Twin:
+        return twin(other) - self
+
+    def __rtruediv__(self, other: Any) -> Twin:
+        return twin(other) / self
+
+    def __pow__(self, power: int) -> Twin:
+        return Twin(self.value**power, self.symbol**power)
+
+    __radd__ = __add__
+    __rmul__ = __mul__
+
+    def __eq__(self, other: object) -> bool:
+        return self.value == (other.value if isinstance(other, Twin) else other)
+
+    def __hash__(self) -> int:
+        return hash(self.value)
+
+
+def rational(number: Any) -> Any:
+    """A number as sympy's exact rational, never its Float."""
+    value = exact(number)
+    return sympy.Rational(value.numerator, value.denominator)
+
+
+def twin(number: Any) -> Twin:
+    """A plain number as a twin of itself."""
+    return number if isinstance(number, Twin) else Twin(exact(number), rational(number))
+
+
+def _root(number: Any) -> Twin:
+    number = twin(number)
+    return Twin(exact(float(number.value) ** 0.5), sympy.sqrt(number.symbol))
+
+
+TWINS = Algebra(number=twin, sqrt=_root, pi=Twin(exact(float(sympy.pi)), sympy.pi))
+"""Algebra of expressions whose results know both their value and their symbol."""
+
+
+def twin_parameters(definitions: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Twin]:
+    """Every parameter as a twin; a derived one carries its expression in the basic ones."""
+    twins: dict[str, Twin] = {}
+    for name in values:
+        expression = definitions[name].value
+        symbol = expression.evaluate(twins, TWINS).symbol if expression.names else sympy.Symbol(name)
+        twins[name] = Twin(exact(values[name]), symbol)
+    return twins

@@ -1,0 +1,127 @@
+"""Poles of transfer functions against a measured input.
+
+A measured input does not leave the drivetrain as it is: whatever happens upstream of a torque transducer is in its
+reading. The poles of theta/T are those of the drivetrain cut at the transducer, with everything on the side of the
+excitation taken away, if the cut separates the two sides. Where it does not, or other quantities are measured, the poles are
+the rates at which the measured inputs stay zero while the excitations do what that takes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from torsionnet.assembly.functionals import port_of
+from torsionnet.channels import ELEMENT_QUANTITIES, Input, Sensor
+from torsionnet.definition import Definition, all_nodes
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.elements import GROUND, Element
+from torsionnet.errors import UsageError
+from torsionnet.response import Modes
+from torsionnet.solve.question import ask, as_sensor, excitations_of
+
+
+@dataclass(frozen=True)
+class Cut:
+    """Elements that stay when the drivetrain is cut at a torque sensor and the side of the excitation is taken away."""
+
+    kept: tuple[str, ...]
+
+
+def poles_of_measured(
+    drivetrain: Drivetrain,
+    measured_input: str | Sensor,
+    excitation: str | None,
+    natural_modes: Callable[[Drivetrain], Modes],
+) -> Modes:
+    """Modes of the drivetrain cut at a measured input."""
+    sensor = as_sensor(drivetrain, measured_input)
+    question = ask(drivetrain, _anything(drivetrain), measured_input, excitation)
+    if sensor is None or not question.is_measured:
+        msg = f'"{measured_input}" is no sensor; a measured input is one'
+        raise UsageError(msg)
+    excitations = excitations_of(drivetrain, excitation)
+    cut = find_cut(drivetrain, sensor, excitations)
+    if cut is None:
+        from torsionnet.solve.pencil import measured_poles
+
+        return measured_poles(drivetrain, question)
+    return _of_cut_system(drivetrain, cut, f"cut at {measured_input}", natural_modes)
+
+
+def _anything(drivetrain: Drivetrain) -> str:
+    return f"angle({drivetrain.nodes[0]})"
+
+
+def find_cut(drivetrain: Drivetrain, sensor: Sensor, excitations: tuple[Input, ...]) -> Cut | None:
+    """The cut at a torque sensor, or None if it is no torque or does not separate the drivetrain.
+
+    Elements and nodes are the vertices of a graph, every port an edge; the torque at a port flows over one edge. Ground
+    does not connect.
+    """
+    if sensor.quantity != "torque":
+        return None
+    element = drivetrain.elements[sensor.of]
+    node, _ = port_of(element, sensor.at)
+    links = _links(drivetrain, without=(node, element.name))
+    driven = _reach(links, [_node(excitation.of) for excitation in excitations])
+    sides = {_node(node), _element(element.name)}
+    if len(driven & sides) != 1:
+        return None
+    other = (sides - driven).pop()
+    kept = _reach(links, [other])
+    return Cut(tuple(name for name in drivetrain.elements if _element(name) in kept))
+
+
+def _node(name: str) -> str:
+    return f"node {name}"
+
+
+def _element(name: str) -> str:
+    return f"element {name}"
+
+
+def _links(drivetrain: Drivetrain, without: tuple[str, str]) -> dict[str, set[str]]:
+    links: dict[str, set[str]] = {_node(node): set() for node in drivetrain.nodes}
+    for name, element in drivetrain.elements.items():
+        links[_element(name)] = set()
+        for node in {*element.ports.values(), *element.internal_nodes} - {GROUND}:
+            if (node, name) != without:
+                links[_element(name)].add(_node(node))
+                links[_node(node)].add(_element(name))
+    return links
+
+
+def _reach(links: dict[str, set[str]], start: list[str]) -> set[str]:
+    seen, waiting = set(start), list(start)
+    while waiting:
+        for neighbour in links[waiting.pop()] - seen:
+            seen.add(neighbour)
+            waiting.append(neighbour)
+    return seen
+
+
+def cut_definition(definition: Definition, kept: tuple[str, ...]) -> Definition:
+    """The definition with only the elements kept, and the inputs and sensors that still make sense."""
+    elements: dict[str, Element] = {name: definition.elements[name] for name in kept}
+    nodes = all_nodes(elements.values())
+    inputs = {name: channel for name, channel in definition.inputs.items() if channel.of in nodes and channel.quantity == "angle"}
+    sensors = {
+        name: sensor
+        for name, sensor in definition.sensors.items()
+        if sensor.of in (elements if sensor.quantity in ELEMENT_QUANTITIES else nodes)
+    }
+    return replace(definition, elements=elements, inputs=inputs, sensors=sensors)
+
+
+def _of_cut_system(drivetrain: Drivetrain, cut: Cut, title: str, natural_modes: Callable[[Drivetrain], Modes]) -> Modes:
+    rest = Drivetrain.from_definition(cut_definition(drivetrain.definition, cut.kept), {}, ())
+    found = natural_modes(rest)
+    shapes = np.full((len(drivetrain.nodes), len(found)), np.nan + 0j)
+    for node, row in zip(found.nodes, found.shapes, strict=True):
+        shapes[drivetrain.nodes.index(node)] = row
+    removed = [name for name in drivetrain.elements if name not in cut.kept]
+    notes = (f"poles of the drivetrain {title}, without {', '.join(removed)}",)
+    return replace(found, nodes=drivetrain.nodes, shapes=shapes, title=f"{drivetrain.title}, {title}", notes=notes)

@@ -1,0 +1,76 @@
+"""Modes of a drivetrain: eigenvalues turned into a result with shapes at all nodes, energies and words."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.system import Assembly
+from torsionnet.channels import Sensor
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import TorsionnetWarning
+from torsionnet.response import Modes
+from torsionnet.solve.cut import poles_of_measured
+from torsionnet.solve.eigen import EigenSolution, complex_modes, scaled, undamped_modes
+from torsionnet.solve.words import describe
+
+
+def modes(drivetrain: Drivetrain, *, measured_input: str | Sensor | None = None, excitation: str | None = None) -> Modes:
+    """See :meth:`torsionnet.Drivetrain.modes`."""
+    if measured_input is not None:
+        return poles_of_measured(drivetrain, measured_input, excitation, natural_modes)
+    return natural_modes(drivetrain)
+
+
+def natural_modes(drivetrain: Drivetrain) -> Modes:
+    """Modes of the drivetrain as it stands; nodes with an imposed angle stand still."""
+    assembly = drivetrain.assembly
+    solution = complex_modes(assembly.system)
+    if not solution.converged.all():
+        stuck = ", ".join(f"{abs(value) / (2 * np.pi):.4g} Hz" for value in solution.eigenvalues[~solution.converged])
+        text = f"the frequency-dependent stiffness did not settle for the mode(s) near {stuck}"
+        warnings.warn(text, TorsionnetWarning, stacklevel=3)
+    elements = tuple(drivetrain.elements)
+    kinetic, strain, dissipated = energies(assembly, solution, elements)
+    shapes = scaled(assembly.T @ solution.vectors)
+    return Modes(
+        eigenvalues=solution.eigenvalues,
+        kinds=solution.kinds,
+        nodes=assembly.nodes,
+        shapes=shapes,
+        undamped_natural_frequencies=undamped_modes(assembly.system)[0] / (2 * np.pi),
+        elements=elements,
+        kinetic=kinetic,
+        strain=strain,
+        dissipated=dissipated,
+        converged=solution.converged,
+        descriptions=describe(assembly, solution, shapes, elements, strain, dissipated),
+        title=drivetrain.title,
+    )
+
+
+def energies(assembly: Assembly, solution: EigenSolution, elements: tuple[str, ...]) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Shares (n_elements, n_modes) in kinetic energy J |lambda|^2 |gamma|^2, strain energy Re(k) |gamma|^2 and dissipated
+    power c |lambda|^2 |gamma|^2 + Im(k) |lambda| |gamma|^2 of each mode; a frequency-dependent k at |Im lambda|.
+    """
+    system = assembly.system
+    motion = np.abs(system.rows @ solution.vectors) ** 2
+    motion[motion < (1e-12 * np.abs(system.rows).sum(axis=1, keepdims=True)) ** 2] = 0.0
+    rate = np.abs(solution.eigenvalues)
+    dynamic = np.stack([system.kappa(float(abs(value.imag))) for value in solution.eigenvalues], axis=1) if len(rate) else np.zeros((len(motion), 0))
+    kinetic = system.inertia[:, None] * motion
+    strain = (system.stiffness[:, None] + dynamic.real) * motion
+    dissipated = (system.damping[:, None] * rate + dynamic.imag) * rate * motion
+    rigid = np.array([kind == "rigid body" for kind in solution.kinds], dtype=bool)
+    strain[:, rigid], dissipated[:, rigid] = 0.0, 0.0
+    owner = np.array([[name == element for name in assembly.owners] for element in elements], dtype=float)
+    owner = owner.reshape(len(elements), len(assembly.owners))
+    return tuple(_shares(owner @ part) for part in (kinetic, strain, dissipated))  # type: ignore[return-value]
+
+
+def _shares(parts: FloatArray) -> FloatArray:
+    total = parts.sum(axis=0)
+    return np.divide(parts, total, out=np.zeros_like(parts), where=total != 0)
+

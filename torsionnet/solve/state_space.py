@@ -1,0 +1,147 @@
+"""State space of a drivetrain for python-control.
+
+Coordinates fall into three kinds: with inertia (a), massless but damped (b), and purely static (d):
+
+    M a'' + C (a', b') + K q = ..,    C_b (a', b') + K_b q = ..,    K_d q = ..
+
+The states are a, a' and b; d follows statically. A reading that contains the rate of an input has no state space.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsionnet.assembly.functionals import Functional, functional
+from torsionnet.assembly.rows import FloatArray, RowSystem
+from torsionnet.assembly.system import Assembly
+from torsionnet.channels import Input
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import UsageError
+from torsionnet.solve.reduction import null_basis, orthogonal_complement
+
+if TYPE_CHECKING:
+    import control
+
+NEGLIGIBLE = 1e-9
+
+
+@dataclass(frozen=True)
+class FirstOrder:
+    """x' = A x + B u, and the coordinates q = X x + U u."""
+
+    A: FloatArray
+    B: FloatArray
+    X: FloatArray
+    U: FloatArray
+
+
+def to_control(drivetrain: Drivetrain) -> control.StateSpace:
+    """See :meth:`torsionnet.Drivetrain.to_control`.
+
+    Raises
+    ------
+    UsageError
+        No inputs or sensors, frequency-dependent laws, an imposed angle, or a reading that contains the rate of an input.
+    """
+    import control
+
+    if not drivetrain.inputs or not drivetrain.sensors:
+        msg = "a state space needs at least one input and one sensor in the model"
+        raise UsageError(msg)
+    assembly = drivetrain.assembly
+    inputs = list(drivetrain.inputs.values())
+    system = _first_order(assembly, inputs)
+    readings = [functional(drivetrain, sensor, name) for name, sensor in drivetrain.sensors.items()]
+    rows = [_output(assembly, reading, inputs, system) for reading in readings]
+    C, D = np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
+    return control.StateSpace(
+        system.A,
+        system.B,
+        C,
+        D,
+        inputs=list(drivetrain.inputs),
+        outputs=list(drivetrain.sensors),
+        name=drivetrain.title,
+        remove_useless_states=False,
+    )
+
+
+def _first_order(assembly: Assembly, inputs: Sequence[Input]) -> FirstOrder:
+    system = assembly.system
+    if system.dynamic:
+        names = ", ".join(sorted({assembly.owners[index] for index, _ in system.dynamic}))
+        msg = f"{names}: a stiffness that depends on frequency has no state space"
+        raise UsageError(msg)
+    if any(channel.quantity != "torque" for channel in inputs):
+        msg = "an imposed angle has no state space with torque inputs; make it a torque, or use frequency_response"
+        raise UsageError(msg)
+    loads = np.array([assembly.rows_of({channel.of: 1})[0] for channel in inputs]).T
+    return _condensed(system, *_kinds(system), loads)
+
+
+def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Bases of the coordinates with inertia, of the massless damped and of the static ones."""
+    massless = null_basis(system.rows[system.inertia > 0])
+    n = system.n_coordinates
+    heavy = np.asarray(orthogonal_complement(massless, n), dtype=float) if massless.shape[1] else np.eye(n)
+    damped_rows = system.rows[system.damping > 0] @ massless
+    still = null_basis(damped_rows)
+    moving = np.asarray(orthogonal_complement(still, massless.shape[1]), dtype=float)
+    return heavy, massless @ moving, massless @ still
+
+
+def _condensed(system: RowSystem, heavy: FloatArray, damped: FloatArray, static: FloatArray, loads: FloatArray) -> FirstOrder:
+    M, C, K = system.M, system.C, system.K
+    hold = np.linalg.solve(static.T @ K @ static, static.T) if static.shape[1] else np.zeros((0, len(K)))
+    n_a, n_b = heavy.shape[1], damped.shape[1]
+    X = np.hstack([heavy, np.zeros((len(K), n_a)), damped])
+    U = static @ hold @ loads
+    X = X - static @ hold @ K @ X
+    a, v, b = slice(0, n_a), slice(n_a, 2 * n_a), slice(2 * n_a, None)
+    A, B = np.zeros((2 * n_a + n_b, 2 * n_a + n_b)), np.zeros((2 * n_a + n_b, loads.shape[1]))
+    A[a, v] = np.eye(n_a)
+    if n_b:
+        slip = np.linalg.inv(damped.T @ C @ damped)
+        A[b] = -slip @ damped.T @ K @ X
+        A[b, v] -= slip @ damped.T @ C @ heavy
+        B[b] = slip @ damped.T @ (loads - K @ U)
+    weight = np.linalg.inv(heavy.T @ M @ heavy)
+    drag = heavy.T @ C
+    A[v] = -weight @ (heavy.T @ K @ X + drag @ damped @ A[b])
+    A[v, v] -= weight @ drag @ heavy
+    B[v] = weight @ (heavy.T @ (loads - K @ U) - drag @ damped @ B[b])
+    return FirstOrder(A, B, X, U)
+
+
+def _output(assembly: Assembly, reading: Functional, inputs: Sequence[Input], system: FirstOrder) -> tuple[FloatArray, FloatArray]:
+    """Rows of C and D; the coefficients of u' and u'' have to vanish."""
+    C = np.zeros(len(system.A))
+    D = np.array([reading.direct.get(channel.of, 0.0) for channel in inputs])
+    rates = np.zeros((2, len(inputs)))
+    sizes = np.zeros(2)
+    for term in reading.terms:
+        x, u = term.row @ system.X, term.row @ system.U
+        factors = _factors(assembly, term.law, term.power)
+        states, direct = (x, x @ system.A, x @ system.A @ system.A), (u, x @ system.B, x @ system.A @ system.B)
+        for factor, state, load in zip(factors, states, direct, strict=True):
+            C += term.factor * factor * state
+            D = D + term.factor * factor * load
+        improper = (factors[1] * u + factors[2] * (x @ system.B), factors[2] * u)
+        for order, part in enumerate(improper):
+            rates[order] += term.factor * part
+            sizes[order] += float(np.abs(term.factor * part).max(initial=0.0))
+    if np.any(np.abs(rates) > NEGLIGIBLE * np.maximum(sizes, 1e-300)[:, None]):
+        msg = f"{reading.name} contains the rate of change of an input; it has a frequency response but no state space"
+        raise UsageError(msg)
+    return C, D
+
+
+def _factors(assembly: Assembly, law: int | None, power: int) -> tuple[float, float, float]:
+    if law is None:
+        return float(power == 0), float(power == 1), float(power == 2)  # noqa: PLR2004
+    system = assembly.system
+    return float(system.stiffness[law]), float(system.damping[law]), float(system.inertia[law])

@@ -1,0 +1,79 @@
+"""A sentence about each mode: what strains, what swings against what, what damps."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.system import Assembly
+from torsionnet.solve.eigen import EigenSolution
+
+NOTEWORTHY = 0.1
+STILL = 1e-6
+
+
+def describe(
+    assembly: Assembly,
+    solution: EigenSolution,
+    shapes: ComplexArray,
+    elements: tuple[str, ...],
+    strain: FloatArray,
+    dissipated: FloatArray,
+) -> tuple[str, ...]:
+    """One description per mode; ``shapes`` (n_nodes, n_modes), shares (n_elements, n_modes)."""
+    sentences = []
+    for index, kind in enumerate(solution.kinds):
+        if kind == "rigid body":
+            sentences.append(_rigid(assembly, shapes[:, index]))
+        elif kind == "real pole":
+            sentences.append(_overdamped(solution.eigenvalues[index], elements, strain[:, index], dissipated[:, index]))
+        else:
+            crossings = vibration_nodes(assembly, shapes[:, index])
+            sentences.append(_vibration(elements, strain[:, index], crossings))
+    return tuple(sentences)
+
+
+def _rigid(assembly: Assembly, shape: ComplexArray) -> str:
+    still = int(np.sum(np.abs(shape) < STILL))
+    return "rigid-body rotation" if not still else f"rigid-body rotation of {len(assembly.nodes) - still} of {len(assembly.nodes)} nodes"
+
+
+def _leading(elements: tuple[str, ...], shares: FloatArray) -> str:
+    order = [index for index in np.argsort(-shares) if shares[index] >= NOTEWORTHY][:3]
+    order = order or list(np.argsort(-shares)[:1])
+    return ", ".join(f"{elements[index]} {100 * shares[index]:.0f} %" for index in order if shares[index] > 0)
+
+
+def _overdamped(value: complex, elements: tuple[str, ...], strain: FloatArray, dissipated: FloatArray) -> str:
+    time = 1 / abs(value.real) if value.real else math.inf
+    damping = _leading(elements, dissipated)
+    text = f"overdamped, time constant {time:.3g} s"
+    text += f"; damped by {damping}" if damping else ""
+    return text if strain.any() else f"{text}; no spring involved"
+
+
+def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[str]) -> str:
+    count = len(crossings)
+    nodes = "no node of vibration" if not count else f"{count} node{'s' if count > 1 else ''} of vibration"
+    where = f" in {', '.join(crossings)}" if 0 < count <= 3 else ""  # noqa: PLR2004
+    return f"strain in {_leading(elements, strain)}; {nodes}{where}"
+
+
+def vibration_nodes(assembly: Assembly, shape: ComplexArray) -> list[str]:
+    """Elastic elements within which the angle, referred over the element's ratio, changes its sign.
+
+    A complex shape is turned to its main phase first.
+    """
+    turned = (shape * np.exp(-0.5j * np.angle(np.sum(shape**2)))).real
+    angle = dict(zip(assembly.nodes, turned, strict=True))
+    limit = STILL * float(np.abs(turned).max(initial=0.0))
+    found: dict[frozenset[str], str] = {}
+    for owner, law in assembly.kinematics.laws:
+        if len(law.row) == 2 and law.is_elastic:  # noqa: PLR2004
+            (first, a), (second, b) = law.row.items()
+            left, right = float(a) * angle[first], -float(b) * angle[second]
+            if min(abs(left), abs(right)) > limit and left * right < 0:
+                found.setdefault(frozenset(law.row), owner)
+    return list(found.values())
