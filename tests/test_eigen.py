@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from torsionnet.assembly.rows import RowSystem
 from torsionnet.errors import SolveError
+from torsionnet.solve import refine
 from torsionnet.solve import spectrum as spectrum_module
 from torsionnet.solve.eigen import complex_modes, undamped_modes
 from torsionnet.solve.reduction import null_basis
@@ -273,6 +274,12 @@ def test_repeated_planet_modes_with_proportional_damping():
     assert np.linalg.matrix_rank(modes.vectors[:, 1:3], tol=1e-3) == 2
 
 
+def test_shape_on_an_exact_root():
+    p = refine.polynomial(np.eye(2), [np.array([4.0, 9.0]), np.zeros(2), np.ones(2)])
+    shape = refine.refine_vector(p, mpmath.mpc(0, 2), np.array([0.9, 0.3 + 0j]))
+    np.testing.assert_allclose(shape, [1, 0], atol=1e-20)
+
+
 def test_repeated_modes_survive_refinement(monkeypatch):
     monkeypatch.setattr(spectrum_module, "REFINE_ABOVE", 0.0)
     test_repeated_planet_modes()
@@ -282,7 +289,7 @@ def test_repeated_modes_survive_refinement(monkeypatch):
 # --- published values -----------------------------------------------------------------------------------------------
 
 
-def paper(I_1, I_2, k_1, k_2, c_1, c_2, c_M=0.3):  # noqa: PLR0917
+def paper(I_1, I_2, k_1, k_2, c_1, c_2, c_M=0.3):
     """Galvagno et al. (2015), eq. (14), both rigs."""
     return system(([1, 0], I_1, c_M, 0), ([0, 1], I_2, c_2, k_2), ([1, -1], 0, c_1, k_1))
 
@@ -385,8 +392,9 @@ def test_undamped_frequencies_of_graded_chains_agree_with_the_eigenvalues():
         np.testing.assert_allclose(undamped_modes(s)[0], complex_modes(s).eigenvalues.imag, rtol=1e-9)
 
 
-def test_long_gear_train_locked_at_one_end_has_no_rigid_body():
-    n, ratio = 25, 5.0
+@pytest.mark.parametrize("ratio", [0.2, 5.0])
+def test_long_gear_train_locked_at_one_end_has_no_rigid_body(ratio):
+    n = 25
     laws = [(np.eye(n)[i], 1.0, 0, 1e3 * (i == 0)) for i in range(n)]
     laws += [(np.eye(n)[i] - ratio * np.eye(n)[i + 1], 0, 0, 1e3) for i in range(n - 1)]
     assert rigid_count(complex_modes(system(*laws))) == 0
@@ -422,6 +430,15 @@ def test_overdamped_with_hysteresis_gives_the_real_poles_at_rest():
     np.testing.assert_allclose(real_poles(modes), np.sort(np.roots([2, 200, 50])), rtol=1e-12)
 
 
+def test_overdamped_inertia_beside_an_oscillating_one_with_hysteresis():
+    nodes = ([1, 0], 1, 100.0, 0), ([0, 1], 1, 0, 0), ([1, -1], 0, 0, 0.01)
+    s = system(*nodes, dynamic=[(0, hysteretic(1.0, 0.2)), (1, hysteretic(100.0, 0.2))])
+    modes = complex_modes(s)
+    assert sorted(modes.kinds) == ["oscillatory", "real pole", "real pole"]
+    np.testing.assert_allclose(oscillatory(modes), 10j * np.sqrt(1 + 0.2j), rtol=1e-3)
+    np.testing.assert_allclose(real_poles(modes), np.sort(np.roots([1, 100, 1.01])), rtol=1e-3)
+
+
 def test_graded_hysteretic_chain_is_refined():
     J, k, eta = np.array([1e-5, 3e4, 2.0]), np.array([1e10, 1e2]), 0.2
     s = system(
@@ -438,6 +455,7 @@ def test_stiffness_rising_with_frequency_is_a_fixed_point():
     (lam,) = modes.eigenvalues
     assert abs(2 * lam**2 + 0.3 * lam + rising(lam.imag)) < 1e-10 * abs(rising(lam.imag))
     assert modes.converged.all()
+    assert modes.iterations.max() <= 8
     omega, _ = undamped_modes(system(([1], 2.0, 0.3, 0), dynamic=[(0, rising)]))
     np.testing.assert_allclose(omega, np.roots([2, -10, -100]).max(), rtol=1e-12)
 
