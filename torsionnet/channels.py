@@ -21,7 +21,7 @@ UNITS = {"angle": "rad", "velocity": "rad/s", "acceleration": "rad/s^2", "twist"
 
 @dataclass(frozen=True)
 class Sensor:
-    """A measured quantity: ``angle``, ``velocity`` or ``acceleration`` of a node, ``twist`` or ``torque`` of an element.
+    """A measured quantity: angle, velocity or acceleration of a node, twist or torque of an element.
 
     ``at`` is the port (or its node) where a torque is taken; without it, the port that defines the element's sign.
 
@@ -95,7 +95,8 @@ def _read_entry(raw: Any, quantities: tuple[str, ...], extra: tuple[str, ...], e
         raise FieldError(msg)
     for key in raw:
         if key not in quantities and key not in extra:
-            msg = f'unknown key "{key}"{did_you_mean(str(key), (*quantities, *extra))}; expected {" or ".join(quantities)}'
+            hint = did_you_mean(str(key), (*quantities, *extra))
+            msg = f'unknown key "{key}"{hint}; expected {" or ".join(quantities)}'
             raise FieldError(msg, (key,))
     given = [key for key in raw if key in quantities]
     if len(given) != 1:

@@ -37,7 +37,9 @@ class Overlay:
 def read_configurations(raw: Any) -> tuple[dict[str, dict[str, Overlay]], list[Fault]]:
     """Axes of alternatives from ``{gear: {II: {tau: 7.96}}}``; without axes, ``{II: {tau: 7.96}}``, there is one."""
     if not isinstance(raw, Mapping):
-        return {}, [Fault(f"expected axes of alternatives, gear: {{II: {{tau: 7.96}}}}, got {raw!r}", ("configurations",))]
+        return {}, [
+            Fault(f"expected axes of alternatives, gear: {{II: {{tau: 7.96}}}}, got {raw!r}", ("configurations",))
+        ]
     if raw and not any(_is_axis(entry) for entry in raw.values()):
         overlays, faults = _read_axis(raw, ("configurations",))
         return {DEFAULT_AXIS: overlays}, faults
@@ -64,7 +66,9 @@ def _read_axis(alternatives: Mapping[str, Any], path: tuple[str, ...]) -> tuple[
     faults: list[Fault] = []
     for name, raw in alternatives.items():
         if any(mark in str(name) for mark in ",= \t"):
-            faults.append(Fault(f'"{name}" is no name for a configuration: no spaces, commas or =', (*path, name), on_key=True))
+            faults.append(
+                Fault(f'"{name}" is no name for a configuration: no spaces, commas or =', (*path, name), on_key=True)
+            )
             continue
         overlays[str(name)], found = read_overlay(raw, (*path, name))
         faults += found

@@ -123,7 +123,9 @@ def collect_elements(elements: Iterable[Element]) -> tuple[dict[str, Element], l
     faults: list[Fault] = []
     for element in elements:
         if element.name in table:
-            faults.append(Fault(f'two elements are named "{element.name}"; names must be unique', ("elements", element.name)))
+            faults.append(
+                Fault(f'two elements are named "{element.name}"; names must be unique', ("elements", element.name))
+            )
         table[element.name] = element
     return table, faults
 
@@ -152,14 +154,18 @@ def _key_faults(data: Mapping[Any, Any]) -> list[Fault]:
     if version is None:
         faults.append(Fault("the first entry of a model file is torsionnet: 1, the version of the format"))
     elif version != VERSION or isinstance(version, bool):
-        faults.append(Fault(f"this is format {version!r}; the installed version reads format {VERSION}", ("torsionnet",)))
+        faults.append(
+            Fault(f"this is format {version!r}; the installed version reads format {VERSION}", ("torsionnet",))
+        )
     return faults
 
 
 def read_elements(raw: Any) -> tuple[dict[str, Element], list[Fault]]:
     """Every element that can be made, and the faults of the others."""
     if not isinstance(raw, Mapping) or not raw:
-        return {}, [Fault("a model needs elements: {name: {type: inertia, node: ..., inertia: ...}, ...}", ("elements",))]
+        return {}, [
+            Fault("a model needs elements: {name: {type: inertia, node: ..., inertia: ...}, ...}", ("elements",))
+        ]
     elements: dict[str, Element] = {}
     faults: list[Fault] = []
     for name, entry in raw.items():
@@ -183,18 +189,25 @@ def _read_element(name: Any, entry: Any) -> Element:
     declared = {entry.name: entry for entry in cls.declared()}
     faults = [
         Fault(
-            f'unknown key "{key}"{did_you_mean(str(key), declared)}; {kind} has {", ".join(declared)}', (*path, key), on_key=True
+            f'unknown key "{key}"{did_you_mean(str(key), declared)}; {kind} has {", ".join(declared)}',
+            (*path, key),
+            on_key=True,
         )
         for key in entry
         if key != "type" and key not in declared
     ]
     missing = [key for key, spec in declared.items() if spec.default is MISSING and key not in entry]
-    faults += [Fault(f"{kind} {name} needs {key}: {declared[key].metadata['spec'].description}", path, on_key=True) for key in missing]
+    faults += [
+        Fault(f"{kind} {name} needs {key}: {declared[key].metadata['spec'].description}", path, on_key=True)
+        for key in missing
+    ]
     given = {key: value for key, value in entry.items() if key in declared}
     try:
-        element = cls(name, **given, **dict.fromkeys(missing))
+        element = cls(name, **(given | dict.fromkeys(missing)))
     except ModelError as error:
-        raise ModelError([*faults, *(fault for fault in error.faults if fault.path[2:3] not in [(key,) for key in missing])]) from None
+        raise ModelError(
+            [*faults, *(fault for fault in error.faults if fault.path[2:3] not in [(key,) for key in missing])]
+        ) from None
     if faults:
         raise ModelError(faults)
     return element
@@ -204,4 +217,6 @@ def _kind_fault(kind: Any, path: Path) -> Fault:
     known = ", ".join(ELEMENT_TYPES)
     if kind is None:
         return Fault(f"an element needs a type: {known}", path, on_key=True)
-    return Fault(f'no element type is named "{kind}"{did_you_mean(str(kind), ELEMENT_TYPES)}; known: {known}', (*path, "type"))
+    return Fault(
+        f'no element type is named "{kind}"{did_you_mean(str(kind), ELEMENT_TYPES)}; known: {known}', (*path, "type")
+    )

@@ -22,6 +22,7 @@ from torsionnet.speeds import mean_speeds, mean_torques, total_ratio
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from typing import TypeAlias
 
     import control
     import networkx as nx
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from torsionnet.assembly.system import Assembly
     from torsionnet.response import FrequencyResponse, Modes
 
-Channels = "str | Sensor | Sequence[str | Sensor]"
+    Channels: TypeAlias = str | Sensor | Sequence[str | Sensor]
 
 
 class Drivetrain:
@@ -49,7 +50,7 @@ class Drivetrain:
         Name -> ``{"torque": node}``, ``{"angle": node}``; ``{"angle": node}``, ``{"torque": element, "at": node}``, ...
         A node whose angle is imposed by an input stands still wherever that input is not the excitation.
     configurations : mapping, optional
-        Axis -> alternative -> ``{parameter: value, "on": [...], "off": [...]}``; with a single axis, its name may be left out.
+        Axis -> alternative -> ``{parameter: value, "on": [...], "off": [...]}``; one axis needs no name.
     operating_point : mapping, optional
         ``{"speed": {node: value}, "torque": {node: value}}``.
     source, description : str, optional
@@ -100,7 +101,9 @@ class Drivetrain:
         self._findings = tuple(faults)
 
     @classmethod
-    def from_definition(cls, definition: Definition, choice: Mapping[str, str], findings: Iterable[Fault]) -> Drivetrain:
+    def from_definition(
+        cls, definition: Definition, choice: Mapping[str, str], findings: Iterable[Fault]
+    ) -> Drivetrain:
         """Drivetrain of a definition that has been checked."""
         new = cls.__new__(cls)
         new._definition = definition  # noqa: SLF001
@@ -197,8 +200,8 @@ class Drivetrain:
         name : str
             ``"V"``, or ``"gear=V,clutch=open"`` where there are several axes. Axes not named keep their state.
         **overrides
-            Parameter values: SI numbers, quantities or expressions. A derived parameter given here loses its expression,
-            and everything derived from it follows the new value.
+            Parameter values: SI numbers, quantities or expressions. A derived parameter given here loses its
+            expression, and everything derived from it follows the new value.
 
         Raises
         ------
@@ -274,7 +277,7 @@ class Drivetrain:
     def frequency_response(
         self,
         output: Channels,
-        input: Channels,  # noqa: A002
+        input: Channels,
         frequencies: ArrayLike,
         *,
         excitation: str | Sequence[str] | None = None,
@@ -357,7 +360,9 @@ class Drivetrain:
         return hash((self.name, tuple(self._definition.elements)))
 
     def __repr__(self) -> str:
-        counts = f"{len(self.elements)} elements, {len(self.nodes)} nodes, {len(self._definition.parameters)} parameters"
+        counts = (
+            f"{len(self.elements)} elements, {len(self.nodes)} nodes, {len(self._definition.parameters)} parameters"
+        )
         chosen = f", {self.configuration}" if self._choice else ""
         return f"<Drivetrain {self.name!r}: {counts}{chosen}>"
 

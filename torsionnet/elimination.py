@@ -42,7 +42,13 @@ class Reduction:
 
 def exact(number: Any) -> Fraction:
     """The rational a number was written as: 0.1 becomes 1/10, not its binary neighbour."""
-    return number if isinstance(number, Fraction) else Fraction(repr(float(number))) if isinstance(number, float) else Fraction(number)
+    return (
+        number
+        if isinstance(number, Fraction)
+        else Fraction(repr(float(number)))
+        if isinstance(number, float)
+        else Fraction(number)
+    )
 
 
 def reduce_rows(rows: Sequence[Mapping[N, Any]], order: Mapping[N, int], keep: Collection[N] = ()) -> Reduction:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
@@ -10,7 +10,7 @@ from typing import Any
 from torsionnet.definition import Definition, all_nodes
 from torsionnet.elements import Constraint, Law, Part, Row, Values
 from torsionnet.elimination import Reduction, exact, reduce_rows, smallest_culprits, substitute
-from torsionnet.errors import UsageError
+from torsionnet.errors import UsageError, did_you_mean
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Kinematics:
     reduction: Reduction
     coordinates: tuple[str, ...]
 
-    def reduced(self, row: Row) -> Row:
+    def reduced(self, row: Mapping[str, Any]) -> Row:
         """A row over nodes as a row over coordinates and imposed angles."""
         return substitute(row, self.reduction.solved)
 
@@ -103,9 +103,14 @@ def solve_kinematics(definition: Definition, value: Values, referred_to: Collect
     order = {node: index for index, node in enumerate(nodes)}
     keep = {*referred_to, *(pseudo_node(name) for name in imposed)}
     reduction = reduce_rows(rows, order, keep)
-    tied = [index for index, row in enumerate(rows) if index in reduction.blocked and _names_kept(row, reduction, referred_to)]
+    tied = [
+        index
+        for index, row in enumerate(rows)
+        if index in reduction.blocked and _names_kept(row, reduction, referred_to)
+    ]
     if tied and referred_to:
-        msg = f"{', '.join(referred_to)} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground"
+        kept = ", ".join(referred_to)
+        msg = f"{kept} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground"
         raise UsageError(msg)
     coordinates = tuple(node for node in nodes if node not in reduction.solved)
     return Kinematics(nodes, parts, tuple(imposed), reduction, coordinates)
@@ -116,8 +121,6 @@ def _names_kept(row: Row, reduction: Reduction, referred_to: Collection[str]) ->
 
 
 def _require_nodes(wanted: Collection[str], nodes: Collection[str]) -> None:
-    from torsionnet.errors import did_you_mean
-
     for node in wanted:
         if node not in nodes:
             msg = f'no node is named "{node}"{did_you_mean(node, nodes)}'
@@ -163,7 +166,8 @@ def virtual_motion(kinematics: Kinematics, index: int) -> dict[str, Fraction]:
     reduction = reduce_rows([*imposed, *rows], order, {_UNIT})
     for blocked, origin in reduction.blocked.items():
         loop = sorted({number - len(imposed) for number in (*origin, blocked) if number >= len(imposed)})
-        loop_names = list(dict.fromkeys(names[number] for number in loop))
+        owners = {names[number] for number in loop}
+        loop_names = list(dict.fromkeys(name for name, _ in constraints if name in owners))
         raise UsageError(_indeterminate(constraints[index][0], loop_names))
     solved = reduction.solved
     return {node: row[_UNIT] for node, row in solved.items() if _UNIT in row}

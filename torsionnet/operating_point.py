@@ -25,10 +25,14 @@ class OperatingPoint:
 
     def to_data(self) -> dict[str, Any]:
         tables = {"speed": self.speed, "torque": self.torque}
-        return {name: {node: plain_scalar(value) for node, value in table.items()} for name, table in tables.items() if table}
+        return {
+            name: {node: plain_scalar(value) for node, value in table.items()}
+            for name, table in tables.items()
+            if table
+        }
 
     def overlaid(self, other: OperatingPoint | None) -> OperatingPoint:
-        """This point with the entries of ``other`` replacing its own."""
+        """A point with the entries of ``other`` replacing its own."""
         if other is None:
             return self
         return OperatingPoint({**self.speed, **other.speed}, {**self.torque, **other.torque})
@@ -43,7 +47,9 @@ def read_operating_point(raw: Any, path: tuple[str, ...] = ("operating_point",))
     if not isinstance(raw, Mapping):
         return OperatingPoint(), [Fault(f"expected {{speed: {{node: 1500 rpm}}}}, got {raw!r}", path)]
     faults = [
-        Fault(f'unknown key "{key}"{did_you_mean(str(key), TABLES)}; expected speed or torque', (*path, key), on_key=True)
+        Fault(
+            f'unknown key "{key}"{did_you_mean(str(key), TABLES)}; expected speed or torque', (*path, key), on_key=True
+        )
         for key in raw
         if key not in TABLES
     ]

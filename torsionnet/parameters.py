@@ -120,7 +120,9 @@ def evaluation_order(parameters: Mapping[str, Parameter]) -> tuple[list[str], li
     return order, cycles
 
 
-def _visit(start: str, parameters: Mapping[str, Parameter], state: dict[str, int], order: list[str], cycles: list[list[str]]) -> None:
+def _visit(
+    start: str, parameters: Mapping[str, Parameter], state: dict[str, int], order: list[str], cycles: list[list[str]]
+) -> None:
     """Depth first without recursion: a chain of a thousand derived parameters is fine. State 1: open, 2: done."""
     if start in state:
         return

@@ -48,7 +48,8 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
         msg = f"{second} cannot turn, there is no ratio to it"
         raise UsageError(msg)
     if row and row.keys() != other.keys():
-        msg = f"no fixed ratio between {first} and {second}: {', '.join(sorted(row.keys() | other.keys()))} turn independently"
+        free = ", ".join(sorted(row.keys() | other.keys()))
+        msg = f"no fixed ratio between {first} and {second}: {free} turn independently"
         raise UsageError(msg)
     ratios = {row.get(node, Fraction(0)) / other[node] for node in other}
     if len(ratios) > 1:
@@ -61,12 +62,16 @@ def mean_speeds(definition: Definition, values: Mapping[str, Any]) -> dict[str, 
     """Mean speed in rad/s of every node that the operating point determines."""
     given = _numbers(definition.operating_point, values)
     order = {node: index for index, node in enumerate(all_nodes(definition.active))}
-    rows: list[dict[str, Fraction]] = [{node: Fraction(1), _UNIT: -speed} for node, speed in given.items() if node in order]
+    rows: list[dict[str, Fraction]] = [
+        {node: Fraction(1), _UNIT: -speed} for node, speed in given.items() if node in order
+    ]
     reduction = reduce_rows([*holding_rows(definition, values), *rows], order, {_UNIT})
     if reduction.blocked:
         raise ModelError([Fault(_contradiction(definition, rows), ("operating_point", "speed"))])
     solved = reduction.solved
-    return {node: float(solved[node].get(_UNIT, 0)) for node in order if node in solved and solved[node].keys() <= {_UNIT}}
+    return {
+        node: float(solved[node].get(_UNIT, 0)) for node in order if node in solved and solved[node].keys() <= {_UNIT}
+    }
 
 
 def mean_torques(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:
@@ -79,5 +84,7 @@ def _numbers(point: OperatingPoint, values: Mapping[str, Any]) -> dict[str, Frac
 
 
 def _contradiction(definition: Definition, rows: list[dict[str, Fraction]]) -> str:
-    shown = ", ".join(f"{node} {definition.operating_point.speed[node]}" for row in rows for node in row if node != _UNIT)
+    shown = ", ".join(
+        f"{node} {definition.operating_point.speed[node]}" for row in rows for node in row if node != _UNIT
+    )
     return f"the mean speeds ({shown}) do not fit the ratios between these nodes"

@@ -132,7 +132,7 @@ def _law_term(assembly: Assembly, index: int, factor: float) -> Term:
 
 
 def _multiplier(assembly: Assembly, index: int, factor: float) -> tuple[list[Term], dict[str, float]]:
-    """lambda = z^T (B u - D theta) times ``factor``."""
+    """Lambda = z^T (B u - D theta) times ``factor``."""
     motion = virtual_motion(assembly.kinematics, index)
     terms = []
     laws = [law for _, law in assembly.kinematics.laws if law.acts]

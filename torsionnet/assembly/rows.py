@@ -49,25 +49,25 @@ class RowSystem:
     def n_coordinates(self) -> int:
         return int(self.rows.shape[1])
 
-    def _gram(self, coefficients: NDArray[np.generic]) -> NDArray[np.generic]:
+    def _gram(self, coefficients: FloatArray) -> FloatArray:
         used = np.flatnonzero(coefficients)
         rows = self.rows[used]
-        return np.asarray(rows.T @ (coefficients[used, None] * rows))
+        return np.asarray(rows.T @ (coefficients[used, None] * rows), dtype=float)
 
     @cached_property
     def M(self) -> FloatArray:
         """Inertia matrix (n_q, n_q), kg m^2."""
-        return np.asarray(self._gram(self.inertia), dtype=float)
+        return self._gram(self.inertia)
 
     @cached_property
     def C(self) -> FloatArray:
         """Viscous damping matrix (n_q, n_q), N m s/rad."""
-        return np.asarray(self._gram(self.damping), dtype=float)
+        return self._gram(self.damping)
 
     @cached_property
     def K(self) -> FloatArray:
         """Stiffness matrix (n_q, n_q), N m/rad, without frequency-dependent parts."""
-        return np.asarray(self._gram(self.stiffness), dtype=float)
+        return self._gram(self.stiffness)
 
     def kappa(self, omega: float) -> ComplexArray:
         """Frequency-dependent complex stiffness of each law at one omega in rad/s, shape (n_laws,)."""

@@ -195,7 +195,9 @@ class _Sum:
         size = len(self.index)
         result = sympy.zeros(size, size)
         for place, groups in self.entries.items():
-            result[place] = sympy.Add(*(ratio * sympy.expand(total) if ratio != 1 else sympy.expand(total) for ratio, total in groups.items()))
+            result[place] = sympy.Add(
+                *(ratio * sympy.expand(total) if ratio != 1 else sympy.expand(total) for ratio, total in groups.items())
+            )
         return result
 
 

@@ -1,4 +1,4 @@
-"""Does every name mean something, and does everything named get used?"""
+"""Checks of names: does every name mean something, and does everything named get used."""
 
 from __future__ import annotations
 
@@ -74,13 +74,14 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
                 faults.append(_unknown_node(channel.of, nodes, (table, name, channel.quantity)))
     points: list[tuple[Path, OperatingPoint | None]] = [(("operating_point",), definition.operating_point)]
     for axis, alternatives in definition.axes.items():
-        for label, overlay in alternatives.items():
-            points.append((("configurations", axis, label, "operating_point"), overlay.operating_point))
+        points += [
+            (("configurations", axis, label, "operating_point"), overlay.operating_point)
+            for label, overlay in alternatives.items()
+        ]
     for path, point in points:
         for table in ("speed", "torque"):
-            for node in getattr(point, table, {}):
-                if node not in nodes:
-                    faults.append(_unknown_node(str(node), nodes, (*path, table, node)))
+            given = getattr(point, table, {})
+            faults += [_unknown_node(str(node), nodes, (*path, table, node)) for node in given if node not in nodes]
     return faults
 
 
@@ -97,7 +98,12 @@ def unknown_elements(definition: Definition) -> list[Fault]:
         elif sensor.at is not None and sensor.at not in {*element.ports, *element.ports.values()}:
             ports = [node for node in element.ports.values() if node != GROUND]
             hint = did_you_mean(sensor.at, ports)
-            faults.append(Fault(f'{sensor.of} is not attached to "{sensor.at}"{hint}; it is attached to {", ".join(ports)}', ("sensors", name, "at")))
+            faults.append(
+                Fault(
+                    f'{sensor.of} is not attached to "{sensor.at}"{hint}; it is attached to {", ".join(ports)}',
+                    ("sensors", name, "at"),
+                )
+            )
     return faults
 
 
@@ -155,7 +161,9 @@ def dead_ends(definition: Definition) -> list[Fault]:
     for node, names in touching.items():
         if len(names) == 1 and node not in used and len(definition.elements[names[0]].ports) > 1:
             others = [other for other in touching if other != node]
-            text = f'only {names[0]} is attached to node "{node}"{did_you_mean(node, others)}; it carries no torque there'
+            text = (
+                f'only {names[0]} is attached to node "{node}"{did_you_mean(node, others)}; it carries no torque there'
+            )
             faults.append(Fault(text, ("elements", names[0]), "warning", on_key=True))
     return faults
 

@@ -30,7 +30,9 @@ def unconnected_parts(definition: Definition) -> list[Fault]:
         hints = [did_you_mean(node, main) for node in sorted(group)]
         hint = next((text for text in hints if text), "")
         order = [node for node in all_nodes(definition.elements.values()) if node in group]
-        text = f"{_listed(order)} {'is' if len(order) == 1 else 'are'} not connected to the rest of the drivetrain{hint}"
+        text = (
+            f"{_listed(order)} {'is' if len(order) == 1 else 'are'} not connected to the rest of the drivetrain{hint}"
+        )
         faults.append(Fault(text, ("elements", owner), on_key=True))
     return faults
 
@@ -73,9 +75,12 @@ def massless_without_hold(definition: Definition, kinematics: Kinematics) -> lis
         nodes = [node for node in kinematics.nodes if kinematics.reduced({node: 1}).keys() & moving]
         if not nodes:
             continue
-        owner = next((name for name, element in definition.elements.items() if nodes[0] in element.ports.values()), None)
+        owner = next(
+            (name for name, element in definition.elements.items() if nodes[0] in element.ports.values()), None
+        )
         verb = "moves" if len(nodes) == 1 else "move together"
-        text = f"{_listed(nodes)} {verb} freely, with no inertia, spring or damper to hold {'it' if len(nodes) == 1 else 'them'}"
+        them = "it" if len(nodes) == 1 else "them"
+        text = f"{_listed(nodes)} {verb} freely, with no inertia, spring or damper to hold {them}"
         faults.append(Fault(text, ("elements", owner) if owner else (), on_key=True))
     return faults
 
@@ -99,13 +104,24 @@ def locked_inputs(definition: Definition, kinematics: Kinematics) -> list[Fault]
         if row is not None and not row:
             faults.append(Fault(f'"{channel.of}" is locked; an input there does nothing', path))
         elif channel.quantity == "torque" and channel.of in imposed:
-            faults.append(Fault(f'the angle of "{channel.of}" is imposed by {imposed[channel.of]}; a torque there does nothing', path))
+            faults.append(
+                Fault(
+                    f'the angle of "{channel.of}" is imposed by {imposed[channel.of]}; a torque there does nothing',
+                    path,
+                )
+            )
     fixed = [index for index in kinematics.reduction.blocked if index < len(kinematics.imposed)]
     for index in fixed:
         name = kinematics.imposed[index]
-        faults.append(Fault(f"the angle imposed by {name} contradicts a rigid connection to another imposed angle", ("inputs", name)))
+        faults.append(
+            Fault(
+                f"the angle imposed by {name} contradicts a rigid connection to another imposed angle", ("inputs", name)
+            )
+        )
     if not fixed and kinematics.reduction.blocked:
-        faults.append(Fault("two imposed angles act on nodes that are rigidly connected", ("inputs", kinematics.imposed[-1])))
+        faults.append(
+            Fault("two imposed angles act on nodes that are rigidly connected", ("inputs", kinematics.imposed[-1]))
+        )
     return faults
 
 

@@ -1,4 +1,4 @@
-"""Do dimensions and sizes make sense?"""
+"""Checks of dimensions and sizes."""
 
 from __future__ import annotations
 
@@ -47,7 +47,8 @@ def _dimension_fault(expression: Expression, wanted: str, known: Mapping[str, Di
     hint = ""
     if found * DIMENSIONS[wanted] == DIMENSIONS["1"]:
         hint = f"; write 1/{expression}" if str(expression) in expression.names else f"; write 1/({expression})"
-    return f'"{expression}" has the dimension of {found}; expected {wanted if wanted != "1" else "a plain number"} in {expected_unit(wanted)}{hint}'
+    expected = "a plain number" if wanted == "1" else f"{wanted} in {expected_unit(wanted)}"
+    return f'"{expression}" has the dimension of {found}; expected {expected}{hint}'
 
 
 def _overlay_fault(value: Expression, base: Dimension | None, known: Mapping[str, Dimension | None]) -> str | None:
@@ -99,14 +100,23 @@ def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measu
     shown = f"{expression} = {value:g}" if expression.names else f"{value:g}"
     if measure:
         positive = wanted == "frequency" or not isinstance(spec, DampingQuantity)
-        return f"{shown}: must {'be greater than' if positive else 'not be less than'} 0" if value < 0 or (positive and value == 0) else None
+        return (
+            f"{shown}: must {'be greater than' if positive else 'not be less than'} 0"
+            if value < 0 or (positive and value == 0)
+            else None
+        )
     reason = spec.bound_fault(value) if isinstance(spec, Quantity) else None
     return f"{shown}: {spec.description if isinstance(spec, Quantity) else ''} {reason}" if reason else None
 
 
 def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
     """A safety net behind the bounds of single fields: no law may have a negative coefficient."""
-    names = {name for _, (spec, value) in element.scalars().items() for _, expression, _ in spec.expressions(value) for name in expression.names}
+    names = {
+        name
+        for _, (spec, value) in element.scalars().items()
+        for _, expression, _ in spec.expressions(value)
+        for name in expression.names
+    }
     if not names <= numbers.keys():
         return []
     try:
@@ -115,14 +125,23 @@ def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
         return [Fault(f"{element.name} cannot be calculated: {error}", ("elements", element.name))]
     for part in parts:
         if isinstance(part, Law) and min(part.inertia, part.damping, part.stiffness, part.loss_factor) < 0:
-            return [Fault(f"the values of {element.name} give it a negative inertia, damping or stiffness", ("elements", element.name))]
+            return [
+                Fault(
+                    f"the values of {element.name} give it a negative inertia, damping or stiffness",
+                    ("elements", element.name),
+                )
+            ]
     return []
 
 
 def passive_tables(definition: Definition) -> list[Fault]:
     """Tabulated damping below zero: the element would feed energy into a vibration."""
     return [
-        Fault(f"the damping of {name} is negative at some frequency; it would drive the vibration there", ("elements", name, "table"), "warning")
+        Fault(
+            f"the damping of {name} is negative at some frequency; it would drive the vibration there",
+            ("elements", name, "table"),
+            "warning",
+        )
         for name, element in definition.elements.items()
         for entry, (_, value) in element.scalars().items()
         if entry == "table" and not value.is_passive

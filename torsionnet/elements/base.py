@@ -46,11 +46,13 @@ class Element:
     glyph: ClassVar[str] = ""
     """How the schematic draws it: disc, spring, damper, coupling, gear, planetary, differential, clamp or shaft."""
     sign: ClassVar[str] = "positive when it drives from the first node into the element"
-    """What a positive torque through the element means; at any other port: positive when it drives out of the element."""
+    """What a positive torque means at the first port; at any other: positive when it drives out of the element."""
 
     name: str
     description: str = entry(Text("free text for tables and reports"), "", kw_only=True)
-    enabled: bool = entry(Flag("whether the element takes part before a configuration says otherwise"), True, kw_only=True)
+    enabled: bool = entry(
+        Flag("whether the element takes part before a configuration says otherwise"), True, kw_only=True
+    )
 
     def __post_init__(self) -> None:
         faults = [*self._coerce_fields()]
@@ -75,7 +77,7 @@ class Element:
     def declared(cls) -> tuple[Field[Any], ...]:
         """The fields with a specification, in the order of the class; the common ones last."""
         own = [declared for declared in fields(cls) if "spec" in declared.metadata]
-        return tuple(sorted(own, key=lambda declared: declared.kw_only))
+        return tuple(sorted(own, key=lambda declared: declared.kw_only is True))
 
     def contradictions(self) -> list[tuple[Path, str]]:
         """(path, message) of fields that are fine alone but not together."""
@@ -138,4 +140,15 @@ def viscous(damping: Any, stiffness: Any, value: Values) -> Any:
     return 0 if damping is None else value(damping)
 
 
-__all__ = ["ELEMENT_TYPES", "Constraint", "Element", "Law", "Part", "Row", "Values", "make_element", "register", "viscous"]
+__all__ = [
+    "ELEMENT_TYPES",
+    "Constraint",
+    "Element",
+    "Law",
+    "Part",
+    "Row",
+    "Values",
+    "make_element",
+    "register",
+    "viscous",
+]

@@ -111,7 +111,7 @@ class Quantity(Spec):
     exclusive: bool = False
     nonzero: bool = False
 
-    def coerce(self, raw: Any) -> Expression:
+    def coerce(self, raw: Any) -> Expression | DampingMeasure:
         return read_scalar(raw, self.dimension)
 
     def plain(self, value: Any) -> Any:
@@ -149,7 +149,9 @@ class DampingQuantity(Quantity):
         given = [key for key in raw if key != "at"]
         for key in given:
             if key not in MEASURES:
-                msg = f'"{key}" is no measure of damping{did_you_mean(str(key), MEASURES)}; known: {", ".join(MEASURES)}'
+                msg = (
+                    f'"{key}" is no measure of damping{did_you_mean(str(key), MEASURES)}; known: {", ".join(MEASURES)}'
+                )
                 raise FieldError(msg, (key,))
         if len(given) != 1:
             msg = f"give one measure of damping ({', '.join(MEASURES)}) and at: the frequency where it holds"
@@ -169,14 +171,16 @@ class DampingQuantity(Quantity):
         return {value.measure: plain_scalar(value.value), **at}
 
     def schema(self) -> dict[str, Any]:
-        keys = {**{name: SCALAR_SCHEMA for name in MEASURES}, "at": SCALAR_SCHEMA}
+        keys = {**dict.fromkeys(MEASURES, SCALAR_SCHEMA), "at": SCALAR_SCHEMA}
         measure = {"type": "object", "properties": keys, "additionalProperties": False, "minProperties": 1}
         return {"anyOf": [SCALAR_SCHEMA, measure], "description": f"{self.description} [N*m*s/rad]"}
 
     def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
         if not isinstance(value, DampingMeasure):
             return (((), value, self.dimension),)
-        entries: list[tuple[Path, Expression, str]] = [((value.measure,), value.value, "damping" if value.measure == "c" else "1")]
+        entries: list[tuple[Path, Expression, str]] = [
+            ((value.measure,), value.value, "damping" if value.measure == "c" else "1")
+        ]
         if value.at is not None:
             entries.append((("at",), value.at, "frequency"))
         return tuple(entries)
@@ -293,7 +297,13 @@ class NodePair(Spec):
         return list(value)
 
     def schema(self) -> dict[str, Any]:
-        return {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2, "description": self.description}
+        return {
+            "type": "array",
+            "items": {"type": "string"},
+            "minItems": 2,
+            "maxItems": 2,
+            "description": self.description,
+        }
 
 
 def _shown(raw: Any) -> str:
@@ -318,7 +328,13 @@ class Teeth(Spec):
         return list(value)
 
     def schema(self) -> dict[str, Any]:
-        return {"type": "array", "items": {"type": "integer"}, "minItems": 2, "maxItems": 2, "description": self.description}
+        return {
+            "type": "array",
+            "items": {"type": "integer"},
+            "minItems": 2,
+            "maxItems": 2,
+            "description": self.description,
+        }
 
 
 @dataclass(frozen=True)
@@ -445,4 +461,3 @@ def entry(spec: Spec, default: Any = MISSING, *, kw_only: bool = False) -> Any:
     if default is MISSING:
         return field(metadata={"spec": spec}, kw_only=kw_only)
     return field(default=default, metadata={"spec": spec}, kw_only=kw_only)
-

@@ -56,7 +56,9 @@ class Gear(Element):
     glyph: ClassVar[str] = "gear"
 
     nodes: Any = entry(NodePair("the two shafts; the ratio is speed of the first over speed of the second"))
-    ratio: Any = entry(Quantity("speed of the first node over speed of the second", "1", "tau", None, nonzero=True), None)
+    ratio: Any = entry(
+        Quantity("speed of the first node over speed of the second", "1", "tau", None, nonzero=True), None
+    )
     teeth: Any = entry(Teeth("teeth counts [first, second], ratio = second/first; one negative: opposite senses"), None)
     stiffness: Any = entry(MESH_STIFFNESS, None)
     damping: Any = entry(MESH_DAMPING, None)
@@ -88,8 +90,8 @@ class Planetary(Element):
 
     Held at zero when rigid; with a stiffness, the compliance of the meshes is lumped between the planets and the ring
     and referred to the sun. The planets roll on the sun: theta_planet = theta_carrier - 2 (theta_sun - theta_carrier) /
-    (z - 1), so that their own inertia acts on that row and their mass, at the orbit radius, on the carrier. Any member may
-    be on ``ground``. For meshes apart from each other build the set from gears with the carrier as housing.
+    (z - 1), so that their own inertia acts on that row and their mass, at the orbit radius, on the carrier. Any member
+    may be on ``ground``. For meshes apart from each other build the set from gears with the carrier as housing.
 
     Examples
     --------
@@ -106,7 +108,9 @@ class Planetary(Element):
     carrier: Any = entry(NodeName("the node of the carrier"))
     ratio: Any = entry(Quantity("teeth of the ring over teeth of the sun", "1", "z", 1.0, exclusive=True), None)
     teeth: Any = entry(Teeth("teeth counts [sun, ring], both positive"), None)
-    stiffness: Any = entry(Quantity("mesh stiffness referred to the sun; none: rigid", "stiffness", "k", exclusive=True), None)
+    stiffness: Any = entry(
+        Quantity("mesh stiffness referred to the sun; none: rigid", "stiffness", "k", exclusive=True), None
+    )
     damping: Any = entry(DampingQuantity("mesh damping referred to the sun", "damping", "c"), None)
     planets: Any = entry(Count("how many planets", 1, 20), 3)
     planet_inertia: Any = entry(Quantity("inertia of one planet about its own axis", "inertia", "J_p"), 0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, ClassVar
 
 from torsionnet.elements.base import Element, register, viscous
@@ -20,7 +21,8 @@ class Shaft(Element):
     With the polar moment of area I_p = pi (D^4 - d^4) / 32 the whole shaft has stiffness k = G I_p / L and inertia
     J = rho I_p L; each segment has n k and J / n. The inertia of a segment is lumped half and half on its ends
     (J/2n each), or consistent with a linear twist: J/(6n) [[2, 1], [1, 2]], which is J/4n on the sum and J/12n on the
-    difference of its end angles. Lumped frequencies approach those of the continuum from below, consistent ones from above.
+    difference of its end angles. With more segments the frequencies approach those of the continuum, lumped ones from
+    below, consistent ones from above.
 
     Examples
     --------
@@ -65,7 +67,7 @@ class Shaft(Element):
         damping = n * viscous(self.damping, stiffness, value)
         stations = (self.nodes[0], *self.internal_nodes, self.nodes[1])
         parts: list[Part] = []
-        for first, second in zip(stations, stations[1:], strict=False):
+        for first, second in pairwise(stations):
             parts += self._segment(first, second, n * stiffness, damping, inertia)
         return tuple(parts)
 

@@ -75,26 +75,31 @@ class FrequencyResponse:
 
     def decibels(self, conventions: Conventions = SI) -> FloatArray:
         """20 log10 of the magnitude in the unit shown over the dB reference."""
-        scale = np.array([[conventions.scale(self.unit(o, i)) ** self._power(o, i) for i in range(len(self.inputs))] for o in range(len(self.outputs))])
+        scale = np.array(
+            [
+                [conventions.scale(self.unit(o, i)) ** self._power(o, i) for i in range(len(self.inputs))]
+                for o in range(len(self.outputs))
+            ]
+        )
         with np.errstate(divide="ignore"):
             return np.asarray(20 * np.log10(self.magnitude * scale / conventions.db_reference))
 
-    def _power(self, output: int, input: int) -> int:  # noqa: A002
+    def _power(self, output: int, input: int) -> int:
         """+1 for an angle over something else, -1 for its inverse, 0 for a ratio of like signals."""
         return int("rad" in self.outputs[output].unit) - int("rad" in self.inputs[input].unit)
 
-    def scale(self, conventions: Conventions, output: int = 0, input: int = 0) -> float:  # noqa: A002
+    def scale(self, conventions: Conventions, output: int = 0, input: int = 0) -> float:
         """Factor from SI to the unit shown for one pair."""
         return float(conventions.scale("rad") ** self._power(output, input))
 
-    def unit(self, output: int = 0, input: int = 0, conventions: Conventions = SI) -> str:  # noqa: A002
+    def unit(self, output: int = 0, input: int = 0, conventions: Conventions = SI) -> str:
         """Unit of one pair, such as ``rad/(N*m)``; ``1`` for a ratio of like signals."""
         above, below = conventions.unit(self.outputs[output].unit), conventions.unit(self.inputs[input].unit)
         if above == below:
             return "1"
         return f"{above}/({below})" if "*" in below or "/" in below else f"{above}/{below}"
 
-    def kind(self, output: int = 0, input: int = 0) -> str:  # noqa: A002
+    def kind(self, output: int = 0, input: int = 0) -> str:
         """The field's word for one pair: receptance, mobility, accelerance, dynamic stiffness, torque ratio, ..."""
         above, below = self.outputs[output].unit, self.inputs[input].unit
         if below == "N*m":
@@ -103,7 +108,9 @@ class FrequencyResponse:
             return "dynamic stiffness" if below == "rad" else "transfer function"
         return "motion ratio" if above == below else "transfer function"
 
-    def select(self, output: str | Sequence[str] | None = None, input: str | Sequence[str] | None = None) -> FrequencyResponse:  # noqa: A002
+    def select(
+        self, output: str | Sequence[str] | None = None, input: str | Sequence[str] | None = None
+    ) -> FrequencyResponse:
         """The part with the named outputs and inputs."""
         rows, columns = _indices(output, self.outputs, "output"), _indices(input, self.inputs, "input")
         pick = np.ix_(range(len(self.frequencies)), rows, columns)
@@ -132,10 +139,10 @@ class FrequencyResponse:
         if wrong:
             msg = f"{', '.join(wrong)} is no angle, velocity or acceleration; select the outputs of motion first"
             raise UsageError(msg)
-        s = 2j * np.pi * self.frequencies[:, None]
+        s: ComplexArray = (2j * np.pi * self.frequencies[:, None]).astype(complex)
         steps = np.array([ORDERS[unit] - ORDERS[channel.unit] for channel in self.outputs])
         with np.errstate(divide="ignore", invalid="ignore"):
-            values = self.values * (s**steps)[:, :, None]
+            values = np.asarray(self.values * (s**steps)[:, :, None])
         return replace(self, values=values, outputs=tuple(Channel(channel.name, unit) for channel in self.outputs))
 
     def dynamic_stiffness(self) -> FrequencyResponse:
@@ -148,7 +155,8 @@ class FrequencyResponse:
         """
         receptance = self.receptance()
         if len(self.outputs) != len(self.inputs):
-            msg = f"dynamic stiffness is the inverse of a square receptance matrix; this one is {len(self.outputs)} x {len(self.inputs)}"
+            size = f"{len(self.outputs)} x {len(self.inputs)}"
+            msg = f"dynamic stiffness is the inverse of a square receptance matrix; this one is {size}"
             raise UsageError(msg)
         if not np.isfinite(receptance.values).all():
             msg = "the receptance is not finite at some frequency; leave that frequency out"
@@ -157,7 +165,7 @@ class FrequencyResponse:
         return replace(receptance, values=values, outputs=receptance.inputs, inputs=receptance.outputs, coherence=None)
 
     def response_amplitude(self, input_amplitudes: Any, conventions: Conventions = SI) -> FloatArray:
-        """Amplitude (n_f, n_out) of the response to harmonic inputs of the given *peak* amplitudes (n_in,) or (n_f, n_in).
+        """Amplitude (n_f, n_out) of the response to harmonic inputs of *peak* amplitude (n_in,) or (n_f, n_in).
 
         In the angle unit and the kind of amplitude (peak, RMS, peak-to-peak) of ``conventions``.
         """

@@ -40,7 +40,8 @@ class Modes:
     elements : tuple of str
         Names to the rows of the energy shares.
     kinetic, strain, dissipated : (n_elements, n_modes) arrays
-        Share of each element in the kinetic energy, strain energy and dissipated power of a mode; sums are 1 where there is any.
+        Share of each element in the kinetic energy, strain energy and dissipated power of a mode; the sum is 1 where
+        there is any.
     converged : (n_modes,) bool array
         False where the iteration for a frequency-dependent law did not settle.
     descriptions : tuple of str
@@ -89,7 +90,7 @@ class Modes:
         if node not in self.nodes:
             msg = f'no node is named "{node}"{did_you_mean(node, self.nodes)}'
             raise UsageError(msg)
-        return self.shapes[self.nodes.index(node)]
+        return np.asarray(self.shapes[self.nodes.index(node)])
 
     def energy_shares(self, mode: int) -> Mapping[str, tuple[float, float, float]]:
         """(kinetic, strain, dissipated) share of every element in one mode."""
@@ -137,7 +138,9 @@ class Modes:
             for value in row:
                 cells += [float(abs(value)), float(np.degrees(np.angle(value)))]
             rows.append((node, *cells))
-        return Table(f"{self.title}: mode shapes", tuple(columns), tuple(rows), ("scaled to 1 at the node that moves most",))
+        return Table(
+            f"{self.title}: mode shapes", tuple(columns), tuple(rows), ("scaled to 1 at the node that moves most",)
+        )
 
     def energy_table(self) -> Table:
         """One row per element: its share in kinetic energy, strain energy and dissipation of every mode, in percent."""
@@ -146,7 +149,11 @@ class Modes:
             columns += [Column(f"{what} {index + 1}", "%", 4) for what in ("kinetic", "strain", "dissipated")]
         rows = []
         for number, name in enumerate(self.elements):
-            shares = [100 * table[number, index] for index in range(len(self)) for table in (self.kinetic, self.strain, self.dissipated)]
+            shares = [
+                100 * table[number, index]
+                for index in range(len(self))
+                for table in (self.kinetic, self.strain, self.dissipated)
+            ]
             rows.append((name, *(float(share) for share in shares)))
         return Table(f"{self.title}: energy shares", tuple(columns), tuple(rows))
 

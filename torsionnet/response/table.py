@@ -39,13 +39,17 @@ class Table:
 
     def cells(self) -> list[list[str]]:
         """Every cell as text with the digits of its column."""
-        return [[show(value, column.digits) for value, column in zip(row, self.columns, strict=True)] for row in self.rows]
+        return [
+            [show(value, column.digits) for value, column in zip(row, self.columns, strict=True)] for row in self.rows
+        ]
 
     def to_text(self) -> str:
         headings = [column.heading for column in self.columns]
         cells = self.cells()
         widths = [max(len(row[i]) for row in [headings, *cells]) for i in range(len(headings))]
-        lines = ["  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in [headings, *cells]]
+        lines = [
+            "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True)) for row in [headings, *cells]
+        ]
         return "\n".join([self.title, *lines, *self.notes])
 
     def to_csv(self, path: str | Path | None = None) -> str:
@@ -75,7 +79,8 @@ class Table:
         head = line([column.heading for column in self.columns], "th")
         body = "\n".join(line(row, "td") for row in self.cells())
         notes = "".join(f"<br><small>{html.escape(note)}</small>" for note in self.notes)
-        return f"<table>\n<caption>{html.escape(self.title)}{notes}</caption>\n<thead>{head}</thead>\n<tbody>\n{body}\n</tbody></table>"
+        caption = f"<caption>{html.escape(self.title)}{notes}</caption>"
+        return f"<table>\n{caption}\n<thead>{head}</thead>\n<tbody>\n{body}\n</tbody></table>"
 
     def __str__(self) -> str:
         return self.to_text()
@@ -91,7 +96,13 @@ def show(value: Any, digits: int = 6) -> str:
 
 
 def _exact(value: Any) -> Any:
-    return "" if value is None or (isinstance(value, float) and math.isnan(value)) else repr(value) if isinstance(value, float) else value
+    return (
+        ""
+        if value is None or (isinstance(value, float) and math.isnan(value))
+        else repr(value)
+        if isinstance(value, float)
+        else value
+    )
 
 
 def _plain(value: Any) -> Any:

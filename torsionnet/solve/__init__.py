@@ -1,0 +1,1 @@
+"""Frequency responses, modes and state space from an assembled drivetrain."""

@@ -2,8 +2,8 @@
 
 A measured input does not leave the drivetrain as it is: whatever happens upstream of a torque transducer is in its
 reading. The poles of theta/T are those of the drivetrain cut at the transducer, with everything on the side of the
-excitation taken away, if the cut separates the two sides. Where it does not, or other quantities are measured, the poles are
-the rates at which the measured inputs stay zero while the excitations do what that takes.
+excitation taken away, if the cut separates the two sides. Where it does not, or other quantities are measured, the
+poles are the rates at which the measured inputs stay zero while the excitations do what that takes.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import GROUND, Element
 from torsionnet.errors import UsageError
 from torsionnet.response import Modes
-from torsionnet.solve.question import ask, as_sensor, excitations_of
+from torsionnet.solve.question import as_sensor, ask, excitations_of
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,11 @@ def cut_definition(definition: Definition, kept: tuple[str, ...]) -> Definition:
     """The definition with only the elements kept, and the inputs and sensors that still make sense."""
     elements: dict[str, Element] = {name: definition.elements[name] for name in kept}
     nodes = all_nodes(elements.values())
-    inputs = {name: channel for name, channel in definition.inputs.items() if channel.of in nodes and channel.quantity == "angle"}
+    inputs = {
+        name: channel
+        for name, channel in definition.inputs.items()
+        if channel.of in nodes and channel.quantity == "angle"
+    }
     sensors = {
         name: sensor
         for name, sensor in definition.sensors.items()

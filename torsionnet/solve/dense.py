@@ -45,7 +45,8 @@ def _solve(stiffness: ComplexArray, loads: ComplexArray) -> ComplexArray:
     try:
         return np.asarray(np.linalg.solve(scaled, right) / scale[:, :, None])
     except np.linalg.LinAlgError:
-        return np.stack([_one(matrix, load) for matrix, load in zip(scaled, right, strict=True)]) / scale[:, :, None]
+        solved = np.stack([_one(matrix, load) for matrix, load in zip(scaled, right, strict=True)])
+        return np.asarray(solved / scale[:, :, None])
 
 
 def _one(matrix: ComplexArray, load: ComplexArray) -> ComplexArray:

@@ -17,7 +17,9 @@ from torsionnet.solve.eigen import EigenSolution, complex_modes, scaled, undampe
 from torsionnet.solve.words import describe
 
 
-def modes(drivetrain: Drivetrain, *, measured_input: str | Sensor | None = None, excitation: str | None = None) -> Modes:
+def modes(
+    drivetrain: Drivetrain, *, measured_input: str | Sensor | None = None, excitation: str | None = None
+) -> Modes:
     """See :meth:`torsionnet.Drivetrain.modes`."""
     if measured_input is not None:
         return poles_of_measured(drivetrain, measured_input, excitation, natural_modes)
@@ -34,7 +36,7 @@ def natural_modes(drivetrain: Drivetrain) -> Modes:
         warnings.warn(text, TorsionnetWarning, stacklevel=3)
     elements = tuple(drivetrain.elements)
     kinetic, strain, dissipated = energies(assembly, solution, elements)
-    shapes = scaled(assembly.T @ solution.vectors)
+    shapes = scaled(assembly.T @ solution.vectors).astype(complex)
     return Modes(
         eigenvalues=solution.eigenvalues,
         kinds=solution.kinds,
@@ -51,15 +53,23 @@ def natural_modes(drivetrain: Drivetrain) -> Modes:
     )
 
 
-def energies(assembly: Assembly, solution: EigenSolution, elements: tuple[str, ...]) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Shares (n_elements, n_modes) in kinetic energy J |lambda|^2 |gamma|^2, strain energy Re(k) |gamma|^2 and dissipated
-    power c |lambda|^2 |gamma|^2 + Im(k) |lambda| |gamma|^2 of each mode; a frequency-dependent k at |Im lambda|.
+def energies(
+    assembly: Assembly, solution: EigenSolution, elements: tuple[str, ...]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Shares (n_elements, n_modes) of the elements in the energies of each mode.
+
+    Kinetic J |lambda|^2 |gamma|^2, strain Re(k) |gamma|^2, dissipated (c |lambda| + Im(k)) |lambda| |gamma|^2; a
+    frequency-dependent k is taken at |Im lambda|.
     """
     system = assembly.system
     motion = np.abs(system.rows @ solution.vectors) ** 2
     motion[motion < (1e-12 * np.abs(system.rows).sum(axis=1, keepdims=True)) ** 2] = 0.0
     rate = np.abs(solution.eigenvalues)
-    dynamic = np.stack([system.kappa(float(abs(value.imag))) for value in solution.eigenvalues], axis=1) if len(rate) else np.zeros((len(motion), 0))
+    dynamic = (
+        np.stack([system.kappa(float(abs(value.imag))) for value in solution.eigenvalues], axis=1)
+        if len(rate)
+        else np.zeros((len(motion), 0))
+    )
     kinetic = system.inertia[:, None] * motion
     strain = (system.stiffness[:, None] + dynamic.real) * motion
     dissipated = (system.damping[:, None] * rate + dynamic.imag) * rate * motion
@@ -72,5 +82,4 @@ def energies(assembly: Assembly, solution: EigenSolution, elements: tuple[str, .
 
 def _shares(parts: FloatArray) -> FloatArray:
     total = parts.sum(axis=0)
-    return np.divide(parts, total, out=np.zeros_like(parts), where=total != 0)
-
+    return np.asarray(np.divide(parts, total, out=np.zeros_like(parts), where=total != 0))

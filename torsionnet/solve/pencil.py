@@ -43,7 +43,7 @@ def measured_poles(drivetrain: Drivetrain, question: Question) -> Modes:
         )
         raise UsageError(msg)
     eigenvalues, vectors = _finite_pairs(*_pencil(assembly, question))
-    shapes = scaled(assembly.T @ vectors[: assembly.system.n_coordinates])
+    shapes = scaled(assembly.T @ vectors[: assembly.system.n_coordinates]).astype(complex)
     kinds = tuple(RIGID if value == 0 else REAL if value.imag == 0 else OSCILLATORY for value in eigenvalues)
     nothing = np.zeros((len(drivetrain.elements), len(eigenvalues)))
     names = ", ".join(reading.name for reading in question.measured)
@@ -79,7 +79,10 @@ def _pencil(assembly: Assembly, question: Question) -> tuple[FloatArray, FloatAr
     E[v, v] = system.M * rate**2 / stiffness
     A[v, q], A[v, v], A[v, u] = -system.K / stiffness, -system.C * rate / stiffness, load
     for row, (L0, L1, L2) in enumerate(readings):
-        scale = max(float(np.abs(part).max(initial=0.0)) for part in (L0, L1 * rate, L2 * rate**2, direct[row] * stiffness)) or 1.0
+        scale = (
+            max(float(np.abs(part).max(initial=0.0)) for part in (L0, L1 * rate, L2 * rate**2, direct[row] * stiffness))
+            or 1.0
+        )
         E[2 * n + row, v] = L2 * rate**2 / scale
         A[2 * n + row, q], A[2 * n + row, v] = -L0 / scale, -L1 * rate / scale
         A[2 * n + row, u] = -direct[row] * stiffness / scale

@@ -29,7 +29,7 @@ class Question:
 def ask(
     drivetrain: Drivetrain,
     output: str | Sensor | Sequence[str | Sensor],
-    input: str | Sensor | Sequence[str | Sensor],  # noqa: A002
+    input: str | Sensor | Sequence[str | Sensor],
     excitation: str | Sequence[str] | None,
 ) -> Question:
     """Resolve the names of a transfer function.
@@ -74,8 +74,8 @@ def _measured(
     excitations = _chosen(drivetrain, excitation) if excitation is not None else _default(drivetrain)
     if len(excitations) != len(measured):
         msg = (
-            f"{len(measured)} measured input(s) but {len(excitations)} excitation(s); there must be as many of one as of "
-            f"the other{_known_inputs(drivetrain)}"
+            f"{len(measured)} measured input(s) but {len(excitations)} excitation(s); "
+            f"there must be as many of one as of the other{_known_inputs(drivetrain)}"
         )
         raise UsageError(msg)
     names = ", ".join(str(entry) for entry in excitations)
@@ -113,7 +113,8 @@ def _named_input(drivetrain: Drivetrain, name: str) -> Input:
     if name in drivetrain.nodes:
         return Input("torque", name)
     known = [*drivetrain.inputs, *drivetrain.nodes]
-    msg = f'no input or node is named "{name}"{did_you_mean(name, known)}; inputs: {", ".join(drivetrain.inputs) or "none"}'
+    declared = ", ".join(drivetrain.inputs) or "none"
+    msg = f'no input or node is named "{name}"{did_you_mean(name, known)}; inputs: {declared}'
     raise UsageError(msg)
 
 
@@ -137,7 +138,8 @@ def _output(drivetrain: Drivetrain, entry: str | Sensor) -> Functional:
     known = [*drivetrain.sensors, *drivetrain.nodes]
     hint = did_you_mean(str(entry), known)
     declared = ", ".join(drivetrain.sensors) or "none"
-    msg = f'no sensor or node is named "{entry}"{hint}; sensors: {declared}; or write torque(element), twist(element), velocity(node)'
+    others = "or write torque(element), twist(element), velocity(node)"
+    msg = f'no sensor or node is named "{entry}"{hint}; sensors: {declared}; {others}'
     raise UsageError(msg)
 
 

@@ -45,7 +45,7 @@ def to_control(drivetrain: Drivetrain) -> control.StateSpace:
     Raises
     ------
     UsageError
-        No inputs or sensors, frequency-dependent laws, an imposed angle, or a reading that contains the rate of an input.
+        No inputs or sensors, frequency-dependent laws, an imposed angle, or a reading with the rate of an input in it.
     """
     import control
 
@@ -94,7 +94,9 @@ def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
     return heavy, massless @ moving, massless @ still
 
 
-def _condensed(system: RowSystem, heavy: FloatArray, damped: FloatArray, static: FloatArray, loads: FloatArray) -> FirstOrder:
+def _condensed(
+    system: RowSystem, heavy: FloatArray, damped: FloatArray, static: FloatArray, loads: FloatArray
+) -> FirstOrder:
     M, C, K = system.M, system.C, system.K
     hold = np.linalg.solve(static.T @ K @ static, static.T) if static.shape[1] else np.zeros((0, len(K)))
     n_a, n_b = heavy.shape[1], damped.shape[1]
@@ -117,7 +119,9 @@ def _condensed(system: RowSystem, heavy: FloatArray, damped: FloatArray, static:
     return FirstOrder(A, B, X, U)
 
 
-def _output(assembly: Assembly, reading: Functional, inputs: Sequence[Input], system: FirstOrder) -> tuple[FloatArray, FloatArray]:
+def _output(
+    assembly: Assembly, reading: Functional, inputs: Sequence[Input], system: FirstOrder
+) -> tuple[FloatArray, FloatArray]:
     """Rows of C and D; the coefficients of u' and u'' have to vanish."""
     C = np.zeros(len(system.A))
     D = np.array([reading.direct.get(channel.of, 0.0) for channel in inputs])

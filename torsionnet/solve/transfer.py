@@ -39,7 +39,7 @@ class Readings:
 def frequency_response(
     drivetrain: Drivetrain,
     output: str | Sensor | Sequence[str | Sensor],
-    input: str | Sensor | Sequence[str | Sensor],  # noqa: A002
+    input: str | Sensor | Sequence[str | Sensor],
     frequencies: ArrayLike,
     *,
     excitation: str | Sequence[str] | None = None,
@@ -78,7 +78,7 @@ def _checked(frequencies: ArrayLike) -> FloatArray:
 def evaluate(assembly: Assembly, question: Question, frequencies: FloatArray) -> tuple[ComplexArray, FloatArray]:
     """Transfer functions (n_f, n_out, n_in) at frequencies > 0, and the conditioning (n_f,) of the measured inputs."""
     omega = 2 * np.pi * frequencies
-    s = 1j * omega
+    s = (1j * omega).astype(complex)
     readings = read(assembly, question.readings, question.excitations, omega, s)
     n_out = len(question.outputs)
     outputs, measured = readings.values[:, :n_out], readings.values[:, n_out:]
@@ -148,10 +148,12 @@ def _divide(outputs: ComplexArray, measured: ComplexArray) -> ComplexArray:
     return result
 
 
-def _conditioning(measured: ComplexArray, cancellation: FloatArray, question: Question, frequencies: FloatArray) -> FloatArray:
+def _conditioning(
+    measured: ComplexArray, cancellation: FloatArray, question: Question, frequencies: FloatArray
+) -> FloatArray:
     """Worst share a measured input is of its terms; with several, also how well they tell the excitations apart."""
     scale = np.abs(measured).max(axis=2, keepdims=True)
-    independent = 1.0
+    independent = np.ones(len(measured))
     if measured.shape[1] > 1:
         with np.errstate(divide="ignore", invalid="ignore"):
             normed = measured / scale
@@ -162,7 +164,8 @@ def _conditioning(measured: ComplexArray, cancellation: FloatArray, question: Qu
     poor = np.flatnonzero(worst < POOR)
     if len(poor):
         names = ", ".join(reading.name for reading in question.measured)
-        text = f"{names}: the measured input vanishes or is mostly rounding at {len(poor)} frequencies, the first {frequencies[poor[0]]:.6g} Hz"
+        where = f"{len(poor)} frequencies, the first {frequencies[poor[0]]:.6g} Hz"
+        text = f"{names}: the measured input vanishes or is mostly rounding at {where}"
         warnings.warn(text, TorsionnetWarning, stacklevel=4)
     return worst
 
@@ -170,4 +173,3 @@ def _conditioning(measured: ComplexArray, cancellation: FloatArray, question: Qu
 def _warn_infinite(values: ComplexArray, where: str) -> None:
     if len(values) and not np.isfinite(values).all():
         warnings.warn(f"the response is infinite {where}", TorsionnetWarning, stacklevel=3)
-

@@ -37,7 +37,11 @@ def describe(
 
 def _rigid(assembly: Assembly, shape: ComplexArray) -> str:
     still = int(np.sum(np.abs(shape) < STILL))
-    return "rigid-body rotation" if not still else f"rigid-body rotation of {len(assembly.nodes) - still} of {len(assembly.nodes)} nodes"
+    return (
+        "rigid-body rotation"
+        if not still
+        else f"rigid-body rotation of {len(assembly.nodes) - still} of {len(assembly.nodes)} nodes"
+    )
 
 
 def _leading(elements: tuple[str, ...], shares: FloatArray) -> str:

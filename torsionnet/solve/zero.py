@@ -1,7 +1,7 @@
 """Transfer functions in the limit of zero frequency, also where the drivetrain turns freely.
 
-There the static stiffness is singular while ratios of readings may still have a finite limit. The readings are evaluated
-at two very small real s with many digits, which tells a finite limit from one that grows without bound.
+There the static stiffness is singular while ratios of readings may still have a finite limit. The readings are
+evaluated at two very small real s with many digits, which tells a finite limit from one that grows without bound.
 """
 
 from __future__ import annotations
@@ -32,7 +32,9 @@ def at_zero(drivetrain: Drivetrain, question: Question) -> ComplexArray:
     with mpmath.workdps(DIGITS):
         start = mpmath.mpf(smallest_rate(assembly.system)) * mpmath.mpf(10) ** -SMALL
         first, second = (_transfer(assembly, question, s) for s in (start, start / 10))
-        return np.array([[_limit(a, b) for a, b in zip(*rows, strict=True)] for rows in zip(first, second, strict=True)])
+        return np.array(
+            [[_limit(a, b) for a, b in zip(*rows, strict=True)] for rows in zip(first, second, strict=True)]
+        )
 
 
 def _limit(first: Any, second: Any) -> complex:

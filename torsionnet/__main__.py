@@ -1,0 +1,8 @@
+"""``python -m torsionnet``."""
+
+import sys
+
+from torsionnet.cli import main
+
+if __name__ == "__main__":
+    sys.exit(main())
