@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from torsionnet.checks import has_errors
@@ -107,15 +107,22 @@ def find_model(model: str | os.PathLike[str]) -> Path:
     library = library_models()
     if isinstance(model, str) and model in library:
         return library[model]
-    if path.is_dir():
+    if _holds(Path.is_dir, path):
         msg = f"{path} is a folder; name a model file in it{_files_in(path)}"
         raise UsageError(msg)
-    if not path.exists():
+    if not _holds(Path.exists, path):
         raise UsageError(_missing(path, library))
     if path.suffix.lower() not in SUFFIXES:
         msg = f"{path} is no model file; its name would end in {', '.join(SUFFIXES)}"
         raise UsageError(msg)
     return path
+
+
+def _holds(question: Callable[[Path], bool], path: Path) -> bool:
+    try:
+        return question(path)
+    except OSError:  # a name too long, a folder that may not be searched
+        return False
 
 
 def _files_in(folder: Path) -> str:
