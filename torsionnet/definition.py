@@ -183,7 +183,7 @@ def _read_element(name: Any, entry: Any) -> Element:
     if not isinstance(entry, Mapping):
         raise ModelError([Fault(f"expected {{type: ..., ...}}, got {entry!r}", path)])
     kind = entry.get("type")
-    if kind not in ELEMENT_TYPES:
+    if not isinstance(kind, str) or kind not in ELEMENT_TYPES:
         raise ModelError([_kind_fault(kind, path)])
     cls = ELEMENT_TYPES[kind]
     declared = {entry.name: entry for entry in cls.declared()}

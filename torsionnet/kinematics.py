@@ -77,12 +77,12 @@ def exact_row(row: Row) -> dict[str, Fraction]:
     return {node: exact(coefficient) for node, coefficient in row.items()}
 
 
-def imposed_rows(definition: Definition) -> dict[str, Row]:
-    """Row node - imposed angle = 0 of every input that imposes an angle."""
+def imposed_rows(definition: Definition, nodes: Collection[str]) -> dict[str, Row]:
+    """Row node - imposed angle = 0 of every input that imposes an angle on one of ``nodes``."""
     return {
         name: {channel.of: Fraction(1), pseudo_node(name): Fraction(-1)}
         for name, channel in definition.inputs.items()
-        if channel.quantity == "angle"
+        if channel.quantity == "angle" and channel.of in nodes
     }
 
 
@@ -97,7 +97,7 @@ def solve_kinematics(definition: Definition, value: Values, referred_to: Collect
     nodes = all_nodes(definition.active)
     _require_nodes(referred_to, nodes)
     parts = owned_parts(definition, value)
-    imposed = imposed_rows(definition)
+    imposed = imposed_rows(definition, nodes)
     owners = [*imposed, *(name for name, _ in constraints_of(parts))]
     rows: list[Any] = [*imposed.values(), *(exact_row(row) for _, row in constraints_of(parts))]
     order = {node: index for index, node in enumerate(nodes)}

@@ -1,23 +1,26 @@
 """Mean speeds carried through the drivetrain, and the total ratio between two nodes.
 
-On average no spring winds up, so springs pass a mean speed on like rigid connections. Clamps and connections to ground
-are left out: a rig that is locked for a test keeps its ratios.
+On average no spring winds up, so springs pass a mean speed on like rigid connections. Connections to ground are left
+out, and so are clamps that would stop the nodes in question: a rig that is locked for a test keeps its ratios, while a
+clamped ring still makes the ratio of its planetary set.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Collection, Mapping
 from fractions import Fraction
-from typing import Any
+from typing import Any, TypeAlias
 
 from torsionnet.definition import Definition, all_nodes
 from torsionnet.elements import Values
-from torsionnet.elimination import exact, reduce_rows, substitute
+from torsionnet.elimination import Reduction, exact, reduce_rows, substitute
 from torsionnet.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.kinematics import exact_row
 from torsionnet.operating_point import OperatingPoint
 
 _UNIT = "one"
+Rows: TypeAlias = list[dict[str, Fraction]]
+Fits: TypeAlias = Callable[[Reduction], bool]
 
 
 def holding_rows(definition: Definition, values: Mapping[str, Any]) -> list[dict[str, Fraction]]:
@@ -25,6 +28,16 @@ def holding_rows(definition: Definition, values: Mapping[str, Any]) -> list[dict
     value = Values(values)
     rows = [exact_row(row) for element in definition.active for row in element.holds(value)]
     return [row for row in rows if len(row) > 1]
+
+
+def _clamped(rows: Rows, definition: Definition, order: Mapping[str, int], keep: Collection[str], fits: Fits) -> Rows:
+    """The rows, and every clamp that leaves the speeds in question possible: it holds a member of a planetary set."""
+    for element in definition.active:
+        if element.glyph == "clamp":
+            more: Rows = [*rows, *({node: Fraction(1)} for node in element.ports.values())]
+            if fits(reduce_rows(more, order, keep)):
+                rows = more
+    return rows
 
 
 def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, second: str) -> float:
@@ -42,7 +55,12 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
             msg = f'no node is named "{node}"{did_you_mean(node, nodes)}'
             raise UsageError(msg)
     order = {node: index for index, node in enumerate(nodes)}
-    solved = reduce_rows(holding_rows(definition, values), order).solved
+
+    def turning(reduction: Reduction) -> bool:
+        return all(reduction.solved.get(node, True) for node in (first, second))
+
+    rows = _clamped(holding_rows(definition, values), definition, order, (), turning)
+    solved = reduce_rows(rows, order).solved
     row, other = (substitute({node: Fraction(1)}, solved) for node in (first, second))
     if not other:
         msg = f"{second} cannot turn, there is no ratio to it"
@@ -65,7 +83,10 @@ def mean_speeds(definition: Definition, values: Mapping[str, Any]) -> dict[str, 
     rows: list[dict[str, Fraction]] = [
         {node: Fraction(1), _UNIT: -speed} for node, speed in given.items() if node in order
     ]
-    reduction = reduce_rows([*holding_rows(definition, values), *rows], order, {_UNIT})
+    rows_of_ratios = _clamped(
+        [*rows, *holding_rows(definition, values)], definition, order, {_UNIT}, lambda found: not found.blocked
+    )
+    reduction = reduce_rows(rows_of_ratios, order, {_UNIT})
     if reduction.blocked:
         raise ModelError([Fault(_contradiction(definition, rows), ("operating_point", "speed"))])
     solved = reduction.solved

@@ -16,6 +16,7 @@ import numpy as np
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.channels import SENSOR_QUANTITIES, UNITS, Sensor
+from torsionnet.definition import all_nodes
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import GROUND, Element, Values
 from torsionnet.errors import UsageError, did_you_mean
@@ -59,7 +60,7 @@ def functional(drivetrain: Drivetrain, sensor: Sensor, name: str = "") -> Functi
     assembly = drivetrain.assembly
     label, unit = name or str(sensor), UNITS.get(sensor.quantity, "")
     if sensor.quantity in ("angle", "velocity", "acceleration"):
-        _require(sensor.of, drivetrain.nodes, "node")
+        _require(sensor.of, drivetrain.nodes, "node", all_nodes(drivetrain.definition.elements.values()))
         power = ("angle", "velocity", "acceleration").index(sensor.quantity)
         return Functional(label, unit, (_motion(assembly, {sensor.of: 1}, 1.0, power),))
     if sensor.quantity not in SENSOR_QUANTITIES:

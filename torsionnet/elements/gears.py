@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 from torsionnet.elements.base import Element, register, viscous
 from torsionnet.elements.fields import Count, DampingQuantity, Flag, NodeName, NodePair, Quantity, Teeth, entry
-from torsionnet.elements.laws import Constraint, Law, Part, Row, Values, difference, make_row
+from torsionnet.elements.laws import GROUND, Constraint, Law, Part, Row, Values, difference, make_row
 from torsionnet.errors import Path
 from torsionnet.expressions import scalar
 
@@ -46,8 +46,8 @@ class Gear(Element):
 
     Examples
     --------
-    >>> Gear("stage", nodes=("b", "c"), ratio=4.14).ratio
-    Number(value=Fraction(207, 50))
+    >>> Gear("stage", nodes=("b", "c"), ratio=4.14).ratio_value({})
+    Fraction(207, 50)
     >>> Gear("pinion", nodes=("b", "c"), teeth=(17, -61)).ratio_value({})
     Fraction(-61, 17)
     """
@@ -65,7 +65,10 @@ class Gear(Element):
     housing: Any = entry(NodeName("the node of the housing, if it moves"), None)
 
     def contradictions(self) -> list[tuple[Path, str]]:
-        return _one_of(self, "ratio", "teeth") + _mesh_faults(self)
+        faults = _one_of(self, "ratio", "teeth") + _mesh_faults(self)
+        if GROUND in self.nodes and self.housing is None:
+            faults.append((("nodes",), "a gear needs two shafts that turn; to hold a shaft use a lock"))
+        return faults
 
     def _ratio(self, value: Values) -> Any:
         if self.teeth is None:

@@ -31,9 +31,19 @@ def respond(system: RowSystem, kappa: ComplexArray, loads: ComplexArray, rows: F
     block = max(1, BLOCK_BYTES // (16 * max(1, n_q) ** 2))
     for start in range(0, n_f, block):
         part = slice(start, min(start + block, n_f))
-        stiffness = np.einsum("ij,fi,ik->fjk", system.rows, kappa[part], system.rows, optimize=True)
-        motion[part] = rows @ _solve(stiffness, loads if len(loads) == 1 else loads[part])
+        motion[part] = rows @ _solve(_assembled(system, kappa[part]), loads if len(loads) == 1 else loads[part])
     return motion
+
+
+def _assembled(system: RowSystem, kappa: ComplexArray) -> ComplexArray:
+    """D (n_f, n_q, n_q): each law adds kappa a a^T, which touches the few entries where its row is not zero."""
+    stiffness = np.zeros((len(kappa), system.n_coordinates, system.n_coordinates), dtype=complex)
+    for law, row in enumerate(system.rows):
+        used = np.flatnonzero(row)
+        for i in used:
+            for j in used:
+                stiffness[:, i, j] += kappa[:, law] * (row[i] * row[j])
+    return stiffness
 
 
 def _solve(stiffness: ComplexArray, loads: ComplexArray) -> ComplexArray:

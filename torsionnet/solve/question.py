@@ -90,12 +90,20 @@ def excitations_of(drivetrain: Drivetrain, excitation: str | Sequence[str] | Non
 def _default(drivetrain: Drivetrain) -> tuple[Input, ...]:
     inputs = tuple(drivetrain.inputs.values())
     if len(inputs) == 1:
-        return inputs
+        return (_present(drivetrain, next(iter(drivetrain.inputs))),)
     if not inputs:
         msg = "a measured input needs an excitation; declare an input in the model or name a node with excitation="
     else:
         msg = f"the model has several inputs; say with excitation= which one drives{_known_inputs(drivetrain)}"
     raise UsageError(msg)
+
+
+def _present(drivetrain: Drivetrain, name: str) -> Input:
+    channel = drivetrain.inputs[name]
+    if channel.of not in drivetrain.nodes:
+        msg = f'input {name} acts on node "{channel.of}", which is not there in this configuration'
+        raise UsageError(msg)
+    return channel
 
 
 def _known_inputs(drivetrain: Drivetrain) -> str:
@@ -109,7 +117,7 @@ def _chosen(drivetrain: Drivetrain, excitation: str | Sequence[str]) -> tuple[In
 
 def _named_input(drivetrain: Drivetrain, name: str) -> Input:
     if name in drivetrain.inputs:
-        return drivetrain.inputs[name]
+        return _present(drivetrain, name)
     if name in drivetrain.nodes:
         return Input("torque", name)
     known = [*drivetrain.inputs, *drivetrain.nodes]
@@ -145,7 +153,7 @@ def _output(drivetrain: Drivetrain, entry: str | Sensor) -> Functional:
 
 def _input(drivetrain: Drivetrain, entry: str | Sensor) -> Input | Functional:
     if isinstance(entry, str) and entry in drivetrain.inputs:
-        return drivetrain.inputs[entry]
+        return _present(drivetrain, entry)
     sensor = as_sensor(drivetrain, entry)
     if sensor is not None:
         return functional(drivetrain, sensor, str(entry))

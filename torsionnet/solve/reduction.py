@@ -66,6 +66,7 @@ class FirstOrder:
     coupling: AnyArray  # (n_u, n_x): the velocity-to-force block of the matrix
     spaces: Subspaces
     recover: AnyArray  # (n_q, n_x + n_u): v = recover @ x, up to the scale of a mode
+    size: float  # norm of the matrix and of the terms that cancelled on the way to it
 
 
 def null_basis(rows: FloatArray) -> FloatArray:
@@ -216,7 +217,12 @@ def first_order(
     lower = -gram_inverse @ (H.T @ H)
     matrix = np.block([[-(G_p.T @ G_p), -forces.T], [coupling, lower]])
     recover = _recover(spaces, E, E_2, -np.linalg.solve(R_1, np.hstack([slip, H])))
-    return FirstOrder(np.asarray(matrix), np.asarray(coupling), spaces, recover)
+    size = _norm(G_x) * _norm(G_p) + _norm(H) * _norm(slip) + _norm(E_x) + _norm(matrix)
+    return FirstOrder(np.asarray(matrix), np.asarray(coupling), spaces, recover, size)
+
+
+def _norm(values: NDArray[np.generic]) -> float:
+    return float(np.linalg.norm(values))
 
 
 def _recover(spaces: Subspaces, E: AnyArray, E_2: AnyArray, slip: AnyArray) -> AnyArray:

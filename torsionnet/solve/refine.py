@@ -26,6 +26,8 @@ STEP = 1e-24
 """Relative step of the numerical derivative; far over the working precision, far under every wanted accuracy."""
 CONVERGED = 1e-15
 MAX_ITERATIONS = 120
+LOST = 1e-16
+"""Share of the largest root at which one starts that double precision rounded to zero, where det P has other roots."""
 
 Entry = tuple[int, int, tuple[Any, ...]]
 
@@ -221,7 +223,8 @@ def _set_apart(
     """Start values that are pairwise distinct and, in the complex case, not symmetric to the real axis."""
     angles = 0.7 + np.arange(len(roots)) * 2.4
     turn = np.cos(angles) if np.isrealobj(roots) else np.exp(1j * angles)
-    return np.where(uncertain, roots * (1 + turn * np.clip(spread, 1e-13, 1e-2)), roots)
+    nonzero = np.where(roots == 0, -LOST * np.max(np.abs(roots)), roots)
+    return np.where(uncertain, nonzero * (1 + turn * np.clip(spread, 1e-13, 1e-2)), roots)
 
 
 def refine_vector(p: Polynomial, z: Any, vector: ComplexArray) -> ComplexArray:

@@ -56,7 +56,7 @@ def solve(system: RowSystem, spaces: Subspaces, stiffness: AnyArray, *, undamped
     values, states, condition = _singular(form) if undamped else _standard(form)
     safety = 4.0 if not (spaces.damped.size or spaces.held.size) else 100.0
     with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        errors = safety * _EPS * np.linalg.norm(form.matrix) * condition / np.abs(values)
+        errors = safety * _EPS * form.size * condition / np.abs(values)
     errors = np.where(np.isfinite(errors), errors, np.inf)
     return Spectrum(values, form.recover @ states, errors, undamped, system, spaces, stiffness)
 

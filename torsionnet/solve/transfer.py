@@ -17,6 +17,7 @@ from torsionnet.assembly.functionals import Functional
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.channels import Input, Sensor
+from torsionnet.checks.structure import rigid_motions
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import TorsionnetWarning, UsageError
 from torsionnet.response import Channel, FrequencyResponse
@@ -53,7 +54,7 @@ def frequency_response(
     if moving.any():
         values[moving], conditioning[moving] = evaluate(drivetrain.assembly, question, f[moving])
     if not moving.all():
-        values[~moving] = at_zero(drivetrain, question)
+        values[~moving] = _static(drivetrain, question)
         _warn_infinite(values[~moving], "at 0 Hz: the drivetrain turns freely")
     _warn_infinite(values[moving], "at a frequency above 0: an undamped resonance, or the measured input is zero there")
     return FrequencyResponse(
@@ -65,6 +66,15 @@ def frequency_response(
         conditioning=conditioning if question.is_measured else None,
         notes=question.notes,
     )
+
+
+def _static(drivetrain: Drivetrain, question: Question) -> ComplexArray:
+    """Values at zero frequency: the static solution where it is finite, else the limit."""
+    if not rigid_motions(drivetrain.assembly.kinematics):
+        values = evaluate(drivetrain.assembly, question, np.zeros(1))[0]
+        if np.isfinite(values).all():
+            return values
+    return at_zero(drivetrain, question)
 
 
 def _checked(frequencies: ArrayLike) -> FloatArray:
@@ -129,7 +139,7 @@ def _loads(assembly: Assembly, excitations: Sequence[Input], kappa: ComplexArray
             moves[:, column] = node
     if not moves.any():
         return torques, moves
-    following = np.einsum("ij,fi,ik->fjk", system.rows, kappa, assembly.imposed_rows @ moves, optimize=True)
+    following = system.rows.T @ (kappa[:, :, None] * (assembly.imposed_rows @ moves))
     return torques - following, moves
 
 
