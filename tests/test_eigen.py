@@ -220,6 +220,22 @@ def test_heavy_overdamping_keeps_the_slow_pole():
     np.testing.assert_allclose(modes.eigenvalues, [-1e-11, -1e8], rtol=1e-14)
 
 
+def test_slow_pole_that_double_precision_rounds_to_zero():
+    """A massless node with little drag between stiff springs and a damper: poles at -1e-4 and -2e13 rad/s."""
+    s = system(([1, 0], 0.5, 0, 0), ([0, 1], 0, 1.5e-5, 0), ([1, -0.5], 0, 0, 1e9))
+    modes = complex_modes(s)
+    assert modes.kinds == ("rigid body", "real pole", "real pole")
+    np.testing.assert_allclose(modes.eigenvalues[1], -6e-5 / 0.5, rtol=1e-9)
+    assert inclusion(s, modes) < 1e-12
+
+
+def test_large_damper_in_series_with_a_tiny_one():
+    s = system(([1, 0], 2e-3, 0, 0), ([0, 1], 0, 4e-5, 0), ([-8, 2], 0, 3e5, 0))
+    modes = complex_modes(s)
+    expected = -1 / (2e-3 * (1 / (4e-5 * 16) + 1 / (3e5 * 64)))
+    np.testing.assert_allclose(real_poles(modes), [expected], rtol=1e-13)
+
+
 def test_uniform_free_chain_of_50():
     omega = 2 * np.sqrt(2.5e5 / 0.8) * np.sin(np.arange(50) * pi / 100)
     s = chain([0.8] * 50, [2.5e5] * 49)
