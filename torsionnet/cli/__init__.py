@@ -1,0 +1,19 @@
+"""The command line: ``torsionnet COMMAND ...``, also as ``python -m torsionnet``.
+
+Results go to stdout, messages to stderr. Exit codes: 0 done, 1 wrong model, 2 wrong usage, 3 no numerical answer,
+4 missing package, 70 a bug, 74 a file that cannot be written, 130 interrupted, 141 reader gone away.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command line and return its exit code; default: the arguments of the process."""
+    try:
+        from torsionnet.cli.app import run
+
+        return run(arguments)
+    except KeyboardInterrupt:
+        return 130

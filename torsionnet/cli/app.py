@@ -1,0 +1,82 @@
+"""The group of commands; each is imported when it is called, so that help and ``check`` start quickly."""
+
+from __future__ import annotations
+
+import gc
+import importlib
+import sys
+from collections.abc import Sequence
+from typing import Any
+
+import click
+
+from torsionnet import __version__
+from torsionnet.cli.failures import guarded
+
+COMMANDS = {  # in the order of use; the texts stand here so that the list of commands imports none of them
+    "library": "The models that come with the package.",
+    "check": "Is a model sound? Every fault with its place in the file.",
+    "show": "Elements, parameters, equations of motion, matrices, schematic.",
+    "modes": "Natural frequencies, damping ratios, mode shapes, energy shares.",
+    "frf": "Frequency responses between sensors, inputs and nodes.",
+    "schema": "JSON Schema of model files, for editors.",
+}
+OBJECTS_BETWEEN_COLLECTIONS = 100_000
+
+
+class LazyGroup(click.Group):
+    """Commands by name, each in a module of its own."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        del ctx
+        return list(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        del ctx
+        if cmd_name not in COMMANDS:
+            return None
+        command = importlib.import_module(f"torsionnet.cli.{cmd_name}").command
+        return command if isinstance(command, click.Command) else None
+
+    def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
+        if args and not args[0].startswith("-") and args[0] not in COMMANDS:
+            from torsionnet.errors import did_you_mean
+
+            hint = did_you_mean(args[0], COMMANDS) or f"; there are {', '.join(COMMANDS)}"
+            msg = f'no command is named "{args[0]}"{hint}'
+            raise click.UsageError(msg, ctx)
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        del ctx
+        with formatter.section("Commands"):
+            formatter.write_dl(list(COMMANDS.items()))
+
+    def invoke(self, ctx: click.Context) -> Any:
+        with guarded():
+            return super().invoke(ctx)
+
+
+@click.group(
+    cls=LazyGroup,
+    context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
+    epilog="MODEL is a model file (.yaml, .yml, .json) or the name of a library model. "
+    "Results go to stdout, messages to stderr. "
+    "Exit codes: 1 wrong model, 2 wrong usage, 3 no numerical answer, 4 missing package.",
+)
+@click.version_option(__version__, prog_name="torsionnet")
+def app() -> None:
+    """Torsional models of drivetrains: check, equations, modes, frequency responses."""
+
+
+def run(arguments: Sequence[str] | None) -> int:
+    """Run the command line and return its exit code."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")  # a console without some character still shows the rest
+    gc.set_threshold(OBJECTS_BETWEEN_COLLECTIONS)  # a short process: starting up leaves next to no garbage
+    try:
+        app.main(None if arguments is None else list(arguments), prog_name="torsionnet")
+    except SystemExit as finished:
+        return finished.code if isinstance(finished.code, int) else 0
+    return 0

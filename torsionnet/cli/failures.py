@@ -1,0 +1,93 @@
+"""Exceptions and warnings as messages on stderr and exit codes; never a traceback unless one asks for it."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+import warnings
+from collections.abc import Iterator
+from typing import TextIO
+
+import click
+
+from torsionnet.cli import terminal
+
+BUG, INPUT_OUTPUT, INTERRUPTED, BROKEN_PIPE = 70, 74, 130, 141
+DEBUG = "TORSIONNET_DEBUG"
+
+
+@contextlib.contextmanager
+def guarded() -> Iterator[None]:
+    """Run a command: whatever it raises becomes a message and an exit code."""
+    from torsionnet.errors import TorsionnetWarning
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", TorsionnetWarning)
+        warnings.showwarning = _Warnings()
+        try:
+            yield
+            sys.stdout.flush()
+        except (click.exceptions.Exit, click.ClickException):
+            raise
+        except (KeyboardInterrupt, click.Abort):
+            raise click.exceptions.Exit(INTERRUPTED) from None
+        except BrokenPipeError:
+            _hush()
+            raise click.exceptions.Exit(BROKEN_PIPE) from None
+        except Exception as error:  # noqa: BLE001
+            if os.environ.get(DEBUG):
+                import traceback
+
+                traceback.print_exc()
+            raise click.exceptions.Exit(_explain(error)) from None
+
+
+def _explain(error: Exception) -> int:
+    """Print what went wrong and return the exit code."""
+    from torsionnet.errors import TorsionnetError
+
+    if isinstance(error, TorsionnetError):
+        text = str(error)
+        if hasattr(error, "faults"):
+            click.echo(text, err=True)
+        else:
+            terminal.message("error", text)
+        return error.exit_code
+    if isinstance(error, OSError):
+        where = f"{error.filename}: " if error.filename else ""
+        terminal.message("error", f"{where}{error.strerror or error}")
+        return INPUT_OUTPUT
+    first = (str(error).splitlines() or [""])[0]
+    terminal.message("error", f"unexpected {type(error).__name__}: {first} (a bug; set {DEBUG}=1 to see where)")
+    return BUG
+
+
+class _Warnings:
+    """Shows each warning once, without the place in the program that raised it."""
+
+    def __init__(self) -> None:
+        self.seen: set[str] = set()
+
+    def __call__(  # names and defaults are those of warnings.showwarning
+        self,
+        message: Warning | str,
+        category: type[Warning],
+        filename: str,
+        lineno: int,
+        file: TextIO | None = None,
+        line: str | None = None,
+    ) -> None:
+        from torsionnet.errors import TorsionnetWarning
+
+        del filename, lineno, file, line
+        shown = str(message) if issubclass(category, TorsionnetWarning) else f"{category.__name__}: {message}"
+        if shown not in self.seen:
+            self.seen.add(shown)
+            terminal.message("warning", shown)
+
+
+def _hush() -> None:
+    """Nobody reads stdout any more: let the flush at exit go nowhere."""
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

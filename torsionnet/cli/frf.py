@@ -1,0 +1,141 @@
+"""``torsionnet frf``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from torsionnet.cli.cases import Case, joined, load_cases
+from torsionnet.cli.options import csv_option, frequency_unit_option, json_option, model_options, plot_option
+from torsionnet.cli.terminal import print_json, print_table, wrote
+
+if TYPE_CHECKING:
+    from torsionnet.cli.peaks import Solver
+    from torsionnet.response import Conventions, FrequencyResponse
+    from torsionnet.response.frequency_response import FloatArray
+
+QUANTITIES = ("receptance", "mobility", "accelerance", "dynamic_stiffness")
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is asked of every case."""
+
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
+    excitations: tuple[str, ...]
+    quantity: str | None
+
+    def solver(self, case: Case) -> Solver:
+        def solve(frequencies: FloatArray) -> FrequencyResponse:
+            response = case.drivetrain.frequency_response(
+                list(self.outputs), list(self.inputs), frequencies, excitation=list(self.excitations) or None
+            )
+            return getattr(response, self.quantity)() if self.quantity else response
+
+        return solve
+
+
+@click.command("frf")
+@model_options
+@click.option(
+    "--output",
+    "outputs",
+    metavar="NAME",
+    multiple=True,
+    required=True,
+    help='Sensor or node, or "torque(gearbox, output_shaft)". Repeatable.',
+)
+@click.option(
+    "--input",
+    "inputs",
+    metavar="NAME",
+    multiple=True,
+    required=True,
+    help="Input or node (a torque there), or a sensor: a measured input. Repeatable.",
+)
+@click.option(
+    "--excitation",
+    "excitations",
+    metavar="INPUT",
+    multiple=True,
+    help="What drives the drivetrain while the input is measured, if it has several inputs.",
+)
+@click.option("--from", "start", type=float, help="Lowest frequency; default: from the modes.")
+@click.option("--to", "stop", type=float, help="Highest frequency.")
+@click.option("--points", type=click.IntRange(2, 1_000_000), help="How many frequencies.  [default: 500]")
+@click.option(
+    "--log/--linear", "logarithmic", default=None, help="Spacing; default: logarithmic over more than a decade."
+)
+@click.option("--frequencies", "listed", metavar="LIST", help='"0.1:40:0.1" (start:stop:step) or "1,2,5" instead.')
+@frequency_unit_option
+@click.option("--quantity", type=click.Choice(QUANTITIES), help="Default: as the sensor measures.")
+@click.option("--angle", type=click.Choice(["rad", "deg"]), default="rad", show_default=True, help="Unit of angles.")
+@click.option("--db", "decibels", is_flag=True, help="Magnitudes in dB re 1 of their unit.")
+@click.option("--full", is_flag=True, help="Print every frequency instead of static value and peaks.")
+@json_option
+@csv_option
+@plot_option("a Bode plot")
+def command(
+    model: str,
+    configurations: tuple[str, ...],
+    settings: tuple[tuple[str, str], ...],
+    outputs: tuple[str, ...],
+    inputs: tuple[str, ...],
+    excitations: tuple[str, ...],
+    start: float | None,
+    stop: float | None,
+    points: int | None,
+    logarithmic: bool | None,
+    listed: str | None,
+    frequency_unit: str,
+    quantity: str | None,
+    angle: str,
+    decibels: bool,
+    full: bool,
+    as_json: bool,
+    csv_file: str | None,
+    plot_file: str | None,
+) -> None:
+    r"""Frequency responses: static value and peaks on the screen, every frequency in files.
+
+    \b
+    torsionnet frf dmf_rig --output theta_1 --input T_T --angle deg --plot bode.png
+    torsionnet frf amt_rig -c all --output theta_1 --input T_M --from 0.3 --to 40 --csv gears.csv
+    """
+    cases = load_cases(model, configurations, settings)
+    from torsionnet.cli.frf_output import Shown, as_data, full_table, peak_table
+    from torsionnet.cli.sampling import Sampling
+    from torsionnet.response import Conventions
+
+    shown = Shown(Conventions(angle=angle, frequency=frequency_unit), decibels)
+    sampling = Sampling(start, stop, points, logarithmic, listed)
+    frequencies = sampling.frequencies(cases, shown.conventions.frequency_scale)
+    solvers = [Question(outputs, inputs, excitations, quantity).solver(case) for case in cases]
+    responses = [solve(frequencies) for solve in solvers]
+    if as_json:
+        print_json([as_data(*trio, shown.conventions) for trio in zip(cases, responses, solvers, strict=True)])
+    else:
+        tables = [
+            full_table(response, shown) if full else peak_table(response, solve, shown)
+            for response, solve in zip(responses, solvers, strict=True)
+        ]
+        print_table(joined(cases, tables, named=bool(configurations)))
+    if csv_file:
+        tables = [full_table(response, shown) for response in responses]
+        joined(cases, tables, named=bool(configurations)).to_csv(csv_file)
+        wrote(csv_file)
+    if plot_file:
+        _plot(plot_file, cases, responses, shown.conventions, decibels)
+
+
+def _plot(
+    file: str, cases: list[Case], responses: list[FrequencyResponse], conventions: Conventions, decibels: bool
+) -> None:
+    from torsionnet import report
+
+    title: Any = cases[0].drivetrain.name
+    report.save(report.bode(responses, conventions=conventions, decibels=decibels, title=title), file)
+    wrote(file)

@@ -1,0 +1,115 @@
+"""Frequency responses as tables and data."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.cli.cases import Case
+from torsionnet.cli.peaks import Peak, Solver, peaks, static_value
+from torsionnet.response import Column, Conventions, FrequencyResponse, Table
+from torsionnet.response.frequency_response import SIGN_NOTE
+
+
+@dataclass(frozen=True)
+class Shown:
+    """Units, and whether magnitudes are levels."""
+
+    conventions: Conventions
+    decibels: bool
+
+    def magnitude(self, value: float, scale: float) -> float:
+        """An SI magnitude as shown."""
+        if not self.decibels:
+            return value * scale
+        if math.isnan(value):
+            return value
+        return 20 * math.log10(value * scale / self.conventions.db_reference) if value else -math.inf
+
+    def unit(self, unit: str) -> str:
+        return f"dB re {self.conventions.db_reference:g} {unit}" if self.decibels else unit
+
+
+def pairs(response: FrequencyResponse) -> Iterator[tuple[int, int, str]]:
+    """Every output over every input, with a label."""
+    for o, out in enumerate(response.outputs):
+        for i, into in enumerate(response.inputs):
+            yield o, i, f"{out.name}/{into.name}"
+
+
+def peak_table(response: FrequencyResponse, solve: Solver, shown: Shown) -> Table:
+    """A row for the static value and one for each peak."""
+    conventions = shown.conventions
+    columns = (
+        Column("response"),
+        Column("unit"),
+        Column("at"),
+        Column("frequency", conventions.frequency),
+        Column("magnitude"),
+        Column("phase", "deg"),
+    )
+    rows = []
+    for o, i, label in pairs(response):
+        scale, unit = response.scale(conventions, o, i), shown.unit(response.unit(o, i, conventions))
+        for name, peak in _points(response, solve, o, i):
+            magnitude = shown.magnitude(peak.magnitude, scale)
+            rows.append((label, unit, name, peak.frequency * conventions.frequency_scale, magnitude, peak.phase))
+    low, high = (edge * conventions.frequency_scale for edge in (response.frequencies[0], response.frequencies[-1]))
+    span = f"{len(response.frequencies)} frequencies from {low:g} to {high:g} {conventions.frequency}"
+    return Table(response.title, columns, tuple(rows), (span, *response.notes, SIGN_NOTE))
+
+
+def _points(response: FrequencyResponse, solve: Solver, o: int, i: int) -> Iterator[tuple[str, Peak]]:
+    value = static_value(solve, o, i)
+    phase = math.degrees(math.atan2(value.imag, value.real)) if math.isfinite(abs(value)) else math.nan
+    yield "static", Peak(0.0, abs(value), phase)
+    for number, peak in enumerate(peaks(response, solve, o, i), 1):
+        yield f"peak {number}", peak
+
+
+def full_table(response: FrequencyResponse, shown: Shown) -> Table:
+    """Every frequency; magnitudes as levels if asked for."""
+    table = response.table(shown.conventions)
+    if not shown.decibels:
+        return table
+    levels = response.decibels(shown.conventions)
+    columns, rows = list(table.columns), [list(row) for row in table.rows]
+    headings = [column.name for column in columns]
+    for o, i, label in pairs(response):
+        index = headings.index(f"|{label}|")
+        columns[index] = Column(f"|{label}|", shown.unit(response.unit(o, i, shown.conventions)))
+        for row, level in zip(rows, levels[:, o, i], strict=True):
+            row[index] = float(level)
+    return Table(table.title, tuple(columns), tuple(map(tuple, rows)), table.notes)
+
+
+def as_data(case: Case, response: FrequencyResponse, solve: Solver, conventions: Conventions) -> dict[str, Any]:
+    """Everything for a program: complex values in the angle unit chosen, frequencies in Hz and rad/s aside."""
+    return {
+        "title": response.title,
+        "configuration": case.configuration,
+        "notes": [*response.notes, SIGN_NOTE],
+        "frequencies_Hz": response.frequencies.tolist(),
+        "responses": [_pair(response, solve, conventions, o, i) for o, i, _ in pairs(response)],
+    }
+
+
+def _pair(response: FrequencyResponse, solve: Solver, conventions: Conventions, o: int, i: int) -> dict[str, Any]:
+    scale = response.scale(conventions, o, i)
+    values = response.values[:, o, i] * scale
+    static = static_value(solve, o, i) * scale
+    return {
+        "output": response.outputs[o].name,
+        "input": response.inputs[i].name,
+        "quantity": response.kind(o, i),
+        "unit": response.unit(o, i, conventions),
+        "static": [static.real, static.imag],
+        "peaks": [
+            {"frequency_Hz": peak.frequency, "magnitude": peak.magnitude * scale, "phase_deg": peak.phase}
+            for peak in peaks(response, solve, o, i)
+        ],
+        "real": values.real.tolist(),
+        "imag": values.imag.tolist(),
+    }

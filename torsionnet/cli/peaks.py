@@ -1,0 +1,60 @@
+"""The few numbers one reads off a frequency response: its static value and its peaks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+
+from torsionnet.errors import UsageError
+from torsionnet.response import FrequencyResponse
+from torsionnet.response.frequency_response import FloatArray
+
+Solver: TypeAlias = Callable[[FloatArray], FrequencyResponse]
+"""The response at frequencies in Hz."""
+
+ROUNDS, POINTS = 3, 41
+
+
+@dataclass(frozen=True)
+class Peak:
+    """A local maximum of the magnitude: Hz, SI value and phase in degrees."""
+
+    frequency: float
+    magnitude: float
+    phase: float
+
+
+def peaks(response: FrequencyResponse, solve: Solver, output: int, input: int) -> Iterator[Peak]:
+    """Local maxima inside the range, each found again on ever finer grids."""
+    magnitude = response.magnitude[:, output, input]
+    for index in inner_maxima(magnitude):
+        low, high = response.frequencies[index - 1], response.frequencies[index + 1]
+        for _ in range(ROUNDS):
+            grid = np.linspace(low, high, POINTS)
+            fine = solve(grid)
+            best = int(np.argmax(fine.magnitude[:, output, input]))
+            low, high = grid[max(best - 1, 0)], grid[min(best + 1, POINTS - 1)]
+        value = fine.values[best, output, input]
+        yield Peak(float(grid[best]), float(abs(value)), float(np.degrees(np.angle(value))))
+
+
+def inner_maxima(values: FloatArray) -> list[int]:
+    """Indices of values above the one before and not below the one after; the ends do not count.
+
+    >>> inner_maxima(np.array([3.0, 1.0, 2.0, 2.0, 1.0, 4.0]))
+    [2]
+    """
+    rises, falls = values[1:-1] > values[:-2], values[1:-1] >= values[2:]
+    return [int(index) + 1 for index in np.flatnonzero(rises & falls)]
+
+
+def static_value(solve: Solver, output: int, input: int) -> complex:
+    """The value at 0 Hz; nan where the question has no answer there."""
+    try:
+        return complex(solve(np.zeros(1)).values[0, output, input])
+    except UsageError:
+        return complex(math.nan)

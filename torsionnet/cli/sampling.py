@@ -1,0 +1,114 @@
+"""Which frequencies: a list, a range, or one that suits the modes."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsionnet.errors import UsageError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from torsionnet.cli.cases import Case
+    from torsionnet.response.frequency_response import FloatArray
+
+POINTS, MOST_POINTS = 500, 1_000_000
+BELOW, ABOVE = 10.0, 2.0
+WITHOUT_MODES = (0.1, 100.0)
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """Frequencies asked for on the command line, in the unit chosen there; None: not said."""
+
+    start: float | None = None
+    stop: float | None = None
+    points: int | None = None
+    logarithmic: bool | None = None
+    listed: str | None = None
+
+    def frequencies(self, cases: Sequence[Case], scale: float) -> FloatArray:
+        """In Hz; ``scale`` is the unit chosen over Hz."""
+        if self.listed is not None:
+            if any(given is not None for given in (self.start, self.stop, self.points, self.logarithmic)):
+                msg = "give --frequencies, or --from, --to and --points, not both"
+                raise UsageError(msg)
+            return read_list(self.listed) / scale
+        start, stop = self.start, self.stop
+        if start is None or stop is None:
+            low, high = suitable_range(cases)
+            start = min(low * scale, stop / BELOW if stop else math.inf) if start is None else start
+            stop = max(high * scale, start * BELOW) if stop is None else stop
+        return spaced(start, stop, self.points or POINTS, self.logarithmic) / scale
+
+
+def spaced(start: float, stop: float, points: int, logarithmic: bool | None) -> FloatArray:
+    """Evenly, or by equal factors: unless said, where the range is more than a decade and does not begin at 0."""
+    if not (math.isfinite(start) and math.isfinite(stop) and 0 <= start < stop):
+        msg = f"--from must not be negative and must be smaller than --to, got {start:g} and {stop:g}"
+        raise UsageError(msg)
+    if logarithmic is None:
+        logarithmic = 0 < start <= stop / BELOW
+    if logarithmic and start == 0:
+        msg = "a logarithmic range cannot begin at 0"
+        raise UsageError(msg)
+    return np.asarray(np.geomspace(start, stop, points) if logarithmic else np.linspace(start, stop, points))
+
+
+def read_list(text: str) -> FloatArray:
+    """Frequencies from ``0.1:40:0.1`` (start:stop:step, the stop included) or ``1,2,5.5``.
+
+    >>> read_list("0:1:0.25,5").tolist()
+    [0.0, 0.25, 0.5, 0.75, 1.0, 5.0]
+    """
+    try:
+        parts = [_part(part) for part in text.split(",")]
+    except ValueError:
+        msg = f'frequencies are written "start:stop:step" or "1,2,5", got "{text}"'
+        raise UsageError(msg) from None
+    frequencies = np.unique(np.concatenate(parts))
+    if frequencies[0] < 0:
+        msg = f"a frequency must not be negative, got {frequencies[0]:g}"
+        raise UsageError(msg)
+    return frequencies
+
+
+def _part(text: str) -> FloatArray:
+    numbers = [float(number) for number in text.split(":")]
+    if not all(math.isfinite(number) for number in numbers):
+        raise ValueError(text)
+    if len(numbers) == 1:
+        return np.array(numbers)
+    start, stop, step = numbers
+    if step <= 0 or stop < start:
+        raise ValueError(text)
+    count = math.floor((stop - start) / step * (1 + 1e-12) + 1e-9) + 1
+    if count > MOST_POINTS:
+        msg = f'"{text}" are {count} frequencies; at most {MOST_POINTS} are calculated at once'
+        raise UsageError(msg)
+    return np.asarray(start + step * np.arange(count), dtype=np.float64)
+
+
+def suitable_range(cases: Sequence[Case]) -> tuple[float, float]:
+    """Hz: from a tenth of the lowest to twice the highest vibration of all cases, on round numbers."""
+    found = [value for case in cases for value in case.drivetrain.modes().damped_frequencies if value > 0]
+    if not found:
+        return WITHOUT_MODES
+    return rounded(float(min(found)) / BELOW, up=False), rounded(float(max(found)) * ABOVE, up=True)
+
+
+def rounded(value: float, *, up: bool) -> float:
+    """The next 1, 2 or 5 times a power of ten.
+
+    >>> rounded(0.71, up=False), rounded(162, up=True)
+    (0.5, 200.0)
+    """
+    decade = 10.0 ** math.floor(math.log10(value))
+    steps = [factor * decade for factor in (1, 2, 5, 10)]
+    return (
+        next(step for step in steps if step >= value) if up else next(step for step in reversed(steps) if step <= value)
+    )

@@ -1,0 +1,134 @@
+"""What is printed: messages, tables for people, JSON for programs."""
+
+from __future__ import annotations
+
+import math
+import os
+import sys
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from torsionnet.errors import Fault
+    from torsionnet.response.table import Table
+
+COLOURS = {"error": "red", "warning": "yellow", "note": "blue"}
+NARROWEST, NARROWEST_TEXT = 9, 16
+
+
+def message(kind: str, text: str) -> None:
+    """``kind: text`` on stderr."""
+    head = click.style(f"{kind}:", fg=COLOURS.get(kind), bold=True) if _coloured(sys.stderr) else f"{kind}:"
+    click.echo(f"{head} {text}", err=True)
+
+
+def wrote(path: str) -> None:
+    message("wrote", path)
+
+
+def tell(faults: Iterable[Fault]) -> None:
+    """Warnings and notes about a model, a line each, on stderr."""
+    for fault in faults:
+        where = f"{fault.position.file}:{fault.position.line}: " if fault.position else ""
+        message(fault.severity, f"{where}{fault.message}")
+
+
+def print_json(data: Any) -> None:
+    """JSON on stdout; numbers that JSON lacks become null."""
+    import json
+
+    click.echo(json.dumps(finite(data), indent=1))
+
+
+def finite(data: Any) -> Any:
+    if isinstance(data, float):
+        return data if math.isfinite(data) else None
+    if isinstance(data, dict):
+        return {key: finite(value) for key, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [finite(value) for value in data]
+    return data
+
+
+def print_table(table: Table) -> None:
+    """A framed table on a terminal, aligned text in a pipe or file."""
+    if sys.stdout.isatty():
+        _print_framed(table)
+    else:
+        click.echo("\n".join(_aligned(table)))
+    for note in table.notes:
+        click.echo(note)
+
+
+def _coloured(stream: Any) -> bool:
+    return bool(stream.isatty()) and not os.environ.get("NO_COLOR")
+
+
+def _is_number_column(table: Table, index: int) -> bool:
+    cells = [row[index] for row in table.rows]
+    return all(cell is None or isinstance(cell, (int, float)) for cell in cells)
+
+
+def _aligned(table: Table) -> list[str]:
+    """Title, headings broken into lines, rows; numbers to the right, text to the left."""
+    cells = table.cells()
+    right = [_is_number_column(table, index) for index in range(len(table.columns))]
+    widths, headings = [], []
+    for index, column in enumerate(table.columns):
+        content = max((len(row[index]) for row in cells), default=0)
+        lines = _broken(column.name, column.unit, max(content, NARROWEST))
+        headings.append(lines)
+        widths.append(max([content, *map(len, lines)]))
+    height = max((len(lines) for lines in headings), default=0)
+    padded = [[*lines, *[""] * (height - len(lines))] for lines in headings]
+    rows = [*([lines[level] for lines in padded] for level in range(height)), ["-" * width for width in widths], *cells]
+    return [*([table.title] if table.title else []), *(_line(row, widths, right) for row in rows)]
+
+
+def _line(row: list[str], widths: list[int], right: list[bool]) -> str:
+    cells = [
+        cell.rjust(width) if is_right else cell.ljust(width)
+        for cell, width, is_right in zip(row, widths, right, strict=True)
+    ]
+    return "  ".join(cells).rstrip()
+
+
+def _broken(name: str, unit: str, width: int) -> list[str]:
+    lines = [""]
+    for word in [*name.split(" "), *([f"[{unit}]"] if unit else [])]:
+        if not lines[-1] or len(lines[-1]) + 1 + len(word) <= width:
+            lines[-1] = f"{lines[-1]} {word}".strip()
+        else:
+            lines.append(word)
+    return lines
+
+
+def _print_framed(table: Table) -> None:
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table as Framed
+    from rich.text import Text
+
+    console = Console(highlight=False)
+    plain = console.options.ascii_only
+    framed = Framed(
+        title=Text(table.title) if table.title else None,
+        title_justify="left",
+        title_style="bold",
+        box=box.ASCII if plain else box.SIMPLE_HEAD,
+        pad_edge=False,
+    )
+    cells = table.cells()
+    for index, column in enumerate(table.columns):
+        number = _is_number_column(table, index)
+        widest = max((len(row[index]) for row in cells), default=0)
+        framed.add_column(
+            Text(column.heading),
+            justify="right" if number else "left",
+            min_width=widest if number else min(widest, NARROWEST_TEXT),
+        )
+    for row in cells:
+        framed.add_row(*map(Text, row))
+    console.print(framed)
