@@ -8,10 +8,10 @@ from typing import Any
 
 from torsionnet.checks import check_definition, has_errors, names, values
 from torsionnet.definition import Definition
-from torsionnet.errors import Fault, Path, did_you_mean
+from torsionnet.errors import Fault, Path
+from torsionnet.files.entries import overlooked
 from torsionnet.files.located import Document
 from torsionnet.files.placing import entry_at
-from torsionnet.parameters import KEYS as PARAMETER_KEYS
 from torsionnet.parameters import resolve
 
 _WORD = re.compile(r"[^\W\d]\w*")
@@ -21,7 +21,12 @@ _CHECKS = tuple(check for check in names.CHECKS if check is not names.dead_ends)
 
 def check_what_was_read(definition: Definition, document: Document, faults: list[Fault]) -> list[Fault]:
     """The faults of reading and those of the checks that still mean something."""
-    faults = [*faults, *_parameter_keys(document)]
+    reported = {fault.path for fault in faults}
+    silent = [fault for fault in overlooked(document) if fault.path not in reported]
+    faults = [*faults, *silent]
+    # "give ratio or teeth" is no news where a ratio stands without its number.
+    incomplete = {fault.path[:-1] for fault in silent}
+    faults = [fault for fault in faults if not (fault.path in incomplete and fault.message.startswith("give "))]
     lost: set[str] = set()
     if has_errors(faults) or document.dropped:
         lost = set(_lost_words(document, [fault.path for fault in faults if fault.severity == "error"]))
@@ -36,17 +41,6 @@ def _follows(fault: Fault, definition: Definition, lost: set[str]) -> bool:
     names_in = _QUOTED.findall(fault.message)[:1]
     in_circle = fault.message.startswith("no parameter is named") and names_in[0] in definition.parameters
     return in_circle or not lost.isdisjoint(names_in)
-
-
-def _parameter_keys(document: Document) -> Iterator[Fault]:
-    """Unknown keys of parameters: a comma in a description without quotes makes one."""
-    table = entry_at(document.data, ("parameters",))
-    for name, entry in table.items() if isinstance(table, dict) else ():
-        for key in entry if isinstance(entry, dict) else ():
-            if key not in PARAMETER_KEYS:
-                hint = did_you_mean(key, PARAMETER_KEYS) or "; text with a comma needs quotes" * (entry[key] is None)
-                text = f'unknown key "{key}"{hint}; a parameter has {", ".join(PARAMETER_KEYS)}'
-                yield Fault(text, ("parameters", name, key), on_key=True)
 
 
 def _sound_checks(definition: Definition) -> Iterator[Fault]:

@@ -13,6 +13,8 @@ from torsionnet.files.located import Document
 
 LONGEST_MESSAGE = 600
 
+_PLAIN = {"got None": "got nothing", "got True": "got true", "got False": "got false"}
+_PYTHON = re.compile("got (None|True|False)$")
 _QUOTED = re.compile(r'"([^"]*)"')
 _WORD = re.compile(r"[^\W\d]\w*")
 _CONFIGURATION = re.compile(r"in configuration ([^\s:]+): ")
@@ -41,6 +43,7 @@ def _reading_order(fault: Fault) -> tuple[int, int]:
 
 def _one_line(message: str) -> str:
     half = LONGEST_MESSAGE // 2
+    message = _PYTHON.sub(lambda found: _PLAIN[found[0]], message)
     short = message if len(message) <= LONGEST_MESSAGE else f"{message[:half]} ... {message[-half:]}"
     return "".join(char if char.isprintable() else repr(char)[1:-1] for char in short)
 
