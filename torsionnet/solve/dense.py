@@ -24,7 +24,6 @@ def respond(system: RowSystem, kappa: ComplexArray, loads: ComplexArray, rows: F
     Returns
     -------
     (n_f, n_rows, n_exc) array
-        inf where the dynamic stiffness is singular.
     """
     n_f, n_q = len(kappa), system.n_coordinates
     motion = np.empty((n_f, len(rows), loads.shape[2]), dtype=complex)
@@ -60,7 +59,8 @@ def _solve(stiffness: ComplexArray, loads: ComplexArray) -> ComplexArray:
 
 
 def _one(matrix: ComplexArray, load: ComplexArray) -> ComplexArray:
+    """At an undamped resonance met exactly, a rounding error of damping stands in for the missing pivot."""
     try:
         return np.asarray(np.linalg.solve(matrix, load))
     except np.linalg.LinAlgError:
-        return np.full(load.shape, np.inf + 0j)
+        return np.asarray(np.linalg.solve(matrix + 1j * np.finfo(float).eps * np.eye(len(matrix)), load))

@@ -16,6 +16,9 @@ from torsionnet.solve.cut import poles_of_measured
 from torsionnet.solve.eigen import EigenSolution, complex_modes, scaled, undamped_modes
 from torsionnet.solve.words import describe
 
+UNCERTAIN = 1e-6
+"""Relative error of an eigenvalue that is worth a warning."""
+
 
 def modes(
     drivetrain: Drivetrain, *, measured_input: str | Sensor | None = None, excitation: str | None = None
@@ -33,6 +36,10 @@ def natural_modes(drivetrain: Drivetrain) -> Modes:
     if not solution.converged.all():
         stuck = ", ".join(f"{abs(value) / (2 * np.pi):.4g} Hz" for value in solution.eigenvalues[~solution.converged])
         text = f"the frequency-dependent stiffness did not settle for the mode(s) near {stuck}"
+        warnings.warn(text, TorsionnetWarning, stacklevel=3)
+    uncertain = np.flatnonzero(solution.errors > UNCERTAIN)
+    if len(uncertain):
+        text = f"{len(uncertain)} eigenvalues are uncertain, the worst by {solution.errors.max():.1g} of its size"
         warnings.warn(text, TorsionnetWarning, stacklevel=3)
     elements = tuple(drivetrain.elements)
     kinetic, strain, dissipated = energies(assembly, solution, elements)

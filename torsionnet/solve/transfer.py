@@ -56,7 +56,8 @@ def frequency_response(
     if not moving.all():
         values[~moving] = _static(drivetrain, question)
         _warn_infinite(values[~moving], "at 0 Hz: the drivetrain turns freely")
-    _warn_infinite(values[moving], "at a frequency above 0: an undamped resonance, or the measured input is zero there")
+    sound = moving & (conditioning >= POOR)
+    _warn_infinite(values[sound], "at a frequency above 0")
     return FrequencyResponse(
         frequencies=f,
         values=values,

@@ -1,0 +1,39 @@
+"""Small drivetrains that several tests use, built through the public API."""
+
+import torsionnet as tn
+
+EVERY_ELEMENT = {
+    "inertia": tn.Inertia("e", node="a", inertia=2),
+    "spring": tn.Spring("e", nodes=("a", "b"), stiffness=300, damping=5),
+    "damper": tn.Damper("e", nodes=("a", "b"), damping=5),
+    "hysteretic_spring": tn.HystereticSpring("e", nodes=("a", "b"), stiffness=300, loss_factor=0.2, damping=1),
+    "tabulated_spring": tn.TabulatedSpring("e", nodes=("a", "b"), table=[[1, 300, 2], [9, 500, 1]]),
+    "gear": tn.Gear("e", nodes=("a", "b"), teeth=(20, -37), stiffness=1e4, damping=3, housing="c"),
+    "planetary": tn.Planetary(
+        "e", sun="a", ring="b", carrier="c", teeth=(30, 72), planet_inertia=0.1, planet_mass=2, orbit_radius=0.3
+    ),
+    "differential": tn.Differential("e", cage="a", left="b", right="c"),
+    "rigid_coupling": tn.RigidCoupling("e", nodes=("a", "b")),
+    "lock": tn.Lock("e", node="a"),
+    "shaft": tn.Shaft("e", nodes=("a", "b"), outer_diameter=0.05, inner_diameter=0.02, length=1.2, segments=3, damping=4),
+}
+
+
+def geared_line(**changes):
+    """Motor - torque meter - spring - gear - spring - clamp, with every kind of sensor."""
+    parameters = {"J_1": 0.2, "J_2": 0.5, "k_1": 900, "k_2": "4 kN*m/rad", "tau": 3, "c": 2} | changes
+    return tn.Drivetrain(
+        "geared line",
+        [
+            tn.Inertia("motor", node="m", inertia="J_1"),
+            tn.RigidCoupling("meter", nodes=("m", "p")),
+            tn.Spring("soft", nodes=("p", "g"), stiffness="k_1", damping="c"),
+            tn.Inertia("wheel", node="g", inertia="J_2"),
+            tn.Gear("stage", nodes=("g", "o"), ratio="tau"),
+            tn.Spring("stiff", nodes=("o", "h"), stiffness="k_2"),
+            tn.Lock("brake", node="h"),
+        ],
+        parameters=parameters,
+        inputs={"T_M": {"torque": "m"}},
+        sensors={"angle": {"angle": "m"}, "T": {"torque": "meter"}},
+    )

@@ -1,0 +1,124 @@
+"""One contract for every element type."""
+
+import re
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import torsionnet as tn
+from models import EVERY_ELEMENT
+from torsionnet.elements import ELEMENT_TYPES, Constraint, Law, Values, make_element
+from torsionnet.elements.fields import spec_of
+
+KINDS = sorted(ELEMENT_TYPES)
+
+
+def test_the_examples_cover_every_type():
+    assert set(EVERY_ELEMENT) == set(ELEMENT_TYPES)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+class TestContract:
+    def test_survives_the_way_through_a_file(self, kind):
+        element = EVERY_ELEMENT[kind]
+        data = element.to_data()
+        assert data.pop("type") == kind
+        assert make_element(kind, "e", data) == element
+
+    def test_fields_say_what_they_are(self, kind):
+        cls = ELEMENT_TYPES[kind]
+        assert cls.glyph
+        assert cls.__doc__
+        for declared in cls.declared():
+            spec = spec_of(declared)
+            assert spec.description
+            assert spec.schema()
+
+    def test_rows_name_only_own_nodes_and_rest_in_rigid_rotation(self, kind):
+        """Connections feel no common rotation; only inertias and clamps do."""
+        element = EVERY_ELEMENT[kind]
+        nodes = {*element.ports.values(), *element.internal_nodes}
+        for part in element.parts(Values({})):
+            assert set(part.row) <= nodes
+            massless = isinstance(part, Constraint) or part.inertia == 0
+            if massless and kind != "lock":
+                assert sum(part.row.values()) == 0
+
+    def test_coefficients_are_never_negative(self, kind):
+        for part in EVERY_ELEMENT[kind].parts(Values({})):
+            if isinstance(part, Law):
+                assert min(part.inertia, part.damping, part.stiffness, part.loss_factor) >= 0
+
+    def test_ground_drops_out(self, kind):
+        element = EVERY_ELEMENT[kind]
+        if kind in ("inertia", "lock", "differential"):
+            pytest.skip("cannot stand on ground")
+        field = "nodes" if hasattr(element, "nodes") else "ring"
+        at_ground = replace(element, **{field: ("a", "ground") if field == "nodes" else "ground"})
+        assert all("ground" not in part.row for part in at_ground.parts(Values({})))
+
+    def test_nonsense_is_refused_with_the_name_of_the_field(self, kind):
+        cls = ELEMENT_TYPES[kind]
+        for declared in cls.declared():
+            if declared.name in ("description", "enabled"):
+                continue
+            with pytest.raises(tn.ModelError) as caught:
+                replace(EVERY_ELEMENT[kind], **{declared.name: object()})
+            assert caught.value.faults[0].path[:3] == ("elements", "e", declared.name)
+
+
+def test_consistent_inertia_is_the_two_node_bar():
+    shaft = tn.Shaft("s", nodes=("a", "b"), outer_diameter=0.05, length=1.2)
+    matrix = np.zeros((2, 2))
+    for law in shaft.parts(Values({})):
+        row = np.array([float(law.row.get(node, 0)) for node in ("a", "b")])
+        matrix += float(law.inertia) * np.outer(row, row)
+    whole = 7850 * np.pi * 0.05**4 / 32 * 1.2
+    np.testing.assert_allclose(matrix, whole / 6 * np.array([[2, 1], [1, 2]]), rtol=1e-12)
+
+
+def test_planets_roll_on_the_sun():
+    """Ring held, sun turning once: carrier 1/(1+z), planets -(z-1)/2 of the way back relative to the carrier."""
+    z = Fraction(72, 30)
+    mesh, spin, orbit = EVERY_ELEMENT["planetary"].parts(Values({}))
+    assert mesh.row == {"a": 1, "b": z, "c": -(1 + z)}
+    carrier = 1 / (1 + z)
+    planet = spin.row["c"] * carrier + spin.row["a"]
+    assert planet == carrier - 2 * (1 - carrier) / (z - 1)
+    assert (spin.inertia, orbit.inertia) == (Fraction(3, 10), 3 * 2 * Fraction(3, 10) ** 2)
+
+
+def test_teeth_of_opposite_sign_turn_the_sense():
+    assert tn.Gear("g", nodes=("a", "b"), teeth=(20, -37)).parts(Values({}))[0].row == {"a": 1, "b": Fraction(37, 20)}
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: tn.Gear("g", nodes=("a", "b")), "give ratio or teeth"),
+        (lambda: tn.Gear("g", nodes=("a", "b"), ratio=2, teeth=(1, 2)), "not both"),
+        (lambda: tn.Gear("g", nodes=("a", "b"), ratio=2, damping=3), "rigid mesh has no damping"),
+        (lambda: tn.Gear("g", nodes=("a", "ground"), ratio=2), "use a lock"),
+        (lambda: tn.Planetary("g", sun="a", ring="a", carrier="b", ratio=2), "three different nodes"),
+        (lambda: tn.Planetary("g", sun="a", ring="b", carrier="c", teeth=(60, 30)), "more teeth"),
+        (lambda: tn.Spring("s", nodes=("a", "a"), stiffness=1), "both ends are on node"),
+        (lambda: tn.Spring("s", nodes="ab", stiffness=1), "two nodes"),
+        (lambda: tn.Spring("s", nodes=("a", "b"), stiffness=1, damping={"zeta": 0.1}), "stated frequency"),
+        (lambda: tn.Spring("s", nodes=("a", "b"), stiffness=1, damping={"zata": 0.1, "at": 1}), 'did you mean "zeta"'),
+        (lambda: tn.Inertia("1j", node="a", inertia=1), "no name"),
+        (lambda: tn.Inertia("j", node="ground", inertia=1), "ground does not move"),
+        (lambda: tn.Inertia("j", node="a", inertia="3 kg*m"), "kg*m^2"),
+        (lambda: tn.Inertia("j", node="a", inertia=True), "number"),
+        (lambda: tn.TabulatedSpring("t", nodes=("a", "b"), table=[[2, 1, 0], [1, 1, 0]]), "increase"),
+    ],
+)
+def test_contradictions_are_named(make, words):
+    with pytest.raises(tn.ModelError, match=re.escape(words)):
+        make()
+
+
+def test_compliance_is_inverted_where_a_stiffness_is_wanted():
+    spring = tn.Spring("s", nodes=("a", "b"), stiffness="0.002 rad/Nm")
+    assert spring.stiffness.evaluate({}) == 500

@@ -1,0 +1,40 @@
+"""The examples of the README run."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+import torsionnet as tn
+
+README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
+
+
+def block(language: str) -> str:
+    return re.search(rf"```{language}\n(.*?)```", README, re.DOTALL)[1]
+
+
+def test_yaml_example_is_a_model():
+    model = tn.loads(block("yaml"))
+    assert [fault for fault in model.check() if fault.severity != "note"] == []
+    # Free-free: J_1 and J_2/tau^2 on k_1.
+    mass = 1 / (1 / 0.078 + 4.14**2 / 2.6)
+    assert model.modes().undamped_natural_frequencies[-1] == pytest.approx((13300 / mass) ** 0.5 / 6.283185307, rel=1e-9)
+    assert block("yaml").count("\n") <= 12
+
+
+def test_python_example_runs(capsys):
+    code = block("python")
+    exec(compile(code, "README.md", "exec"), {})
+    printed = capsys.readouterr().out
+    assert "natural frequency" in printed
+    assert "Matrix" in printed
+    assert len([line for line in code.splitlines() if line and not line.startswith("import")]) <= 10
+
+
+def test_fault_shown_in_the_readme_is_the_one_reported():
+    broken = block("yaml").replace("stiffness: k_1", "stiffness: k1")
+    with pytest.raises(tn.ModelError) as caught:
+        tn.loads(broken, file="model.yaml")
+    shown = block("text").rstrip("\n")
+    assert shown in str(caught.value)
