@@ -12,6 +12,7 @@ from torsionnet.files import load
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
+    from torsionnet.errors import Fault
     from torsionnet.response.table import Table
 
 ALL = "all"
@@ -34,10 +35,14 @@ def load_cases(model: str, configurations: Sequence[str], settings: Iterable[tup
     for name in names:
         changed = rig.configured(name, **dict(settings)) if name or settings else rig
         known = {fault.message for fault in found}
-        found += [fault for fault in changed.check() if fault.message not in known]
+        found += [_of(fault, changed) for fault in changed.check() if fault.message not in known]
         cases.append(Case(changed.configuration, changed))
     tell(found)
     return cases
+
+
+def _of(fault: Fault, changed: Drivetrain) -> Fault:
+    return replace(fault, message=f"{changed.title}: {fault.message}")
 
 
 def _names(rig: Drivetrain, configurations: Sequence[str]) -> list[str]:

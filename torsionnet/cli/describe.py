@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import MISSING, replace
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.channels import UNITS
 from torsionnet.damping import DampingMeasure
 from torsionnet.elements import Element, Values
-from torsionnet.elements.fields import Choice, Count, Flag, NodeName, NodePair, Spec, Text
+from torsionnet.elements.fields import NodeName, NodePair, Spec, Text, spec_of
 from torsionnet.elements.laws import Law
-from torsionnet.expressions import Expression, Number
+from torsionnet.expressions import Expression, Name, Number
 from torsionnet.parameters import dimensions
 from torsionnet.response.table import Column, Table
 from torsionnet.units import expected_unit
@@ -40,7 +41,13 @@ def elements_table(rig: Drivetrain) -> Table:
         (element.name, element.kind, nodes_text(element), "; ".join(values_of(element, rig)), _remark(element))
         for element in rig.definition.elements.values()
     )
-    return Table("Elements", columns, rows)
+    return without_empty_columns(Table("Elements", columns, rows))
+
+
+def without_empty_columns(table: Table) -> Table:
+    used = [index for index in range(len(table.columns)) if any(row[index] != "" for row in table.rows)]
+    rows = tuple(tuple(row[index] for index in used) for row in table.rows)
+    return replace(table, columns=tuple(table.columns[index] for index in used), rows=rows)
 
 
 def _remark(element: Element) -> str:
@@ -62,14 +69,15 @@ def values_of(element: Element, rig: Drivetrain) -> Iterator[str]:
     """``stiffness k_2 = 460 N*m/rad`` for each value given."""
     for name, (spec, value) in element.scalars().items():
         if isinstance(spec, SHOWN_ELSEWHERE) or name == "enabled":
-            continue
-        if isinstance(spec, (Flag, Count, Choice)) and value == _default(element, name):
+            continue  # in columns of their own
+        if value == _default(element, name):
             continue
         yield f"{name} {value_text(element, spec, value, rig)}"
 
 
 def _default(element: Element, name: str) -> Any:
-    return next(declared.default for declared in element.declared() if declared.name == name)
+    declared = next(entry for entry in element.declared() if entry.name == name)
+    return None if declared.default in (MISSING, None) else spec_of(declared).coerce(declared.default)
 
 
 def value_text(element: Element, spec: Spec, value: Any, rig: Drivetrain) -> str:
@@ -80,8 +88,9 @@ def value_text(element: Element, spec: Spec, value: Any, rig: Drivetrain) -> str
     if entries:
         return resolved(value, expected_unit(entries[0][2]), rig)
     if hasattr(value, "frequencies"):
-        return f"table of {len(value.frequencies)} frequencies"
-    return str(spec.plain(value))
+        return f"of {len(value.frequencies)} frequencies"
+    plain = spec.plain(value)
+    return ", ".join(map(str, plain)) if isinstance(plain, list) else str(plain)
 
 
 def _unit_of_measure(value: DampingMeasure) -> str:
@@ -114,8 +123,14 @@ def parameters_table(rig: Drivetrain) -> Table:
 
 
 def _parameter_units(rig: Drivetrain) -> dict[str, str]:
+    """SI units by the places of use, which tell N*m from N*m/rad, else by the dimension alone."""
     found = dimensions(rig.parameter_definitions)[0]
-    units = {name: str(dimension) if dimension is not None else "" for name, dimension in found.items()}
+    units = {name: "" if dimension is None else str(dimension) for name, dimension in found.items()}
+    for element in rig.definition.elements.values():
+        for spec, value in element.scalars().values():
+            for _, expression, dimension in spec.expressions(value):
+                if isinstance(expression, Name):
+                    units[expression.name] = expected_unit(dimension)
     return {name: "" if unit == "1" else unit for name, unit in units.items()}
 
 
@@ -125,7 +140,7 @@ def channels_table(rig: Drivetrain) -> Table:
         element = rig.elements.get(sensor.of) if sensor.quantity == "torque" else None
         rows.append((name, "sensor", str(sensor), UNITS[sensor.quantity], element.sign if element else ""))
     columns = (Column("name"), Column("kind"), Column("what"), Column("unit"), Column("sign"))
-    return Table("Inputs and sensors", columns, tuple(rows))
+    return without_empty_columns(Table("Inputs and sensors", columns, tuple(rows)))
 
 
 def configurations_table(rig: Drivetrain) -> Table:

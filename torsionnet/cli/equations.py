@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import textwrap
+import re
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.response.table import Column, Table
@@ -16,6 +16,7 @@ MATRICES = (
     ("K", "N*m/rad", "Stiffness matrix"),
 )
 WIDTH = 100
+BETWEEN_TERMS = re.compile(r" (?=[+\-=] )(?![^()]*\))")
 
 
 def equations_text(rig: Drivetrain) -> str:
@@ -32,14 +33,13 @@ def equations_text(rig: Drivetrain) -> str:
 
 
 def _folded(equation: str) -> list[str]:
-    return textwrap.wrap(
-        equation,
-        WIDTH,
-        initial_indent=" " * 4,
-        subsequent_indent=" " * 8,
-        break_long_words=False,
-        break_on_hyphens=False,
-    )
+    """Lines of whole terms."""
+    lines = [" " * 4]
+    for term in BETWEEN_TERMS.split(equation):
+        if len(lines[-1]) + len(term) >= WIDTH:
+            lines.append(" " * 8)
+        lines[-1] += term if lines[-1].isspace() else f" {term}"
+    return lines
 
 
 def _dependent(system: Any) -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -11,7 +12,9 @@ from torsionnet.cli.options import csv_option, frequency_unit_option, json_optio
 from torsionnet.cli.terminal import print_json, print_table, wrote
 
 if TYPE_CHECKING:
-    from torsionnet.response import Modes
+    from torsionnet.response import Modes, Table
+
+EIGENVALUES = ("Re lambda", "Im lambda")
 
 
 @click.command("modes")
@@ -39,7 +42,10 @@ def command(
     csv_file: str | None,
     plot_file: str | None,
 ) -> None:
-    """Complex modes: natural frequencies |lambda|/2pi, damping ratios, descriptions."""
+    """Complex modes: natural frequencies |lambda|/2pi, damping ratios, descriptions.
+
+    The eigenvalues, shapes and energy shares are all in --json; --csv has the eigenvalues.
+    """
     cases = load_cases(model, configurations, settings)
     from torsionnet.response import Conventions
 
@@ -50,7 +56,7 @@ def command(
         print_json([_as_data(case, modes) for case, modes in zip(cases, results, strict=True)])
     else:
         for number, (modes, table) in enumerate(zip(results, tables, strict=True)):
-            wanted = [(True, table), (shapes, modes.shape_table()), (energies, modes.energy_table())]
+            wanted = [(True, on_screen(table)), (shapes, modes.shape_table()), (energies, modes.energy_table())]
             for position, extra in enumerate(table for shown, table in wanted if shown):
                 if number or position:
                     click.echo()
@@ -60,6 +66,13 @@ def command(
         wrote(csv_file)
     if plot_file:
         _plot(plot_file, cases, results)
+
+
+def on_screen(table: Table) -> Table:
+    """Without the eigenvalues, which say the same again; files have them."""
+    kept = [index for index, column in enumerate(table.columns) if column.name not in EIGENVALUES]
+    rows = tuple(tuple(row[index] for index in kept) for row in table.rows)
+    return replace(table, columns=tuple(table.columns[index] for index in kept), rows=rows)
 
 
 def _plot(file: str, cases: list[Case], results: list[Modes]) -> None:

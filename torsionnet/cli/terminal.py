@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from torsionnet.response.table import Table
 
 COLOURS = {"error": "red", "warning": "yellow", "note": "blue"}
-NARROWEST, NARROWEST_TEXT = 9, 16
+NARROWEST, NARROWEST_TEXT, BETWEEN_COLUMNS = 9, 16, 2
 
 
 def message(kind: str, text: str) -> None:
@@ -111,24 +111,23 @@ def _print_framed(table: Table) -> None:
     from rich.table import Table as Framed
     from rich.text import Text
 
-    console = Console(highlight=False)
-    plain = console.options.ascii_only
+    console = Console(highlight=False, color_system=None if os.environ.get("NO_COLOR") else "auto")
     framed = Framed(
         title=Text(table.title) if table.title else None,
         title_justify="left",
         title_style="bold",
-        box=box.ASCII if plain else box.SIMPLE_HEAD,
+        box=box.ASCII if console.options.ascii_only else box.SIMPLE_HEAD,
+        padding=(0, 1, 0, 0),
         pad_edge=False,
     )
-    cells = table.cells()
+    cells, least = table.cells(), BETWEEN_COLUMNS
     for index, column in enumerate(table.columns):
-        number = _is_number_column(table, index)
-        widest = max((len(row[index]) for row in cells), default=0)
-        framed.add_column(
-            Text(column.heading),
-            justify="right" if number else "left",
-            min_width=widest if number else min(widest, NARROWEST_TEXT),
-        )
+        number, widest = _is_number_column(table, index), max((len(row[index]) for row in cells), default=0)
+        heading = _broken(column.name, column.unit, max(widest, NARROWEST))
+        needed = max([widest if number else min(widest, NARROWEST_TEXT), *map(len, heading)])
+        framed.add_column(Text("\n".join(heading)), justify="right" if number else "left", min_width=needed)
+        least += needed + BETWEEN_COLUMNS
     for row in cells:
         framed.add_row(*map(Text, row))
-    console.print(framed)
+    console.width = max(console.width, least)  # rather long lines than digits cut off
+    console.print(framed, crop=False)
