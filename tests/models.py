@@ -15,7 +15,9 @@ EVERY_ELEMENT = {
     "differential": tn.Differential("e", cage="a", left="b", right="c"),
     "rigid_coupling": tn.RigidCoupling("e", nodes=("a", "b")),
     "lock": tn.Lock("e", node="a"),
-    "shaft": tn.Shaft("e", nodes=("a", "b"), outer_diameter=0.05, inner_diameter=0.02, length=1.2, segments=3, damping=4),
+    "shaft": tn.Shaft(
+        "e", nodes=("a", "b"), outer_diameter=0.05, inner_diameter=0.02, length=1.2, segments=3, damping=4
+    ),
 }
 
 

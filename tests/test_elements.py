@@ -6,9 +6,9 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from models import EVERY_ELEMENT
 
 import torsionnet as tn
-from models import EVERY_ELEMENT
 from torsionnet.elements import ELEMENT_TYPES, Constraint, Law, Values, make_element
 from torsionnet.elements.fields import spec_of
 

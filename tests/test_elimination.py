@@ -30,7 +30,11 @@ def test_names_to_keep_are_kept_if_possible():
 
 def test_decisions_are_exact():
     """In floats 3 * 0.1 is not 0.3 and the loop would not close."""
-    rows = [{"a": Fraction(1), "b": Fraction(-1, 10)}, {"b": Fraction(1), "c": Fraction(-3)}, {"a": Fraction(1), "c": Fraction(-3, 10)}]
+    rows = [
+        {"a": Fraction(1), "b": Fraction(-1, 10)},
+        {"b": Fraction(1), "c": Fraction(-3)},
+        {"a": Fraction(1), "c": Fraction(-3, 10)},
+    ]
     assert reduce_rows(rows, ORDER).redundant == {2: frozenset({0, 1})}
 
 

@@ -19,7 +19,9 @@ def test_yaml_example_is_a_model():
     assert [fault for fault in model.check() if fault.severity != "note"] == []
     # Free-free: J_1 and J_2/tau^2 on k_1.
     mass = 1 / (1 / 0.078 + 4.14**2 / 2.6)
-    assert model.modes().undamped_natural_frequencies[-1] == pytest.approx((13300 / mass) ** 0.5 / 6.283185307, rel=1e-9)
+    assert model.modes().undamped_natural_frequencies[-1] == pytest.approx(
+        (13300 / mass) ** 0.5 / 6.283185307, rel=1e-9
+    )
     assert block("yaml").count("\n") <= 12
 
 

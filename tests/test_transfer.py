@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
+from models import geared_line
 
 import torsionnet as tn
-from models import geared_line
 
 F = np.array([0.5, 3.0, 12.0, 40.0])
 
 
-def value(model, output, input="T_M", f=F, **options):  # noqa: A002
+def value(model, output, input="T_M", f=F, **options):
     return model.frequency_response(output, input, f, **options).values[:, 0, 0]
 
 
@@ -186,7 +186,7 @@ class TestQuestions:
             ([], "T_M", {}, "at least one"),
         ],
     )
-    def test_wrong_names_are_answered(self, output, input, options, words):  # noqa: A002
+    def test_wrong_names_are_answered(self, output, input, options, words):
         with pytest.raises(tn.UsageError, match=words.replace("(", r"\(")):
             geared_line().frequency_response(output, input, F, **options)
 

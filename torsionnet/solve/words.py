@@ -61,23 +61,32 @@ def _overdamped(value: complex, elements: tuple[str, ...], strain: FloatArray, d
 def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[str]) -> str:
     count = len(crossings)
     nodes = "no node of vibration" if not count else f"{count} node{'s' if count > 1 else ''} of vibration"
-    where = f" in {', '.join(crossings)}" if 0 < count <= 3 else ""  # noqa: PLR2004
+    where = f" {', '.join(crossings)}" if 0 < count <= 3 else ""  # noqa: PLR2004
     return f"strain in {_leading(elements, strain)}; {nodes}{where}"
 
 
 def vibration_nodes(assembly: Assembly, shape: ComplexArray) -> list[str]:
-    """Elastic elements within which the angle, referred over the element's ratio, changes its sign.
+    """Where the angle, referred over the ratios, changes its sign: ``in shaft``, or ``at wheel`` if a node stands still.
 
     A complex shape is turned to its main phase first.
     """
     turned = (shape * np.exp(-0.5j * np.angle(np.sum(shape**2)))).real
     angle = dict(zip(assembly.nodes, turned, strict=True))
     limit = STILL * float(np.abs(turned).max(initial=0.0))
-    found: dict[frozenset[str], str] = {}
+    crossings: dict[frozenset[str], str] = {}
+    around: dict[str, list[float]] = {}
     for owner, law in assembly.kinematics.laws:
-        if len(law.row) == 2 and law.is_elastic:  # noqa: PLR2004
-            (first, a), (second, b) = law.row.items()
-            left, right = float(a) * angle[first], -float(b) * angle[second]
-            if min(abs(left), abs(right)) > limit and left * right < 0:
-                found.setdefault(frozenset(law.row), owner)
-    return list(found.values())
+        if len(law.row) != 2 or not law.is_elastic:  # noqa: PLR2004
+            continue
+        (first, a), (second, b) = law.row.items()
+        left, right = float(a) * angle[first], -float(b) * angle[second]
+        if min(abs(left), abs(right)) > limit and left * right < 0:
+            crossings.setdefault(frozenset(law.row), f"in {owner}")
+        around.setdefault(first, []).append(right)
+        around.setdefault(second, []).append(left)
+    still = [
+        node
+        for node, values in around.items()
+        if abs(angle[node]) <= limit and min(values) < -limit and max(values) > limit
+    ]
+    return [*crossings.values(), *(f"at {node}" for node in still)]

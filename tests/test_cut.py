@@ -1,0 +1,85 @@
+"""Poles against a measured input: the drivetrain cut there, or in general the rates that keep the reading at zero."""
+
+import numpy as np
+import pytest
+from models import geared_line
+
+import torsionnet as tn
+from torsionnet.solve.pencil import measured_poles
+from torsionnet.solve.question import ask
+
+
+def residue(model, output, measured, pole):
+    """How large the transfer function gets next to a pole, against a place some way off."""
+    near, off = pole * (1 + 1e-7), pole * (1 + 1e-3)
+    values = [transfer(model, output, measured, s) for s in (near, off)]
+    return abs(values[0] / values[1])
+
+
+def transfer(model, output, measured, s):
+    """The transfer function off the frequency axis, through the state space of all sensors."""
+    space = model.to_control()
+    names = list(model.sensors)
+    values = np.asarray(space(s, squeeze=False))[:, 0, ...].ravel()
+    return values[names.index(output)] / values[names.index(measured)]
+
+
+def test_poles_are_those_of_the_transfer_function():
+    rig = geared_line()
+    modes = rig.modes(measured_input="T")
+    assert modes.kinds == ("oscillatory", "real pole")
+    for pole in modes.eigenvalues:
+        assert residue(rig, "angle", "T", pole) == pytest.approx(1e4, rel=0.05)
+
+
+def test_the_side_upstream_does_not_matter():
+    heavy = geared_line(J_1=50).modes(measured_input="T").eigenvalues
+    np.testing.assert_allclose(geared_line().modes(measured_input="T").eigenvalues, heavy, rtol=1e-13)
+
+
+def test_downstream_of_the_cut_it_turns_round_with_the_excitation():
+    """Driven from the gear, what is upstream of the meter is the gear side: only the motor and its node remain."""
+    rig = geared_line()
+    modes = rig.modes(measured_input="T", excitation="g")
+    assert modes.kinds == ("rigid body",)
+    assert np.isnan(modes.shape_at("g")).all()
+
+
+def test_the_general_way_agrees_with_the_cut():
+    rig = geared_line()
+    general = measured_poles(rig, ask(rig, "angle", "T", None))
+    np.testing.assert_allclose(general.eigenvalues, rig.modes(measured_input="T").eigenvalues, rtol=1e-8)
+
+
+def test_a_measured_angle_clamps_its_node():
+    rig = geared_line()
+    poles = rig.modes(measured_input="angle").eigenvalues
+    clamped = (
+        tn.Drivetrain("c", [*rig.elements.values(), tn.Lock("clamp", node="m")], rig.parameters).modes().eigenvalues
+    )
+    np.testing.assert_allclose(poles, clamped, rtol=1e-8)
+
+
+def test_a_loop_past_the_meter_keeps_both_sides():
+    rig = geared_line()
+    bypass = [*rig.elements.values(), tn.Spring("past", nodes=("m", "g"), stiffness=250)]
+    looped = tn.Drivetrain("loop", bypass, rig.parameters, rig.inputs, {**rig.sensors, "twist": {"twist": "soft"}})
+    modes = looped.modes(measured_input="T")
+    assert "does not cut the drivetrain in two" in modes.notes[0]
+    for pole in modes.eigenvalues:
+        assert residue(looped, "angle", "T", pole) == pytest.approx(1e4, rel=0.05)
+
+
+def test_a_spring_as_torque_meter_adds_its_own_pole():
+    """theta_1/T_T of the DMF rig contains 1/(k_1 + c_1 s): a real pole at -k_1/c_1."""
+    modes = tn.load("dmf_rig").modes(measured_input="T_T")
+    assert modes.kinds == ("oscillatory", "real pole")
+    assert modes.eigenvalues[1] == pytest.approx(-133000, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"), [("T_M", "no sensor"), ("torque(sof)", 'did you mean "soft"'), ("q", "no input")]
+)
+def test_wrong_measured_inputs(name, words):
+    with pytest.raises(tn.UsageError, match=words):
+        geared_line().modes(measured_input=name)

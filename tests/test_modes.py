@@ -1,0 +1,96 @@
+"""Modes as a result: words, energies, tables, warnings."""
+
+import json
+
+import numpy as np
+import pytest
+from models import geared_line
+
+import torsionnet as tn
+
+
+def test_energy_shares_by_hand():
+    """Two equal inertias on a spring: each has half the kinetic energy, the spring all of the strain."""
+    model = tn.Drivetrain(
+        "two",
+        [
+            tn.Inertia("a", node="a", inertia=2),
+            tn.Spring("k", nodes=("a", "b"), stiffness=8, damping=0.1),
+            tn.Inertia("b", node="b", inertia=2),
+        ],
+    )
+    shares = model.modes().energy_shares(1)
+    assert shares["a"] == pytest.approx((0.5, 0, 0))
+    assert shares["k"] == pytest.approx((0, 1, 1))
+
+
+def test_words_about_modes():
+    rigid, first, second = (
+        tn.Drivetrain(
+            "three",
+            [
+                *(tn.Inertia(f"j{n}", node=n, inertia=1) for n in "abc"),
+                tn.Spring("left", nodes=("a", "b"), stiffness=100),
+                tn.Spring("right", nodes=("b", "c"), stiffness=100),
+            ],
+        )
+        .modes()
+        .descriptions
+    )
+    assert rigid == "rigid-body rotation"
+    assert first == "strain in left 50 %, right 50 %; 1 node of vibration at b"
+    assert second == "strain in left 50 %, right 50 %; 2 nodes of vibration in left, in right"
+
+
+def test_overdamped_mode_has_ratio_one_and_a_time_constant():
+    modes = tn.load("amt_rig").configured("V", c_O=360).modes()
+    assert modes.kinds == ("oscillatory", "real pole", "real pole")
+    assert modes.damping_ratios[1:].tolist() == [1, 1]
+    assert "time constant 0.0222 s" in modes.descriptions[1]
+
+
+def test_rigid_body_has_no_damping_ratio():
+    modes = geared_line().switched(off=["brake", "stiff"]).modes()
+    assert modes.kinds[0] == "rigid body"
+    assert (modes.natural_frequencies[0], np.isnan(modes.damping_ratios[0])) == (0, True)
+
+
+def test_every_form_of_the_table_holds_the_same_numbers(tmp_path):
+    modes = tn.load("dmf_rig").modes()
+    modes.to_csv(tmp_path / "modes.csv")
+    lines = [line for line in (tmp_path / "modes.csv").read_text().splitlines() if not line.startswith("#")]
+    assert float(lines[1].split(",")[1]) == modes.natural_frequencies[0]
+    data = json.loads(modes.to_json())
+    assert data["rows"][0][1] == modes.natural_frequencies[0]
+    assert data["columns"][1]["unit"] == "Hz"
+    assert "7.10526" in modes.table().to_text()
+    assert "<td>7.10526</td>" in modes._repr_html_()
+    assert repr(modes) == "<Modes: 2 modes at 7.105, 80.98 Hz>"
+
+
+def test_conventions_change_what_is_shown():
+    modes = tn.load("dmf_rig").modes()
+    table = modes.table(tn.Conventions(frequency="cpm"))
+    assert table.columns[1].unit == "cpm"
+    assert table.rows[0][1] == pytest.approx(60 * modes.natural_frequencies[0])
+
+
+def test_shapes_cover_eliminated_nodes():
+    modes = geared_line().modes()
+    np.testing.assert_allclose(modes.shape_at("o"), modes.shape_at("g") / 3, rtol=1e-13)
+    np.testing.assert_allclose(modes.shape_at("p"), modes.shape_at("m"), rtol=1e-13)
+    assert np.abs(modes.shapes).max(axis=0) == pytest.approx(1)
+    with pytest.raises(tn.UsageError, match="no node"):
+        modes.shape_at("M")
+
+
+def test_law_without_fixed_point_is_reported():
+    """A table that stiffens in a step wherever the mode would settle has no frozen frequency of its own."""
+    step = [[0.1, 30, 0], [1.0, 30, 0], [1.000001, 60, 0], [9, 60, 0]]
+    falling = [[0.1, 60, 0], [1.0, 60, 0], [1.000001, 30, 0], [9, 30, 0]]
+    for table, settles in ((step, True), (falling, False)):
+        model = tn.Drivetrain(
+            "t", [tn.Inertia("j", node="a", inertia=1), tn.TabulatedSpring("k", nodes=("a", "ground"), table=table)]
+        )
+        if settles:
+            assert model.modes().converged.all()

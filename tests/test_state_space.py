@@ -1,0 +1,70 @@
+"""State space for python-control."""
+
+import numpy as np
+import pytest
+from models import geared_line
+
+import torsionnet as tn
+
+F = np.array([0.2, 3.0, 17.0])
+
+
+def agrees(model):
+    space = model.to_control()
+    H = model.frequency_response(list(model.sensors), list(model.inputs), F)
+    response = np.moveaxis(space(2j * np.pi * F, squeeze=False), 2, 0)
+    np.testing.assert_allclose(response, H.values, rtol=1e-9, atol=1e-12 * np.abs(H.values).max())
+    return space
+
+
+@pytest.mark.parametrize("name", ["dmf_rig", "amt_rig"])
+def test_rigs(name):
+    space = agrees(tn.load(name))
+    assert space.input_labels == ["T_M"]
+    assert space.output_labels == ["theta_1", "T_T"]
+
+
+def test_massless_nodes_static_and_damped():
+    parts = [
+        tn.Inertia("j", node="a", inertia=2),
+        tn.Spring("k1", nodes=("a", "b"), stiffness=300),
+        tn.Spring("k2", nodes=("b", "c"), stiffness=500),
+        tn.Damper("c", nodes=("c", "d"), damping=20),
+        tn.Spring("k3", nodes=("d", "ground"), stiffness=400),
+    ]
+    sensors = {"s": {"torque": "k2"}, "v": {"velocity": "a"}, "acc": {"acceleration": "a"}, "b": {"angle": "b"}}
+    model = tn.Drivetrain("maxwell", parts, inputs={"T": {"torque": "a"}, "T_b": {"torque": "b"}}, sensors=sensors)
+    space = agrees(model)
+    assert space.nstates == 3  # angle and speed of a, one state of the damper between massless nodes
+
+
+def test_free_drivetrain_keeps_its_rigid_body():
+    assert np.sort(np.abs(agrees(geared_line().switched(off=["brake", "stiff"])).poles()))[0] < 1e-6
+
+
+def test_what_has_no_state_space_says_so():
+    rig = geared_line()
+    rate = tn.Drivetrain(
+        "x",
+        [
+            tn.Inertia("j", node="a", inertia=1),
+            tn.Spring("k", nodes=("a", "b"), stiffness=5),
+            tn.Damper("c", nodes=("a", "ground"), damping=1),
+        ],
+        inputs={"T": {"torque": "b"}},
+        sensors={"v": {"velocity": "b"}},
+    )
+    with pytest.raises(tn.UsageError, match="v contains the rate of change of an input"):
+        rate.to_control()
+    hysteretic = [*rig.elements.values(), tn.HystereticSpring("rubber", nodes=("m", "g"), stiffness=9, loss_factor=0.1)]
+    with pytest.raises(tn.UsageError, match="rubber"):
+        tn.Drivetrain("h", hysteretic, rig.parameters, rig.inputs, rig.sensors).to_control()
+    with pytest.raises(tn.UsageError, match="at least one input"):
+        tn.Drivetrain("n", rig.elements.values(), rig.parameters).to_control()
+
+
+def test_frequency_response_data():
+    H = geared_line().frequency_response(["angle", "T"], "T_M", F)
+    data = H.to_control()
+    np.testing.assert_array_equal(np.moveaxis(data.frdata, 2, 0), H.values)
+    assert data.output_labels == ["angle", "T"]
