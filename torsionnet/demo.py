@@ -1,4 +1,4 @@
-"""Both rigs of Galvagno et al. (2015): modes, comparison with the paper's figures, plots. ``python -m torsionnet.demo``."""
+"""Both rigs of Galvagno et al. (2015): modes, comparison with the paper, plots. ``python -m torsionnet.demo``."""
 
 from __future__ import annotations
 
@@ -41,11 +41,11 @@ PAPER = {  # case, quantity: what the test showed (Figs 10-13 and the text aroun
 
 REMARKS = """\
 Where the test differs from the model, and why:
-* Phase at low frequency: the AMT lags about 15 deg at 0.4 Hz in the test, the model 1.5 to 2.6 deg. Viscous damping fades
-  out towards 0 Hz, so the rig has losses that do not depend on frequency. Such hysteresis alone does not fit either: the
-  DMF's phase at the peak is -64 deg in the test, -73 deg here, and about -87 deg with a purely hysteretic DMF.
-* Static angle: the model's follows 1/k_1 + tau^2/k_2, so II over V is 2.41; in the test it is 2.75. No choice of c_O or
-  c_B changes that. The model is under the test in II and over it in V.
+* Phase at low frequency: the AMT lags about 15 deg at 0.4 Hz in the test, the model 1.5 to 2.6 deg. Viscous damping
+  fades out towards 0 Hz, so the rig has losses that do not depend on frequency. Such hysteresis alone does not fit
+  either: the DMF's phase at the peak is -64 deg in the test, -73 deg here, and -87 deg with a purely hysteretic DMF.
+* Static angle: the model's follows 1/k_1 + tau^2/k_2, so II over V is 2.41; in the test it is 2.75. No choice of
+  c_O or c_B changes that. The model is under the test in II and over it in V.
 * V peaks lower and at a higher frequency than the dampers found in II to IV say; c_O = 360 N*m*s/rad fits it. Drag in
   oil depends on temperature and speed, and I_2 is kept although its output side weighs 1/tau^2.
 * The paper's 22 % and 27 % are damping ratios of the whole rig. The peak of theta_1/T_T belongs to the rig cut at the

@@ -65,11 +65,7 @@ def read_list(text: str) -> FloatArray:
     >>> read_list("0:1:0.25,5").tolist()
     [0.0, 0.25, 0.5, 0.75, 1.0, 5.0]
     """
-    try:
-        parts = [_part(part) for part in text.split(",")]
-    except ValueError:
-        msg = f'frequencies are written "start:stop:step" or "1,2,5", got "{text}"'
-        raise UsageError(msg) from None
+    parts = [_part(part, text) for part in text.split(",")]
     frequencies = np.unique(np.concatenate(parts))
     if frequencies[0] < 0:
         msg = f"a frequency must not be negative, got {frequencies[0]:g}"
@@ -77,20 +73,27 @@ def read_list(text: str) -> FloatArray:
     return frequencies
 
 
-def _part(text: str) -> FloatArray:
-    numbers = [float(number) for number in text.split(":")]
-    if not all(math.isfinite(number) for number in numbers):
-        raise ValueError(text)
+def _part(part: str, text: str) -> FloatArray:
+    try:
+        numbers = [float(number) for number in part.split(":")]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in (1, 3) or not all(map(math.isfinite, numbers)):
+        raise _unreadable(text)
     if len(numbers) == 1:
         return np.array(numbers)
     start, stop, step = numbers
     if step <= 0 or stop < start:
-        raise ValueError(text)
+        raise _unreadable(text)
     count = math.floor((stop - start) / step * (1 + 1e-12) + 1e-9) + 1
     if count > MOST_POINTS:
-        msg = f'"{text}" are {count} frequencies; at most {MOST_POINTS} are calculated at once'
+        msg = f'"{part}" are {count} frequencies; at most {MOST_POINTS} are calculated at once'
         raise UsageError(msg)
     return np.asarray(start + step * np.arange(count), dtype=np.float64)
+
+
+def _unreadable(text: str) -> UsageError:
+    return UsageError(f'frequencies are written "start:stop:step" or "1,2,5", got "{text}"')
 
 
 def suitable_range(cases: Sequence[Case]) -> tuple[float, float]:
