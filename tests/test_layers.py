@@ -27,10 +27,12 @@ LAYERS = (  # top to bottom: first name below torsionnet
         "configurations",
         "channels",
         "operating_point",
+        "speeds",
+        "graph",
     },
     {"elements"},
     {"signals"},
-    {"response", "units", "damping", "expressions", "elimination", "errors"},
+    {"response", "units", "damping", "expressions", "elimination", "atomic", "errors"},
 )
 HEIGHT = {name: -depth for depth, layer in enumerate(LAYERS) for name in layer}
 TOP = 1  # torsionnet/__init__.py offers names from every layer

@@ -77,7 +77,8 @@ def read_sensor(raw: Any) -> Sensor:
     quantity, of = _read_entry(raw, SENSOR_QUANTITIES, ("at",), "{angle: node} or {torque: element, at: node}")
     at = raw.get("at")
     if at is not None and (quantity != "torque" or not isinstance(at, str)):
-        msg = "at: names the port of a torque" if quantity != "torque" else f"expected the name of a node, got {at!r}"
+        only = f"only a torque is taken at a port; leave out at:, or measure a torque instead of the {quantity}"
+        msg = only if quantity != "torque" else f"expected the name of a node, got {at!r}"
         raise FieldError(msg, ("at",))
     return Sensor(quantity, of, at)
 

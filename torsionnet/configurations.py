@@ -55,7 +55,7 @@ def read_configurations(raw: Any) -> tuple[dict[str, dict[str, Overlay]], list[F
 
 
 def _is_axis(entry: Any) -> bool:
-    if not isinstance(entry, Mapping) or not entry:
+    if not isinstance(entry, Mapping):
         return False
     values = [value for key, value in entry.items() if key not in (*SWITCHES, "operating_point")]
     return bool(values) and all(value is None or isinstance(value, (Mapping, Overlay)) for value in values)

@@ -101,7 +101,7 @@ def define(
     tables: dict[str, Any] = {}
     raw_tables = {"parameters": parameters, "inputs": inputs, "sensors": sensors}
     for key, raw in raw_tables.items():
-        if not isinstance(raw or {}, Mapping):
+        if raw is not None and not isinstance(raw, Mapping):
             faults.append(Fault(f"expected entries by name, got {raw!r}", (key,)))
             raw_tables[key] = None
     tables["parameters"], found = read_parameters(raw_tables["parameters"] or {})
@@ -109,7 +109,7 @@ def define(
     for key in ("inputs", "sensors"):
         tables[key], found = read_channels(raw_tables[key] or {}, key)
         faults += found
-    axes, found = read_configurations(configurations or {})
+    axes, found = read_configurations({} if configurations is None else configurations)
     faults += found
     point, found = read_operating_point(operating_point)
     faults += found
@@ -154,9 +154,9 @@ def _key_faults(data: Mapping[Any, Any]) -> list[Fault]:
     if version is None:
         faults.append(Fault("the first entry of a model file is torsionnet: 1, the version of the format"))
     elif version != VERSION or isinstance(version, bool):
-        faults.append(
-            Fault(f"this is format {version!r}; the installed version reads format {VERSION}", ("torsionnet",))
-        )
+        shown = f"format {version}" if isinstance(version, int) and not isinstance(version, bool) else repr(version)
+        text = f"torsionnet: is the version of the format, {VERSION} for this release; this is {shown}"
+        faults.append(Fault(text, ("torsionnet",)))
     return faults
 
 
@@ -201,6 +201,12 @@ def _read_element(name: Any, entry: Any) -> Element:
         Fault(f"{kind} {name} needs {key}: {declared[key].metadata['spec'].description}", path, on_key=True)
         for key in missing
     ]
+    empty = [key for key in entry if key in declared and entry[key] is None and declared[key].default is not MISSING]
+    faults += [
+        Fault(f"{key} has no value; give one, or leave the entry out", (*path, key), on_key=True) for key in empty
+    ]
+    if empty:
+        raise ModelError(faults)
     given = {key: value for key, value in entry.items() if key in declared}
     try:
         element = cls(name, **(given | dict.fromkeys(missing)))

@@ -55,7 +55,7 @@ def read_operating_point(raw: Any, path: tuple[str, ...] = ("operating_point",))
     ]
     tables: dict[str, dict[str, Expression]] = {name: {} for name in TABLES}
     for name in TABLES:
-        entries = raw.get(name) or {}
+        entries = {} if raw.get(name) is None else raw[name]
         if not isinstance(entries, Mapping):
             faults.append(Fault(f"expected {{node: value}}, got {entries!r}", (*path, name)))
             continue

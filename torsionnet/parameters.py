@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 from torsionnet.elements.fields import FieldError, plain_scalar
-from torsionnet.errors import Fault
+from torsionnet.errors import Fault, did_you_mean
 from torsionnet.expressions import Expression, ExpressionError, Number, check_name, scalar
 from torsionnet.units import Dimension, UnitError
 
@@ -58,6 +58,12 @@ def read_parameter(raw: Any) -> Parameter:
         return raw
     if not isinstance(raw, Mapping):
         return Parameter(read_value(raw))
+    for key in raw:
+        if key not in KEYS:
+            # A comma in a description without quotes makes such a key.
+            hint = did_you_mean(str(key), KEYS) or "; text with a comma needs quotes" * (raw[key] is None)
+            msg = f'unknown key "{key}"{hint}; a parameter has {", ".join(KEYS)}'
+            raise FieldError(msg, (key,))
     if "value" not in raw:
         msg = "a parameter needs a value: {value: 0.46 kN*m/rad, description: ...}"
         raise FieldError(msg)
@@ -164,9 +170,10 @@ def resolve(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Fraction | f
 
 def dimensions(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Dimension | None], list[Fault]]:
     """Dimension of every parameter (None: a bare number, fits anywhere); faults for sums of unlike quantities."""
-    found: dict[str, Dimension | None] = {}
+    order, cycles = evaluation_order(parameters)
+    found: dict[str, Dimension | None] = {name: None for cycle in cycles for name in cycle}
     faults: list[Fault] = []
-    for name in evaluation_order(parameters)[0]:
+    for name in (name for name in order if name not in found):
         try:
             found[name] = parameters[name].value.dimension(found)
         except ExpressionError as error:

@@ -62,12 +62,12 @@ def has_errors(faults: list[Fault]) -> bool:
 
 
 def _in_configuration(name: str, found: list[Fault], base: list[Fault]) -> list[Fault]:
-    """Faults a configuration adds to those of the base model, with its name."""
+    """What a configuration adds to the findings of the base model about one of its entries, with its name."""
     known = {(fault.path, fault.message) for fault in base}
     return [
         replace(fault, message=f"in configuration {name}: {fault.message}")
         for fault in found
-        if fault.severity == "error" and (fault.path, fault.message) not in known
+        if (fault.severity == "error" or fault.path) and (fault.path, fault.message) not in known
     ]
 
 

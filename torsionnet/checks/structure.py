@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from torsionnet.channels import ELEMENT_QUANTITIES
 from torsionnet.definition import Definition, all_nodes
 from torsionnet.elements import GROUND, Values
 from torsionnet.elimination import reduce_rows
 from torsionnet.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.kinematics import Kinematics, contradicting_loop, exact_row, solve_kinematics, virtual_motion
 from torsionnet.speeds import mean_speeds
+
+MOST_GROUPS = 10
+"""Unconnected groups that are reported one by one."""
 
 
 def unconnected_parts(definition: Definition) -> list[Fault]:
@@ -19,22 +23,21 @@ def unconnected_parts(definition: Definition) -> list[Fault]:
     Ground does not connect: what is only tied to ground does not feel its neighbour.
     """
     groups = node_groups(element.ports.values() for element in definition.elements.values())
-    if len(groups) < 2:  # noqa: PLR2004
-        return []
-    main = max(groups, key=len)
-    faults = []
-    for group in groups:
-        if group is main:
-            continue
-        owner = next(name for name, element in definition.elements.items() if group & set(element.ports.values()))
-        hints = [did_you_mean(node, main) for node in sorted(group)]
-        hint = next((text for text in hints if text), "")
-        order = [node for node in all_nodes(definition.elements.values()) if node in group]
-        text = (
-            f"{_listed(order)} {'is' if len(order) == 1 else 'are'} not connected to the rest of the drivetrain{hint}"
-        )
-        faults.append(Fault(text, ("elements", owner), on_key=True))
+    main = max(groups, key=len, default=set())
+    others = [group for group in groups if group is not main]
+    faults = [_unconnected(definition, group, main) for group in others[:MOST_GROUPS]]
+    if len(others) > MOST_GROUPS:
+        faults.append(Fault(f"{len(others) - MOST_GROUPS} more groups of nodes are not connected", ("elements",)))
     return faults
+
+
+def _unconnected(definition: Definition, group: set[str], main: set[str]) -> Fault:
+    owner = next(name for name, element in definition.elements.items() if group & set(element.ports.values()))
+    order = [node for node in all_nodes(definition.elements.values()) if node in group]
+    hint = next((text for text in (did_you_mean(node, main) for node in order[:MOST_GROUPS]) if text), "")
+    verb = "is" if len(order) == 1 else "are"
+    text = f"{_listed(order)} {verb} not connected to the rest of the drivetrain{hint}"
+    return Fault(text, ("elements", owner), on_key=True)
 
 
 def node_groups(groups: Iterable[Iterable[str]]) -> list[set[str]]:
@@ -140,6 +143,19 @@ def indeterminate_torques(definition: Definition, kinematics: Kinematics) -> lis
     return faults
 
 
+def idle_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]:
+    """Sensors and inputs on parts that are switched off (information: they come back with another configuration)."""
+    active = {element.name for element in definition.active}
+    faults = []
+    for table in ("inputs", "sensors"):
+        for name, channel in getattr(definition, table).items():
+            on_element = table == "sensors" and channel.quantity in ELEMENT_QUANTITIES
+            if channel.of not in (active if on_element else kinematics.nodes):
+                text = f"{name} has nothing to act on: {channel.of} is switched off"
+                faults.append(Fault(text, (table, name), "note", on_key=True))
+    return faults
+
+
 def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fault]:
     """How many ways the drivetrain can turn without any spring answering (information, not an error)."""
     del definition
@@ -169,6 +185,7 @@ CHECKS = (
     locked_inputs,
     massless_without_hold,
     indeterminate_torques,
+    idle_channels,
     rigid_body_modes,
 )
 

@@ -100,6 +100,7 @@ def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measu
     shown = f"{expression} = {value:g}" if expression.names else f"{value:g}"
     if measure:
         positive = wanted == "frequency" or not isinstance(spec, DampingQuantity)
+        shown = f"{'the frequency' if wanted == 'frequency' else 'the damping'} {shown}"
         return (
             f"{shown}: must {'be greater than' if positive else 'not be less than'} 0"
             if value < 0 or (positive and value == 0)

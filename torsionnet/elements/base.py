@@ -8,7 +8,7 @@ known to model files, the JSON Schema, the checks and the documentation.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import Field, dataclass, fields
+from dataclasses import MISSING, Field, dataclass, fields
 from typing import Any, ClassVar, TypeVar
 
 from torsionnet.damping import DampingMeasure
@@ -123,9 +123,15 @@ class Element:
         data: dict[str, Any] = {"type": self.kind}
         for declared in self.declared():
             current = getattr(self, declared.name)
-            if current is not None and current != declared.default:
+            if current is not None and current != _default(declared):
                 data[declared.name] = spec_of(declared).plain(current)
         return data
+
+
+def _default(declared: Field[Any]) -> Any:
+    """The default of a field as it is stored."""
+    given = declared.default is not MISSING and declared.default is not None
+    return spec_of(declared).coerce(declared.default) if given else None
 
 
 def make_element(kind: str, name: str, data: Mapping[str, Any]) -> Element:

@@ -9,7 +9,6 @@ from typing import Any
 from torsionnet.checks import check_definition, has_errors, names, values
 from torsionnet.definition import Definition
 from torsionnet.errors import Fault, Path
-from torsionnet.files.entries import overlooked
 from torsionnet.files.located import Document
 from torsionnet.files.placing import entry_at
 from torsionnet.parameters import resolve
@@ -21,12 +20,6 @@ _CHECKS = tuple(check for check in names.CHECKS if check is not names.dead_ends)
 
 def check_what_was_read(definition: Definition, document: Document, faults: list[Fault]) -> list[Fault]:
     """The faults of reading and those of the checks that still mean something."""
-    reported = {fault.path for fault in faults}
-    silent = [fault for fault in overlooked(document) if fault.path not in reported]
-    faults = [*faults, *silent]
-    # "give ratio or teeth" is no news where a ratio stands without its number.
-    incomplete = {fault.path[:-1] for fault in silent}
-    faults = [fault for fault in faults if not (fault.path in incomplete and fault.message.startswith("give "))]
     lost: set[str] = set()
     if has_errors(faults) or document.dropped:
         lost = set(_lost_words(document, [fault.path for fault in faults if fault.severity == "error"]))

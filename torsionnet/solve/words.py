@@ -66,7 +66,7 @@ def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[st
 
 
 def vibration_nodes(assembly: Assembly, shape: ComplexArray) -> list[str]:
-    """Where the angle, referred over the ratios, changes its sign: ``in shaft``, or ``at wheel`` if a node stands still.
+    """Where the angle, referred over the ratios, changes its sign: ``in shaft``, or ``at wheel`` if it stands still.
 
     A complex shape is turned to its main phase first.
     """
