@@ -10,7 +10,6 @@ from typing import Any
 
 import click
 
-from torsionnet import __version__
 from torsionnet.cli.failures import guarded
 
 COMMANDS = {  # in the order of use; the texts stand here so that the list of commands imports none of them
@@ -21,6 +20,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "frf": "Frequency responses between sensors, inputs and nodes.",
     "schema": "JSON Schema of model files, for editors.",
 }
+VERSION = str(importlib.import_module("torsionnet").__version__)  # the package itself is above every layer
 OBJECTS_BETWEEN_COLLECTIONS = 100_000
 
 
@@ -64,7 +64,7 @@ class LazyGroup(click.Group):
     "Results go to stdout, messages to stderr. "
     "Exit codes: 1 wrong model, 2 wrong usage, 3 no numerical answer, 4 missing package.",
 )
-@click.version_option(__version__, prog_name="torsionnet")
+@click.version_option(VERSION, prog_name="torsionnet")
 def app() -> None:
     """Torsional models of drivetrains: check, equations, modes, frequency responses."""
 

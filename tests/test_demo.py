@@ -1,0 +1,114 @@
+"""The demo: numbers beside the paper's, and the files it promises."""
+
+import csv
+import re
+
+import pytest
+
+from torsionnet import demo
+
+SLUGS = ["dmf", "amt_II", "amt_III", "amt_IV", "amt_V", "amt_V_c_O_360"]
+
+
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory):
+    """(what it printed, its folder)."""
+    import contextlib
+    import io
+
+    folder = tmp_path_factory.mktemp("demo") / "out"
+    text = io.StringIO()
+    with contextlib.redirect_stdout(text):
+        assert demo.main([str(folder)]) == 0
+    return text.getvalue(), folder
+
+
+def row(text, case, quantity):
+    """Cells of a row of the comparison: model, test, deviation."""
+    line = next(line for line in text.splitlines() if re.match(rf"{re.escape(case)}  +{quantity}  ", line))
+    return re.split(r"  +", line)[3:]
+
+
+def test_writes_the_figures_schematics_and_curves(shown):
+    text, folder = shown
+    names = {path.name for path in folder.iterdir()}
+    assert names == {
+        "dmf_theta1_TM_and_TT.png",
+        "amt_gears.png",
+        "dmf_schematic.svg",
+        "amt_schematic.svg",
+        *(f"{slug}_theta_1_{against}.csv" for slug in SLUGS for against in ("T_T", "T_M")),
+    }
+    assert all(str(folder / name) in text for name in names)
+    for name in ("dmf_theta1_TM_and_TT.png", "amt_gears.png"):
+        data = (folder / name).read_bytes()
+        assert data.startswith(b"\x89PNG")
+        assert len(data) > 20_000
+    assert "<svg" in (folder / "dmf_schematic.svg").read_text(encoding="utf-8")
+
+
+def test_prints_modes_of_every_gear(shown):
+    text, _ = shown
+    for title in ("DMF test rig", *(f"AMT test rig ({gear})" for gear in ("II", "III", "IV", "V", "V_c_O_360"))):
+        assert f"{title}\nmode " in text
+    for frequency in ("7.10526", "80.9834", "3.4091", "4.56396", "5.34326", "5.912", "6.2678"):
+        assert re.search(rf"^ +1 +{re.escape(frequency)} |^ +2 +{re.escape(frequency)} ", text, flags=re.MULTILINE)
+
+
+@pytest.mark.parametrize(
+    ("case", "quantity", "cells"),
+    [  # model as in the project's own table of the paper's equations; test as the paper says
+        ("DMF", "peak frequency", ("8.116", "8", "+1.5 %")),
+        ("DMF", "peak phase", ("-72.6", "-64", "-8.6 deg")),
+        ("DMF", "DC gain", ("0.1289", "-")),
+        ("AMT II", "peak frequency", ("3.691", "4", "-7.7 %")),
+        ("AMT II", "damping ratio", ("0.229278", "0.22", "+4.2 %")),
+        ("AMT II", "DC gain", ("0.4197", "0.44", "-4.6 %")),
+        ("AMT III", "damping ratio", ("0.224239", "0.22", "+1.9 %")),
+        ("AMT IV", "damping ratio", ("0.221185", "0.22", "+0.5 %")),
+        ("AMT V", "peak frequency", ("6.747", "7", "-3.6 %")),
+        ("AMT V", "DC gain", ("0.1741", "0.16", "+8.8 %")),
+        ("AMT V, c_O = 360", "peak frequency", ("6.979", "7", "-0.3 %")),
+        ("AMT V, c_O = 360", "damping ratio", ("0.276870", "0.27", "+2.5 %")),
+    ],
+)
+def test_compares_with_the_paper(shown, case, quantity, cells):
+    model, *rest = row(shown[0], case, quantity)
+    assert float(model) == pytest.approx(float(cells[0]), rel=2e-4, abs=6 * 10 ** -len(cells[0].split(".")[-1]) / 10)
+    assert tuple(rest) == cells[1:]
+
+
+def test_every_figure_of_the_paper_is_compared(shown):
+    for case, quantity in demo.PAPER:
+        assert row(shown[0], case, quantity)[1] != "-"
+
+
+@pytest.mark.parametrize(
+    ("case", "frequency", "damping"),
+    [
+        ("DMF", 8.755, 0.257),
+        ("AMT II", 3.945, 0.245),
+        ("AMT III", 5.396, 0.250),
+        ("AMT IV", 6.430, 0.251),
+        ("AMT V", 7.199, 0.248),
+        ("AMT V, c_O = 360", 7.809, 0.308),
+    ],
+)
+def test_shows_the_poles_of_the_cut_rigs(shown, case, frequency, damping):
+    table = shown[0].split("cut at the torque meter")[1]
+    cells = re.split(r"  +", next(line for line in table.splitlines() if line.startswith(f"{case}  ")))
+    assert [float(cell) for cell in cells[1:3]] == pytest.approx([frequency, damping], abs=6e-4)
+
+
+def test_says_where_the_test_differs(shown):
+    text = " ".join(shown[0].split())
+    assert "Where the test differs from the model, and why" in text
+    assert "losses that do not depend on frequency" in text
+
+
+def test_curves_are_in_degrees_over_the_papers_range(shown):
+    lines = (shown[1] / "amt_II_theta_1_T_T.csv").read_text(encoding="utf-8").splitlines()
+    rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
+    frequencies = [float(entry["frequency [Hz]"]) for entry in rows]
+    assert (frequencies[0], frequencies[-1]) == pytest.approx((0.3, 40))
+    assert max(float(entry["|theta_1/T_T| [deg/(N*m)]"]) for entry in rows) == pytest.approx(0.8661, abs=1e-3)
