@@ -4,6 +4,8 @@ import csv
 import json
 import math
 import os
+import re
+import shlex
 import subprocess
 import sys
 import warnings
@@ -14,6 +16,8 @@ from click.testing import CliRunner
 
 import torsionnet as tn
 from torsionnet.cli.app import COMMANDS, app
+
+ROOT = Path(__file__).parents[1]
 
 BROKEN = """\
 torsionnet: 1
@@ -541,6 +545,29 @@ def test_each_warning_is_shown_once_and_without_the_place_in_the_program(monkeyp
 
     monkeypatch.setattr(tn.Drivetrain, "modes", warn)
     assert run("modes", "dmf_rig").stderr == "warning: the table is not passive\n"
+
+
+# documentation
+
+
+def documented():
+    text = (ROOT / "docs" / "command_line.md").read_text(encoding="utf-8")
+    return re.findall(r"```console\n\$ torsionnet (.*)\n((?:.*\n)*?)```", text)
+
+
+def test_documented_output_is_real_output(tmp_path, monkeypatch):
+    (tmp_path / "broken.yaml").write_text(BROKEN, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    blocks = documented()
+    assert {command.split()[0] for command, _ in blocks} == set(COMMANDS) - {"schema"}
+    for command, output in blocks:
+        shown = CliRunner().invoke(app, shlex.split(command)).stdout
+        if command == "library":  # which grows: its lines, whatever the widths of the columns
+            assert {tuple(line.split()) for line in output.splitlines()[2:]} <= {
+                tuple(line.split()) for line in shown.splitlines()
+            }
+        else:
+            assert shown == output, command
 
 
 # processes

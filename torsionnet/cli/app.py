@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import importlib
 import sys
 from collections.abc import Sequence
@@ -21,7 +20,6 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "schema": "JSON Schema of model files, for editors.",
 }
 VERSION = str(importlib.import_module("torsionnet").__version__)  # the package itself is above every layer
-OBJECTS_BETWEEN_COLLECTIONS = 100_000
 
 
 class LazyGroup(click.Group):
@@ -74,7 +72,6 @@ def run(arguments: Sequence[str] | None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a console without some character still shows the rest
-    gc.set_threshold(OBJECTS_BETWEEN_COLLECTIONS)  # a short process: starting up leaves next to no garbage
     try:
         app.main(None if arguments is None else list(arguments), prog_name="torsionnet")
     except SystemExit as finished:
