@@ -7,7 +7,6 @@ command line. A wrong model gives one :class:`ModelError` that holds *all* its f
 
 from __future__ import annotations
 
-import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import TypeAlias
@@ -109,6 +108,8 @@ def did_you_mean(name: str, candidates: Iterable[str]) -> str:
     >>> did_you_mean("gerbox", ["gearbox", "motor"])
     '; did you mean "gearbox"?'
     """
+    import difflib
+
     known = {candidate.casefold(): candidate for candidate in candidates}
     close = difflib.get_close_matches(name.casefold(), known, n=1, cutoff=0.6)
     return f'; did you mean "{known[close[0]]}"?' if close else ""

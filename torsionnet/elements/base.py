@@ -27,7 +27,7 @@ def register(cls: type[E]) -> type[E]:
     return cls
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Element:
     """One part of a drivetrain.
 
@@ -112,6 +112,19 @@ class Element:
     def internal_nodes(self) -> tuple[str, ...]:
         """Nodes the element brings along by itself."""
         return ()
+
+    def _key(self) -> tuple[Any, ...]:
+        return (type(self), self.name, *(getattr(self, declared.name) for declared in self.declared()))
+
+    def __eq__(self, other: object) -> bool:
+        return self._key() == other._key() if isinstance(other, Element) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    def __repr__(self) -> str:
+        given = "".join(f", {name}={value!r}" for name, value in self.to_data().items() if name != "type")
+        return f"{type(self).__name__}({self.name!r}{given})"
 
     def scalars(self) -> dict[str, tuple[Spec, Any]]:
         """Field name to (specification, value) of everything that was given."""

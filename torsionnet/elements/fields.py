@@ -28,7 +28,7 @@ class FieldError(ValueError):
         self.path = path
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Spec:
     """Base of the field specifications."""
 
@@ -101,7 +101,7 @@ def _kind(raw: Any) -> str:
     return "a mapping" if isinstance(raw, Mapping) else "a list"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Quantity(Spec):
     """A physical scalar: number in SI, text with unit, or an expression of parameters."""
 
@@ -134,7 +134,7 @@ class Quantity(Spec):
         return None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class DampingQuantity(Quantity):
     """A viscous coefficient, or a damping measure at a stated frequency: ``{zeta: 0.02, at: 12 Hz}``."""
 
@@ -193,7 +193,7 @@ def _within(raw: Any, dimension: str, key: str) -> Expression:
         raise FieldError(error.message, (key, *error.path)) from None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class LossFactor(Quantity):
     """A loss factor eta, or any frequency-free measure of damping: ``{zeta: 0.05}``, ``{psi: 0.6}``."""
 
@@ -239,7 +239,7 @@ def plain_number(value: Fraction | float) -> int | float | str:
     return float(value)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class NodeName(Spec):
     """The node an element's port is attached to."""
 
@@ -272,7 +272,7 @@ def node_name_fault(name: str) -> str | None:
     return f'"{name}" is no name; use letters, digits and _, beginning with a letter'
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class NodePair(Spec):
     """Two nodes; the first defines the sign of the element's twist and torque."""
 
@@ -310,7 +310,7 @@ def _shown(raw: Any) -> str:
     return "nothing" if raw is None else f"{raw!r}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Teeth(Spec):
     """Two teeth counts; one negative count marks opposite senses of rotation (an external mesh)."""
 
@@ -337,7 +337,7 @@ class Teeth(Spec):
         }
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Choice(Spec):
     """One word out of a few."""
 
@@ -354,7 +354,7 @@ class Choice(Spec):
         return {"enum": list(self.options), "description": self.description}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Count(Spec):
     """A whole number in a range."""
 
@@ -371,7 +371,7 @@ class Count(Spec):
         return {"type": "integer", "minimum": self.lower, "maximum": self.upper, "description": self.description}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Flag(Spec):
     """true or false."""
 
@@ -385,7 +385,7 @@ class Flag(Spec):
         return {"type": "boolean", "description": self.description}
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Text(Spec):
     """Free text."""
 
@@ -402,7 +402,7 @@ class Text(Spec):
 _COLUMNS = (("frequency", "frequency"), ("stiffness", "stiffness"), ("damping", "damping"))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Table(Spec):
     """Rows [frequency, stiffness, damping] of a measured dynamic stiffness."""
 

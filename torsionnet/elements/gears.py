@@ -37,7 +37,7 @@ def _mesh(row: Row, element: Any, value: Values) -> Part:
 
 
 @register
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Gear(Element):
     """A gear stage of ratio tau = omega_first / omega_second = z_second / z_first, negative for opposite senses.
 
@@ -87,7 +87,7 @@ class Gear(Element):
 
 
 @register
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Planetary(Element):
     """A simple planetary set with z = z_ring / z_sun: row theta_sun + z theta_ring - (1 + z) theta_carrier.
 
@@ -142,7 +142,7 @@ class Planetary(Element):
 
 
 @register
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Differential(Element):
     """A differential: 2 theta_cage = theta_left + theta_right when open; locked, all three turn as one.
 

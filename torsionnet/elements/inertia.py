@@ -11,7 +11,7 @@ from torsionnet.elements.laws import Law, Part, Values, make_row
 
 
 @register
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Inertia(Element):
     """A rigid rotating mass at a node: torque J d2theta/dt2.
 

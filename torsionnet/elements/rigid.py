@@ -11,7 +11,7 @@ from torsionnet.elements.laws import Constraint, Part, Row, Values, difference, 
 
 
 @register
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class RigidCoupling(Element):
     """Two nodes that turn as one; the torque it carries is what a stiff torque meter reads.
 
@@ -32,7 +32,7 @@ class RigidCoupling(Element):
 
 
 @register
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Lock(Element):
     """A node clamped to ground; its torque is the reaction the ground has to take.
 

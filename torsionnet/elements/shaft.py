@@ -14,7 +14,7 @@ from torsionnet.expressions import Number, scalar
 
 
 @register
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Shaft(Element):
     """A uniform round shaft, solid or hollow, in n equal segments.
 

@@ -14,7 +14,7 @@ PAIR = "the two nodes it connects, one may be ground; twist is the angle of the 
 
 
 @register
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Spring(Element):
     """A torsion spring, with a viscous damper in parallel if wanted: torque k gamma + c dgamma/dt.
 
@@ -39,7 +39,7 @@ class Spring(Element):
 
 
 @register
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class Damper(Element):
     """A viscous damper: torque c dgamma/dt.
 
@@ -60,7 +60,7 @@ class Damper(Element):
 
 
 @register
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class HystereticSpring(Element):
     """A spring with rate-independent losses: torque k (1 + j eta) gamma at positive frequency.
 
@@ -94,7 +94,7 @@ class HystereticSpring(Element):
 
 
 @register
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False, repr=False)
 class TabulatedSpring(Element):
     """A coupling known by its measured dynamic stiffness k(f) + j omega c(f), interpolated linearly between the rows.
 

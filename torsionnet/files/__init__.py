@@ -7,13 +7,23 @@ True
 
 from __future__ import annotations
 
-from typing import Any
+import os
+from typing import TYPE_CHECKING, Any
 
 from torsionnet.files.library import library_entry, library_models
 from torsionnet.files.reader import load, loads, read_file
-from torsionnet.files.writer import dump
+
+if TYPE_CHECKING:
+    from torsionnet.definition import Definition
 
 __all__ = ["dump", "json_schema", "library_entry", "library_models", "load", "loads", "read_file"]
+
+
+def dump(definition: Definition, path: str | os.PathLike[str] | None = None) -> str:
+    """The text of a model file that reads back to an equal definition, also written to ``path`` if given."""
+    from torsionnet.files.writer import dump as text_of
+
+    return text_of(definition, path)
 
 
 def json_schema() -> dict[str, Any]:

@@ -23,7 +23,8 @@ MOST_LEVELS = 20
 LONGEST_EXCERPT = 400
 
 _BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
-_CONTROL = re.compile("[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]")
+_ASCII_CONTROL = "[^\t\n\r\x20-\x7e]"
+_CONTROL = "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]"
 
 
 class PythonParser(yaml.reader.Reader, yaml.scanner.Scanner, yaml.parser.Parser):
@@ -111,7 +112,7 @@ def compose(text: str, file: str, parser: Any = None) -> Document:
         raise ModelError(
             [document.fault(f"the file is too large: more than {MOST_CHARACTERS} characters", Span(0, 0, 0, 1))]
         )
-    control = _CONTROL.search(text)
+    control = re.search(_ASCII_CONTROL if text.isascii() else _CONTROL, text)
     if control:
         line = len(_BREAK.findall(text, 0, control.start()))
         column = control.start() - max((end.end() for end in _BREAK.finditer(text, 0, control.start())), default=0)

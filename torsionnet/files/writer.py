@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.atomic import write_text
 from torsionnet.definition import Definition
-from torsionnet.files.scalars import written
+from torsionnet.files.quoting import written
 
 _BLOCK_LEVELS = {"parameters": 1, "elements": 1, "inputs": 1, "sensors": 1, "configurations": 2, "operating_point": 1}
 
