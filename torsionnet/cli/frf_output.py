@@ -46,9 +46,9 @@ def peak_table(response: FrequencyResponse, solve: Solver, shown: Shown) -> Tabl
         Column("response"),
         Column("unit"),
         Column("at"),
-        Column("frequency", conventions.frequency),
+        Column("frequency", conventions.frequency, 5),
         Column("magnitude"),
-        Column("phase", "deg"),
+        Column("phase", "deg", 4),
     )
     rows = []
     for o, i, label in pairs(response):
