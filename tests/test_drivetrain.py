@@ -1,0 +1,271 @@
+"""The drivetrain itself: immutability, parameters, configurations, operating point, checks in Python."""
+
+import numpy as np
+import pytest
+from models import geared_line
+
+import torsionnet as tn
+
+
+def faults_of(*elements, **entries):
+    with pytest.raises(tn.ModelError) as caught:
+        tn.Drivetrain("wrong", elements, **entries)
+    return [str(fault) for fault in caught.value.faults]
+
+
+WHEEL = tn.Inertia("wheel", node="a", inertia=1)
+HELD = tn.Spring("held", nodes=("a", "ground"), stiffness=5)
+
+
+class TestParameters:
+    def test_derived_parameters_follow(self):
+        rig = tn.load("amt_rig")
+        assert rig.parameters["I_F"] == pytest.approx(0.152, abs=1e-15)
+        assert rig.configured(I_1=0.3).parameters["I_F"] == pytest.approx(0.222, abs=1e-15)
+
+    def test_an_overridden_derived_parameter_loses_its_expression(self):
+        changed = tn.load("amt_rig").configured(I_F=0.2).configured(I_1=9)
+        assert changed.parameters["I_F"] == 0.2
+
+    def test_overrides_take_units_and_expressions(self):
+        rig = tn.load("amt_rig").configured(c_O="0.36 kN*m*s/rad", c_B="c_O / 240")
+        assert (rig.parameters["c_O"], rig.parameters["c_B"]) == (360, 1.5)
+
+    def test_values_are_those_written(self):
+        assert tn.load("amt_rig").exact_values["tau"] * 100 == 796
+
+    def test_unknown_or_impossible_overrides(self):
+        rig = tn.load("amt_rig")
+        with pytest.raises(tn.UsageError, match='did you mean "c_O"'):
+            rig.configured(c_o=3)
+        with pytest.raises(tn.ModelError, match="must not be less than 0"):
+            rig.configured(c_O=-3)
+        with pytest.raises(tn.ModelError, match="decimal comma"):
+            rig.configured(c_O="3,5")
+
+
+class TestConfigurations:
+    def model(self):
+        return tn.Drivetrain(
+            "car",
+            [
+                tn.Inertia("engine", node="e", inertia=0.2),
+                tn.RigidCoupling("clutch", nodes=("e", "i")),
+                tn.Inertia("box", node="i", inertia=0.05),
+                tn.Gear("stage", nodes=("i", "o"), ratio="tau"),
+                tn.Inertia("car", node="o", inertia=90),
+                tn.Spring("shaft", nodes=("o", "w"), stiffness=8000),
+                tn.Inertia("wheel", node="w", inertia="J"),
+            ],
+            {"tau": 4, "J": 3},
+            configurations={
+                "gear": {"1": {"tau": 14}, "5": {"tau": 3}},
+                "clutch": {"closed": None, "open": {"off": ["clutch"]}},
+                "wheel": {"small": {"J": 3}, "large": {"J": 5}},
+            },
+        )
+
+    def test_axes_combine_without_multiplying(self):
+        car = self.model()
+        assert dict(car.axes) == {"gear": ("1", "5"), "clutch": ("closed", "open"), "wheel": ("small", "large")}
+        assert len(car.configurations) == 8
+        chosen = car.configured("gear=1, clutch=open").configured("large")
+        assert chosen.configuration == "gear=1,clutch=open,wheel=large"
+        assert (chosen.parameters["tau"], chosen.parameters["J"], "clutch" in chosen.elements) == (14, 5, False)
+
+    def test_the_original_stays_as_it_was(self):
+        car = self.model()
+        before = car.to_yaml()
+        car.configured("gear=1,clutch=open", J=99)
+        assert car.to_yaml() == before
+        assert car.configuration == ""
+
+    def test_an_alternative_with_a_unique_name_needs_no_axis(self):
+        assert self.model().configured("open").configuration == "clutch=open"
+
+    def test_wrong_choices_list_what_there_is(self):
+        car = self.model()
+        for text, words in (
+            ("gear=2", 'axis "gear" has no "2"'),
+            ("gaer=1", 'did you mean "gear"'),
+            ("gear=1,gear=5", "chooses twice"),
+            ("neutral", "no configuration"),
+        ):
+            with pytest.raises(tn.UsageError, match=words):
+                car.configured(text)
+
+    def test_one_axis_needs_no_name(self):
+        flat = tn.Drivetrain("x", [WHEEL, HELD], configurations={"a": {}, "b": {}})
+        assert flat.configurations == ("a", "b")
+
+
+class TestOperatingPoint:
+    def test_speeds_pass_through_ratios_and_springs(self):
+        point = {"speed": {"m": "3000 rpm"}, "torque": {"m": "80 N*m"}}
+        rig = geared_line()
+        line = tn.Drivetrain("line", [*rig.elements.values()][:-1], rig.parameters, operating_point=point)
+        assert line.mean_speeds["h"] == pytest.approx(3000 / 3 * 2 * np.pi / 60)
+        assert line.mean_torques == {"m": 80}
+
+    def test_contradicting_speeds_are_refused(self):
+        rig = geared_line()
+        with pytest.raises(tn.ModelError, match="do not fit the ratios"):
+            tn.Drivetrain("x", rig.elements.values(), rig.parameters, operating_point={"speed": {"m": 10, "o": 5}})
+
+    def test_total_ratio(self):
+        assert geared_line().ratio_between("m", "h") == 3
+        assert geared_line().ratio_between("h", "m") == pytest.approx(1 / 3)
+        with pytest.raises(tn.UsageError, match="no node is named"):
+            geared_line().ratio_between("m", "hub")
+
+    def test_open_differential_has_no_fixed_ratio(self):
+        parts = [tn.Inertia(f"j{n}", node=n, inertia=1) for n in "clr"]
+        axle = tn.Drivetrain("axle", [tn.Differential("d", cage="c", left="l", right="r"), *parts])
+        with pytest.raises(tn.UsageError, match="no fixed ratio"):
+            axle.ratio_between("c", "l")
+        locked = tn.Drivetrain("axle", [tn.Differential("d", cage="c", left="l", right="r", locked=True), *parts])
+        assert locked.ratio_between("c", "l") == 1
+
+    @pytest.mark.parametrize(("held", "expected"), [("r", 3.5), ("s", 3.5 / 2.5), ("c", -2.5)])
+    def test_planetary_with_a_clamped_member(self, held, expected):
+        """z = 2.5; ring held: sun/carrier 1+z; sun held: ring/carrier (1+z)/z; carrier held: sun/ring -z."""
+        parts = [tn.Inertia(f"j{n}", node=n, inertia=1) for n in "src" if n != held]
+        gear = tn.Planetary("set", sun="s", ring="r", carrier="c", ratio=2.5)
+        model = tn.Drivetrain("set", [gear, *parts, tn.Lock("clamp", node=held)])
+        free = [n for n in "src" if n != held]
+        assert model.ratio_between(*free) == pytest.approx(expected)
+
+
+class TestChecks:
+    def test_everything_wrong_is_said_at_once(self):
+        found = faults_of(
+            WHEEL,
+            tn.Spring("s", nodes=("a", "b"), stiffness="k_1"),
+            tn.Inertia("j", node="b", inertia="-2 kg*m^2"),
+            parameters={"k1": 5, "loop": "loop + 1"},
+            sensors={"t": {"torque": "x"}, "angle": {"angle": "q"}},
+        )
+        text = "\n".join(found)
+        for words in (
+            '"k_1"; did you mean "k1"',
+            "loop",
+            "must not be less than 0",
+            'no element is named "x"',
+            'no node is named "q"',
+        ):
+            assert words in text
+
+    def test_contradicting_gears_are_named_and_bystanders_are_not(self):
+        (fault,) = faults_of(
+            WHEEL,
+            tn.Gear("outer", nodes=("a", "b"), ratio=2),
+            tn.Gear("inner", nodes=("b", "c"), ratio=3),
+            tn.Gear("short", nodes=("a", "c"), ratio=5),
+            tn.RigidCoupling("bystander", nodes=("c", "d")),
+            tn.Inertia("j", node="d", inertia=1),
+        )
+        assert "outer, inner, short contradict" in fault
+        assert "bystander" not in fault
+
+    def test_consistent_and_compliant_loops_are_fine(self):
+        gears = [("g1", "a", "b", 2), ("g2", "b", "c", 3), ("g3", "a", "c", 6)]
+        rigid = tn.Drivetrain("x", [WHEEL, *(tn.Gear(n, nodes=(a, b), ratio=r) for n, a, b, r in gears)])
+        assert len(rigid.assembly.kinematics.coordinates) == 1
+        soft = [tn.Gear(n, nodes=(a, b), ratio=r + 1, stiffness=1e5) for n, a, b, r in gears]
+        assert tn.Drivetrain("y", [WHEEL, *soft]).modes().kinds == ("oscillatory",)
+
+    def test_unconnected_part_with_the_likely_typo(self):
+        (fault,) = faults_of(
+            WHEEL,
+            tn.Spring("s", nodes=("a", "output"), stiffness=3),
+            tn.Inertia("j", node="outpt", inertia=1),
+        )
+        assert 'outpt is not connected to the rest of the drivetrain; did you mean "output"?' in fault
+
+    def test_massless_node_without_hold(self):
+        (fault,) = faults_of(WHEEL, tn.Gear("diff", nodes=("a", "b"), ratio=2, housing="h"))
+        assert "b, h move together freely, with no inertia, spring or damper to hold them" in fault
+
+    def test_a_damper_is_hold_enough(self):
+        model = tn.Drivetrain(
+            "x",
+            [
+                WHEEL,
+                HELD,
+                tn.Damper("d", nodes=("a", "b"), damping=3),
+                tn.Damper("e", nodes=("b", "ground"), damping=1),
+            ],
+        )
+        assert "rigid body" in model.modes().kinds  # b alone has a position that nothing restores
+
+    def test_inputs_on_what_cannot_move(self):
+        found = faults_of(WHEEL, tn.Lock("l", node="a"), inputs={"T": {"torque": "a"}})
+        assert any('"a" is locked' in fault for fault in found)
+        found = faults_of(WHEEL, HELD, inputs={"T": {"torque": "a"}, "x": {"angle": "a"}})
+        assert any("is imposed by x" in fault for fault in found)
+
+    def test_two_imposed_angles_on_one_rigid_part(self):
+        found = faults_of(
+            WHEEL, tn.RigidCoupling("c", nodes=("a", "b")), HELD, inputs={"x": {"angle": "a"}, "y": {"angle": "b"}}
+        )
+        assert any("impose" in fault for fault in found)
+
+    def test_indeterminate_torque_sensor(self):
+        found = faults_of(
+            WHEEL,
+            HELD,
+            tn.RigidCoupling("one", nodes=("a", "b")),
+            tn.RigidCoupling("two", nodes=("a", "b")),
+            sensors={"T": {"torque": "one"}},
+        )
+        assert any("one, two form a rigid loop" in fault for fault in found)
+
+    def test_dimensions(self):
+        found = faults_of(
+            tn.Inertia("j", node="a", inertia="k"),
+            tn.Spring("s", nodes=("a", "ground"), stiffness="e"),
+            parameters={"k": "5 N*m/rad", "e": "0.01 rad/Nm", "x": "k + J", "J": "1 kg*m^2"},
+        )
+        text = "\n".join(found)
+        assert "expected inertia in kg*m^2" in text
+        assert "write 1/e" in text
+        assert "parameters.x" in text
+
+    def test_faults_of_a_configuration_name_it(self):
+        found = faults_of(
+            WHEEL,
+            HELD,
+            tn.Spring("s", nodes=("a", "ground"), stiffness="k"),
+            parameters={"k": 1},
+            configurations={"gear": {"bad": {"k": -1}}},
+        )
+        assert any("in configuration bad: k = -1" in fault for fault in found)
+
+    def test_warnings_and_notes_do_not_stop(self):
+        model = tn.Drivetrain(
+            "x", [WHEEL, tn.Spring("s", nodes=("a", "b"), stiffness=3)], {"unused": 1}, {"b": {"torque": "a"}}
+        )
+        assert sorted(fault.severity for fault in model.check()) == ["note", "warning", "warning", "warning"]
+        assert any("rigid-body mode" in fault.message for fault in model.check())
+        assert any('"unused" is not used' in fault.message for fault in model.check())
+
+    def test_duplicate_names(self):
+        (fault,) = faults_of(WHEEL, HELD, tn.Inertia("wheel", node="a", inertia=2))
+        assert 'two elements are named "wheel"' in fault
+
+
+def test_equality_and_repr():
+    assert tn.load("amt_rig") == tn.load("amt_rig")
+    assert tn.load("amt_rig") != tn.load("amt_rig").configured("V")
+    assert (
+        repr(tn.load("amt_rig").configured("V"))
+        == "<Drivetrain 'AMT test rig': 11 elements, 5 nodes, 11 parameters, V>"
+    )
+    assert repr(WHEEL) == "Inertia('wheel', node='a', inertia=1)"
+
+
+def test_switched():
+    rig = geared_line()
+    assert "brake" not in rig.switched(off=["brake"]).elements
+    with pytest.raises(tn.UsageError, match='did you mean "brake"'):
+        rig.switched(off=["brak"])
