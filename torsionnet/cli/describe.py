@@ -45,7 +45,7 @@ def elements_table(rig: Drivetrain) -> Table:
 
 
 def without_empty_columns(table: Table) -> Table:
-    used = [index for index in range(len(table.columns)) if any(row[index] != "" for row in table.rows)]
+    used = [index for index in range(len(table.columns)) if any(row[index] not in ("", None) for row in table.rows)]
     rows = tuple(tuple(row[index] for index in used) for row in table.rows)
     return replace(table, columns=tuple(table.columns[index] for index in used), rows=rows)
 
@@ -169,7 +169,7 @@ def speeds_table(rig: Drivetrain) -> Table:
         for node in rig.nodes
         if node in speeds or node in torques
     )
-    return Table("Operating point", columns, rows)
+    return without_empty_columns(Table("Operating point", columns, rows))
 
 
 def as_data(rig: Drivetrain) -> dict[str, Any]:

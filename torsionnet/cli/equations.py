@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.response.table import Column, Table
@@ -16,7 +15,6 @@ MATRICES = (
     ("K", "N*m/rad", "Stiffness matrix"),
 )
 WIDTH = 100
-BETWEEN_TERMS = re.compile(r" (?=[+\-=] )(?![^()]*\))")
 
 
 def equations_text(rig: Drivetrain) -> str:
@@ -35,11 +33,24 @@ def equations_text(rig: Drivetrain) -> str:
 def _folded(equation: str) -> list[str]:
     """Lines of whole terms."""
     lines = [" " * 4]
-    for term in BETWEEN_TERMS.split(equation):
+    for term in _terms(equation):
         if len(lines[-1]) + len(term) >= WIDTH:
             lines.append(" " * 8)
         lines[-1] += term if lines[-1].isspace() else f" {term}"
     return lines
+
+
+def _terms(equation: str) -> list[str]:
+    """The text apart before every +, - and = outside parentheses."""
+    terms: list[str] = []
+    depth = 0
+    for word in equation.split(" "):
+        if not terms or (depth == 0 and word in ("+", "-", "=")):
+            terms.append(word)
+        else:
+            terms[-1] += f" {word}"
+        depth += word.count("(") - word.count(")")
+    return terms
 
 
 def _dependent(system: Any) -> dict[str, str]:
@@ -57,7 +68,9 @@ def _dependent(system: Any) -> dict[str, str]:
 
 
 def _product(coefficient: Any, name: str) -> str:
-    return f"theta_{name}" if coefficient == 1 else f"({coefficient}) theta_{name}"
+    if coefficient == 1:
+        return f"theta_{name}"
+    return f"{coefficient} theta_{name}" if coefficient.is_Symbol else f"({coefficient}) theta_{name}"
 
 
 def matrix_tables(rig: Drivetrain) -> list[Table]:
