@@ -1,0 +1,7 @@
+"""Pictures of drivetrains and results. Each function returns a matplotlib figure and shows or writes nothing."""
+
+from torsionnet.report.bode import bode
+from torsionnet.report.save import save
+from torsionnet.report.shapes import mode_shapes
+
+__all__ = ["bode", "mode_shapes", "save"]
