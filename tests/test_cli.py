@@ -436,6 +436,7 @@ def test_frf_infinite_at_zero_is_a_warning_on_stderr(axes):
         (["--output", "theta_2"], 'did you mean "theta_1"?'),
         (["--quantity", "compliance"], "--quantity"),
         (["--excitation", "T_X"], "T_X"),
+        (["--output", "T_T", "--plot", "unlike.svg"], "do not fit on one axis"),
     ],
 )
 def test_wrong_questions(extra, words):
