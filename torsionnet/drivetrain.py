@@ -382,5 +382,5 @@ def _read_overrides(overrides: Mapping[str, Any], definition: Definition) -> Ove
         try:
             values[name] = read_value(raw)
         except FieldError as error:
-            raise ModelError([Fault(error.message, ("parameters", name))]) from None
+            raise ModelError([error.fault.under("parameters", name)]) from None
     return replace(Overlay(), parameters=values)

@@ -65,7 +65,7 @@ def _in_configuration(name: str, found: list[Fault], base: list[Fault]) -> list[
     """What a configuration adds to the findings of the base model about one of its entries, with its name."""
     known = {(fault.path, fault.message) for fault in base}
     return [
-        replace(fault, message=f"in configuration {name}: {fault.message}")
+        replace(fault, configuration=name)
         for fault in found
         if (fault.severity == "error" or fault.path) and (fault.path, fault.message) not in known
     ]

@@ -67,7 +67,7 @@ def _as_data(model: str, faults: Sequence[Fault]) -> dict[str, Any]:
     listed = [
         {
             "severity": fault.severity,
-            "message": fault.message,
+            "message": fault.text,
             "path": list(fault.path),
             "position": None if fault.position is None else asdict(fault.position),
         }
