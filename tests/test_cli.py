@@ -145,6 +145,7 @@ def test_check_as_json(broken):
     first = reports[0]["faults"][0]
     assert (first["severity"], first["position"]["line"], first["position"]["column"]) == ("error", 4, 46)
     assert first["path"] == ["elements", "gearbox", "inertia"]
+    assert reports[0]["faults"][1]["meant"] == "stiffness"
 
 
 def test_check_counts_notes_without_failing(axes):

@@ -53,7 +53,7 @@ def _refuse_wrong_units(changed: Drivetrain, settings: Sequence[tuple[str, str]]
 
 
 def _of(fault: Fault, changed: Drivetrain) -> Fault:
-    return replace(fault, message=f"{changed.title}: {fault.message}")
+    return replace(fault, configuration=fault.configuration or changed.configuration)
 
 
 def _names(rig: Drivetrain, configurations: Sequence[str]) -> list[str]:

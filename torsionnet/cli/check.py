@@ -68,6 +68,8 @@ def _as_data(model: str, faults: Sequence[Fault]) -> dict[str, Any]:
         {
             "severity": fault.severity,
             "message": fault.text,
+            "meant": fault.meant,
+            "configuration": fault.configuration,
             "path": list(fault.path),
             "position": None if fault.position is None else asdict(fault.position),
         }
