@@ -319,7 +319,8 @@ class Drivetrain:
         Parameters
         ----------
         measured_input : str or Sensor, optional
-            The poles of transfer functions against this measured input instead: those of the drivetrain cut there.
+            The poles of transfer functions against this measured input instead: for an output at the torque meter or
+            downstream of it, those of the drivetrain cut there.
         excitation : str, optional
             Which input drives the drivetrain then; default: the model's only input.
 
