@@ -46,7 +46,9 @@ def _one_line(message: str) -> str:
 
 def _place(fault: Fault, document: Document) -> Fault:
     path = _path_in_file(fault, document.data)
-    return fault.at(document.position(path, on_key=fault.on_key))
+    position = document.position(path, on_key=fault.on_key)
+    about_the_whole = not path and fault.severity != "error"
+    return fault.at(replace(position, source="") if about_the_whole else position)
 
 
 def _path_in_file(fault: Fault, data: Any) -> Path:

@@ -142,7 +142,7 @@ class FrequencyResponse:
         s: ComplexArray = (2j * np.pi * self.frequencies[:, None]).astype(complex)
         steps = np.array([ORDERS[unit] - ORDERS[channel.unit] for channel in self.outputs])
         with np.errstate(divide="ignore", invalid="ignore"):
-            values = np.asarray(self.values * (s**steps)[:, :, None])
+            values = np.asarray(self.values * (s**steps)[:, :, None], dtype=np.complex128)
         return replace(self, values=values, outputs=tuple(Channel(channel.name, unit) for channel in self.outputs))
 
     def dynamic_stiffness(self) -> FrequencyResponse:
