@@ -161,7 +161,7 @@ class FrequencyResponse:
         if not np.isfinite(receptance.values).all():
             msg = "the receptance is not finite at some frequency; leave that frequency out"
             raise UsageError(msg)
-        values = np.linalg.inv(receptance.values)
+        values: ComplexArray = np.linalg.inv(receptance.values).astype(np.complex128)
         return replace(receptance, values=values, outputs=receptance.inputs, inputs=receptance.outputs, coherence=None)
 
     def response_amplitude(self, input_amplitudes: Any, conventions: Conventions = SI) -> FloatArray:
