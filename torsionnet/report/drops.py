@@ -13,8 +13,8 @@ from torsionnet.report import glyphs
 from torsionnet.report.blocks import Block, Stroke, arc, as_array, overlap
 
 STEP, FARTHEST = 4.0, 3000.0
-SMALLEST_WHEELS, SHORTEST_WIRE = 50.0, 36.0
-MESH = 12.0
+SMALLEST_WHEELS, LARGEST_WHEELS, SHORTEST_WIRE = 50.0, 110.0, 36.0
+MESH, ELBOW = 12.0, 12.0
 FLATTEST = 0.45
 """A wheel is drawn at least so large against its mate, whatever the ratio."""
 
@@ -74,15 +74,18 @@ def ratio_of(element: Any, parent: str, values: Mapping[str, Any]) -> float:
 def _wheels(block: Block, stage: Stage, x: float, distance: float) -> None:
     down = distance > 0
     mesh = MESH if stage.compliant else 0.0
-    first = (abs(distance) - mesh) / (1 + stage.child_over_parent)
-    second = abs(distance) - mesh - first
+    between = min(abs(distance), LARGEST_WHEELS)
+    first = (between - mesh) / (1 + stage.child_over_parent)
+    second = between - mesh - first
     side = -1 if down else 1
-    block.strokes += [*glyphs.wheel(x, 0, first), *glyphs.wheel(x, -distance, second)]
+    block.strokes += [*glyphs.wheel(x, 0, first), *glyphs.wheel(x, side * between, second)]
+    if between < abs(distance):
+        block.line((x, side * between), (x + ELBOW, side * between), (x + ELBOW, -distance))
     if mesh:
         spring = glyphs.zigzag(0, mesh, 0, 4, 2)
         start = -first if down else first + mesh
         block.strokes += glyphs.Glyph((spring,), mesh, 4).hanging(x, start)
-    low, high = sorted((-side * first, -distance + side * second))
+    low, high = sorted((-side * first, side * (between + second)))
     block.boxes.append((x - 7, x + 7, low, high))
     block.write(x, -side * (first + 3), stage.texts, upward=down)
 
@@ -129,5 +132,5 @@ def _below(base: Block, drop: Drop) -> float:
 
 
 def _holds(box: tuple[float, float, float, float], drop: Drop) -> bool:
-    """Whether the drop starts on the edge of this box."""
-    return drop.y != 0 and box[0] <= drop.x <= box[1] and box[2] - 1 <= drop.y <= box[3]
+    """Whether the drop starts at the edge of this box, or under a text inside it."""
+    return drop.y != 0 and box[0] <= drop.x <= box[1] and box[2] - 6 <= drop.y <= box[3]

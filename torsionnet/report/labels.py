@@ -9,7 +9,7 @@ from typing import Any
 
 from torsionnet.damping import MEASURES, DampingMeasure
 from torsionnet.elements import Element
-from torsionnet.elements.fields import Quantity, Spec, Teeth
+from torsionnet.elements.fields import Quantity, Spec, Table, spec_of
 from torsionnet.expressions import Name
 from torsionnet.units import expected_unit
 
@@ -54,7 +54,8 @@ def number(value: float) -> str:
 
 
 def _trimmed(decimal: str) -> str:
-    return decimal.rstrip("0").rstrip(".") if "." in decimal else decimal
+    short = decimal.rstrip("0").rstrip(".") if "." in decimal else decimal
+    return short.replace("-", "−")
 
 
 def quantity(value: float, dimension: str) -> str:
@@ -79,10 +80,11 @@ def value_lines(element: Element, values: Mapping[str, Any]) -> list[str]:
     if element.kind == "shaft":
         return _shaft_lines(element, values)
     given = element.scalars()
+    teeth = [_teeth_line(element, given["teeth"][1])] if "teeth" in given else []
     lines = [
         _line(spec, raw, values) for field, (spec, raw) in given.items() if not field.startswith(("planet", "orbit"))
     ]
-    return [line for line in lines if line][:MOST_LINES]
+    return [line for line in (*teeth, *lines) if line][:MOST_LINES]
 
 
 def is_zero(element: Element, field: str, values: Mapping[str, Any]) -> bool:
@@ -92,8 +94,8 @@ def is_zero(element: Element, field: str, values: Mapping[str, Any]) -> bool:
 
 
 def _line(spec: Spec, raw: Any, values: Mapping[str, Any]) -> str:
-    if isinstance(spec, Teeth):
-        return f"{symbol('tau')} = {number(raw[1] / raw[0])} ({raw[0]}:{raw[1]})"
+    if isinstance(spec, Table):
+        return "k(f), c(f)"
     if not isinstance(spec, Quantity):
         return ""
     if isinstance(raw, DampingMeasure):
@@ -108,9 +110,15 @@ def _line(spec: Spec, raw: Any, values: Mapping[str, Any]) -> str:
     return f"{symbol(name)} = {quantity(value, spec.dimension)}"
 
 
+def _teeth_line(element: Element, teeth: tuple[int, int]) -> str:
+    ratio = next(spec_of(declared) for declared in element.declared() if declared.name == "ratio")
+    name = ratio.symbol if isinstance(ratio, Quantity) else "tau"
+    return f"{symbol(name)} = {number(teeth[1] / teeth[0])} ({number(teeth[0])} : {number(teeth[1])})"
+
+
 def _shaft_lines(element: Any, values: Mapping[str, Any]) -> list[str]:
     outer, inner, length = (
         float(raw.evaluate(values)) for raw in (element.outer_diameter, element.inner_diameter, element.length)
     )
-    bore = f"/{quantity(inner, 'length')}" if inner else ""
+    bore = f" × {quantity(inner, 'length')}" if inner else ""
     return [f"Ø {quantity(outer, 'length')}{bore}", f"{symbol('L')} = {quantity(length, 'length')}"]

@@ -212,6 +212,8 @@ def _pieces(course: Course, plan: Plan) -> list[Course]:
     widths = _widths(course, plan)
     count = max(1, math.ceil(sum(widths) / PAGE - TOLERATED))
     limit = sum(widths) / count
+    if count == 1:
+        return [course]
     pieces: list[Course] = []
     start, width, before = 0, 0.0, None
     last = len(widths) - 1
@@ -240,12 +242,12 @@ def _widths(course: Course, plan: Plan) -> list[float]:
 def _stacked(built: list[Block]) -> Block:
     """Pieces of a line below each other, each led on to the next."""
     whole = built[0]
+    far = max(piece.extent[1] for piece in built) + 8
     for piece in built[1:]:
-        _, right, bottom, _ = whole.extent
+        bottom = whole.extent[2]
         left, _, _, top = piece.extent
         drop, lane, edge = bottom - 30 - top, bottom - 14, left - 14
         x, y = whole.anchors.pop(-1)
-        far = max(right, x) + 8
         whole.line((x, y), (far, y), (far, lane), (edge, lane), (edge, drop), (0, drop))
         whole.add(piece.shifted(0, drop))
     whole.anchors.pop(-1, None)

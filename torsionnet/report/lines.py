@@ -154,7 +154,8 @@ class Line:
         drawn = [glyphs.inline_glyph(element, self.values) for element in link.elements]
         texts = [self.plan.texts(element) for element in link.elements]
         rails = 12.0 if len(drawn) > 1 else 0.0
-        span = max(glyph.length for glyph in drawn) + rails
+        # The texts of all but the first strand stand between the rails.
+        span = max(*(glyph.length for glyph in drawn), *(widest(lines) for lines in texts[1:]), 0.0) + rails
         start = self.x
         middle = self.stretch(max(span + 6, *(widest(lines) + GAP for lines in texts)))
         left, right, y = middle - span / 2, middle + span / 2, 0.0

@@ -135,22 +135,30 @@ def _walk(
 
 
 def _best_root(start: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) -> Vertex:
-    """The first node if it is an end, else an end of the longest way: drawings run from end to end."""
-    if len(joined[start]) <= 1 and not start.is_box:
+    """The first node, unless it is in the midst of a line: then the nearer end of the longest way."""
+    tree = _rooted(start, joined)
+    height = heights(tree)
+    ways = sorted((height[child] + 1 for link, child in tree.children[start] if not link.is_gear), reverse=True)
+    if len(ways) < 2 or 2 * ways[1] < ways[0]:  # noqa: PLR2004
         return start
     one = _farthest(start, joined)
     other = _farthest(one, joined)
-    order = list(joined)
-    return min((one, other), key=order.index)
+    depth = _depths(tree)
+    return min((other, one), key=lambda vertex: depth[vertex])
 
 
 def _farthest(start: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) -> Vertex:
     tree = _rooted(start, joined)
-    depth = {start: 0}
+    depth = _depths(tree)
+    return max((vertex for vertex in tree.order if not vertex.is_box), key=lambda vertex: depth[vertex])
+
+
+def _depths(tree: Tree) -> dict[Vertex, int]:
+    depth = {tree.root: 0}
     for vertex in tree.order:
         for _, child in tree.children[vertex]:
             depth[child] = depth[vertex] + 1
-    return max((vertex for vertex in tree.order if not vertex.is_box), key=lambda vertex: depth[vertex])
+    return depth
 
 
 def _rooted(root: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) -> Tree:
