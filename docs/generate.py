@@ -47,6 +47,11 @@ def table(headings: list[str], rows: list[list[str]]) -> str:
     return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines) + "\n"
 
 
+def prose(text: str) -> str:
+    """Text in which stars are stars."""
+    return text.replace("*", r"\*")
+
+
 def code(text: object) -> str:
     return f"`{text}`"
 
@@ -196,7 +201,7 @@ def field_row(declared: Field[Any]) -> list[str]:
     symbol = f"${sympy.latex(sympy.Symbol(kind.symbol))}$" if is_quantity else ""
     unit = "" if not is_quantity else "-" if kind.dimension == "1" else code(expected_unit(kind.dimension))
     default = "required" if declared.default is MISSING else default_text(declared.default)
-    return [code(declared.name), symbol, unit, bounds(kind), default, kind.description]
+    return [code(declared.name), symbol, unit, bounds(kind), default, prose(kind.description)]
 
 
 def default_text(default: Any) -> str:
@@ -287,7 +292,7 @@ def factor_text(factor: Fraction | float) -> str:
 
 
 def damping_page() -> str:
-    x, ratio = sympy.Symbol("x", positive=True), sympy.Symbol(r"\\tfrac{\\omega}{k}")
+    x, ratio = sympy.Symbol("x", positive=True), sympy.Symbol("omega") / sympy.Symbol("k")
     algebra = Algebra(number=sympy.Rational, sqrt=sympy.sqrt, pi=sympy.pi)
     rows = []
     for name, measure in MEASURES.items():
@@ -295,7 +300,7 @@ def damping_page() -> str:
         forward = sympy.latex(measure.to_loss_factor(x, algebra, ratio).subs(x, own))
         back = sympy.latex(measure.from_loss_factor(eta, algebra, ratio))
         example = tn.convert_damping(0.04, "eta", name, stiffness=1000.0, frequency=10.0)
-        cells = [code(name), f"${sympy.latex(own)}$", measure.description.partition(",")[0]]
+        cells = [code(name), f"${sympy.latex(own)}$", prose(measure.description.partition(",")[0])]
         rows.append([*cells, rf"$\eta = {forward}$", rf"${sympy.latex(own)} = {back}$", f"{example:.6g}"])
     headings = ["entry", "symbol", "what it is", "loss factor from it", "it from the loss factor", "at eta = 0.04"]
     note = "The last column holds for 1000 N m/rad at 10 Hz, which only `c` depends on.\n"
