@@ -439,10 +439,10 @@ def cases_page() -> str:
         printed += rows
         sources += [f"* {code(name)}: {source_of(case)}"] if rows else []
         computed.append(computed_row(name, case, modes))
-    headings = ["case", "quantity", "published", "computed", "relative deviation"]
+    headings = ["case", "quantity", "published", "computed", "relative"]
     reference = ["case", "what it is", "compared", "values", "largest relative deviation"]
     return (
-        "### Printed numbers\n\n"
+        "### Printed numbers\n\nUndamped natural frequencies $f_n$ and damping ratios $\\zeta_n$.\n\n"
         + table(headings, printed)
         + "\nSources, and where the numbers were taken from:\n\n"
         + "\n".join(sources)
@@ -466,17 +466,17 @@ def published_rows(name: str, case: dict[str, Any], modes: tn.Modes) -> list[lis
             if value in (None, 0):
                 continue
             found = modes.undamped_natural_frequencies[index] * scale
-            rows.append([*first, f"undamped frequency {index + 1} [{unit}]", *compared(value, found)])
+            rows.append([*first, f"$f_{{{index + 1}}}$ [{unit}]", *compared(value, found)])
             first = [""]
     ratios = [ratio for ratio, kind in zip(modes.damping_ratios, modes.kinds, strict=True) if kind == "oscillatory"]
     for index, value in enumerate(published.get("damping_ratios", ())):
-        rows.append([*first, f"damping ratio {index + 1}", *compared(value, ratios[index])])
+        rows.append([*first, f"$\\zeta_{{{index + 1}}}$", *compared(value, ratios[index])])
         first = [""]
     return rows
 
 
 def compared(value: float | str, found: float) -> list[str]:
-    shown = str(value) if isinstance(value, str) or len(repr(value)) < len("0.1234567") else f"{value:.10g}"
+    shown = f"{float(value):.10g}"
     return [shown, f"{found:.10g}", f"{found / float(value) - 1:+.1e}"]
 
 
