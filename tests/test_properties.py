@@ -57,9 +57,12 @@ def examples(count):
 
 
 def tolerance(sensitivity):
-    """What rounding of all coefficients may change: per pair of nodes, and a floor for pairs hardly connected."""
+    """What rounding of all coefficients may change: per pair of nodes, and a floor for pairs hardly connected.
+
+    The factor is wide: a heavy member eliminated by a planetary set with a massless one costs a dense solve 1e7.
+    """
     own = np.sqrt(np.abs(np.diagonal(sensitivity, axis1=1, axis2=2)))
-    return 1e-11 * sensitivity + 1e-12 * own[:, :, None] * own[:, None, :]
+    return 1e-9 * sensitivity + 1e-12 * own[:, :, None] * own[:, None, :]
 
 
 def all_receptances(drivetrain, mechanics, f):
@@ -177,10 +180,10 @@ def test_passive_drivetrains_take_mean_power_from_any_torques(blueprint, f):
     G, sensitivity = mechanics.receptances(f)
     for omega, h, size in zip(2 * np.pi * np.array(f), H, sensitivity, strict=True):
         power = np.real(1j * omega * np.diag(h))
-        assert np.all(power >= -1e-11 * omega * np.diag(size))
+        assert np.all(power >= -1e-9 * omega * np.diag(size))
         scale = np.sqrt(np.where(np.diag(size) > 0, np.diag(size), 1))  # any torques at once: no negative eigenvalue
         together = 1j * h / np.outer(scale, scale)
-        assert np.linalg.eigvalsh((together + together.conj().T) / 2).min() >= -1e-11 * len(scale)
+        assert np.linalg.eigvalsh((together + together.conj().T) / 2).min() >= -1e-9 * len(scale)
     assert G.shape == H.shape
 
 
