@@ -16,15 +16,15 @@ from torsionnet.assembly.rows import ComplexArray
 from torsionnet.assembly.system import Assembly, smallest_rate
 from torsionnet.channels import Input
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.elimination import exact, reduce_rows
+from torsionnet.elimination import exact
+from torsionnet.errors import SolveError
 from torsionnet.kinematics import exact_row, pseudo_node
 from torsionnet.solve.question import Question
+from torsionnet.solve.refine import eliminate
 
 DIGITS = 160
 SMALL = 30
 """s is 10^-30 of the slowest rate of the system; a pole of second order leaves 160 - 60 digits."""
-
-LOAD = "load"
 
 
 def at_zero(drivetrain: Drivetrain, question: Question) -> ComplexArray:
@@ -89,27 +89,31 @@ def _solve(assembly: Assembly, excitation: Input, s: Any) -> dict[str, Any]:
     """Every coordinate and imposed angle under a unit excitation, by name."""
     kinematics = assembly.kinematics
     motion = {pseudo_node(name): _number(0) for name in kinematics.imposed}
-    equations: dict[str, dict[str, Any]] = {name: {} for name in kinematics.coordinates}
+    place = {name: index for index, name in enumerate(kinematics.coordinates)}
+    matrix: list[dict[int, Any]] = [{} for _ in place]
+    loads = [_number(0) for _ in place]
     effect = exact_row(kinematics.reduced({excitation.of: 1}))
     if excitation.quantity == "torque":
-        for name in effect.keys() & equations.keys():
-            equations[name][LOAD] = -_number(effect[name])
+        for name in effect.keys() & place.keys():
+            loads[place[name]] = _number(effect[name])
     else:
         motion |= {name: _number(share) for name, share in effect.items()}
     for kappa, row in zip(_kappa(assembly, s), assembly.exact_rows, strict=True):
         follows = sum((_number(row[name]) * motion[name] for name in row.keys() & motion.keys()), start=_number(0))
-        free = [name for name in row if name in equations]
+        free = [name for name in row if name in place]
         for i in free:
+            loads[place[i]] -= kappa * _number(row[i]) * follows
             for j in free:
-                _add(equations[i], j, kappa * _number(row[i] * row[j]))
-            _add(equations[i], LOAD, kappa * _number(row[i]) * follows)
-    order = {name: index for index, name in enumerate(equations)}
-    solved = reduce_rows(list(equations.values()), order, {LOAD}).solved
-    return motion | {name: solved.get(name, {}).get(LOAD, _number(0)) for name in equations}
+                _add(matrix[place[i]], place[j], kappa * _number(row[i] * row[j]))
+    _, solution = eliminate(matrix, loads)
+    if len(solution) < len(place):
+        msg = "the limit at 0 Hz cannot be told from rounding; ask for a small frequency instead"
+        raise SolveError(msg)
+    return motion | {name: solution[index] for name, index in place.items()}
 
 
-def _add(row: dict[str, Any], name: str, value: Any) -> None:
-    row[name] = row.get(name, 0) + value
+def _add(row: dict[int, Any], column: int, value: Any) -> None:
+    row[column] = row.get(column, 0) + value
 
 
 def _readings(
