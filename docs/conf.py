@@ -1,9 +1,11 @@
 """Sphinx settings; build with `make docs`. Needs no network."""
 
+import sys
 import tomllib
 from pathlib import Path
 
 DOCS = Path(__file__).parent
+sys.path.insert(0, str(DOCS))
 EXAMPLES = DOCS.parent / "examples"
 
 project = "torsionnet"
@@ -43,4 +45,18 @@ sphinx_gallery_conf = {
     "show_memory": False,
     "remove_config_comments": True,
     "plot_gallery": "True",
+    "image_scrapers": ("gallery_figures", "matplotlib"),
 }
+
+
+def setup(app):
+    """Write the pages that are made from the code before the others are read."""
+    import generate
+
+    app.connect("builder-inited", lambda _: generate.write_all())
+    app.connect("autodoc-process-docstring", escape_bars)
+
+
+def escape_bars(_app, _what, _name, _object, _options, lines):
+    """|H| in a docstring is a magnitude, no substitution."""
+    lines[:] = [line.replace("|", r"\|") for line in lines]

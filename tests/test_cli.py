@@ -145,6 +145,7 @@ def test_check_as_json(broken):
     first = reports[0]["faults"][0]
     assert (first["severity"], first["position"]["line"], first["position"]["column"]) == ("error", 4, 46)
     assert first["path"] == ["elements", "gearbox", "inertia"]
+    assert reports[0]["faults"][1]["meant"] == "stiffness"
 
 
 def test_check_counts_notes_without_failing(axes):
@@ -436,6 +437,7 @@ def test_frf_infinite_at_zero_is_a_warning_on_stderr(axes):
         (["--output", "theta_2"], 'did you mean "theta_1"?'),
         (["--quantity", "compliance"], "--quantity"),
         (["--excitation", "T_X"], "T_X"),
+        (["--output", "T_T", "--plot", "unlike.svg"], "do not fit on one axis"),
     ],
 )
 def test_wrong_questions(extra, words):

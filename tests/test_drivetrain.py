@@ -40,6 +40,10 @@ class TestParameters:
             rig.configured(c_o=3)
         with pytest.raises(tn.ModelError, match="must not be less than 0"):
             rig.configured(c_O=-3)
+        with pytest.raises(tn.ModelError, match="expected stiffness"):
+            rig.configured("V", k_1="3 kg")
+        with pytest.raises(tn.ModelError, match="write 1/k_1"):
+            rig.configured(k_1="0.002 rad/Nm")
         with pytest.raises(tn.ModelError, match="decimal comma"):
             rig.configured(c_O="3,5")
 

@@ -11,7 +11,8 @@ from torsionnet.files import dump, library_models, loads
 from torsionnet.files.decoding import decode
 from torsionnet.files.reader import read_text
 
-TEXTS = [path.read_text(encoding="utf-8") for path in library_models().values()]
+NAMES = ("amt_rig", "six_cylinder_diesel", "planetary_set", "drill_string")  # configurations, tables of many shapes
+TEXTS = [library_models()[name].read_text(encoding="utf-8") for name in NAMES]
 TOKEN = re.compile(r"[A-Za-z_0-9.]+|[^\sA-Za-z_0-9.]")
 SNIPPETS = [
     "{", "}", "[", "]", ":", ": ", ",", "#", "&a ", "*a", "!x ", "|", ">", "- ", "? ", "%", "@", "`", "'", '"', "\\", "\t", "\r", "\n",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from torsionnet.elements.fields import FieldError, node_name_fault
-from torsionnet.errors import Fault, did_you_mean
+from torsionnet.errors import Fault, unknown_key
 
 SENSOR_QUANTITIES = ("angle", "velocity", "acceleration", "twist", "torque")
 """angle, velocity, acceleration of a node; twist of an element; torque through an element at one of its ports."""
@@ -96,9 +96,8 @@ def _read_entry(raw: Any, quantities: tuple[str, ...], extra: tuple[str, ...], e
         raise FieldError(msg)
     for key in raw:
         if key not in quantities and key not in extra:
-            hint = did_you_mean(str(key), (*quantities, *extra))
-            msg = f'unknown key "{key}"{hint}; expected {" or ".join(quantities)}'
-            raise FieldError(msg, (key,))
+            rest = f"expected {' or '.join(quantities)}"
+            raise FieldError(unknown_key(key, (*quantities, *extra), (key,), rest))
     given = [key for key in raw if key in quantities]
     if len(given) != 1:
         msg = f"expected one of {', '.join(quantities)}, as in {example}"
@@ -123,5 +122,5 @@ def read_channels(raw: Mapping[str, Any], table: str) -> tuple[dict[str, Any], l
         try:
             channels[name] = read(entry)
         except FieldError as error:
-            faults.append(Fault(error.message, (table, name, *error.path)))
+            faults.append(error.fault.under(table, name))
     return channels, faults

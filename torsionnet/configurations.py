@@ -97,7 +97,7 @@ def read_overlay(raw: Any, path: tuple[str, ...]) -> tuple[Overlay, list[Fault]]
             else:
                 parameters[key] = read_value(value)
         except FieldError as error:
-            faults.append(Fault(error.message, (*path, key, *error.path)))
+            faults.append(error.fault.under(*path, key))
     return Overlay(parameters, switches["on"], switches["off"], point), faults
 
 

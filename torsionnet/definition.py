@@ -10,7 +10,7 @@ from torsionnet.channels import Input, Sensor, read_channels
 from torsionnet.configurations import Overlay, read_configurations
 from torsionnet.elements import ELEMENT_TYPES, GROUND, Element
 from torsionnet.elements.fields import node_name_fault
-from torsionnet.errors import Fault, ModelError, Path, did_you_mean
+from torsionnet.errors import Fault, ModelError, Path, did_you_mean, unknown_key
 from torsionnet.operating_point import OperatingPoint, read_operating_point
 from torsionnet.parameters import Parameter, read_parameters
 
@@ -145,14 +145,12 @@ def read_definition(data: Any) -> tuple[Definition, list[Fault]]:
 
 
 def _key_faults(data: Mapping[Any, Any]) -> list[Fault]:
-    faults = [
-        Fault(f'unknown key "{key}"{did_you_mean(str(key), KEYS)}; a model has {", ".join(KEYS)}', (key,), on_key=True)
-        for key in data
-        if key not in KEYS
-    ]
+    rest = f"a model has {', '.join(KEYS)}"
+    faults = [unknown_key(key, KEYS, (key,), rest) for key in data if key not in KEYS]
     version = data.get("torsionnet")
     if version is None:
-        faults.append(Fault("the first entry of a model file is torsionnet: 1, the version of the format"))
+        text = "the first entry of a model file is torsionnet: 1, the version of the format"
+        faults.append(Fault(text, kind="missing key", about="torsionnet"))
     elif version != VERSION or isinstance(version, bool):
         shown = f"format {version}" if isinstance(version, int) and not isinstance(version, bool) else repr(version)
         text = f"torsionnet: is the version of the format, {VERSION} for this release; this is {shown}"
@@ -163,9 +161,8 @@ def _key_faults(data: Mapping[Any, Any]) -> list[Fault]:
 def read_elements(raw: Any) -> tuple[dict[str, Element], list[Fault]]:
     """Every element that can be made, and the faults of the others."""
     if not isinstance(raw, Mapping) or not raw:
-        return {}, [
-            Fault("a model needs elements: {name: {type: inertia, node: ..., inertia: ...}, ...}", ("elements",))
-        ]
+        text = "a model needs elements: {name: {type: inertia, node: ..., inertia: ...}, ...}"
+        return {}, [Fault(text, ("elements",), kind="missing key", about="elements")]
     elements: dict[str, Element] = {}
     faults: list[Fault] = []
     for name, entry in raw.items():
@@ -187,20 +184,11 @@ def _read_element(name: Any, entry: Any) -> Element:
         raise ModelError([_kind_fault(kind, path)])
     cls = ELEMENT_TYPES[kind]
     declared = {entry.name: entry for entry in cls.declared()}
-    faults = [
-        Fault(
-            f'unknown key "{key}"{did_you_mean(str(key), declared)}; {kind} has {", ".join(declared)}',
-            (*path, key),
-            on_key=True,
-        )
-        for key in entry
-        if key != "type" and key not in declared
-    ]
+    rest = f"{kind} has {', '.join(declared)}"
+    unknown = [key for key in entry if key != "type" and key not in declared]
+    faults = [unknown_key(key, declared, (*path, key), rest) for key in unknown]
     missing = [key for key, spec in declared.items() if spec.default is MISSING and key not in entry]
-    faults += [
-        Fault(f"{kind} {name} needs {key}: {declared[key].metadata['spec'].description}", path, on_key=True)
-        for key in missing
-    ]
+    faults += [_missing(key, kind, name, declared[key].metadata["spec"].description) for key in missing]
     empty = [key for key in entry if key in declared and entry[key] is None and declared[key].default is not MISSING]
     faults += [
         Fault(f"{key} has no value; give one, or leave the entry out", (*path, key), on_key=True) for key in empty
@@ -217,6 +205,11 @@ def _read_element(name: Any, entry: Any) -> Element:
     if faults:
         raise ModelError(faults)
     return element
+
+
+def _missing(key: str, kind: str, name: str, description: str) -> Fault:
+    text = f"{kind} {name} needs {key}: {description}"
+    return Fault(text, ("elements", name), on_key=True, kind="missing key", about=key)
 
 
 def _kind_fault(kind: Any, path: Path) -> Fault:

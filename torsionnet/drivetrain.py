@@ -319,7 +319,8 @@ class Drivetrain:
         Parameters
         ----------
         measured_input : str or Sensor, optional
-            The poles of transfer functions against this measured input instead: those of the drivetrain cut there.
+            The poles of transfer functions against this measured input instead: for an output at the torque meter or
+            downstream of it, those of the drivetrain cut there.
         excitation : str, optional
             Which input drives the drivetrain then; default: the model's only input.
 
@@ -382,5 +383,5 @@ def _read_overrides(overrides: Mapping[str, Any], definition: Definition) -> Ove
         try:
             values[name] = read_value(raw)
         except FieldError as error:
-            raise ModelError([Fault(error.message, ("parameters", name))]) from None
+            raise ModelError([error.fault.under("parameters", name)]) from None
     return replace(Overlay(), parameters=values)

@@ -30,7 +30,9 @@ class Fault:
     """One thing that is wrong (``severity="error"``) or worth knowing (``"warning"``, ``"note"``) in a model.
 
     ``path`` names the entry in the model's own structure; a reader of files adds ``position``.
-    ``on_key`` marks the entry's name instead of its value.
+    ``on_key`` marks the entry's name instead of its value. ``kind`` is ``"unknown key"``, ``"missing key"``,
+    ``"unknown name"`` or empty, ``about`` the key or name in question and ``meant`` the one probably intended;
+    ``configuration`` is set where only that configuration has the fault.
     """
 
     message: str
@@ -38,15 +40,28 @@ class Fault:
     severity: str = "error"
     position: Position | None = None
     on_key: bool = False
+    kind: str = ""
+    about: str = ""
+    meant: str = ""
+    configuration: str = ""
+
+    def under(self, *prefix: str | int) -> Fault:
+        """The fault with its path below ``prefix``."""
+        return replace(self, path=(*prefix, *self.path))
 
     def at(self, position: Position | None) -> Fault:
         return replace(self, position=position)
 
+    @property
+    def text(self) -> str:
+        """The message with the configuration it holds in."""
+        return f"in configuration {self.configuration}: {self.message}" if self.configuration else self.message
+
     def __str__(self) -> str:
         if self.position is None:
             where = ".".join(str(part) for part in self.path)
-            return f"{where}: {self.severity}: {self.message}" if where else f"{self.severity}: {self.message}"
-        return f"{_located(self.position)}: {self.severity}: {self.message}{_excerpt(self.position)}"
+            return f"{where}: {self.severity}: {self.text}" if where else f"{self.severity}: {self.text}"
+        return f"{_located(self.position)}: {self.severity}: {self.text}{_excerpt(self.position)}"
 
 
 def _located(position: Position) -> str:
@@ -102,14 +117,34 @@ class TorsionnetWarning(UserWarning):
     """Something worth knowing about a result that was calculated all the same."""
 
 
+def nearest(name: str, candidates: Iterable[str]) -> str:
+    """The candidate ``name`` was probably meant to be, or the empty string."""
+    import difflib
+
+    known = {candidate.casefold(): candidate for candidate in candidates}
+    close = difflib.get_close_matches(name.casefold(), known, n=1, cutoff=0.6)
+    return known[close[0]] if close else ""
+
+
 def did_you_mean(name: str, candidates: Iterable[str]) -> str:
     """Text ``; did you mean "x"?`` for the nearest candidate, or the empty string.
 
     >>> did_you_mean("gerbox", ["gearbox", "motor"])
     '; did you mean "gearbox"?'
     """
-    import difflib
+    meant = nearest(name, candidates)
+    return f'; did you mean "{meant}"?' if meant else ""
 
-    known = {candidate.casefold(): candidate for candidate in candidates}
-    close = difflib.get_close_matches(name.casefold(), known, n=1, cutoff=0.6)
-    return f'; did you mean "{known[close[0]]}"?' if close else ""
+
+def unknown_key(key: object, known: Iterable[str], path: Path, rest: str) -> Fault:
+    """Fault of a key that means nothing there; ``rest`` says which keys do."""
+    name, known = str(key), list(known)
+    text = f'unknown key "{name}"{did_you_mean(name, known)}; {rest}'.replace("?; ", "? ")
+    return Fault(text, path, on_key=True, kind="unknown key", about=name, meant=nearest(name, known))
+
+
+def unknown_name(what: str, name: str, known: Iterable[str], path: Path, *, on_key: bool = False) -> Fault:
+    """Fault of a name nobody defines: ``no node is named "x"; did you mean "y"?``."""
+    known = list(known)
+    text = f'no {what} is named "{name}"{did_you_mean(name, known)}'
+    return Fault(text, path, on_key=on_key, kind="unknown name", about=name, meant=nearest(name, known))

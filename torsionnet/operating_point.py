@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from torsionnet.elements.fields import FieldError, plain_scalar, read_scalar
-from torsionnet.errors import Fault, did_you_mean
+from torsionnet.errors import Fault, unknown_key
 from torsionnet.expressions import Expression
 
 TABLES = ("speed", "torque")
@@ -46,13 +46,7 @@ def read_operating_point(raw: Any, path: tuple[str, ...] = ("operating_point",))
         return OperatingPoint(), []
     if not isinstance(raw, Mapping):
         return OperatingPoint(), [Fault(f"expected {{speed: {{node: 1500 rpm}}}}, got {raw!r}", path)]
-    faults = [
-        Fault(
-            f'unknown key "{key}"{did_you_mean(str(key), TABLES)}; expected speed or torque', (*path, key), on_key=True
-        )
-        for key in raw
-        if key not in TABLES
-    ]
+    faults = [unknown_key(key, TABLES, (*path, key), "expected speed or torque") for key in raw if key not in TABLES]
     tables: dict[str, dict[str, Expression]] = {name: {} for name in TABLES}
     for name in TABLES:
         entries = {} if raw.get(name) is None else raw[name]
@@ -63,5 +57,5 @@ def read_operating_point(raw: Any, path: tuple[str, ...] = ("operating_point",))
             try:
                 tables[name][node] = read_scalar(value, name)
             except FieldError as error:
-                faults.append(Fault(error.message, (*path, name, node, *error.path)))
+                faults.append(error.fault.under(*path, name, node))
     return OperatingPoint(tables["speed"], tables["torque"]), faults

@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 from torsionnet.elements.fields import FieldError, plain_scalar
-from torsionnet.errors import Fault, did_you_mean
+from torsionnet.errors import Fault, unknown_key
 from torsionnet.expressions import Expression, ExpressionError, Number, check_name, scalar
 from torsionnet.units import Dimension, UnitError
 
@@ -61,16 +61,15 @@ def read_parameter(raw: Any) -> Parameter:
     for key in raw:
         if key not in KEYS:
             # A comma in a description without quotes makes such a key.
-            hint = did_you_mean(str(key), KEYS) or "; text with a comma needs quotes" * (raw[key] is None)
-            msg = f'unknown key "{key}"{hint}; a parameter has {", ".join(KEYS)}'
-            raise FieldError(msg, (key,))
+            comma = "text with a comma needs quotes; " if raw[key] is None else ""
+            raise FieldError(unknown_key(key, KEYS, (key,), f"{comma}a parameter has {', '.join(KEYS)}"))
     if "value" not in raw:
         msg = "a parameter needs a value: {value: 0.46 kN*m/rad, description: ...}"
         raise FieldError(msg)
     try:
         value = read_value(raw["value"])
     except FieldError as error:
-        raise FieldError(error.message, ("value",)) from None
+        raise FieldError(error.fault.under("value")) from None
     description = raw.get("description", "")
     if not isinstance(description, str):
         msg = f"expected text, got {description!r}"
@@ -89,7 +88,7 @@ def _bounds(raw: Any) -> tuple[float, float] | None:
         try:
             number = read_value(end)
         except FieldError as error:
-            raise FieldError(error.message, ("bounds", index)) from None
+            raise FieldError(error.fault.under("bounds", index)) from None
         if not isinstance(number, Number):
             msg = "a bound is a number or a quantity, no expression"
             raise FieldError(msg, ("bounds", index))
@@ -112,7 +111,7 @@ def read_parameters(raw: Mapping[str, Any]) -> tuple[dict[str, Parameter], list[
         try:
             parameters[name] = read_parameter(value)
         except FieldError as error:
-            faults.append(Fault(error.message, ("parameters", name, *error.path)))
+            faults.append(error.fault.under("parameters", name))
     return parameters, faults
 
 

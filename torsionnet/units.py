@@ -399,6 +399,7 @@ _SI_TEXT: dict[Dimension, str] = {}
 DIMENSIONS: dict[str, Dimension] = {"inertia": _dimension(1, 2)}
 DIMENSIONS |= {name: parse_unit(text).dimension for name, text in _EXPECTED.items()}
 _SI_TEXT |= {DIMENSIONS[name]: text for name, text in _EXPECTED.items()}
+_SI_TEXT[parse_unit("N/m").dimension] = "N/m"
 
 
 def expected_unit(dimension_name: str) -> str:

@@ -37,7 +37,7 @@ def check_definition(definition: Definition) -> list[Fault]:
 def check_variant(definition: Definition) -> list[Fault]:
     """The checks that depend on values: for a configuration or changed parameters of a sound model."""
     known, faults = resolve(definition.parameters)
-    faults += values.sizes(definition, known)
+    faults += values.wrong_dimensions(definition) + values.sizes(definition, known)
     return faults if has_errors(faults) else faults + structure(definition, known)
 
 
@@ -65,7 +65,7 @@ def _in_configuration(name: str, found: list[Fault], base: list[Fault]) -> list[
     """What a configuration adds to the findings of the base model about one of its entries, with its name."""
     known = {(fault.path, fault.message) for fault in base}
     return [
-        replace(fault, message=f"in configuration {name}: {fault.message}")
+        replace(fault, configuration=name)
         for fault in found
         if (fault.severity == "error" or fault.path) and (fault.path, fault.message) not in known
     ]

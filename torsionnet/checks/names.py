@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 from torsionnet.channels import ELEMENT_QUANTITIES
 from torsionnet.definition import Definition, all_nodes
 from torsionnet.elements import GROUND
-from torsionnet.errors import Fault, Path, did_you_mean
+from torsionnet.errors import Fault, Path, did_you_mean, unknown_name
 from torsionnet.expressions import Expression
 from torsionnet.operating_point import OperatingPoint
 
@@ -16,10 +16,10 @@ def _nodes(definition: Definition) -> tuple[str, ...]:
     return all_nodes(definition.elements.values())
 
 
-def _unknown_node(name: str, nodes: Collection[str], path: Path) -> Fault:
+def _unknown_node(name: str, nodes: Collection[str], path: Path, *, on_key: bool = False) -> Fault:
     if name == GROUND:
-        return Fault("ground does not move; name a node", path)
-    return Fault(f'no node is named "{name}"{did_you_mean(name, nodes)}', path)
+        return Fault("ground does not move; name a node", path, on_key=on_key)
+    return unknown_name("node", name, nodes, path, on_key=on_key)
 
 
 def _expressions(definition: Definition) -> Iterator[tuple[Path, Expression]]:
@@ -48,7 +48,7 @@ def undefined_parameters(definition: Definition) -> list[Fault]:
     """Expressions that use a parameter nobody defines."""
     known = definition.parameters
     return [
-        Fault(f'no parameter is named "{name}"{did_you_mean(name, known)}', path)
+        unknown_name("parameter", name, known, path)
         for path, expression in _expressions(definition)
         for name in sorted(expression.names - known.keys())
     ]
@@ -58,7 +58,7 @@ def unused_parameters(definition: Definition) -> list[Fault]:
     """Parameters that nothing uses (a warning: the model is complete without them)."""
     used = {name for _, expression in _expressions(definition) for name in expression.names}
     return [
-        Fault(f'parameter "{name}" is not used', ("parameters", name), "warning", on_key=True)
+        Fault(f'parameter "{name}" is not used', ("parameters", name), "warning", on_key=True, about=name)
         for name in definition.parameters
         if name not in used
     ]
@@ -81,7 +81,8 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
     for path, point in points:
         for table in ("speed", "torque"):
             given = getattr(point, table, {})
-            faults += [_unknown_node(str(node), nodes, (*path, table, node)) for node in given if node not in nodes]
+            unknown = [str(node) for node in given if node not in nodes]
+            faults += [_unknown_node(node, nodes, (*path, table, node), on_key=True) for node in unknown]
     return faults
 
 
@@ -94,7 +95,7 @@ def unknown_elements(definition: Definition) -> list[Fault]:
         path = ("sensors", name, sensor.quantity)
         element = definition.elements.get(sensor.of)
         if element is None:
-            faults.append(Fault(_no_element(sensor.of, definition), path))
+            faults.append(_no_element(sensor.of, definition, path))
         elif sensor.at is not None and sensor.at not in {*element.ports, *element.ports.values()}:
             ports = [node for node in element.ports.values() if node != GROUND]
             hint = did_you_mean(sensor.at, ports)
@@ -107,10 +108,10 @@ def unknown_elements(definition: Definition) -> list[Fault]:
     return faults
 
 
-def _no_element(name: str, definition: Definition) -> str:
+def _no_element(name: str, definition: Definition, path: Path) -> Fault:
     if name in _nodes(definition):
-        return f'"{name}" is a node, no element; a torque is taken through an element'
-    return f'no element is named "{name}"{did_you_mean(name, definition.elements)}'
+        return Fault(f'"{name}" is a node, no element; a torque is taken through an element', path)
+    return unknown_name("element", name, definition.elements, path)
 
 
 def unknown_in_configurations(definition: Definition) -> list[Fault]:
@@ -121,13 +122,12 @@ def unknown_in_configurations(definition: Definition) -> list[Fault]:
             path = ("configurations", axis, label)
             for name in overlay.parameters:
                 if name not in definition.parameters:
-                    hint = did_you_mean(name, [*definition.parameters, "on", "off", "operating_point"])
-                    faults.append(Fault(f'no parameter is named "{name}"{hint}', (*path, name), on_key=True))
+                    known = [*definition.parameters, "on", "off", "operating_point"]
+                    faults.append(unknown_name("parameter", name, known, (*path, name), on_key=True))
             for switch in ("on", "off"):
                 for index, name in enumerate(getattr(overlay, switch)):
                     if name not in definition.elements:
-                        hint = did_you_mean(name, definition.elements)
-                        faults.append(Fault(f'no element is named "{name}"{hint}', (*path, switch, index)))
+                        faults.append(unknown_name("element", name, definition.elements, (*path, switch, index)))
             both = set(overlay.on) & set(overlay.off)
             faults += [Fault(f"{name} is switched on and off at once", (*path, "off")) for name in sorted(both)]
     return faults

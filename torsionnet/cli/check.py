@@ -67,7 +67,9 @@ def _as_data(model: str, faults: Sequence[Fault]) -> dict[str, Any]:
     listed = [
         {
             "severity": fault.severity,
-            "message": fault.message,
+            "message": fault.text,
+            "meant": fault.meant,
+            "configuration": fault.configuration,
             "path": list(fault.path),
             "position": None if fault.position is None else asdict(fault.position),
         }

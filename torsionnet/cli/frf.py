@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -12,8 +12,11 @@ from torsionnet.cli.options import csv_option, frequency_unit_option, json_optio
 from torsionnet.cli.terminal import print_json, print_table, wrote
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from torsionnet.cli.frf_output import Shown
     from torsionnet.cli.peaks import Solver
-    from torsionnet.response import Conventions, FrequencyResponse
+    from torsionnet.response import FrequencyResponse
     from torsionnet.response.frequency_response import FloatArray
 
 QUANTITIES = ("receptance", "mobility", "accelerance", "dynamic_stiffness")
@@ -115,6 +118,7 @@ def command(
     frequencies = sampling.frequencies(cases, shown.conventions.frequency_scale)
     solvers = [Question(outputs, inputs, excitations, quantity).solver(case) for case in cases]
     responses = [solve(frequencies) for solve in solvers]
+    picture = _picture(responses, shown) if plot_file else None  # refuses unlike units before anything is printed
     if as_json:
         print_json([as_data(*trio, shown.conventions) for trio in zip(cases, responses, solvers, strict=True)])
     else:
@@ -127,15 +131,14 @@ def command(
         tables = [full_table(response, shown) for response in responses]
         joined(cases, tables, named=bool(configurations)).to_csv(csv_file)
         wrote(csv_file)
-    if plot_file:
-        _plot(plot_file, cases, responses, shown.conventions, decibels)
+    if plot_file and picture:
+        from torsionnet import report
+
+        report.save(picture, plot_file)
+        wrote(plot_file)
 
 
-def _plot(
-    file: str, cases: list[Case], responses: list[FrequencyResponse], conventions: Conventions, decibels: bool
-) -> None:
+def _picture(responses: list[FrequencyResponse], shown: Shown) -> Figure:
     from torsionnet import report
 
-    title: Any = cases[0].drivetrain.name
-    report.save(report.bode(responses, conventions=conventions, decibels=decibels, title=title), file)
-    wrote(file)
+    return report.bode(responses, conventions=shown.conventions, decibels=shown.decibels)

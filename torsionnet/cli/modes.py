@@ -12,7 +12,7 @@ from torsionnet.cli.options import csv_option, frequency_unit_option, json_optio
 from torsionnet.cli.terminal import print_json, print_table, wrote
 
 if TYPE_CHECKING:
-    from torsionnet.response import Modes, Table
+    from torsionnet.response import Conventions, Modes, Table
 
 EIGENVALUES = ("Re lambda", "Im lambda")
 
@@ -65,7 +65,7 @@ def command(
         joined(cases, tables, named=bool(configurations)).to_csv(csv_file)
         wrote(csv_file)
     if plot_file:
-        _plot(plot_file, cases, results)
+        _plot(plot_file, cases, results, conventions)
 
 
 def on_screen(table: Table) -> Table:
@@ -75,13 +75,13 @@ def on_screen(table: Table) -> Table:
     return replace(table, columns=tuple(table.columns[index] for index in kept), rows=rows)
 
 
-def _plot(file: str, cases: list[Case], results: list[Modes]) -> None:
+def _plot(file: str, cases: list[Case], results: list[Modes], conventions: Conventions) -> None:
     """The shapes of each configuration in a file of its own: overlaid they could not be told apart."""
     from torsionnet import report
 
     for case, modes in zip(cases, results, strict=True):
         path = file_of(file, case, cases)
-        report.save(report.mode_shapes(modes, case.drivetrain), path)
+        report.save(report.mode_shapes(modes, case.drivetrain, conventions=conventions), path)
         wrote(path)
 
 

@@ -34,7 +34,7 @@ class Settings(SettingType):
         try:
             read_value(text)
         except FieldError as error:
-            self.fail(f"{name}: {error.message}", param, ctx)
+            self.fail(f"{name}: {error}", param, ctx)
         return name, text
 
 

@@ -32,7 +32,7 @@ def tell(faults: Iterable[Fault]) -> None:
     """Warnings and notes about a model, a line each, on stderr."""
     for fault in faults:
         where = f"{fault.position.file}:{fault.position.line}: " if fault.position else ""
-        message(fault.severity, f"{where}{fault.message}")
+        message(fault.severity, f"{where}{fault.text}")
 
 
 def print_json(data: Any) -> None:

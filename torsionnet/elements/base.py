@@ -70,7 +70,7 @@ class Element:
             try:
                 object.__setattr__(self, declared.name, spec_of(declared).coerce(raw))
             except FieldError as error:
-                faults.append(Fault(error.message, ("elements", self.name, declared.name, *error.path)))
+                faults.append(error.fault.under("elements", self.name, declared.name))
         return faults
 
     @classmethod

@@ -14,7 +14,7 @@ from typing import Any
 from torsionnet.damping import MEASURES, DampingMeasure
 from torsionnet.elements.laws import GROUND
 from torsionnet.elements.tables import StiffnessTable
-from torsionnet.errors import Path, did_you_mean
+from torsionnet.errors import Fault, Path, did_you_mean
 from torsionnet.expressions import Expression, ExpressionError, Number, scalar
 from torsionnet.units import DIMENSIONS, UnitError, expected_unit
 
@@ -22,10 +22,9 @@ from torsionnet.units import DIMENSIONS, UnitError, expected_unit
 class FieldError(ValueError):
     """A value that does not fit its field; ``path`` leads from the field to the offending entry."""
 
-    def __init__(self, message: str, path: Path = ()) -> None:
-        super().__init__(message)
-        self.message = message
-        self.path = path
+    def __init__(self, message: str | Fault, path: Path = ()) -> None:
+        self.fault = message if isinstance(message, Fault) else Fault(message, path)
+        super().__init__(self.fault.message)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -152,7 +151,7 @@ class DampingQuantity(Quantity):
                 msg = (
                     f'"{key}" is no measure of damping{did_you_mean(str(key), MEASURES)}; known: {", ".join(MEASURES)}'
                 )
-                raise FieldError(msg, (key,))
+                raise FieldError(Fault(msg, (key,), on_key=True))
         if len(given) != 1:
             msg = f"give one measure of damping ({', '.join(MEASURES)}) and at: the frequency where it holds"
             raise FieldError(msg)
@@ -190,7 +189,7 @@ def _within(raw: Any, dimension: str, key: str) -> Expression:
     try:
         return read_scalar(raw, dimension)
     except FieldError as error:
-        raise FieldError(error.message, (key, *error.path)) from None
+        raise FieldError(error.fault.under(key)) from None
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -291,7 +290,7 @@ class NodePair(Spec):
         try:
             return read_node(entry)
         except FieldError as error:
-            raise FieldError(error.message, (index,)) from None
+            raise FieldError(error.fault.under(index)) from None
 
     def plain(self, value: Any) -> Any:
         return list(value)
@@ -430,7 +429,7 @@ class Table(Spec):
         try:
             value = read_scalar(cell, _COLUMNS[column][1])
         except FieldError as error:
-            raise FieldError(error.message, (index, column)) from None
+            raise FieldError(error.fault.under(index, column)) from None
         if not isinstance(value, Number):
             msg = "a table holds numbers, not expressions"
             raise FieldError(msg, (index, column))

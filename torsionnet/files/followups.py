@@ -14,7 +14,6 @@ from torsionnet.files.placing import entry_at
 from torsionnet.parameters import resolve
 
 _WORD = re.compile(r"[^\W\d]\w*")
-_QUOTED = re.compile(r'"([^"]*)"')
 _CHECKS = tuple(check for check in names.CHECKS if check is not names.dead_ends)
 
 
@@ -26,14 +25,7 @@ def check_what_was_read(definition: Definition, document: Document, faults: list
         found = list(_sound_checks(definition))
     else:
         found = check_definition(definition)
-    return [*faults, *(fault for fault in found if not _follows(fault, definition, lost))]
-
-
-def _follows(fault: Fault, definition: Definition, lost: set[str]) -> bool:
-    """Whether a fault is about a name in an unreadable entry, or in a circle of definitions (reported by itself)."""
-    names_in = _QUOTED.findall(fault.message)[:1]
-    in_circle = fault.message.startswith("no parameter is named") and names_in[0] in definition.parameters
-    return in_circle or not lost.isdisjoint(names_in)
+    return [*faults, *(fault for fault in found if fault.about not in lost)]
 
 
 def _sound_checks(definition: Definition) -> Iterator[Fault]:

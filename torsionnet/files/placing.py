@@ -15,11 +15,7 @@ LONGEST_MESSAGE = 600
 
 _PLAIN = {"got None": "got nothing", "got True": "got true", "got False": "got false"}
 _PYTHON = re.compile("got (None|True|False)$")
-_QUOTED = re.compile(r'"([^"]*)"')
 _WORD = re.compile(r"[^\W\d]\w*")
-_CONFIGURATION = re.compile(r"in configuration ([^\s:]+): ")
-_SUGGESTION = re.compile(r'did you mean "([^"]*)"')
-_NEEDED = re.compile(r"needs (\w+):|the first entry of a model file is (\w+):|a model needs (\w+):")
 
 
 def placed(faults: Iterable[Fault], document: Document) -> list[Fault]:
@@ -50,17 +46,16 @@ def _one_line(message: str) -> str:
 
 def _place(fault: Fault, document: Document) -> Fault:
     path = _path_in_file(fault, document.data)
-    about = _QUOTED.search(fault.message)
-    names_key = bool(about and path and about[1] == path[-1] and entry_at(document.data, path) != about[1])
-    return fault.at(document.position(path, on_key=fault.on_key or names_key))
+    position = document.position(path, on_key=fault.on_key)
+    about_the_whole = not path and fault.severity != "error"
+    return fault.at(replace(position, source="") if about_the_whole else position)
 
 
 def _path_in_file(fault: Fault, data: Any) -> Path:
     """The path as the file spells it: the name of a single axis may be left out there."""
-    inside = _CONFIGURATION.match(fault.message)
     path = fault.path
-    if inside and path[:1] != ("configurations",):
-        path = _alternative(inside[1], fault.message[inside.end() :], data) or path
+    if fault.configuration and path[:1] != ("configurations",):
+        path = _alternative(fault.configuration, fault.message, data) or path
     table = entry_at(data, ("configurations",))
     if path[:2] == ("configurations", DEFAULT_AXIS) and isinstance(table, Mapping) and DEFAULT_AXIS not in table:
         return ("configurations", *path[2:])
@@ -94,7 +89,7 @@ def entry_at(data: Any, path: Path) -> Any:
 
 def _reworded(fault: Fault, document: Document) -> Fault:
     """A decimal comma in a flow mapping splits the number: say so instead of "unknown key"."""
-    if not fault.path or not fault.message.startswith("unknown key") or not str(fault.path[-1])[:1].isdigit():
+    if not fault.path or fault.kind != "unknown key" or not str(fault.path[-1])[:1].isdigit():
         return fault
     key, entries = str(fault.path[-1]), entry_at(document.data, fault.path[:-1])
     names = list(entries) if isinstance(entries, Mapping) else []
@@ -106,17 +101,10 @@ def _reworded(fault: Fault, document: Document) -> Fault:
 
 def _without_consequences(faults: list[Fault]) -> list[Fault]:
     """A misspelt key is not also reported as missing."""
-    meant = {
-        (fault.path[:-1], suggestion[1])
-        for fault in faults
-        if fault.message.startswith("unknown key") and (suggestion := _SUGGESTION.search(fault.message))
-    }
-    return [fault for fault in faults if not _is_missing(fault, meant)]
+    meant = {(fault.path[:-1], fault.meant) for fault in faults if fault.kind == "unknown key"}
+    return [fault for fault in faults if fault.kind != "missing key" or (_parent(fault), fault.about) not in meant]
 
 
-def _is_missing(fault: Fault, meant: set[tuple[Path, str]]) -> bool:
-    needed = _NEEDED.search(fault.message)
-    if needed is None:
-        return False
-    name = next(group for group in needed.groups() if group)
-    return (fault.path, name) in meant or (fault.path == (name,) and ((), name) in meant)
+def _parent(fault: Fault) -> Path:
+    """The path of the entry that lacks a key."""
+    return fault.path if fault.path != (fault.about,) else ()

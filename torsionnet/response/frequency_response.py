@@ -142,7 +142,7 @@ class FrequencyResponse:
         s: ComplexArray = (2j * np.pi * self.frequencies[:, None]).astype(complex)
         steps = np.array([ORDERS[unit] - ORDERS[channel.unit] for channel in self.outputs])
         with np.errstate(divide="ignore", invalid="ignore"):
-            values = np.asarray(self.values * (s**steps)[:, :, None])
+            values = np.asarray(self.values * (s**steps)[:, :, None], dtype=np.complex128)
         return replace(self, values=values, outputs=tuple(Channel(channel.name, unit) for channel in self.outputs))
 
     def dynamic_stiffness(self) -> FrequencyResponse:
@@ -161,7 +161,7 @@ class FrequencyResponse:
         if not np.isfinite(receptance.values).all():
             msg = "the receptance is not finite at some frequency; leave that frequency out"
             raise UsageError(msg)
-        values = np.linalg.inv(receptance.values)
+        values: ComplexArray = np.linalg.inv(receptance.values).astype(np.complex128)
         return replace(receptance, values=values, outputs=receptance.inputs, inputs=receptance.outputs, coherence=None)
 
     def response_amplitude(self, input_amplitudes: Any, conventions: Conventions = SI) -> FloatArray:

@@ -36,11 +36,11 @@ def natural_modes(drivetrain: Drivetrain) -> Modes:
     if not solution.converged.all():
         stuck = ", ".join(f"{abs(value) / (2 * np.pi):.4g} Hz" for value in solution.eigenvalues[~solution.converged])
         text = f"the frequency-dependent stiffness did not settle for the mode(s) near {stuck}"
-        warnings.warn(text, TorsionnetWarning, stacklevel=3)
+        warnings.warn(text, TorsionnetWarning, stacklevel=4)
     uncertain = np.flatnonzero(solution.errors > UNCERTAIN)
     if len(uncertain):
         text = f"{len(uncertain)} eigenvalues are uncertain, the worst by {solution.errors.max():.1g} of its size"
-        warnings.warn(text, TorsionnetWarning, stacklevel=3)
+        warnings.warn(text, TorsionnetWarning, stacklevel=4)
     elements = tuple(drivetrain.elements)
     kinetic, strain, dissipated = energies(assembly, solution, elements)
     shapes = scaled(assembly.T @ solution.vectors).astype(complex)

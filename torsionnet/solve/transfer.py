@@ -177,10 +177,10 @@ def _conditioning(
         names = ", ".join(reading.name for reading in question.measured)
         where = f"{len(poor)} frequencies, the first {frequencies[poor[0]]:.6g} Hz"
         text = f"{names}: the measured input vanishes or is mostly rounding at {where}"
-        warnings.warn(text, TorsionnetWarning, stacklevel=4)
+        warnings.warn(text, TorsionnetWarning, stacklevel=5)
     return worst
 
 
 def _warn_infinite(values: ComplexArray, where: str) -> None:
     if len(values) and not np.isfinite(values).all():
-        warnings.warn(f"the response is infinite {where}", TorsionnetWarning, stacklevel=3)
+        warnings.warn(f"the response is infinite {where}", TorsionnetWarning, stacklevel=4)

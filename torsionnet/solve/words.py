@@ -61,7 +61,8 @@ def _overdamped(value: complex, elements: tuple[str, ...], strain: FloatArray, d
 def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[str]) -> str:
     count = len(crossings)
     nodes = "no node of vibration" if not count else f"{count} node{'s' if count > 1 else ''} of vibration"
-    where = f" {', '.join(crossings)}" if 0 < count <= 3 else ""  # noqa: PLR2004
+    places = list(dict.fromkeys(crossings))
+    where = f" {', '.join(places)}" if 0 < len(places) <= 3 else ""  # noqa: PLR2004
     return f"strain in {_leading(elements, strain)}; {nodes}{where}"
 
 
