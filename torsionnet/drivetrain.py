@@ -281,6 +281,7 @@ class Drivetrain:
         frequencies: ArrayLike,
         *,
         excitation: str | Sequence[str] | None = None,
+        method: str = "graph",
     ) -> FrequencyResponse:
         """Transfer functions between sensors, inputs and nodes at the given frequencies.
 
@@ -296,6 +297,8 @@ class Drivetrain:
             Hz, >= 0. At 0 the finite limit, or inf with a warning.
         excitation : str or sequence of str, optional
             What drives the drivetrain when the input is measured; default: the model's only input.
+        method : str
+            ``"graph"``: elimination along the drivetrain, fast and exact; ``"dense"``: LAPACK, as a cross-check.
 
         Returns
         -------
@@ -311,7 +314,7 @@ class Drivetrain:
         """
         from torsionnet.solve.transfer import frequency_response
 
-        return frequency_response(self, output, input, frequencies, excitation=excitation)
+        return frequency_response(self, output, input, frequencies, excitation=excitation, method=method)
 
     def modes(self, *, measured_input: str | Sensor | None = None, excitation: str | None = None) -> Modes:
         """Complex modes: natural frequencies, damping ratios, shapes at all nodes and energy shares.

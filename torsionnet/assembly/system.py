@@ -56,13 +56,18 @@ class Assembly:
         reduced = self.kinematics.reduced(row)
         return _dense([reduced], coordinates)[0], _dense([reduced], imposed)[0]
 
-    def law_stiffness(self, omega: FloatArray, s: ComplexArray) -> ComplexArray:
-        """kappa_i(s) = J s^2 + c s + k + dynamic(omega) of every law, shape (n_f, n_laws), N m/rad."""
+    def law_stiffness(self, omega: FloatArray) -> ComplexArray:
+        """kappa_i(j omega) = k - J omega^2 + j c omega + dynamic(omega) of every law, shape (n_f, n_laws), N m/rad.
+
+        The frequencies of one law lie next to each other in memory.
+        """
         system = self.system
-        kappa = system.stiffness + s[:, None] * (system.damping + s[:, None] * system.inertia)
+        kappa = np.empty((len(system.stiffness), len(omega)), dtype=complex)
+        kappa.real = system.stiffness[:, None] - system.inertia[:, None] * (omega * omega)
+        kappa.imag = system.damping[:, None] * omega
         for index, law in system.dynamic:
-            kappa[:, index] += law(omega)
-        return np.asarray(kappa)
+            kappa[index] += law(omega)
+        return kappa.T
 
 
 def assemble(definition: Definition, values: Mapping[str, Any], referred_to: tuple[str, ...] = ()) -> Assembly:

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
 
 from torsionnet.assembly.functionals import Functional, functional
+from torsionnet.assembly.rows import FloatArray
 from torsionnet.channels import Input, Sensor, parse_sensor
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError, did_you_mean
@@ -24,6 +28,13 @@ class Question:
     @property
     def readings(self) -> tuple[Functional, ...]:
         return self.outputs + (self.measured if self.is_measured else ())
+
+    @cached_property
+    def rows(self) -> tuple[FloatArray, FloatArray]:
+        """Rows of all terms of the readings, over coordinates (n_terms, n_q) and imposed angles (n_terms, n_x)."""
+        terms = [term for reading in self.readings for term in reading.terms]
+        motion = np.array([term.row for term in terms]).reshape(len(terms), -1)
+        return motion, np.array([term.imposed for term in terms]).reshape(len(terms), -1)
 
 
 def ask(
