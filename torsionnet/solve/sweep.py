@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -14,9 +14,8 @@ from torsionnet.solve.graph_plan import Plan, Step
 Array: TypeAlias = NDArray[Any]
 """Real where nothing damps the system, else complex; the last axis is frequency."""
 
-TINY = 1e-4
-"""Where links among neighbours arise, a pivot below this share of its terms costs digits that refinement gives back."""
-_EPS = float(np.finfo(float).eps)
+LARGE = 1e4
+"""Where links among neighbours arise, kappa / S above this costs digits that refinement gives back."""
 
 
 @dataclass
@@ -27,7 +26,7 @@ class Sweep:
     doubtful: NDArray[np.bool_] | None
 
 
-def sweep(plan: Plan, kappa: Array, loads: dict[int, Array], n_exc: int, *, guarded: bool = False) -> Sweep:
+def sweep(plan: Plan, kappa: Array, loads: dict[int, Array], n_exc: int) -> Sweep:
     """Eliminate, and go back along the rows that were asked for.
 
     Parameters
@@ -37,14 +36,11 @@ def sweep(plan: Plan, kappa: Array, loads: dict[int, Array], n_exc: int, *, guar
     loads : dict
         Coordinate -> (n_exc, n_f or 1) array of loads; used up.
     n_exc : int
-    guarded : bool
-        Replace pivots that are zero to rounding by a rounding error of their terms.
     """
     links: list[Any] = [_gathered(kappa, source) for source in plan.sources]
     links += [None] * (plan.n_slots - len(links))
-    pivot = _guarded_pivot if guarded else _pivot
     doubt = _Doubt(kappa.shape[-1])
-    back = [_eliminate(step, links, loads, pivot, doubt) for step in plan.steps]
+    back = [_eliminate(step, links, loads, doubt) for step in plan.steps]
     return Sweep(_back(plan, back, n_exc, kappa), doubt.mask)
 
 
@@ -55,9 +51,9 @@ class _Doubt:
     def look(self, share: Array) -> None:
         """Mark where kappa / S is so large that S is a small difference."""
         size = np.abs(share.view(float))
-        if not size.max(initial=0.0) < 1 / TINY:
+        if not size.max(initial=0.0) < LARGE:
             size = size.reshape(self.n_f, -1).max(axis=1)
-            found = ~(size < 1 / TINY)
+            found = ~(size < LARGE)
             self.mask = found if self.mask is None else self.mask | found
 
 
@@ -72,16 +68,14 @@ def _gathered(kappa: Array, source: Sequence[tuple[int, float]]) -> Array:
 _Back: TypeAlias = tuple[Sequence[Any], Any]
 
 
-def _eliminate(
-    step: Step, links: list[Any], loads: dict[int, Array], pivot: Callable[[Sequence[Array]], Array], doubt: _Doubt
-) -> _Back:
+def _eliminate(step: Step, links: list[Any], loads: dict[int, Array], doubt: _Doubt) -> _Back:
     """Eliminate one coordinate; returns the shares kappa_i / S and the load over S for the way back."""
     for slot, shares in step.splits:
         for target, weight in shares:
             _add(links, target, weight * links[slot])
         links[slot] = None
     terms = [links[slot] for slot, _ in step.terms]
-    S = pivot([term if square == 1.0 else square * term for term, (_, square) in zip(terms, step.terms, strict=True)])
+    S = _pivot([term if square == 1.0 else square * term for term, (_, square) in zip(terms, step.terms, strict=True)])
     shares = _shares(step, terms, S)
     for i, j, factor, target in step.pairs:
         product = shares[i] * terms[j]
@@ -126,13 +120,6 @@ def _pivot(terms: Sequence[Array]) -> Array:
     for term in terms[1:]:
         total = total + term
     return total
-
-
-def _guarded_pivot(terms: Sequence[Array]) -> Array:
-    """A pivot lost to rounding stands for one rounding error of its terms, as if one of them were that much off."""
-    total = _pivot(terms)
-    scale = _EPS * sum((np.abs(term) for term in terms), start=np.zeros(1))
-    return np.where(np.abs(total) < scale, scale * (1j if np.iscomplexobj(total) else 1.0), total)
 
 
 def _back(plan: Plan, back: Sequence[_Back], n_exc: int, kappa: Array) -> Array:
