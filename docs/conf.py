@@ -45,6 +45,7 @@ sphinx_gallery_conf = {
     "show_memory": False,
     "remove_config_comments": True,
     "plot_gallery": "True",
+    "capture_repr": (),
     "image_scrapers": ("gallery_figures", "matplotlib"),
 }
 
@@ -54,9 +55,11 @@ def setup(app):
     import generate
 
     app.connect("builder-inited", lambda _: generate.write_all())
-    app.connect("autodoc-process-docstring", escape_bars)
+    app.connect("autodoc-process-docstring", for_sphinx, priority=400)
 
 
-def escape_bars(_app, _what, _name, _object, _options, lines):
-    """|H| in a docstring is a magnitude, no substitution."""
+def for_sphinx(_app, what, _name, _object, _options, lines):
+    """|H| in a docstring is a magnitude, no substitution; what stands before a colon in a property is no type."""
+    if what in ("property", "attribute") and lines:
+        lines[0] = lines[0].replace(": ", " \N{EN DASH} ", 1)
     lines[:] = [line.replace("|", r"\|") for line in lines]

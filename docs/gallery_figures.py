@@ -12,11 +12,12 @@ def scrape(_: Any, block_vars: dict[str, Any], gallery_conf: dict[str, Any]) -> 
     """Save every new figure among the variables of an example; the text that shows them."""
     import matplotlib.pyplot as plt
 
-    windows = {id(plt.figure(number)) for number in plt.get_fignums()}
+    for number in plt.get_fignums():
+        plt.figure(number).is_in_gallery = True
     found = [value for value in block_vars["example_globals"].values() if isinstance(value, Figure)]
     paths = []
     for figure in found:
-        if id(figure) in windows or getattr(figure, "is_in_gallery", False):
+        if getattr(figure, "is_in_gallery", False):
             continue
         path = next(block_vars["image_path_iterator"])
         figure.savefig(path, dpi=150)

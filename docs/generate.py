@@ -47,6 +47,11 @@ def table(headings: list[str], rows: list[list[str]]) -> str:
     return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines) + "\n"
 
 
+def prose(text: str) -> str:
+    """Text in which stars are stars."""
+    return text.replace("*", r"\*")
+
+
 def code(text: object) -> str:
     return f"`{text}`"
 
@@ -196,7 +201,7 @@ def field_row(declared: Field[Any]) -> list[str]:
     symbol = f"${sympy.latex(sympy.Symbol(kind.symbol))}$" if is_quantity else ""
     unit = "" if not is_quantity else "-" if kind.dimension == "1" else code(expected_unit(kind.dimension))
     default = "required" if declared.default is MISSING else default_text(declared.default)
-    return [code(declared.name), symbol, unit, bounds(kind), default, kind.description]
+    return [code(declared.name), symbol, unit, bounds(kind), default, prose(kind.description)]
 
 
 def default_text(default: Any) -> str:
@@ -287,7 +292,7 @@ def factor_text(factor: Fraction | float) -> str:
 
 
 def damping_page() -> str:
-    x, ratio = sympy.Symbol("x", positive=True), sympy.Symbol(r"\\tfrac{\\omega}{k}")
+    x, ratio = sympy.Symbol("x", positive=True), sympy.Symbol("omega") / sympy.Symbol("k")
     algebra = Algebra(number=sympy.Rational, sqrt=sympy.sqrt, pi=sympy.pi)
     rows = []
     for name, measure in MEASURES.items():
@@ -295,7 +300,7 @@ def damping_page() -> str:
         forward = sympy.latex(measure.to_loss_factor(x, algebra, ratio).subs(x, own))
         back = sympy.latex(measure.from_loss_factor(eta, algebra, ratio))
         example = tn.convert_damping(0.04, "eta", name, stiffness=1000.0, frequency=10.0)
-        cells = [code(name), f"${sympy.latex(own)}$", measure.description.partition(",")[0]]
+        cells = [code(name), f"${sympy.latex(own)}$", prose(measure.description.partition(",")[0])]
         rows.append([*cells, rf"$\eta = {forward}$", rf"${sympy.latex(own)} = {back}$", f"{example:.6g}"])
     headings = ["entry", "symbol", "what it is", "loss factor from it", "it from the loss factor", "at eta = 0.04"]
     note = "The last column holds for 1000 N m/rad at 10 Hz, which only `c` depends on.\n"
@@ -425,18 +430,23 @@ def cases_page() -> str:
     from validation.build import build, case_names, read_case
 
     cases = {name: read_case(name) for name in case_names()}
-    printed, computed = [], []
+    printed, computed, sources = [], [], []
     for name, case in cases.items():
         if "expected" not in case:
             continue
         modes = build(case).modes()
-        printed += published_rows(name, case, modes)
+        rows = published_rows(name, case, modes)
+        printed += rows
+        sources += [f"* {code(name)}: {source_of(case)}"] if rows else []
         computed.append(computed_row(name, case, modes))
-    headings = ["case", "source", "quantity", "published", "computed", "relative deviation"]
+    headings = ["case", "quantity", "published", "computed", "relative"]
     reference = ["case", "what it is", "compared", "values", "largest relative deviation"]
     return (
-        "### Printed numbers\n\n"
+        "### Printed numbers\n\nUndamped natural frequencies $f_n$ and damping ratios $\\zeta_n$.\n\n"
         + table(headings, printed)
+        + "\nSources, and where the numbers were taken from:\n\n"
+        + "\n".join(sources)
+        + "\n"
         + "\n### Reference solutions of the same data\n\n"
         + table(reference, computed)
     )
@@ -450,23 +460,23 @@ def source_of(case: dict[str, Any]) -> str:
 def published_rows(name: str, case: dict[str, Any], modes: tn.Modes) -> list[list[str]]:
     rows = []
     published = case.get("published") or {}
-    first = [code(name), source_of(case)]
+    first = [code(name)]
     for key, (unit, scale) in PER_HZ.items():
         for index, value in enumerate(published.get(key, ())):
             if value in (None, 0):
                 continue
             found = modes.undamped_natural_frequencies[index] * scale
-            rows.append([*first, f"undamped frequency {index + 1} [{unit}]", *compared(value, found)])
-            first = ["", ""]
+            rows.append([*first, f"$f_{{{index + 1}}}$ [{unit}]", *compared(value, found)])
+            first = [""]
     ratios = [ratio for ratio, kind in zip(modes.damping_ratios, modes.kinds, strict=True) if kind == "oscillatory"]
     for index, value in enumerate(published.get("damping_ratios", ())):
-        rows.append([*first, f"damping ratio {index + 1}", *compared(value, ratios[index])])
-        first = ["", ""]
+        rows.append([*first, f"$\\zeta_{{{index + 1}}}$", *compared(value, ratios[index])])
+        first = [""]
     return rows
 
 
 def compared(value: float | str, found: float) -> list[str]:
-    shown = str(value) if isinstance(value, str) or len(repr(value)) < len("0.1234567") else f"{value:.10g}"
+    shown = f"{float(value):.10g}"
     return [shown, f"{found:.10g}", f"{found / float(value) - 1:+.1e}"]
 
 

@@ -26,8 +26,10 @@ for inertia, style in (("consistent", "-o"), ("lumped", "--s")):
     errors = np.array([frequencies(int(count), inertia) / exact - 1 for count in counts])
     for mode, color in enumerate(("#0072B2", "#D55E00", "#009E73")):
         label = f"{inertia}, mode {mode + 1}"
-        axes.loglog(counts, 100 * abs(errors[:, mode]), style, color=color, markersize=4, label=label)
+        axes.plot(counts, 100 * errors[:, mode], style, color=color, markersize=4, label=label)
     print(inertia, "signs of the errors:", np.sign(errors[-1]))
+axes.set_xscale("log")
+axes.set_yscale("symlog", linthresh=0.01)
 axes.set(xlabel="segments", ylabel="error of the frequency [%]", xticks=counts, xticklabels=counts)
 axes.minorticks_off()
 axes.grid(visible=True, color="#dddddd")

@@ -54,7 +54,7 @@ class TestGeneratedPages:
             for declared in cls.declared():
                 if declared.name not in generate.COMMON:
                     assert f"| `{declared.name}` |" in section
-                    assert declared.metadata["spec"].description in section
+                    assert generate.prose(declared.metadata["spec"].description) in section
             assert all(f"`{port}`" in section for port in generate.sample(cls, full=True).ports)
         page = (DOCS / "elements.md").read_text(encoding="utf-8")
         assert all(f"`{name}`" in page for name in generate.COMMON)

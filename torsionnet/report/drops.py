@@ -13,7 +13,7 @@ from torsionnet.report import glyphs
 from torsionnet.report.blocks import Block, Stroke, arc, as_array, overlap
 
 STEP, FARTHEST = 4.0, 3000.0
-SMALLEST_WHEELS, LARGEST_WHEELS, SHORTEST_WIRE = 50.0, 110.0, 36.0
+SMALLEST_WHEELS, LARGEST_WHEELS, FARTHEST_WHEELS, SHORTEST_WIRE = 50.0, 110.0, 170.0, 36.0
 MESH, ELBOW = 12.0, 12.0
 FLATTEST = 0.45
 """A wheel is drawn at least so large against its mate, whatever the ratio."""
@@ -74,12 +74,14 @@ def ratio_of(element: Any, parent: str, values: Mapping[str, Any]) -> float:
 def _wheels(block: Block, stage: Stage, x: float, distance: float) -> None:
     down = distance > 0
     mesh = MESH if stage.compliant else 0.0
-    between = min(abs(distance), LARGEST_WHEELS)
+    between = abs(distance) if abs(distance) < FARTHEST_WHEELS else LARGEST_WHEELS
     first = (between - mesh) / (1 + stage.child_over_parent)
     second = between - mesh - first
     side = -1 if down else 1
     block.strokes += [*glyphs.wheel(x, 0, first), *glyphs.wheel(x, side * between, second)]
-    if between < abs(distance):
+    if between == abs(distance):
+        block.line((x, -distance), (x + ELBOW, -distance))
+    else:
         block.line((x, side * between), (x + ELBOW, side * between), (x + ELBOW, -distance))
     if mesh:
         spring = glyphs.zigzag(0, mesh, 0, 4, 2)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from torsionnet.report import glyphs
 from torsionnet.report.blocks import LEADING, ROLES, Block, LooseEnd, Stroke, text_width, widest
 from torsionnet.report.bodies import body, ending
-from torsionnet.report.drops import Drop, Stage, attach, ratio_of
+from torsionnet.report.drops import ELBOW, Drop, Stage, attach, ratio_of
 from torsionnet.report.labels import symbol
 from torsionnet.report.topology import Link, Vertex
 
@@ -46,7 +46,7 @@ class Line:
         if incoming.is_gear:
             widths = self.gear_widths(incoming)
             self.x = sum(widths) - widths[0] / 2
-            self.block.line((0, 0), (self.x, 0))
+            self.block.line((ELBOW, 0), (self.x, 0))
         elif incoming.elements:
             self.gap(incoming)
         else:

@@ -104,13 +104,14 @@ def _canvas(extent: tuple[float, float, float, float]) -> tuple[Figure, Axes, fl
 def _draw(axes: Axes, stroke: Stroke, scale: float, order: int) -> None:
     color, width = PENS[stroke.look]
     path = Path([*stroke.points, stroke.points[0]] if stroke.closed else stroke.points, closed=stroke.closed)
-    fill = PENS[stroke.fill][0] if stroke.fill in PENS else stroke.fill or "none"
+    fill = PENS[stroke.fill][0] if stroke.fill in PENS else stroke.fill
     # Shafts run through discs and behind them; everything else lies as it was drawn.
     depth = 1.0 if stroke.look in ("shaft", "wire", "faint") and not stroke.closed else 2.0
     patch = PathPatch(
         path,
         edgecolor=color,
-        facecolor=fill,
+        facecolor=fill or style.PAPER,
+        fill=bool(fill),
         linewidth=width * scale,
         zorder=depth + order * 1e-5,
         capstyle="round",

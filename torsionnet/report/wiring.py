@@ -134,7 +134,7 @@ def _traced(
 
 
 def _cornered(points: list[Point], start: Point, end: Point) -> list[Point]:
-    """Corners only, moved sideways so that the first piece is level with the start and the last above the end."""
+    """Corners only, moved sideways so that the first piece meets the start and the last, a vertical one, the end."""
     corners = [points[0]]
     for before, here, after in zip(points, points[1:], points[2:], strict=False):
         if (before[0] == here[0]) != (here[0] == after[0]):
@@ -142,6 +142,7 @@ def _cornered(points: list[Point], start: Point, end: Point) -> list[Point]:
     corners.append(points[-1])
     if len(corners) == 2:  # noqa: PLR2004
         return [start, (end[0], start[1]), end]
-    corners[1] = (corners[1][0], start[1])
+    level = points[0][1] == points[1][1]
+    corners[1] = (corners[1][0], start[1]) if level else (start[0], corners[1][1])
     corners[-2] = (end[0], corners[-2][1])
     return [start, *corners[1:-1], end]
