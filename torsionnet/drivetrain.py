@@ -99,16 +99,22 @@ class Drivetrain:
         self._definition = definition
         self._choice: dict[str, str] = {}
         self._findings = tuple(faults)
+        self._like: Assembly | None = None
 
     @classmethod
     def from_definition(
-        cls, definition: Definition, choice: Mapping[str, str], findings: Iterable[Fault]
+        cls,
+        definition: Definition,
+        choice: Mapping[str, str],
+        findings: Iterable[Fault],
+        like: Assembly | None = None,
     ) -> Drivetrain:
-        """Drivetrain of a definition that has been checked."""
+        """Drivetrain of a definition that has been checked; ``like`` may have the same rows."""
         new = cls.__new__(cls)
         new._definition = definition  # noqa: SLF001
         new._choice = dict(choice)  # noqa: SLF001
         new._findings = tuple(findings)  # noqa: SLF001
+        new._like = like  # noqa: SLF001
         return new
 
     @property
@@ -169,7 +175,7 @@ class Drivetrain:
         """The drivetrain in numbers: coordinates, rows and coefficients."""
         from torsionnet.assembly.system import assemble
 
-        return assemble(self._definition, self.exact_values)
+        return assemble(self._definition, self.exact_values, like=self._like)
 
     @property
     def axes(self) -> Mapping[str, tuple[str, ...]]:
@@ -225,7 +231,7 @@ class Drivetrain:
             definition = definition.overlaid(_read_overrides(overrides, definition))
         faults = check_variant(definition)
         _refuse(faults, label(choice, definition.axes) or self.name)
-        return self.from_definition(definition, choice, faults)
+        return self.from_definition(definition, choice, faults, self.__dict__.get("assembly", self._like))
 
     def switched(self, *, on: Iterable[str] = (), off: Iterable[str] = ()) -> Drivetrain:
         """A copy with elements switched on or off by name."""

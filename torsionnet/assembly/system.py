@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -70,27 +70,57 @@ class Assembly:
         return kappa.T
 
 
-def assemble(definition: Definition, values: Mapping[str, Any], referred_to: tuple[str, ...] = ()) -> Assembly:
-    """Assemble a configuration from its exact parameter values."""
-    kinematics = solve_kinematics(definition, Values(values), referred_to)
+def assemble(
+    definition: Definition,
+    values: Mapping[str, Any],
+    referred_to: tuple[str, ...] = (),
+    like: Assembly | None = None,
+) -> Assembly:
+    """Assemble a configuration from its exact parameter values.
+
+    Where ``like``, of another configuration, has the same rows, they and all that was worked out from them are shared.
+    """
+    kinematics = solve_kinematics(definition, Values(values), referred_to, like.kinematics if like else None)
+    laws = [(owner, law) for owner, law in kinematics.laws if law.acts]
+    if like is not None and _same_rows(kinematics, like.kinematics):
+        shared = like.system
+        system = RowSystem(shared.rows, *_coefficients(laws), plans=shared.plans)
+        if "sparse_rows" in shared.__dict__:
+            system.__dict__["sparse_rows"] = shared.sparse_rows
+        return replace(like, kinematics=kinematics, system=system)
     coordinates, imposed = _columns(kinematics)
     nodes = [kinematics.reduced({node: 1}) for node in kinematics.nodes]
-    laws = [(owner, law) for owner, law in kinematics.laws if law.acts]
     rows = [kinematics.reduced(law.row) for _, law in laws]
-    system = RowSystem(
-        rows=_dense(rows, coordinates),
-        inertia=np.array([float(law.inertia) for _, law in laws]),
-        damping=np.array([float(law.damping) for _, law in laws]),
-        stiffness=np.array([0.0 if law.loss_factor else float(law.stiffness) for _, law in laws]),
-        dynamic=tuple(_dynamic(index, law) for index, (_, law) in enumerate(laws) if law.table or law.loss_factor),
-    )
     return Assembly(
         kinematics,
-        system,
+        RowSystem(_dense(rows, coordinates), *_coefficients(laws)),
         T=_dense(nodes, coordinates),
         S=_dense(nodes, imposed),
         imposed_rows=_dense(rows, imposed),
         owners=tuple(owner for owner, _ in laws),
+    )
+
+
+def _same_rows(kinematics: Kinematics, like: Kinematics) -> bool:
+    """Whether every law acts on the same row, and the constraints are solved by the same reduction."""
+    if kinematics.reduction is not like.reduction:
+        return False
+    sides = (
+        [(owner, law.row) for owner, law in side.laws if law.acts] + [law.acts for _, law in side.laws]
+        for side in (kinematics, like)
+    )
+    return next(sides) == next(sides)
+
+
+def _coefficients(
+    laws: Sequence[tuple[str, Law]],
+) -> tuple[FloatArray, FloatArray, FloatArray, tuple[tuple[int, DynamicStiffness], ...]]:
+    """J, c, k and the frequency-dependent stiffness of every law."""
+    return (
+        np.array([float(law.inertia) for _, law in laws]),
+        np.array([float(law.damping) for _, law in laws]),
+        np.array([0.0 if law.loss_factor else float(law.stiffness) for _, law in laws]),
+        tuple(_dynamic(index, law) for index, (_, law) in enumerate(laws) if law.table or law.loss_factor),
     )
 
 

@@ -37,6 +37,21 @@ class Question:
         return motion, np.array([term.imposed for term in terms]).reshape(len(terms), -1)
 
 
+def remembered(
+    drivetrain: Drivetrain,
+    output: str | Sensor | Sequence[str | Sensor],
+    input: str | Sensor | Sequence[str | Sensor],
+    excitation: str | Sequence[str] | None,
+) -> Question:
+    """As :func:`ask`, but asked once for all configurations with the same rows."""
+    names = (entry if isinstance(entry, str | None) else tuple(_listed(entry)) for entry in (output, input, excitation))
+    key, plans = ("question", *names), drivetrain.assembly.system.plans
+    if key not in plans:
+        plans[key] = ask(drivetrain, output, input, excitation)
+    question: Question = plans[key]
+    return question
+
+
 def ask(
     drivetrain: Drivetrain,
     output: str | Sensor | Sequence[str | Sensor],

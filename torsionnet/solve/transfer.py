@@ -23,7 +23,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import TorsionnetWarning, UsageError
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.solve import dense, starmesh
-from torsionnet.solve.question import Question, ask
+from torsionnet.solve.question import Question, remembered
 from torsionnet.solve.zero import at_zero
 
 Respond: TypeAlias = Callable[[RowSystem, ComplexArray, ComplexArray, FloatArray], ComplexArray]
@@ -54,7 +54,7 @@ def frequency_response(
     if method not in METHODS:
         msg = f'no method is named "{method}"; choose {", ".join(METHODS)}'
         raise UsageError(msg)
-    question = ask(drivetrain, output, input, excitation)
+    question = remembered(drivetrain, output, input, excitation)
     values = np.empty((len(f), len(question.outputs), len(question.measured)), dtype=complex)
     conditioning = np.ones(len(f))
     moving = f > 0
