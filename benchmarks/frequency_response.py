@@ -38,7 +38,7 @@ print(time.perf_counter() - start)
 def chain(n, extra=(), parent=None, ratio=None):
     """J = 1, k = 1e6, c = 10 between neighbours, 0.1 to ground; ``extra`` pairs close loops."""
     parent = parent or (lambda i: i - 1)
-    ratio = ratio or (lambda i: 1.0)
+    ratio = ratio or (lambda _: 1.0)
     links = [(parent(i), i, ratio(i)) for i in range(1, n)] + [(i, j, 1.0) for i, j in extra]
     rows = np.zeros((n + len(links), n))
     rows[:n] = np.eye(n)
@@ -139,7 +139,9 @@ def seconds(function, *arguments, runs=5):
 
 def opentorsion_seconds(n, n_f, work):
     python = os.environ.get("OPENTORSION_PYTHON", sys.executable)
-    run = subprocess.run([python, "-c", OPENTORSION, str(n), str(n_f), work], capture_output=True, text=True, check=False)
+    run = subprocess.run(
+        [python, "-c", OPENTORSION, str(n), str(n_f), work], capture_output=True, text=True, check=False
+    )
     return float(run.stdout.split()[-1]) if run.returncode == 0 else None
 
 
@@ -254,16 +256,18 @@ def table():
     yield "|---|---|---|---|---|---|"
     for name, ours, other, goal, reached in rows():
         ratio = "" if other is None else f"{other / ours:.3g}"
-        if other is not None and reached is None and goal.startswith(">= "):
-            reached = other / ours >= float(goal[3:])
+        enough = other / ours >= float(goal[3:]) if other is not None and reached is None else reached
         missing = "openTorsion is not installed" if other is None and "openTorsion" in name else ""
-        word = missing or {None: "", True: "reached", False: "missed"}[None if reached is None else bool(reached)]
+        word = missing or {None: "", True: "reached", False: "missed"}[None if enough is None else bool(enough)]
         yield f"| {name} | {milliseconds(ours)} | {milliseconds(other)} | {ratio} | {goal} | {word} |"
 
 
 def main():
     warnings.simplefilter("ignore")
-    lines = [f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, numpy {np.__version__}", ""]
+    lines = [
+        f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, numpy {np.__version__}",
+        "",
+    ]
     print(lines[0], end="\n\n")
     for line in table():
         print(line, flush=True)

@@ -261,7 +261,10 @@ def test_pivot_near_zero_in_a_loop_is_given_its_digits_back(monkeypatch):
 
 
 def test_parts_without_load_stand_still():
-    laws = [({i: 1.0}, 1.0, 0.1, 0) for i in range(4)] + [({0: 1.0, 1: -1.0}, 0, 0, 9.0), ({2: 1.0, 3: -1.0}, 0, 0, 9.0)]
+    laws = [({i: 1.0}, 1.0, 0.1, 0) for i in range(4)] + [
+        ({0: 1.0, 1: -1.0}, 0, 0, 9.0),
+        ({2: 1.0, 3: -1.0}, 0, 0, 9.0),
+    ]
     system = system_of(4, laws)
     found = starmesh.respond(system, stiffness(system, [1.0]), unit_load(4), np.eye(4))[0, :, 0]
     assert found[2] == found[3] == 0
@@ -331,3 +334,39 @@ def test_common_motion_of_gears():
 def test_rows_are_the_same_up_to_a_factor():
     assert normalised({1: 2.0, 0: -4.0})[0] == normalised({0: 1.0, 1: -0.5 * (1 + 1e-15)})[0]
     assert normalised({0: 1.0, 1: -0.5})[0] != normalised({0: 1.0, 1: -0.5001})[0]
+
+
+# --- frequencies that resolve the peaks -------------------------------------------------------------------------------
+
+
+def test_adaptive_frequencies_find_the_height_of_a_narrow_peak():
+    zeta, f_0 = 1e-5, 50.0
+    omega = 2 * np.pi * f_0
+    rig = tn.Drivetrain(
+        "one mass",
+        [
+            tn.Inertia("J", node="a", inertia=1),
+            tn.Spring("k", nodes=("a", "ground"), stiffness=omega**2, damping=2 * zeta * omega),
+        ],
+    )
+    H = rig.frequency_response("a", "a", tn.Adaptive(1, 200, points=50))
+    assert H.magnitude.max() == pytest.approx(1 / (2 * zeta * omega**2), rel=1e-3)
+    phase = np.degrees(np.unwrap(np.angle(H.values[:, 0, 0])))
+    assert np.abs(np.diff(phase)).max() < 6
+    assert H.frequencies[0] == 1
+    assert (np.diff(H.frequencies) > 0).all()
+    even = rig.frequency_response("a", "a", np.geomspace(1, 200, len(H.frequencies)))
+    assert even.magnitude.max() < 0.01 * H.magnitude.max()
+
+
+def test_adaptive_frequencies_resolve_poles_of_a_measured_input():
+    rig = tn.load("amt_rig").configured("V")
+    H = rig.frequency_response("theta_1", "T_T", tn.Adaptive(1, 20, points=5))
+    near = rig.modes(measured_input="T_T").eigenvalues
+    peak = near[near.imag > 0][0].imag / (2 * np.pi)
+    assert np.abs(H.frequencies - peak).min() < 1e-9 * peak
+
+
+def test_impossible_range_is_refused():
+    with pytest.raises(tn.UsageError, match="0 <= start < stop"):
+        tn.Adaptive(10, 1)

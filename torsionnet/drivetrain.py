@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from torsionnet.assembly.symbolic import SymbolicSystem
     from torsionnet.assembly.system import Assembly
     from torsionnet.response import FrequencyResponse, Modes
+    from torsionnet.solve.grid import Adaptive
 
     Channels: TypeAlias = str | Sensor | Sequence[str | Sensor]
 
@@ -284,7 +285,7 @@ class Drivetrain:
         self,
         output: Channels,
         input: Channels,
-        frequencies: ArrayLike,
+        frequencies: ArrayLike | Adaptive,
         *,
         excitation: str | Sequence[str] | None = None,
         method: str = "graph",
@@ -299,8 +300,9 @@ class Drivetrain:
         input : str, Sensor or sequence of these
             Names of inputs or nodes (a torque there): response to an excitation. Names of sensors: a *measured*
             input, Y_out Y_in^-1 under the excitation, equations (8)-(13) and (20) of Galvagno et al. (2015).
-        frequencies : (n_f,) array
-            Hz, >= 0. At 0 the finite limit, or inf with a warning.
+        frequencies : (n_f,) array or Adaptive
+            Hz, >= 0; or ``tn.Adaptive(start, stop)``, which resolves every peak in that range. At 0 the finite limit,
+            or inf with a warning.
         excitation : str or sequence of str, optional
             What drives the drivetrain when the input is measured; default: the model's only input.
         method : str

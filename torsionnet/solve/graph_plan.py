@@ -9,7 +9,8 @@ link y_vi y_vj / S, a link and the ground g_v give the ground y_vi g_v / S. Noth
 that turns freely keeps its full accuracy however slow it is. Ratios, and laws over three and more coordinates, are rows
 like any other. A motion r q follows in the same way from the loads f and motions of the coordinates that are left,
 
-    r q = r_v f_v / S + sum_e (kappa_e a_ev / S) b_e q,    b_e = a_ev r - r_v a_e,    f_j' = f_j - sum_e (kappa_e a_ev a_ej / S) f_v
+    r q = r_v f_v / S + sum_e (kappa_e a_ev / S) b_e q,    b_e = a_ev r - r_v a_e
+    f_j' = f_j - sum_e (kappa_e a_ev a_ej / S) f_v
 
 Coordinates with few neighbours go first: on a tree the leaves, without fill.
 """
@@ -25,7 +26,7 @@ from typing import NamedTuple
 from torsionnet.solve.row_algebra import Key, Row, clique, combined, common_motion, normalised
 
 MOST_ROWS = 2
-"""Rows on one coordinate, as a multiple of what links and grounds would be, above which they become links and grounds."""
+"""Rows on one coordinate, as a multiple of what links and grounds would be, from which on they become such."""
 
 
 class Pair(NamedTuple):

@@ -20,7 +20,7 @@ PAIR = 2
 
 
 def combined(first: Mapping[int, float], second: Mapping[int, float], coordinate: int) -> Row:
-    """b = second_v first - first_v second for coordinate v, on which b has no part."""
+    """Row b = second_v first - first_v second for coordinate v, on which b has no part."""
     over_first, over_second = second.get(coordinate, 0.0), first[coordinate]
     row: Row = {}
     for j in {**first, **second}:

@@ -12,7 +12,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,7 @@ from torsionnet.solve.graph_plan import Plan, make_plan
 from torsionnet.solve.row_algebra import Row
 from torsionnet.solve.sweep import Array, sweep
 
-BLOCK_BYTES = 4 * 2**20
+BLOCK_BYTES = 3 * 2**20
 """Stiffness of all laws at the frequencies solved at once."""
 SMALLEST_BLOCK = 512
 """Frequencies; with fewer the interpreter takes longer than the arithmetic."""
@@ -96,11 +96,11 @@ def sparse(rows: FloatArray) -> list[Row]:
 
 
 def _solved(
-    system: RowSystem, plan: Plan, kappa: ComplexArray, loads: ComplexArray, rows: FloatArray, support: Sequence[int]
+    system: RowSystem, plan: Plan, kappa: ComplexArray, loads: ComplexArray, rows: FloatArray, support: NDArray[np.intp]
 ) -> ComplexArray:
     """Motion (n_rows, n_exc, n_f) of one block."""
     by_law: Array = np.ascontiguousarray(kappa.T)
-    if not (by_law.imag.any() or loads.imag.any()):
+    if not (any(law.imag.any() for law in by_law) or loads.imag.any()):
         by_law = np.ascontiguousarray(by_law.real)
     found = sweep(plan, by_law, _sparse_loads(loads, support, by_law), loads.shape[2])
     doubtful = ~np.isfinite(found.motion).all(axis=(0, 1))
@@ -113,13 +113,13 @@ def _solved(
     return found.motion
 
 
-def _sparse_loads(loads: ComplexArray, support: Sequence[int], like: Array) -> dict[int, Array]:
+def _sparse_loads(loads: ComplexArray, support: NDArray[np.intp], like: Array) -> dict[int, Array]:
     values = loads if np.iscomplexobj(like) else loads.real
-    return {int(j): np.ascontiguousarray(values[:, j].T) for j in support}
+    return {j: np.ascontiguousarray(values[:, j].T) for j in support.tolist()}
 
 
 def _again(
-    system: RowSystem, plan: Plan, kappa: ComplexArray, loads: ComplexArray, rows: FloatArray, support: Sequence[int]
+    system: RowSystem, plan: Plan, kappa: ComplexArray, loads: ComplexArray, rows: FloatArray, support: NDArray[np.intp]
 ) -> ComplexArray:
     """The few frequencies with a pivot near zero.
 
@@ -150,7 +150,7 @@ def _again(
 def _residual(
     system: RowSystem, kappa: ComplexArray, motion: ComplexArray, right: ComplexArray
 ) -> tuple[ComplexArray, FloatArray]:
-    """f - B^T kappa B q, and the sum of the magnitudes of its terms, (n_q, n_exc, n_f)."""
+    """Rest f - B^T kappa B q, and the sum of the magnitudes of its terms, (n_q, n_exc, n_f)."""
     rest, size = right.astype(complex), np.abs(right)
     for row, stiffness in zip(system.sparse_rows, kappa, strict=True):
         twist = sum((a * motion[j] for j, a in row.items()), start=np.zeros(1))

@@ -70,8 +70,8 @@ _Back: TypeAlias = tuple[Sequence[Any], Any]
 
 def _eliminate(step: Step, links: list[Any], loads: dict[int, Array], doubt: _Doubt) -> _Back:
     """Eliminate one coordinate; returns the shares kappa_i / S and the load over S for the way back."""
-    for slot, shares in step.splits:
-        for target, weight in shares:
+    for slot, parts in step.splits:
+        for target, weight in parts:
             _add(links, target, weight * links[slot])
         links[slot] = None
     terms = [links[slot] for slot, _ in step.terms]
@@ -134,8 +134,8 @@ def _back(plan: Plan, back: Sequence[_Back], n_exc: int, kappa: Array) -> Array:
                         part *= factor
                     total = part if total is None else total + part
             values[motion.slot] = total
-    motion = np.zeros((len(plan.outputs), n_exc, kappa.shape[-1]), dtype=kappa.dtype)
+    found = np.zeros((len(plan.outputs), n_exc, kappa.shape[-1]), dtype=kappa.dtype)
     for number, (slot, factor) in enumerate(plan.outputs):
         if slot >= 0 and values[slot] is not None:
-            motion[number] = factor * values[slot]
-    return motion
+            found[number] = factor * values[slot]
+    return found

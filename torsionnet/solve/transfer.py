@@ -23,6 +23,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import TorsionnetWarning, UsageError
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.solve import dense, starmesh
+from torsionnet.solve.grid import Adaptive
 from torsionnet.solve.question import Question, remembered
 from torsionnet.solve.zero import at_zero
 
@@ -44,21 +45,23 @@ def frequency_response(
     drivetrain: Drivetrain,
     output: str | Sensor | Sequence[str | Sensor],
     input: str | Sensor | Sequence[str | Sensor],
-    frequencies: ArrayLike,
+    frequencies: ArrayLike | Adaptive,
     *,
     excitation: str | Sequence[str] | None = None,
     method: str = "graph",
 ) -> FrequencyResponse:
     """See :meth:`torsionnet.Drivetrain.frequency_response`."""
-    f = _checked(frequencies)
     if method not in METHODS:
         msg = f'no method is named "{method}"; choose {", ".join(METHODS)}'
         raise UsageError(msg)
     question = remembered(drivetrain, output, input, excitation)
+    f = _resolving(drivetrain, frequencies, question) if isinstance(frequencies, Adaptive) else _checked(frequencies)
     values = np.empty((len(f), len(question.outputs), len(question.measured)), dtype=complex)
     conditioning = np.ones(len(f))
     moving = f > 0
-    if moving.any():
+    if moving.all():
+        values, conditioning = evaluate(drivetrain.assembly, question, f, method)
+    elif moving.any():
         values[moving], conditioning[moving] = evaluate(drivetrain.assembly, question, f[moving], method)
     if not moving.all():
         values[~moving] = _static(drivetrain, question, method)
@@ -83,6 +86,20 @@ def _static(drivetrain: Drivetrain, question: Question, method: str) -> ComplexA
         if np.isfinite(values).all():
             return values
     return at_zero(drivetrain, question)
+
+
+def _resolving(drivetrain: Drivetrain, wanted: Adaptive, question: Question) -> FloatArray:
+    """Frequencies that resolve the peaks of the drivetrain and, where inputs are measured, those of their poles."""
+    modes = [drivetrain.modes()]
+    if question.is_measured and len(question.measured) == 1:
+        sensor = question.measured[0].name
+        modes.append(drivetrain.modes(measured_input=sensor, excitation=_excitation_node(drivetrain, question)))
+    return wanted.frequencies(*modes)
+
+
+def _excitation_node(drivetrain: Drivetrain, question: Question) -> str:
+    names = [name for name, channel in drivetrain.inputs.items() if channel == question.excitations[0]]
+    return names[0] if names else question.excitations[0].of
 
 
 def _checked(frequencies: ArrayLike) -> FloatArray:
@@ -119,7 +136,7 @@ def read(assembly: Assembly, question: Question, omega: FloatArray, respond: Res
 
 
 def _read(assembly: Assembly, question: Question, omega: FloatArray, respond: Respond) -> Readings:
-    kappa, s = assembly.law_stiffness(omega), 1j * omega
+    kappa, s = assembly.law_stiffness(omega), np.asarray(1j * omega, dtype=np.complex128)
     rows, imposed = question.rows
     loads, moves = _loads(assembly, question.excitations, kappa)
     motion = respond(assembly.system, kappa, loads, rows)
