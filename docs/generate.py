@@ -454,7 +454,7 @@ def cases_page() -> str:
 
 def source_of(case: dict[str, Any]) -> str:
     """Where the numbers come from, without notes on how the file was found."""
-    return re.sub(r"\s*\(find_string[^)]*\)|; the two-node value.*", "", case["source"])
+    return re.sub(r"; the two-node value.*", "", case["source"])
 
 
 def published_rows(name: str, case: dict[str, Any], modes: tn.Modes) -> list[list[str]]:

@@ -233,6 +233,10 @@ class TestChecks:
         text = "\n".join(found)
         assert "expected inertia in kg*m^2" in text
         assert "write 1/e" in text
+        assert (
+            "write k"
+            in faults_of(HELD, tn.Spring("s", nodes=("a", "ground"), stiffness="1/k"), parameters={"k": "5 N*m/rad"})[0]
+        )
         assert "parameters.x" in text
 
     def test_faults_of_a_configuration_name_it(self):

@@ -59,7 +59,7 @@ def examples(count):
 def tolerance(sensitivity):
     """What rounding of all coefficients may change: per pair of nodes, and a floor for pairs hardly connected."""
     own = np.sqrt(np.abs(np.diagonal(sensitivity, axis1=1, axis2=2)))
-    return 1e-11 * sensitivity + 1e-14 * own[:, :, None] * own[:, None, :]
+    return 1e-11 * sensitivity + 1e-12 * own[:, :, None] * own[:, None, :]
 
 
 def assert_same_receptances(drivetrain, mechanics, f):
@@ -191,20 +191,25 @@ def test_energy_shares_sum_to_one_and_are_those_of_the_shapes(blueprint):
     rows = np.array([mechanics.full(term.row) for term in mechanics.terms], float).reshape(-1, mechanics.n)
     shapes = np.array([modes.shape_at(node) for node in mechanics.nodes])
     motion = np.abs(rows @ shapes) ** 2
+    sizes = {law: np.array([float(getattr(term, law)) for term in mechanics.terms]) for law in ("J", "c", "k")}
     for law, shares in (("J", modes.kinetic), ("k", modes.strain), ("c", modes.dissipated)):
         assert np.all((shares >= 0) & (shares <= 1 + 1e-12))
-        energy = np.array([float(getattr(term, law)) for term in mechanics.terms])[:, None] * motion
+        energy = sizes[law][:, None] * motion
         total = shares.sum(0)
+        rounding = (
+            sum(
+                size[:, None] * np.abs(modes.eigenvalues) ** power * (np.abs(rows) @ np.abs(shapes)) ** 2
+                for size, power in ((sizes["J"], 2), (sizes["c"], 1), (sizes["k"], 0))
+            ).sum(0)
+            / np.abs(modes.eigenvalues + (modes.eigenvalues == 0)) ** {"J": 2, "c": 1, "k": 0}[law]
+        )
         for mode, kind in enumerate(modes.kinds):
             assert total[mode] == pytest.approx(1, abs=1e-9) or total[mode] == 0
             if kind == "rigid body":
                 assert law == "J" or total[mode] == 0
                 continue
             # differences of shapes given in doubles: compare where they say something
-            scale = np.array([abs(float(getattr(t, law))) for t in mechanics.terms]) * (
-                (np.abs(rows) @ np.abs(shapes[:, mode])) ** 2
-            )
-            if scale.max(initial=0) * 1e-6 >= energy[:, mode].sum():
+            if rounding[mode] * 1e-6 >= energy[:, mode].sum():
                 continue
             assert total[mode] == pytest.approx(1, abs=1e-9)
             for index, name in enumerate(modes.elements):
@@ -536,7 +541,7 @@ def test_torques_at_every_node_balance(blueprint, f):
         for node in nodes:
             at = sum(sign * torques[k, i] for i, (_, place, sign) in enumerate(channels) if place == node)
             applied = np.array([float(node == driven) for driven in nodes])
-            assert np.all(np.abs(at - applied) <= 1e-12 * terms)
+            assert np.all(np.abs(at - applied) <= 1e-10 * terms)
 
 
 @examples(30)
@@ -594,15 +599,16 @@ def test_reaction_of_a_clamp_is_the_static_equilibrium(taus, stiffness, f):
     drivetrain = blueprint.drivetrain()
     total = np.prod([float(tau) for tau, _ in zip(taus, stiffness, strict=False)])
     static = drivetrain.frequency_response(["torque(clamp)", "n"], "n", [0.0]).values[0, :, 0]
-    compliance, ratio = Fraction(0), Fraction(1)
+    compliance, ratio, reflected = Fraction(0), Fraction(1), []
     for tau, k in zip(taus, stiffness, strict=False):
         ratio *= tau
         compliance += ratio**2 / k
-    spread = max(stiffness) / min(stiffness) * max(map(abs, taus)) ** 4 / min(*map(abs, taus), 1) ** 4
-    assert static == pytest.approx([total, float(compliance)], rel=1e-14 * float(spread) + 1e-12)
+        reflected += [k / ratio**2]
+    spread = float(max(reflected) / min(reflected))  # a dense solve loses as many digits
+    assert static == pytest.approx([total, float(compliance)], rel=1e-14 * spread + 1e-12)
     last = len(list(zip(taus, stiffness, strict=False))) - 1
     both = drivetrain.frequency_response(["torque(clamp)", f"torque(spring{last})"], "n", [float(f)]).values[0, :, 0]
-    assert both[0] == pytest.approx(both[1], rel=1e-9)
+    assert both[0] == pytest.approx(both[1], rel=1e-14 * spread + 1e-12)
 
 
 @examples(20)
@@ -649,6 +655,34 @@ def test_torques_of_a_free_drivetrain_have_a_limit_at_zero_frequency(blueprint, 
                 twist = sum(number(a) * column[mechanics.nodes.index(node)] for node, a in term.row.items())
                 exact += number(term.row[port]) * term.kappa(s) * twist
         assert value == pytest.approx(complex(exact), rel=1e-7, abs=1e-7)
+
+
+HYSTERETIC = tn.HystereticSpring("rubber", ("a", "b"), 720_000, loss_factor=0.38)
+DISCS = tuple(tn.Inertia(f"J_{node}", node, 1) for node in ("a", "b", "p", "q", "c", "l"))
+AXLE = tn.Differential("axle", cage="c", left="l", right="b")
+STAGE = tn.Gear("stage", ("p", "q"), ratio="25/7", housing="b")
+
+
+@pytest.mark.parametrize(
+    "order",
+    [
+        (*DISCS, HYSTERETIC, STAGE, AXLE),
+        pytest.param(
+            (AXLE, STAGE, DISCS[4], DISCS[5], HYSTERETIC, *DISCS[:4]),
+            marks=pytest.mark.xfail(
+                strict=True, reason="0.835 + 0.209j instead of 0.627 at 0 Hz: depends on the order of elements"
+            ),
+        ),
+    ],
+    ids=["discs first", "axle first"],
+)
+def test_static_torque_of_a_free_hysteretic_drivetrain_is_shared_by_inertia(order):
+    """Behind the rubber: the disc at b, the gear turning in its housing and the differential."""
+    torque = tn.Drivetrain("free", order).frequency_response("torque(rubber)", "a", [0.0, 0.01]).values.ravel()
+    tau = 25 / 7
+    seen = 1 + (1 - tau) ** 2 / (1 + tau**2) + 1 / (1 + 4)  # of b: its own, p - tau q = (1 - tau) b, 2 c - l = b
+    assert torque[1] == pytest.approx(seen / (1 + seen), rel=1e-6)
+    assert torque[0] == pytest.approx(seen / (1 + seen), rel=1e-9)
 
 
 @examples(25)
@@ -855,7 +889,7 @@ def test_state_space_has_the_same_frequency_response(blueprint, f, data):
             eye = np.array([[s if r == c else MP.mpc(0) for c in range(n)] for r in range(n)], object)
             response = (digits[3] + digits[2] @ solve(eye - digits[0], digits[1])).astype(complex)
         pick = np.ix_(i, j)
-        assert np.all(np.abs(response - G[k][pick]) <= 1e-9 * (sensitivity[k][pick] + tolerance(sensitivity)[k][pick]))
+        assert np.all(np.abs(response - G[k][pick]) <= 1e-9 * sensitivity[k][pick] + tolerance(sensitivity)[k][pick])
 
 
 # --- copies ---------------------------------------------------------------------------------------------------------
