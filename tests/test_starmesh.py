@@ -304,6 +304,17 @@ def test_plan_is_made_once_for_systems_with_the_same_rows():
     assert len(system.plans) == 1
 
 
+@pytest.mark.parametrize(("changes", "shared"), [({"c_O": 360}, True), ({"tau": 5}, False), ({"c_O": 0}, False)])
+def test_configured_copy_shares_what_rows_alone_decide(changes, shared):
+    f = [0.0, 3.0, 40.0]
+    asked = (["theta_1", "T_T", "twist(gearbox)", "twist(half_shaft)"], "T_M", f)
+    first = tn.load("amt_rig")
+    first.frequency_response(*asked)
+    copy, fresh = first.configured(**changes), tn.load("amt_rig").configured(**changes)
+    assert copy.frequency_response(*asked).values == pytest.approx(fresh.frequency_response(*asked).values, rel=1e-14)
+    assert (copy.assembly.system.plans is first.assembly.system.plans) is shared
+
+
 rows_strategy = st.dictionaries(st.integers(0, 5), st.floats(0.1, 10).map(lambda x: x - 5.05), min_size=1, max_size=5)
 
 

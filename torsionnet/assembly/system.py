@@ -105,11 +105,8 @@ def _same_rows(kinematics: Kinematics, like: Kinematics) -> bool:
     """Whether every law acts on the same row, and the constraints are solved by the same reduction."""
     if kinematics.reduction is not like.reduction:
         return False
-    sides = (
-        [(owner, law.row) for owner, law in side.laws if law.acts] + [law.acts for _, law in side.laws]
-        for side in (kinematics, like)
-    )
-    return next(sides) == next(sides)
+    ours, theirs = ([(owner, law.row, law.acts) for owner, law in side.laws] for side in (kinematics, like))
+    return ours == theirs
 
 
 def _coefficients(
