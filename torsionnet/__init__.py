@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 __version__ = "0.1.0"
 
 _HOMES = {
+    "Adaptive": "solve.grid",
     "Conventions": "response",
     "Damper": "elements",
     "Differential": "elements",
@@ -83,6 +84,7 @@ if TYPE_CHECKING:
     from torsionnet.operating_point import OperatingPoint
     from torsionnet.parameters import Parameter
     from torsionnet.response import Conventions, FrequencyResponse, Modes
+    from torsionnet.solve.grid import Adaptive
 
 
 def __getattr__(name: str) -> object:

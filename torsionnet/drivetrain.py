@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from torsionnet.assembly.symbolic import SymbolicSystem
     from torsionnet.assembly.system import Assembly
     from torsionnet.response import FrequencyResponse, Modes
+    from torsionnet.solve.grid import Adaptive
 
     Channels: TypeAlias = str | Sensor | Sequence[str | Sensor]
 
@@ -112,8 +113,11 @@ class Drivetrain:
         choice: Mapping[str, str],
         changes: Overlay,
         findings: Iterable[Fault],
+        like: Assembly | None = None,
     ) -> Drivetrain:
+        """A drivetrain whose assembly may share what it has in common with ``like``."""
         new = cls.__new__(cls)
+        new._like = like  # noqa: SLF001
         new.__setstate__(_state(definition, base, choice, changes, findings))
         return new
 
@@ -126,7 +130,8 @@ class Drivetrain:
         definition = definition.overlaid(changes)
         faults = check_variant(definition)
         _refuse(faults, label(chosen, definition.axes) or self.name)
-        return self._variant(definition, self._base, chosen, changes, faults)
+        like = self.__dict__.get("assembly", self._like)
+        return self._variant(definition, self._base, chosen, changes, faults, like)
 
     @property
     def definition(self) -> Definition:
@@ -186,7 +191,7 @@ class Drivetrain:
         """The drivetrain in numbers: coordinates, rows and coefficients."""
         from torsionnet.assembly.system import assemble
 
-        return assemble(self._definition, self.exact_values)
+        return assemble(self._definition, self.exact_values, like=self._like)
 
     @property
     def axes(self) -> Mapping[str, tuple[str, ...]]:
@@ -288,9 +293,10 @@ class Drivetrain:
         self,
         output: Channels,
         input: Channels,
-        frequencies: ArrayLike,
+        frequencies: ArrayLike | Adaptive,
         *,
         excitation: str | Sequence[str] | None = None,
+        method: str = "graph",
     ) -> FrequencyResponse:
         """Transfer functions between sensors, inputs and nodes at the given frequencies.
 
@@ -302,10 +308,13 @@ class Drivetrain:
         input : str, Sensor or sequence of these
             Names of inputs or nodes (a torque there): response to an excitation. Names of sensors: a *measured*
             input, Y_out Y_in^-1 under the excitation, equations (8)-(13) and (20) of Galvagno et al. (2015).
-        frequencies : (n_f,) array
-            Hz, >= 0. At 0 the finite limit, or inf with a warning.
+        frequencies : (n_f,) array or Adaptive
+            Hz, >= 0; or ``tn.Adaptive(start, stop)``, which resolves every peak in that range. At 0 the finite limit,
+            or inf with a warning.
         excitation : str or sequence of str, optional
             What drives the drivetrain when the input is measured; default: the model's only input.
+        method : str
+            ``"graph"``: elimination along the drivetrain, fast and exact; ``"dense"``: LAPACK, as a cross-check.
 
         Returns
         -------
@@ -321,7 +330,7 @@ class Drivetrain:
         """
         from torsionnet.solve.transfer import frequency_response
 
-        return frequency_response(self, output, input, frequencies, excitation=excitation)
+        return frequency_response(self, output, input, frequencies, excitation=excitation, method=method)
 
     def modes(
         self,
@@ -372,6 +381,7 @@ class Drivetrain:
     _choice: dict[str, str]
     _changes: Overlay
     _findings: tuple[Fault, ...]
+    _like: Assembly | None = None
 
     def __getstate__(self) -> dict[str, Any]:
         """What makes the drivetrain, without what was calculated from it."""

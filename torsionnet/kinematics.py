@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -86,8 +86,12 @@ def imposed_rows(definition: Definition, nodes: Collection[str]) -> dict[str, Ro
     }
 
 
-def solve_kinematics(definition: Definition, value: Values, referred_to: Collection[str] = ()) -> Kinematics:
+def solve_kinematics(
+    definition: Definition, value: Values, referred_to: Collection[str] = (), like: Kinematics | None = None
+) -> Kinematics:
     """Solve all constraints exactly; ``referred_to`` names nodes to be kept as coordinates.
+
+    Where ``like``, of another configuration, has the same nodes and constraints, its solution is taken over.
 
     Raises
     ------
@@ -98,6 +102,10 @@ def solve_kinematics(definition: Definition, value: Values, referred_to: Collect
     _require_nodes(referred_to, nodes)
     parts = owned_parts(definition, value)
     imposed = imposed_rows(definition, nodes)
+    if like is not None and not referred_to and (nodes, tuple(imposed)) == (like.nodes, like.imposed):
+        again = replace(like, parts=parts)
+        if again.constraints == like.constraints:
+            return again
     owners = [*imposed, *(name for name, _ in constraints_of(parts))]
     rows: list[Any] = [*imposed.values(), *(exact_row(row) for _, row in constraints_of(parts))]
     order = {node: index for index, node in enumerate(nodes)}

@@ -11,9 +11,9 @@ Solvers that care about accuracy use the rows; the assembled matrices are for th
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,8 @@ class RowSystem:
         J in kg m^2, c in N m s/rad, k in N m/rad of each law; all >= 0.
     dynamic : tuple of (law index, kappa)
         Laws that also have a frequency-dependent complex stiffness kappa(omega), omega >= 0.
+    plans : dict
+        What solvers have worked out from the rows alone; systems with the same rows share it.
     """
 
     rows: FloatArray
@@ -44,6 +46,15 @@ class RowSystem:
     damping: FloatArray
     stiffness: FloatArray
     dynamic: tuple[tuple[int, DynamicStiffness], ...] = ()
+    plans: dict[Any, Any] = field(default_factory=dict, compare=False, repr=False)
+
+    @cached_property
+    def sparse_rows(self) -> list[dict[int, float]]:
+        """Every row as a map from coordinate to coefficient."""
+        found: list[dict[int, float]] = [{} for _ in self.rows]
+        for i, j in zip(*(part.tolist() for part in np.nonzero(self.rows)), strict=True):
+            found[i][j] = float(self.rows[i, j])
+        return found
 
     def __post_init__(self) -> None:
         for array in (self.rows, self.inertia, self.damping, self.stiffness):

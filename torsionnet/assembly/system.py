@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
@@ -70,36 +70,68 @@ class Assembly:
         """The rows of ``system`` over coordinates and imposed angles as exact rationals."""
         return tuple(exact_row(self.kinematics.reduced(law.row)) for law in self.laws)
 
-    def law_stiffness(self, omega: FloatArray, s: ComplexArray) -> ComplexArray:
-        """kappa_i(s) = J s^2 + c s + k + dynamic(omega) of every law, shape (n_f, n_laws), N m/rad."""
+    def law_stiffness(self, omega: FloatArray) -> ComplexArray:
+        """kappa_i(j omega) = k - J omega^2 + j c omega + dynamic(omega) of every law, shape (n_f, n_laws), N m/rad.
+
+        The frequencies of one law lie next to each other in memory.
+        """
         system = self.system
-        kappa = system.stiffness + s[:, None] * (system.damping + s[:, None] * system.inertia)
+        kappa = np.empty((len(system.stiffness), len(omega)), dtype=complex)
+        kappa.real = system.stiffness[:, None] - system.inertia[:, None] * (omega * omega)
+        kappa.imag = system.damping[:, None] * omega
         for index, law in system.dynamic:
-            kappa[:, index] += law(omega)
-        return np.asarray(kappa)
+            kappa[index] += law(omega)
+        return kappa.T
 
 
-def assemble(definition: Definition, values: Mapping[str, Any], referred_to: tuple[str, ...] = ()) -> Assembly:
-    """Assemble a configuration from its exact parameter values."""
-    kinematics = solve_kinematics(definition, Values(values), referred_to)
+def assemble(
+    definition: Definition,
+    values: Mapping[str, Any],
+    referred_to: tuple[str, ...] = (),
+    like: Assembly | None = None,
+) -> Assembly:
+    """Assemble a configuration from its exact parameter values.
+
+    Where ``like``, of another configuration, has the same rows, they and all that was worked out from them are shared.
+    """
+    kinematics = solve_kinematics(definition, Values(values), referred_to, like.kinematics if like else None)
+    laws = [(owner, law) for owner, law in kinematics.laws if law.acts]
+    if like is not None and _same_rows(kinematics, like.kinematics):
+        shared = like.system
+        system = RowSystem(shared.rows, *_coefficients(laws), plans=shared.plans)
+        if "sparse_rows" in shared.__dict__:
+            system.__dict__["sparse_rows"] = shared.sparse_rows
+        return replace(like, kinematics=kinematics, system=system)
     coordinates, imposed = _columns(kinematics)
     nodes = [kinematics.reduced({node: 1}) for node in kinematics.nodes]
-    laws = [(owner, law) for owner, law in kinematics.laws if law.acts]
     rows = [kinematics.reduced(law.row) for _, law in laws]
-    system = RowSystem(
-        rows=_dense(rows, coordinates),
-        inertia=np.array([float(law.inertia) for _, law in laws]),
-        damping=np.array([float(law.damping) for _, law in laws]),
-        stiffness=np.array([0.0 if law.loss_factor else float(law.stiffness) for _, law in laws]),
-        dynamic=tuple(_dynamic(index, law) for index, (_, law) in enumerate(laws) if law.table or law.loss_factor),
-    )
     return Assembly(
         kinematics,
-        system,
+        RowSystem(_dense(rows, coordinates), *_coefficients(laws)),
         T=_dense(nodes, coordinates),
         S=_dense(nodes, imposed),
         imposed_rows=_dense(rows, imposed),
         owners=tuple(owner for owner, _ in laws),
+    )
+
+
+def _same_rows(kinematics: Kinematics, like: Kinematics) -> bool:
+    """Whether every law acts on the same row, and the constraints are solved by the same reduction."""
+    if kinematics.reduction is not like.reduction:
+        return False
+    ours, theirs = ([(owner, law.row, law.acts) for owner, law in side.laws] for side in (kinematics, like))
+    return ours == theirs
+
+
+def _coefficients(
+    laws: Sequence[tuple[str, Law]],
+) -> tuple[FloatArray, FloatArray, FloatArray, tuple[tuple[int, DynamicStiffness], ...]]:
+    """J, c, k and the frequency-dependent stiffness of every law."""
+    return (
+        np.array([float(law.inertia) for _, law in laws]),
+        np.array([float(law.damping) for _, law in laws]),
+        np.array([0.0 if law.loss_factor else float(law.stiffness) for _, law in laws]),
+        tuple(_dynamic(index, law) for index, (_, law) in enumerate(laws) if law.table or law.loss_factor),
     )
 
 

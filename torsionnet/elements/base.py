@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import MISSING, Field, dataclass, fields
+from functools import cache
 from typing import Any, ClassVar, TypeVar
 
 from torsionnet.damping import DampingMeasure
@@ -74,6 +75,7 @@ class Element:
         return faults
 
     @classmethod
+    @cache
     def declared(cls) -> tuple[Field[Any], ...]:
         """The fields with a specification, in the order of the class; the common ones last."""
         own = [declared for declared in fields(cls) if "spec" in declared.metadata]

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from torsionnet.assembly.functionals import Functional, functional
+from torsionnet.assembly.rows import FloatArray
 from torsionnet.channels import Input, Sensor, parse_sensor
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError, did_you_mean
@@ -14,17 +18,46 @@ from torsionnet.errors import UsageError, did_you_mean
 
 @dataclass(frozen=True)
 class Question:
-    """Readings of a transfer function: outputs over measured inputs (or over the excitations themselves)."""
+    """Readings of a transfer function: outputs over measured inputs (or over the excitations themselves).
+
+    ``sizes`` are the numbers of coordinates and imposed angles.
+    """
 
     outputs: tuple[Functional, ...]
     measured: tuple[Functional, ...]
     excitations: tuple[Input, ...]
     is_measured: bool
+    sizes: tuple[int, int]
     notes: tuple[str, ...] = ()
 
     @property
     def readings(self) -> tuple[Functional, ...]:
         return self.outputs + (self.measured if self.is_measured else ())
+
+    @cached_property
+    def rows(self) -> tuple[FloatArray, FloatArray]:
+        """Rows of all terms of the readings, over coordinates (n_terms, n_q) and imposed angles (n_terms, n_x)."""
+        terms = [term for reading in self.readings for term in reading.terms]
+        motion = np.array([term.row for term in terms]).reshape(len(terms), self.sizes[0])
+        return motion, np.array([term.imposed for term in terms]).reshape(len(terms), self.sizes[1])
+
+
+def remembered(
+    drivetrain: Drivetrain,
+    output: str | Sensor | Sequence[str | Sensor],
+    input: str | Sensor | Sequence[str | Sensor],
+    excitation: str | Sequence[str] | None,
+) -> Question:
+    """As :func:`ask`, but asked once for all configurations with the same rows."""
+    parts = tuple(tuple(entry) if isinstance(entry, list) else entry for entry in (output, input, excitation))
+    key, plans = ("question", *parts), drivetrain.assembly.system.plans
+    try:
+        known = plans.get(key)
+    except TypeError:  # something that is no name, for ask to refuse in words
+        return ask(drivetrain, output, input, excitation)
+    question: Question = known or ask(drivetrain, output, input, excitation)
+    plans[key] = question
+    return question
 
 
 def ask(
@@ -53,8 +86,13 @@ def ask(
         if excitation is not None and _chosen(drivetrain, excitation) != excitations:
             msg = "excitation= goes with measured inputs; here the input itself is the excitation"
             raise UsageError(msg)
-        return Question(outputs, measured, excitations, is_measured=False)
+        return Question(outputs, measured, excitations, is_measured=False, sizes=_sizes(drivetrain))
     return _measured(drivetrain, outputs, entries, resolved, excitation)
+
+
+def _sizes(drivetrain: Drivetrain) -> tuple[int, int]:
+    assembly = drivetrain.assembly
+    return assembly.system.n_coordinates, len(assembly.kinematics.imposed)
 
 
 def _measured(
@@ -80,7 +118,14 @@ def _measured(
         )
         raise UsageError(msg)
     names = ", ".join(str(entry) for entry in excitations)
-    return Question(outputs, measured, excitations, is_measured=True, notes=(f"measured input; excitation: {names}",))
+    return Question(
+        outputs,
+        measured,
+        excitations,
+        is_measured=True,
+        sizes=_sizes(drivetrain),
+        notes=(f"measured input; excitation: {names}",),
+    )
 
 
 def _default(drivetrain: Drivetrain) -> tuple[Input, ...]:

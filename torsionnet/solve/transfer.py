@@ -7,31 +7,35 @@ transfer function is Y_out Y_in^-1, equations (8)-(13) and (20) of Galvagno et a
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.assembly.functionals import Functional
-from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
 from torsionnet.channels import Input, Sensor
 from torsionnet.checks.structure import rigid_motions
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import TorsionnetWarning, UsageError
 from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.solve import dense
-from torsionnet.solve.question import Question, ask
+from torsionnet.solve import dense, starmesh
+from torsionnet.solve.grid import Adaptive
+from torsionnet.solve.question import Question, remembered
 from torsionnet.solve.zero import at_zero
 
+Respond: TypeAlias = Callable[[RowSystem, ComplexArray, ComplexArray, FloatArray], ComplexArray]
+METHODS: dict[str, Respond] = {"graph": starmesh.respond, "dense": dense.respond}
 POOR = 1e-10
 """A measured input smaller than this share of its own terms is mostly rounding."""
 
 
 @dataclass(frozen=True)
 class Readings:
-    """Values (n_f, n_readings, n_exc), and the size of each against the sum of its terms' magnitudes."""
+    """Values (n_f, n_readings, n_exc); where the input is measured, their size against the sum of their terms'."""
 
     values: ComplexArray
     cancellation: FloatArray
@@ -41,20 +45,26 @@ def frequency_response(
     drivetrain: Drivetrain,
     output: str | Sensor | Sequence[str | Sensor],
     input: str | Sensor | Sequence[str | Sensor],
-    frequencies: ArrayLike,
+    frequencies: ArrayLike | Adaptive,
     *,
     excitation: str | Sequence[str] | None = None,
+    method: str = "graph",
 ) -> FrequencyResponse:
     """See :meth:`torsionnet.Drivetrain.frequency_response`."""
-    f = _checked(frequencies)
-    question = ask(drivetrain, output, input, excitation)
+    if method not in METHODS:
+        msg = f'no method is named "{method}"; choose {", ".join(METHODS)}'
+        raise UsageError(msg)
+    question = remembered(drivetrain, output, input, excitation)
+    f = _resolving(drivetrain, frequencies, question) if isinstance(frequencies, Adaptive) else _checked(frequencies)
     values = np.empty((len(f), len(question.outputs), len(question.measured)), dtype=complex)
     conditioning = np.ones(len(f))
     moving = f > 0
-    if moving.any():
-        values[moving], conditioning[moving] = evaluate(drivetrain.assembly, question, f[moving])
+    if moving.all():
+        values, conditioning = evaluate(drivetrain.assembly, question, f, method)
+    elif moving.any():
+        values[moving], conditioning[moving] = evaluate(drivetrain.assembly, question, f[moving], method)
     if not moving.all():
-        values[~moving] = _static(drivetrain, question)
+        values[~moving] = _static(drivetrain, question, method)
         _warn_infinite(values[~moving], "at 0 Hz: the drivetrain turns freely")
     sound = moving & (conditioning >= POOR)
     _warn_infinite(values[sound], "at a frequency above 0")
@@ -69,13 +79,27 @@ def frequency_response(
     )
 
 
-def _static(drivetrain: Drivetrain, question: Question) -> ComplexArray:
+def _static(drivetrain: Drivetrain, question: Question, method: str) -> ComplexArray:
     """Values at zero frequency: the static solution where it is finite, else the limit."""
     if not rigid_motions(drivetrain.assembly.kinematics):
-        values = evaluate(drivetrain.assembly, question, np.zeros(1))[0]
+        values = evaluate(drivetrain.assembly, question, np.zeros(1), method)[0]
         if np.isfinite(values).all():
             return values
     return at_zero(drivetrain, question)
+
+
+def _resolving(drivetrain: Drivetrain, wanted: Adaptive, question: Question) -> FloatArray:
+    """Frequencies that resolve the peaks of the drivetrain and, where inputs are measured, those of their poles."""
+    modes = [drivetrain.modes()]
+    if question.is_measured and len(question.measured) == 1:
+        sensor = question.measured[0].name
+        modes.append(drivetrain.modes(measured_input=sensor, excitation=_excitation_node(drivetrain, question)))
+    return wanted.frequencies(*modes)
+
+
+def _excitation_node(drivetrain: Drivetrain, question: Question) -> str:
+    names = [name for name, channel in drivetrain.inputs.items() if channel == question.excitations[0]]
+    return names[0] if names else question.excitations[0].of
 
 
 def _checked(frequencies: ArrayLike) -> FloatArray:
@@ -89,40 +113,51 @@ def _checked(frequencies: ArrayLike) -> FloatArray:
     return f
 
 
-def evaluate(assembly: Assembly, question: Question, frequencies: FloatArray) -> tuple[ComplexArray, FloatArray]:
+def evaluate(
+    assembly: Assembly, question: Question, frequencies: FloatArray, method: str = "graph"
+) -> tuple[ComplexArray, FloatArray]:
     """Transfer functions (n_f, n_out, n_in) at frequencies > 0, and the conditioning (n_f,) of the measured inputs."""
-    omega = 2 * np.pi * frequencies
-    s = (1j * omega).astype(complex)
-    readings = read(assembly, question.readings, question.excitations, omega, s)
+    readings = read(assembly, question, 2 * np.pi * frequencies, METHODS[method])
     n_out = len(question.outputs)
     outputs, measured = readings.values[:, :n_out], readings.values[:, n_out:]
     if not question.is_measured:
-        return outputs, np.ones(len(s))
+        return outputs, np.ones(len(frequencies))
     return _divide(outputs, measured), _conditioning(measured, readings.cancellation[:, n_out:], question, frequencies)
 
 
-def read(
-    assembly: Assembly, readings: Sequence[Functional], excitations: Sequence[Input], omega: FloatArray, s: ComplexArray
-) -> Readings:
-    """Readings under unit excitations."""
-    kappa = assembly.law_stiffness(omega, s)
-    terms = [term for reading in readings for term in reading.terms]
-    rows = np.array([term.row for term in terms]).reshape(len(terms), assembly.system.n_coordinates)
-    imposed = np.array([term.imposed for term in terms]).reshape(len(terms), len(assembly.kinematics.imposed))
-    loads, moves = _loads(assembly, excitations, kappa)
-    motion = dense.respond(assembly.system, kappa, loads, rows) + (imposed @ moves)[None]
-    values = np.zeros((len(s), len(readings), len(excitations)), dtype=complex)
+def read(assembly: Assembly, question: Question, omega: FloatArray, respond: Respond) -> Readings:
+    """Readings under unit excitations, a block of frequencies at a time."""
+    block = starmesh.block_size(len(assembly.owners))
+    parts = [
+        _read(assembly, question, omega[start : start + block], respond)
+        for start in range(0, max(1, len(omega)), block)
+    ]
+    if len(parts) == 1:
+        return parts[0]
+    values = np.concatenate([part.values for part in parts])
+    return Readings(values, np.concatenate([part.cancellation for part in parts]))
+
+
+def _read(assembly: Assembly, question: Question, omega: FloatArray, respond: Respond) -> Readings:
+    kappa, s = assembly.law_stiffness(omega), np.asarray(1j * omega, dtype=np.complex128)
+    rows, imposed = question.rows
+    loads, moves = _loads(assembly, question.excitations, kappa)
+    motion = respond(assembly.system, kappa, loads, rows)
+    if moves.any():
+        motion = motion + (imposed @ moves)[None]
+    values = np.zeros((len(omega), len(question.readings), len(question.excitations)), dtype=complex)
     sizes = np.zeros(values.shape)
     start = 0
     with np.errstate(invalid="ignore"):
-        for number, reading in enumerate(readings):
+        for number, reading in enumerate(question.readings):
             stop = start + len(reading.terms)
             parts = reading.coefficients(kappa, s)[:, :, None] * motion[:, start:stop]
-            direct = np.array([_direct(reading, excitation) for excitation in excitations])
+            direct = np.array([_direct(reading, excitation) for excitation in question.excitations])
             values[:, number] = parts.sum(axis=1) + direct
-            sizes[:, number] = np.abs(parts).sum(axis=1) + np.abs(direct)
+            if question.is_measured:
+                sizes[:, number] = np.abs(parts).sum(axis=1) + np.abs(direct)
             start = stop
-        cancellation = np.divide(np.abs(values), sizes, out=np.zeros(sizes.shape), where=sizes > 0)
+        cancellation = np.divide(np.abs(values), sizes, out=sizes, where=sizes > 0) if question.is_measured else sizes
     return Readings(values, cancellation)
 
 
@@ -143,7 +178,8 @@ def _loads(assembly: Assembly, excitations: Sequence[Input], kappa: ComplexArray
             moves[:, column] = node
     if not moves.any():
         return torques, moves
-    following = system.rows.T @ (kappa[:, :, None] * (assembly.imposed_rows @ moves))
+    used = np.flatnonzero(assembly.imposed_rows.any(axis=1))
+    following = system.rows[used].T @ (kappa[:, used, None] * (assembly.imposed_rows[used] @ moves))
     return torques - following, moves
 
 

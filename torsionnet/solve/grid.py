@@ -1,0 +1,62 @@
+"""Frequencies that resolve every peak: equal steps of phase across each resonance, between evenly spaced ones."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.errors import UsageError
+from torsionnet.response import Modes
+
+STEEPEST = 85.0
+"""Degrees of phase to either side of a resonance; beyond, the flanks are smooth."""
+NARROWEST = 1e-6
+"""Half-width of a peak without damping, as a share of its frequency."""
+
+
+@dataclass(frozen=True)
+class Adaptive:
+    """A range of frequencies with as many points as its peaks need; pass it as ``frequencies=``.
+
+    Parameters
+    ----------
+    start, stop : float
+        Hz.
+    points : int
+        Evenly spaced ones (by equal factors where the range is more than a decade and does not begin at 0).
+    per_peak : int
+        More of them around every mode in the range, at f = f_d + zeta f_0 tan(phi) for equal steps of phi: a resonance
+        of half-power bandwidth 2 zeta f_0 has a phase of 90 degrees - phi there.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> H = tn.load("dmf_rig").frequency_response("theta_1", "T_T", tn.Adaptive(1, 200))
+    >>> len(H.frequencies) > 200
+    True
+    """
+
+    start: float
+    stop: float
+    points: int = 200
+    per_peak: int = 35
+
+    def __post_init__(self) -> None:
+        if not (0 <= self.start < self.stop < np.inf) or min(self.points, self.per_peak) < 1:
+            msg = f"a range of frequencies needs 0 <= start < stop and points, got {self}"
+            raise UsageError(msg)
+
+    def frequencies(self, *modes: Modes) -> FloatArray:
+        """All of them in Hz, ascending, for the modes of a drivetrain."""
+        spaced = np.geomspace if 0 < 10 * self.start <= self.stop else np.linspace
+        phase = np.radians(np.linspace(-STEEPEST, STEEPEST, self.per_peak))
+        found = [np.asarray(spaced(self.start, self.stop, self.points))]
+        for mode in modes:
+            eigenvalues = mode.eigenvalues[mode.eigenvalues.imag > 0]
+            peak = eigenvalues.imag / (2 * np.pi)
+            width = np.maximum(-eigenvalues.real / (2 * np.pi), NARROWEST * peak)
+            found.append((peak[:, None] + width[:, None] * np.tan(phase)).ravel())
+        f = np.unique(np.concatenate(found))
+        return np.asarray(f[(f >= self.start) & (f <= self.stop)])
