@@ -8,7 +8,7 @@ import sympy
 from sympy.polys.matrices import DomainMatrix
 
 from torsionnet.errors import UsageError
-from torsionnet.symbolics.network import Network, SymbolRow, graph_of
+from torsionnet.symbolics.network import Network, SymbolRow
 from torsionnet.symbolics.program import Node, Program
 
 MOST_COORDINATES = 12
@@ -36,7 +36,7 @@ def charpoly_bilinear(network: Network, program: Program, reading: SymbolRow, lo
 
 def _solved(network: Network, program: Program, load: SymbolRow) -> tuple[dict[str, Node], Node]:
     """Adj(D) load by coordinate, and det D."""
-    network = graph_of(network).network
+    network = network.graph.network
     size = len(network.coordinates)
     if size > MOST_COORDINATES:
         msg = (

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from torsionnet.symbolics.network import Graph, Member, Network, SymbolRow, graph_of
+from torsionnet.symbolics.network import Graph, Member, Network, SymbolRow
 from torsionnet.symbolics.program import Node, Program
 from torsionnet.symbolics.tree import bilinear, determinant
 
@@ -34,7 +34,7 @@ class TooManyLoopsError(Exception):
 
 def forests(network: Network, rows: Sequence[SymbolRow], program: Program) -> list[Forest]:
     """The forests whose determinants, times their factors, add up to that of the network."""
-    if len(closing(graph_of(network))) > MOST_LOOPS:
+    if len(closing(network.graph)) > MOST_LOOPS:
         raise TooManyLoopsError
     found = []
     for forest in _split(network, tuple(rows), program.leaf(1), program):
@@ -45,7 +45,7 @@ def forests(network: Network, rows: Sequence[SymbolRow], program: Program) -> li
 
 
 def _split(network: Network, rows: tuple[SymbolRow, ...], factor: Node, program: Program) -> Iterator[Forest]:
-    graph = graph_of(network)
+    graph = network.graph
     loops = closing(graph)
     if not loops:
         yield Forest(factor, graph, rows)

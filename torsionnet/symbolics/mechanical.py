@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from torsionnet.symbolics.loops import closing
-from torsionnet.symbolics.network import Graph, SymbolRow, graph_of, vanishes
+from torsionnet.symbolics.network import Graph, SymbolRow, vanishes
 from torsionnet.symbolics.readings import Mechanism, Part
 from torsionnet.symbolics.tree import Branch, orient, roots_of
 
@@ -120,7 +120,7 @@ def response(
         There are closed loops, or the torque acts on several coordinates.
     """
     found = mechanism.reduced([mechanism.row({node: 1})])
-    graph, load = graph_of(found.network), found.rows[0]
+    graph, load = found.network.graph, found.rows[0]
     if len(load) != 1 or closing(graph):
         raise NoContinuedFractionError
     ((root, share),) = load.items()
@@ -160,7 +160,7 @@ def _handed_through(
 ) -> Any:
     """The torque a rigid connection hands on: what the side away from the root answers to its motion there."""
     found = mechanism.reduced([mechanism.row({node: 1})], rigid)
-    graph, (load, row) = graph_of(found.network), found.rows
+    graph, (load, row) = found.network.graph, found.rows
     near = set(orient(graph, next(iter(load))).order) if len(load) == 1 else set()
     away = [name for name in row if name not in near]
     if closing(graph) or len(away) != 1 or away[0] not in roots_of(graph, away[0]):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, TypeAlias
 
 import sympy
@@ -37,12 +38,17 @@ class Member:
     law: Stiffness
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Network:
     """D(s) = sum of law * row row^T over the coordinates."""
 
     coordinates: tuple[str, ...]
     members: tuple[Member, ...]
+
+    @cached_property
+    def graph(self) -> Graph:
+        """The network with parallel laws added up."""
+        return graph_of(self)
 
     def contracted(self, row: SymbolRow) -> Contraction:
         """The network on the motions with row = 0.
@@ -94,7 +100,7 @@ class Edge:
         return (ONE, -self.ratio) if near == self.first else (-self.ratio, ONE)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Graph:
     """A network with the laws on equal rows added up: to ground, between two coordinates, and over more."""
 
@@ -148,10 +154,11 @@ class _Collected:
         self.parts: tuple[dict[Any, Any], ...] = ({}, {}, {})
 
     def add(self, law: Stiffness, ratio: Any) -> None:
-        number, reflected = (ratio**2).as_coeff_Mul()
+        number, reflected = (ONE, ONE) if ratio in (1, -1) else (ratio**2).as_coeff_Mul()
         for groups, part in zip(self.parts, law.parts, strict=True):
             if part != 0:
-                groups[reflected] = groups.get(reflected, 0) + number * part
+                more = part if number is ONE else number * part
+                groups[reflected] = groups[reflected] + more if reflected in groups else more
 
     def law(self) -> Stiffness:
         return Stiffness(*(collected(groups) for groups in self.parts))
@@ -159,6 +166,10 @@ class _Collected:
 
 def collected(groups: Mapping[Any, Any]) -> Any:
     """Sum of ratio * total, each total expanded by itself."""
+    if not groups:
+        return ZERO
+    if list(groups) == [ONE]:
+        return _expanded(groups[ONE])
     return sympy.Add(*(ratio * _expanded(total) for ratio, total in groups.items()))
 
 

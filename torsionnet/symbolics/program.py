@@ -39,6 +39,7 @@ class Program:
 
     steps: list[tuple[Any, ...]] = field(default_factory=list)
     known: dict[Hashable, Node] = field(default_factory=dict)
+    memory: dict[Hashable, Any] = field(default_factory=dict)
 
     def leaf(self, payload: Hashable) -> Node:
         """A number the algebra is asked for; rationals are constants."""
@@ -91,6 +92,10 @@ class Program:
             if index in wanted and self.steps[index][0] in ARITHMETIC:
                 wanted.update(self.steps[index][1:])
         return sorted(wanted)
+
+    def payloads(self, outputs: Iterable[Node]) -> list[Any]:
+        """What is in the leaves that the outputs rest on."""
+        return [self.steps[index][1] for index in self.needed(outputs) if self.steps[index][0] == "leaf"]
 
     def run(self, algebra: Algebra, outputs: Sequence[Node]) -> list[Any]:
         """The outputs in an algebra."""

@@ -2,20 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import sympy
 
-from torsionnet.symbolics.algebras import Expressions, InPowersOfS, S, Terms, in_s
+from torsionnet.symbolics.algebras import InPowersOfS, Terms, in_s
 from torsionnet.symbolics.program import Node, Program
+from torsionnet.symbolics.raw import RawExpressions
+from torsionnet.symbolics.sparse import Monomials, Sparse, monomials_for
 
 if TYPE_CHECKING:
     from torsionnet.symbolics.transfer_function import TransferFunction
 
 SHORT = 60
 """Coefficients of at most so many terms are written expanded, longer ones nested."""
+FEW = 4000
+"""A transfer function of at most so many terms is expanded as a whole first."""
+
+
+class Coefficients(Protocol):
+    """Calculated coefficients that can be written as expressions."""
+
+    def written(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """Coefficients of 1, s, s^2, ... of numerator and denominator."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -24,12 +37,26 @@ class Rational:
 
     Attributes
     ----------
-    numerator, denominator : tuple of sympy expressions
-        Coefficients of 1, s, s^2, ...
+    coefficients : Coefficients
+        As calculated; they become expressions when they are asked for.
     """
 
-    numerator: tuple[Any, ...]
-    denominator: tuple[Any, ...]
+    coefficients: Coefficients
+
+    @cached_property
+    def _written(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        above, below = self.coefficients.written()
+        return _trimmed(above), _trimmed(below)
+
+    @property
+    def numerator(self) -> tuple[Any, ...]:
+        """Coefficients of 1, s, s^2, ..."""
+        return self._written[0]
+
+    @property
+    def denominator(self) -> tuple[Any, ...]:
+        """Coefficients of 1, s, s^2, ..."""
+        return self._written[1]
 
     @property
     def expression(self) -> Any:
@@ -56,43 +83,78 @@ class Rational:
         )
         return above / below
 
-    @property
-    def degrees(self) -> tuple[int, int]:
-        """Of numerator and denominator."""
-        return len(self.numerator) - 1, len(self.denominator) - 1
 
-
-def rational(function: TransferFunction) -> Rational:
-    """Coefficients in s, expanded where they are short."""
-    algebra = InPowersOfS(Program().leaf)
-    above, below = function.steps.run(algebra, [function.numerator, function.denominator])
-    return Rational(*(_trimmed(part.coefficients) for part in (above, below)))
-
-
-def _trimmed(coefficients: tuple[Any, ...]) -> tuple[Any, ...]:
-    nodes = [value for value in coefficients if isinstance(value, Node)]
-    if not nodes:
-        return (sympy.Integer(0),)
-    written = dict(zip((node.index for node in nodes), _tidied(nodes), strict=True))
-    result = [written[value.index] if isinstance(value, Node) else sympy.Integer(0) for value in coefficients]
+def _trimmed(coefficients: Sequence[Any]) -> tuple[Any, ...]:
+    result = list(coefficients) or [sympy.Integer(0)]
     while len(result) > 1 and result[-1] == 0:
         result.pop()
     return tuple(result)
 
 
+def rational(function: TransferFunction) -> Rational:
+    """Coefficients in s: expanded where they are short, else as a program of their own."""
+    program, outputs = function.steps, [function.numerator, function.denominator]
+    if sum(program.run(Terms(), outputs)) <= FEW or len(function.free_symbols) <= 6:  # noqa: PLR2004
+        algebra = monomials_for(program.payloads(outputs))
+        above, below = program.run(algebra, outputs)
+        return Rational(Flat(above, below, algebra))
+    polynomials = program.run(InPowersOfS(Program().leaf), outputs)
+    return Rational(Stepwise(*(polynomial.coefficients for polynomial in polynomials)))
+
+
+@dataclass(frozen=True)
+class Flat:
+    """Expanded polynomials in parameters and s."""
+
+    above: Sparse
+    below: Sparse
+    algebra: Monomials
+
+    def written(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        depth = max(self.above.depth, self.below.depth)
+        above, below = (
+            tuple(
+                self.algebra.expression(terms, part.scale**depth)
+                for terms in self.algebra.by_power(Sparse(part.at_depth(depth), depth, part.scale))
+            )
+            for part in (self.above, self.below)
+        )
+        return above, below
+
+
+@dataclass(frozen=True)
+class Stepwise:
+    """Coefficients as results of a program."""
+
+    above: Sequence[Any]
+    below: Sequence[Any]
+
+    def written(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        nodes = [value for value in (*self.above, *self.below) if isinstance(value, Node)]
+        found = dict(zip((node.index for node in nodes), tidied(nodes), strict=True))
+        above, below = (
+            tuple(found[value.index] if isinstance(value, Node) else sympy.Integer(0) for value in part)
+            for part in (self.above, self.below)
+        )
+        return above, below
+
+
 def tidy(node: Any) -> Any:
     """A step as an expression: expanded if it is short."""
-    return _tidied([node])[0]
+    return tidied([node])[0]
 
 
-def _tidied(nodes: list[Node]) -> list[Any]:
+def tidied(nodes: Sequence[Node]) -> list[Any]:
+    """Steps of one program as expressions."""
     program = nodes[0].program
     counts = program.run(Terms(), nodes)
-    expressions = program.run(Expressions(), nodes)
-    return [
-        sympy.expand(expression) if terms <= SHORT else expression
-        for terms, expression in zip(counts, expressions, strict=True)
-    ]
-
-
-__all__ = ["Rational", "S", "rational", "tidy"]
+    short = [node for node, terms in zip(nodes, counts, strict=True) if terms <= SHORT]
+    long = [node for node, terms in zip(nodes, counts, strict=True) if terms > SHORT]
+    algebra = monomials_for(program.payloads(short))
+    written = {
+        node.index: algebra.expression(part.terms, part.scale**part.depth)
+        for node, part in zip(short, program.run(algebra, short), strict=True)
+    }
+    raw = zip(long, program.run(RawExpressions(), long), strict=True)
+    written |= {node.index: part.expression for node, part in raw}
+    return [written[node.index] for node in nodes]

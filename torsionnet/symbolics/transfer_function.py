@@ -80,7 +80,8 @@ class TransferFunction:
             step = self.steps.steps[index]
             payload = step[1] if step[0] == "leaf" else None
             for part in payload.parts if isinstance(payload, Stiffness) else (payload,):
-                found |= getattr(part, "free_symbols", set())
+                if isinstance(part, sympy.Basic):
+                    found |= {part} if part.is_Symbol else part.free_symbols
         return frozenset(found - {sympy.Symbol("omega")})
 
     @cached_property
@@ -192,11 +193,11 @@ class TransferFunction:
         kept = {self._symbol(name) for name in names}
         return self._changed({name: self.values[name] for name in self.free_symbols - kept if name in self.values})
 
-    def _changed(self, given: Mapping[Any, Any]) -> TransferFunction:
+    def _changed(self, given: dict[Any, Any]) -> TransferFunction:
         from torsionnet.symbolics.written import with_values
 
         def change(expression: Any) -> Any:
-            return expression.subs(given, simultaneous=True) if expression.free_symbols else expression
+            return given.get(expression, expression) if expression.is_Atom else expression.xreplace(given)
 
         program = Program()
         nodes = self.steps.run(Changed(program, change), [self.numerator, self.denominator])

@@ -79,6 +79,15 @@ def _attached(edges: Iterable[Edge]) -> dict[str, list[Edge]]:
     return found
 
 
+def recursion(graph: Graph, program: Program, root: str) -> Recursion:
+    """The recursion on one tree, taken down once."""
+    key = (graph, root)
+    if key not in program.memory:
+        program.memory[key] = Recursion(graph, program, root)
+    found: Recursion = program.memory[key]
+    return found
+
+
 @dataclass
 class Recursion:
     """A, Q and F of every coordinate of one tree, taken down in a program."""
@@ -187,7 +196,7 @@ def determinant(graph: Graph, program: Program, first: str = "") -> Node:
     """Det D of a forest."""
     result = program.leaf(1)
     for root in roots_of(graph, first):
-        result = result * Recursion(graph, program, root).determinant
+        result = result * recursion(graph, program, root).determinant
     return result
 
 
@@ -195,9 +204,8 @@ def bilinear(graph: Graph, program: Program, reading: SymbolRow, load: SymbolRow
     """Reading^T adj(D) load of a forest."""
     total = program.leaf(0)
     for root, share in load.items():
-        recursion = Recursion(graph, program, root)
-        part = recursion.reading(reading)
+        part = recursion(graph, program, root).reading(reading)
         for other in roots_of(graph, root)[1:]:
-            part = part * Recursion(graph, program, other).determinant
+            part = part * recursion(graph, program, other).determinant
         total = total + program.leaf(share) * part
     return total
