@@ -69,7 +69,9 @@ def _matrices(network: Network, load: SymbolRow, ring: Any, number: dict[Any, An
     for member in network.members:
         for first, alpha in member.row.items():
             for second, beta in member.row.items():
-                rows[index[first]][index[second]] += number[member.law] * _in_ring(alpha, number) * _in_ring(beta, number)
+                rows[index[first]][index[second]] += (
+                    number[member.law] * _in_ring(alpha, number) * _in_ring(beta, number)
+                )
     right = [[_in_ring(load[name], number) if name in load else ring.zero] for name in network.coordinates]
     domain = ring.to_domain()
     return DomainMatrix(rows, (size, size), domain), DomainMatrix(right, (size, 1), domain)

@@ -94,15 +94,15 @@ def _default(value: Any) -> str:
 
 
 def _docstring(function: TransferFunction, has_tables: bool) -> list[str]:
-    output, input = function.channels
-    names = re.sub(r"[^\w ()+,.*/^-]", "", f"{output.name} / {input.name}", flags=re.ASCII)
+    above, below = function.channels
+    names = re.sub(r"[^\w ()+,.*/^-]", "", f"{above.name} / {below.name}", flags=re.ASCII)
     extra = " Each _kappa is the tabulated complex stiffness at these frequencies." if has_tables else ""
     return [f'    """{names}; _f: frequencies > 0 in Hz, parameters in SI units.{extra}"""']
 
 
 def _body(table: WhereTable, names: dict[Any, str]) -> list[str]:
     written: dict[int, str] = {}
-    lines = []
+    lines: list[str] = []
     for index in table.program.needed([table.result]):
         operation, *operands = table.program.steps[index]
         if operation == "leaf":

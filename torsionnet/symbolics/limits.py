@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from torsionnet.symbolics.algebras import Expressions, InPowersOfS, S
+from torsionnet.symbolics.algebras import InPowersOfS, S
 from torsionnet.symbolics.numbers import first_term, lowest, surely_zero
 from torsionnet.symbolics.program import Node, Program
-from torsionnet.symbolics.rational import tidy
+from torsionnet.symbolics.rational import factored, tidy
 
 if TYPE_CHECKING:
     from torsionnet.symbolics.transfer_function import TransferFunction
@@ -47,8 +47,4 @@ def _quotient(above: Any, below: Any) -> Any:
     program = (above if isinstance(above, Node) else below).program
     numerator, denominator = program.reduced(above, below)
     above, below = (tidy(node) for node in (numerator, denominator))
-    quotient = above / below
-    return sympy.factor(quotient) if sympy.count_ops(quotient) < 200 else quotient  # noqa: PLR2004
-
-
-__all__ = ["Expressions", "high_frequency", "low_frequency", "static_gain"]
+    return factored(above / below)

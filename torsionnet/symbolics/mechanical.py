@@ -146,7 +146,9 @@ def _arrival(graph: Graph, root: str, share: Any, read: Collection[str]) -> tupl
     """Where a torque on a coordinate that holds nothing itself arrives, short of what is read."""
     came = ""
     while root not in graph.grounds and root not in read:
-        edges = [edge for edge in graph.edges if root in (edge.first, edge.second) and came not in (edge.first, edge.second)]
+        edges = [
+            edge for edge in graph.edges if root in (edge.first, edge.second) and came not in (edge.first, edge.second)
+        ]
         if len(edges) != 1:
             break
         near, far = edges[0].coefficients(root)
@@ -155,9 +157,7 @@ def _arrival(graph: Graph, root: str, share: Any, read: Collection[str]) -> tupl
     return root, share
 
 
-def _handed_through(
-    mechanism: Mechanism, rigid: int, tree: Continued, node: str, element: Callable[[Any], Any]
-) -> Any:
+def _handed_through(mechanism: Mechanism, rigid: int, tree: Continued, node: str, element: Callable[[Any], Any]) -> Any:
     """The torque a rigid connection hands on: what the side away from the root answers to its motion there."""
     found = mechanism.reduced([mechanism.row({node: 1})], rigid)
     graph, (load, row) = found.network.graph, found.rows

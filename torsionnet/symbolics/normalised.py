@@ -7,16 +7,18 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
-from torsionnet.symbolics.algebras import InPowersOfS, S, in_s, Terms
+from torsionnet.symbolics.algebras import InPowersOfS, S, Terms, in_s
 from torsionnet.symbolics.numbers import surely_zero
 from torsionnet.symbolics.program import Node, Program
-from torsionnet.symbolics.rational import tidy
+from torsionnet.symbolics.rational import factored, tidy
 
 if TYPE_CHECKING:
     from torsionnet.symbolics.transfer_function import TransferFunction
 
-MOST_TERMS = 120
+MOST_TERMS = 30
 """Polynomials of more terms are not searched for factors that the recursion did not give."""
+
+MOST_OPERATIONS, MOST_SYMBOLS = 100, 10
 
 
 @dataclass(frozen=True)
@@ -76,8 +78,7 @@ class Normalised:
 def normalised(function: TransferFunction) -> Normalised:
     """Factors as the recursion gives them, and those sympy finds in short polynomials."""
     above, below = (_factors(function, node) for node in (function.numerator, function.denominator))
-    gain = sympy.factor(above[0] / below[0]) if sympy.count_ops(above[0] / below[0]) < MOST_TERMS else above[0] / below[0]
-    return Normalised(gain, above[1] - below[1], above[2], below[2])
+    return Normalised(factored(above[0] / below[0]), above[1] - below[1], above[2], below[2])
 
 
 def _factors(function: TransferFunction, node: Node) -> tuple[Any, int, tuple[Factor, ...]]:
@@ -102,9 +103,12 @@ def _irreducible(function: TransferFunction, index: int) -> list[tuple[list[Any]
     (polynomial,) = function.steps.run(InPowersOfS(Program().leaf), [function.steps.at(index)])
     coefficients = [sympy.Integer(0) if surely_zero(value) else tidy(value) for value in polynomial.coefficients]
     (count,) = function.steps.run(Terms(), [function.steps.at(index)])
-    if count > MOST_TERMS or len(coefficients) < 3:  # noqa: PLR2004
+    whole = in_s(coefficients)
+    if count > MOST_TERMS or len(coefficients) < 3 or whole.has(sympy.I):  # noqa: PLR2004
         return [(coefficients, 1)]
-    number, denominator = sympy.fraction(sympy.together(in_s(coefficients)))
+    number, denominator = sympy.fraction(sympy.together(whole))
+    if sympy.count_ops(number) > MOST_OPERATIONS or len(number.free_symbols) > MOST_SYMBOLS:
+        return [(coefficients, 1)]
     content, found = sympy.factor_list(number, S)
     return [([content / denominator], 1), *((_coefficients(factor), power) for factor, power in found)]
 

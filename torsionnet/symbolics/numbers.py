@@ -39,8 +39,8 @@ def evaluate(function: TransferFunction, frequencies: ArrayLike, given: Mapping[
         result[~moving] = static_value(function, values)
     if not np.isfinite(result).all():
         warnings.warn("the response is infinite at some frequency", TorsionnetWarning, stacklevel=4)
-    output, input = function.channels
-    return FrequencyResponse(f, result[:, None, None], (output,), (input,), function.title, notes=function.notes)
+    above, below = function.channels
+    return FrequencyResponse(f, result[:, None, None], (above,), (below,), function.title, notes=function.notes)
 
 
 def _complete(function: TransferFunction, given: Mapping[Any, Any]) -> dict[Any, Any]:

@@ -106,9 +106,7 @@ class Program:
                 results[index] = algebra.leaf(step[1])
             else:
                 left, right = results[step[1]], results[step[2]]
-                results[index] = (
-                    left + right if step[0] == "+" else left * right if step[0] == "*" else left / right
-                )
+                results[index] = left + right if step[0] == "+" else left * right if step[0] == "*" else left / right
         return [results[node.index] for node in outputs]
 
     def factors(self, node: Node) -> Counter[int]:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
-from torsionnet.assembly.functionals import port_of
+from torsionnet.assembly.functionals import Functional, port_of
 from torsionnet.channels import ELEMENT_QUANTITIES, Input, Sensor
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
@@ -32,6 +33,8 @@ class Asked:
     channels : tuple of Channel
         Output and input.
     notes : tuple of str
+    change : callable
+        What values do to expressions of parameters.
     """
 
     mechanism: Mechanism
@@ -41,6 +44,12 @@ class Asked:
     sign: int
     channels: tuple[Channel, Channel]
     notes: tuple[str, ...]
+    change: Callable[[Any], Any] = lambda expression: expression
+
+    def changed(self, change: Callable[[Any], Any]) -> Asked:
+        """With another change of all expressions on top."""
+        before = self.change
+        return replace(self, change=lambda expression: change(before(expression)))
 
 
 def resolve(
@@ -49,6 +58,7 @@ def resolve(
     input: str | Sensor,
     excitation: str | None,
     referred_to: Sequence[str] = (),
+    memory: dict[tuple[int, ...], Mechanism] | None = None,
 ) -> Asked:
     """Resolve the names; see :meth:`torsionnet.symbolics.system.SymbolicSystem.transfer_function`.
 
@@ -64,13 +74,14 @@ def resolve(
     reading = as_sensor(drivetrain, output) or Sensor("angle", str(output))
     channels = (_channel(question.outputs[0]), _channel(question.measured[0]))
     if not question.is_measured:
-        mechanism = _mechanism(drivetrain, [reading], referred_to)
+        mechanism = _mechanism(drivetrain, [reading], referred_to, memory)
         node = question.excitations[0].of
         return Asked(mechanism, parts_of(mechanism, reading), None, node, 1, channels, question.notes)
     sensor = as_sensor(drivetrain, input)
     if sensor is None:  # a measured input is a sensor
         raise TypeError
-    whole = _measured(drivetrain, reading, sensor, question, referred_to)
+    mechanism = _mechanism(drivetrain, [reading, sensor], referred_to, memory)
+    whole = _measured(reading, sensor, question, mechanism)
     _require_reached(whole, str(input), question.excitations[0])
     cut = find_cut(drivetrain, sensor, question.excitations)
     if cut is None or not _is_kept(drivetrain, cut, reading):
@@ -78,19 +89,27 @@ def resolve(
     return _of_cut(drivetrain, cut, reading, sensor, whole, referred_to)
 
 
-def _channel(reading: object) -> Channel:
-    return Channel(str(getattr(reading, "name", "")), str(getattr(reading, "unit", "")))
+def _channel(reading: Functional) -> Channel:
+    return Channel(reading.name, reading.unit)
 
 
-def _mechanism(drivetrain: Drivetrain, sensors: Sequence[Sensor], referred_to: Sequence[str]) -> Mechanism:
-    nodes = tuple(node for node in referred_to if node in drivetrain.nodes)
-    return Mechanism(drivetrain, nodes, loose_constraints(drivetrain, sensors))
+def _mechanism(
+    drivetrain: Drivetrain,
+    sensors: Sequence[Sensor],
+    referred_to: Sequence[str],
+    memory: dict[tuple[int, ...], Mechanism] | None = None,
+) -> Mechanism:
+    """The mechanism in which the sensors can be read, from ``memory`` where it has been made before."""
+    loose = loose_constraints(drivetrain, sensors)
+    if memory is not None and loose in memory:
+        return memory[loose]
+    mechanism = Mechanism(drivetrain, tuple(node for node in referred_to if node in drivetrain.nodes), loose)
+    if memory is not None:
+        memory[loose] = mechanism
+    return mechanism
 
 
-def _measured(
-    drivetrain: Drivetrain, output: Sensor, sensor: Sensor, question: Question, referred_to: Sequence[str]
-) -> Asked:
-    mechanism = _mechanism(drivetrain, [output, sensor], referred_to)
+def _measured(output: Sensor, sensor: Sensor, question: Question, mechanism: Mechanism) -> Asked:
     channels = (_channel(question.outputs[0]), _channel(question.measured[0]))
     parts, measured = parts_of(mechanism, output), parts_of(mechanism, sensor)
     return Asked(mechanism, parts, measured, question.excitations[0].of, 1, channels, question.notes)
@@ -105,7 +124,8 @@ def _require_reached(asked: Asked, name: str, excitation: Input) -> None:
 def _is_kept(drivetrain: Drivetrain, cut: Cut, reading: Sensor) -> bool:
     if reading.quantity in ELEMENT_QUANTITIES:
         return reading.of in cut.kept
-    return any(reading.of in {*drivetrain.elements[name].ports.values(), *drivetrain.elements[name].internal_nodes} for name in cut.kept)
+    elements = [drivetrain.elements[name] for name in cut.kept]
+    return any(reading.of in {*element.ports.values(), *element.internal_nodes} for element in elements)
 
 
 def _of_cut(

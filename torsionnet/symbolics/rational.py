@@ -158,3 +158,9 @@ def tidied(nodes: Sequence[Node]) -> list[Any]:
     raw = zip(long, program.run(RawExpressions(), long), strict=True)
     written |= {node.index: part.expression for node, part in raw}
     return [written[node.index] for node in nodes]
+
+
+def factored(expression: Any) -> Any:
+    """A short expression as a product; factors of long or complex ones take sympy too long to find."""
+    easy = not expression.has(sympy.I) and sympy.count_ops(expression) <= SHORT
+    return sympy.factor(expression) if easy else expression

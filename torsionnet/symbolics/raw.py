@@ -26,7 +26,9 @@ class Raw:
 
 def _joined(operation: Any, left: Any, right: Any) -> Any:
     if left.is_Number or right.is_Number:
-        return operation(left, right, evaluate=bool(left.is_Number and right.is_Number) or _is_neutral(operation, left, right))
+        return operation(
+            left, right, evaluate=bool(left.is_Number and right.is_Number) or _is_neutral(operation, left, right)
+        )
     return operation._from_args([*operation.make_args(left), *operation.make_args(right)])  # noqa: SLF001
 
 

@@ -153,4 +153,3 @@ def loose_constraints(drivetrain: Drivetrain, sensors: Collection[Sensor]) -> tu
     return tuple(
         index for index, (owner, _) in enumerate(drivetrain.assembly.kinematics.constraints) if owner in owners
     )
-

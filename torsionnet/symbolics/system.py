@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 import sympy
@@ -13,7 +13,7 @@ from torsionnet.channels import Sensor
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.symbolics.program import Node
 from torsionnet.symbolics.question import Asked, resolve
-from torsionnet.symbolics.readings import PURE_S
+from torsionnet.symbolics.readings import Mechanism
 from torsionnet.symbolics.transfer_function import TransferFunction
 
 if TYPE_CHECKING:
@@ -28,10 +28,13 @@ class SymbolicSystem(SymbolicMatrices):
     ----------
     drivetrain : Drivetrain
     referred_to : tuple of str
+    mechanisms : dict
+        What transfer functions before have left behind.
     """
 
     drivetrain: Drivetrain | None = None
     referred_to: tuple[str, ...] = ()
+    mechanisms: dict[tuple[int, ...], Mechanism] = field(default_factory=dict, repr=False)
 
     def transfer_function(
         self, output: str | Sensor, input: str | Sensor, excitation: str | None = None
@@ -51,7 +54,7 @@ class SymbolicSystem(SymbolicMatrices):
         (k_1*tau**2 + k_2)/(k_1*k_2)
         """
         drivetrain = self._model
-        asked = resolve(drivetrain, output, input, excitation, self.referred_to)
+        asked = resolve(drivetrain, output, input, excitation, self.referred_to, self.mechanisms)
         numerator, denominator = _fraction(asked)
         return TransferFunction(
             asked.channels,
@@ -111,8 +114,5 @@ def symbolic_system(drivetrain: Drivetrain, referred_to: Collection[str] = ()) -
     """See :meth:`torsionnet.Drivetrain.symbolic`."""
     names: Sequence[str] = [referred_to] if isinstance(referred_to, str) else list(referred_to)
     matrices = symbolic_matrices(drivetrain, names)
-    content = {field.name: getattr(matrices, field.name) for field in fields(SymbolicMatrices)}
+    content = {entry.name: getattr(matrices, entry.name) for entry in fields(SymbolicMatrices)}
     return SymbolicSystem(**content, drivetrain=drivetrain, referred_to=tuple(names))
-
-
-__all__ = ["PURE_S", "SymbolicSystem", "symbolic_system"]

@@ -188,21 +188,19 @@ class TransferFunction:
         >>> import torsionnet as tn
         >>> H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
         >>> H.keep(["k_2"]).mechanical
-        1/(19*s**2/125 + 43*s/10 + k_2) + 1/(s/10 + 13300)
+        1/(k_2 + 19*s**2/125 + 43*s/10) + 1/(s/10 + 13300)
         """
         kept = {self._symbol(name) for name in names}
         return self._changed({name: self.values[name] for name in self.free_symbols - kept if name in self.values})
 
     def _changed(self, given: dict[Any, Any]) -> TransferFunction:
-        from torsionnet.symbolics.written import with_values
-
         def change(expression: Any) -> Any:
             return given.get(expression, expression) if expression.is_Atom else expression.xreplace(given)
 
         program = Program()
         nodes = self.steps.run(Changed(program, change), [self.numerator, self.denominator])
         numerator, denominator = program.reduced(*nodes)
-        asked = None if self.asked is None else with_values(self.asked, change)
+        asked = None if self.asked is None else self.asked.changed(change)
         return replace(self, numerator=numerator, denominator=denominator, asked=asked)
 
     def _symbol(self, name: str) -> Any:

@@ -56,7 +56,9 @@ class Orientation:
 def orient(graph: Graph, root: str) -> Orientation:
     """Hang the tree of ``root`` on it."""
     attached = _attached(graph.edges)
-    order, above, below = [root], {}, {}
+    order = [root]
+    above: dict[str, Branch] = {}
+    below: dict[str, tuple[Branch, ...]] = {}
     for name in order:
         branches = []
         for edge in attached.get(name, ()):

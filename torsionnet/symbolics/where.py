@@ -77,7 +77,7 @@ class WhereTable:
         >>> H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_M")
         >>> table, result = H.program.where()
         >>> result
-        (z_2 + z_4)/(z_2*z_3 + z_4*(s*(I_1*s + c_M) + z_3))
+        z_3/(s*z_3*(I_1*s + c_M) + z_1*z_2)
         """
         names = _Names(self.program, self.result)
         algebra_results: dict[int, Any] = {}

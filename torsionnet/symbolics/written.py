@@ -3,45 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 import sympy
 
-from torsionnet.symbolics.algebras import S, in_s
+from torsionnet.symbolics.algebras import in_s
 from torsionnet.symbolics.mechanical import NoContinuedFractionError, response
 from torsionnet.symbolics.network import Stiffness
 from torsionnet.symbolics.question import Asked
 
 
-@dataclass(frozen=True)
-class Changing:
-    """A question whose expressions get values in the end."""
-
-    asked: Asked
-    change: Callable[[Any], Any]
-
-
-def with_values(asked: Any, change: Callable[[Any], Any]) -> Changing:
-    """The question with another change of its expressions on top."""
-    if isinstance(asked, Changing):
-        return Changing(asked.asked, lambda expression: change(asked.change(expression)))
-    return Changing(asked, change)
-
-
-def continued(asked: Any, leaf: Callable[[Any], Any]) -> Any:
+def continued(asked: Asked, leaf: Callable[[Any], Any]) -> Any:
     """The continued fraction with elements from ``leaf``, or None if there is none."""
-    change: Callable[[Any], Any] = lambda expression: expression  # noqa: E731
-    if isinstance(asked, Changing):
-        asked, change = asked.asked, asked.change
 
     def element(payload: Any) -> Any:
-        if payload == "s":
+        if isinstance(payload, str):  # s itself
             return leaf(Stiffness(damping=sympy.Integer(1)))
         if isinstance(payload, Stiffness):
-            return leaf(Stiffness(*(change(part) for part in payload.parts)))
-        return leaf(change(sympy.Integer(payload) if isinstance(payload, int) else payload))
+            return leaf(Stiffness(*(asked.change(part) for part in payload.parts)))
+        return leaf(asked.change(sympy.Integer(payload) if isinstance(payload, int) else payload))
 
     try:
         alone = asked.measured is None
@@ -53,7 +34,7 @@ def continued(asked: Any, leaf: Callable[[Any], Any]) -> Any:
         return None
 
 
-def continued_expression(asked: Any) -> Any:
+def continued_expression(asked: Asked) -> Any:
     """The continued fraction, or None if there is none."""
     return continued(asked, _expression)
 
@@ -62,6 +43,3 @@ def _expression(payload: Any) -> Any:
     if isinstance(payload, Stiffness):
         return in_s(payload.parts)
     return sympy.Rational(payload.numerator, payload.denominator) if isinstance(payload, Fraction) else payload
-
-
-__all__ = ["Changing", "S", "continued", "continued_expression", "with_values"]
