@@ -1,15 +1,13 @@
 """Random drivetrains in which every number has a name: trees with gears and branches, closed loops, a planetary set."""
 
-import random
-
 import torsionnet as tn
 
 
 class Draw:
-    """Elements and parameters drawn from one seed."""
+    """Elements and parameters drawn from one source of chance."""
 
-    def __init__(self, seed):
-        self.random = random.Random(seed)
+    def __init__(self, source):
+        self.random = source
         self.elements, self.parameters = [], {}
 
     def value(self, name, low, high):
@@ -63,9 +61,9 @@ class Draw:
         return f"{self.random.choice(['twist', 'torque'])}({self.random.choice(self.elements).name})"
 
 
-def draw(seed, loops=0, planetary=False, count=None):
+def draw(source, loops=0, planetary=False, count=None):
     """(Drivetrain, the Draw it came from)."""
-    made = Draw(seed)
+    made = Draw(source)
     made.count = count or made.random.randint(2, 6)
     names = [f"n{i}" for i in range(made.count)]
     for i in range(made.count):

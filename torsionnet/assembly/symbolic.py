@@ -171,7 +171,7 @@ def twin_kinematics(
     ]
     order = {node: index for index, node in enumerate(plain.nodes)}
     reduction = reduce_rows(rows, order, {*names, *(pseudo_node(name) for name in plain.imposed)})
-    coordinates = tuple(node for node in plain.nodes if node not in reduction.solved) if loose else plain.coordinates
+    coordinates = tuple(node for node in plain.nodes if node not in reduction.solved)
     return Kinematics(plain.nodes, parts, plain.imposed, reduction, coordinates)
 
 

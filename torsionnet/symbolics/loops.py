@@ -15,7 +15,7 @@ from torsionnet.symbolics.program import Node, Program
 from torsionnet.symbolics.tree import bilinear, determinant
 
 MOST_LOOPS = 3
-MOST_FORESTS = 200
+MOST_FORESTS = 2000
 """Forests that deletion and contraction may lead to."""
 
 

