@@ -1,9 +1,11 @@
 """Sphinx settings; build with `make docs`. Needs no network."""
 
+import sys
 import tomllib
 from pathlib import Path
 
 DOCS = Path(__file__).parent
+sys.path.insert(0, str(DOCS))
 EXAMPLES = DOCS.parent / "examples"
 
 project = "torsionnet"
@@ -43,4 +45,21 @@ sphinx_gallery_conf = {
     "show_memory": False,
     "remove_config_comments": True,
     "plot_gallery": "True",
+    "capture_repr": (),
+    "image_scrapers": ("gallery_figures", "matplotlib"),
 }
+
+
+def setup(app):
+    """Write the pages that are made from the code before the others are read."""
+    import generate
+
+    app.connect("builder-inited", lambda _: generate.write_all())
+    app.connect("autodoc-process-docstring", for_sphinx, priority=400)
+
+
+def for_sphinx(_app, what, _name, _object, _options, lines):
+    """|H| in a docstring is a magnitude, no substitution; what stands before a colon in a property is no type."""
+    if what in ("property", "attribute") and lines:
+        lines[0] = lines[0].replace(": ", " \N{EN DASH} ", 1)
+    lines[:] = [line.replace("|", r"\|") for line in lines]

@@ -40,6 +40,10 @@ class TestParameters:
             rig.configured(c_o=3)
         with pytest.raises(tn.ModelError, match="must not be less than 0"):
             rig.configured(c_O=-3)
+        with pytest.raises(tn.ModelError, match="expected stiffness"):
+            rig.configured("V", k_1="3 kg")
+        with pytest.raises(tn.ModelError, match="write 1/k_1"):
+            rig.configured(k_1="0.002 rad/Nm")
         with pytest.raises(tn.ModelError, match="decimal comma"):
             rig.configured(c_O="3,5")
 
@@ -229,6 +233,10 @@ class TestChecks:
         text = "\n".join(found)
         assert "expected inertia in kg*m^2" in text
         assert "write 1/e" in text
+        assert (
+            "write k"
+            in faults_of(HELD, tn.Spring("s", nodes=("a", "ground"), stiffness="1/k"), parameters={"k": "5 N*m/rad"})[0]
+        )
         assert "parameters.x" in text
 
     def test_faults_of_a_configuration_name_it(self):

@@ -160,6 +160,10 @@ class TestImposedAngle:
         expected = (500 + 3 * s) * 2 * s**2 / (2 * s**2 + 3 * s + 500)
         np.testing.assert_allclose(value(self.model(), "torque(k)", "x"), expected, rtol=1e-12)
 
+    def test_a_torque_on_the_driven_node_is_refused(self):
+        with pytest.raises(tn.UsageError, match="imposed by x"):
+            value(self.model(), "a", "foot")
+
     def test_the_driven_node_stands_still_in_modes(self):
         modes = self.model().modes()
         assert modes.natural_frequencies == pytest.approx([np.sqrt(500 / 2) / 2 / np.pi], rel=1e-12)
@@ -184,6 +188,7 @@ class TestQuestions:
             ("angle", ["T", "twist(soft)"], {}, "2 measured"),
             ("angle", "T_M", {"excitation": "g"}, "excitation= goes with measured inputs"),
             ([], "T_M", {}, "at least one"),
+            ("angle", "h", {}, '"h" is locked'),
         ],
     )
     def test_wrong_names_are_answered(self, output, input, options, words):

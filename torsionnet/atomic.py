@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import os
-import tempfile
 from pathlib import Path
 
 
@@ -18,6 +17,8 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
 
     A file that is replaced keeps its permissions; a link is followed, not replaced.
     """
+    import tempfile  # loads random and shutil, which a program that only reads can do without
+
     target = Path(path).resolve()
     handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name[:40]}.")
     try:

@@ -37,7 +37,7 @@ def check_definition(definition: Definition) -> list[Fault]:
 def check_variant(definition: Definition) -> list[Fault]:
     """The checks that depend on values: for a configuration or changed parameters of a sound model."""
     known, faults = resolve(definition.parameters)
-    faults += values.sizes(definition, known)
+    faults += values.wrong_dimensions(definition) + values.sizes(definition, known)
     return faults if has_errors(faults) else faults + structure(definition, known)
 
 

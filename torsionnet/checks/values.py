@@ -10,7 +10,7 @@ from torsionnet.definition import Definition
 from torsionnet.elements import Element, Law, Values
 from torsionnet.elements.fields import DampingQuantity, Quantity
 from torsionnet.errors import Fault, Path
-from torsionnet.expressions import Expression, ExpressionError
+from torsionnet.expressions import Binary, Expression, ExpressionError
 from torsionnet.parameters import dimensions
 from torsionnet.units import DIMENSIONS, Dimension, expected_unit
 
@@ -46,9 +46,15 @@ def _dimension_fault(expression: Expression, wanted: str, known: Mapping[str, Di
         return None
     hint = ""
     if found * DIMENSIONS[wanted] == DIMENSIONS["1"]:
-        hint = f"; write 1/{expression}" if str(expression) in expression.names else f"; write 1/({expression})"
+        hint = f"; write {_inverse(expression)}"
     expected = "a plain number" if wanted == "1" else f"{wanted} in {expected_unit(wanted)}"
     return f'"{expression}" has the dimension of {found}; expected {expected}{hint}'
+
+
+def _inverse(expression: Expression) -> str:
+    if isinstance(expression, Binary) and expression.operator == "/" and str(expression.left) == "1":
+        return str(expression.right)
+    return f"1/{expression}" if str(expression) in expression.names else f"1/({expression})"
 
 
 def _overlay_fault(value: Expression, base: Dimension | None, known: Mapping[str, Dimension | None]) -> str | None:

@@ -7,9 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from torsionnet.checks.values import wrong_dimensions
 from torsionnet.cli.terminal import message, tell
-from torsionnet.errors import ModelError
 from torsionnet.files import load
 
 if TYPE_CHECKING:
@@ -36,20 +34,11 @@ def load_cases(model: str, configurations: Sequence[str], settings: Sequence[tup
     cases = []
     for name in names:
         changed = rig.configured(name, **dict(settings)) if name or settings else rig
-        _refuse_wrong_units(changed, settings)
         known = {fault.message for fault in found}
         found += [_of(fault, changed) for fault in changed.check() if fault.message not in known]
         cases.append(Case(changed.configuration, changed))
     tell(found)
     return cases
-
-
-def _refuse_wrong_units(changed: Drivetrain, settings: Sequence[tuple[str, str]]) -> None:
-    """A changed copy checks sizes only; a value typed by hand may also have a wrong unit."""
-    if settings:
-        faults = wrong_dimensions(changed.definition)
-        if faults:
-            raise ModelError(faults, changed.title)
 
 
 def _of(fault: Fault, changed: Drivetrain) -> Fault:

@@ -2,6 +2,7 @@
 
 from torsionnet.report.bode import bode
 from torsionnet.report.save import save
+from torsionnet.report.schematic import schematic
 from torsionnet.report.shapes import mode_shapes
 
-__all__ = ["bode", "mode_shapes", "save"]
+__all__ = ["bode", "mode_shapes", "save", "schematic"]

@@ -60,7 +60,7 @@ def mode_shapes(
     >>> import torsionnet as tn
     >>> rig = tn.load("dmf_rig")
     >>> [panel.get_title() for panel in mode_shapes(rig.modes(), rig).axes]
-    ['1: 7.105 Hz, zeta = 22.3 %', '2: 80.98 Hz, zeta = 1 %']
+    ['1: 7.105 Hz, zeta = 22.3 %', '2: 80.98 Hz, zeta = 1.39 %']
     """
     chosen = _chosen(modes, which)
     columns = min(COLUMNS, max(1, len(chosen)))

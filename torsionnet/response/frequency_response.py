@@ -65,7 +65,7 @@ class FrequencyResponse:
 
     @property
     def magnitude(self) -> FloatArray:
-        """|H|, shape (n_f, n_out, n_in), SI."""
+        """``|H|``, shape (n_f, n_out, n_in), SI."""
         return np.abs(self.values)
 
     @property

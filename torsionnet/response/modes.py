@@ -23,7 +23,7 @@ RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
 
 @dataclass(frozen=True, eq=False)
 class Modes:
-    """Modes: one entry per conjugate pair, one per real pole, one per rigid-body mode; in the order of |lambda|.
+    """Modes: one entry per conjugate pair, one per real pole, one per rigid-body mode; in the order of ``|lambda|``.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class Modes:
 
     @cached_property
     def natural_frequencies(self) -> FloatArray:
-        """|lambda| / 2 pi in Hz; 0 for a rigid-body mode."""
+        """``|lambda| / 2 pi`` in Hz; 0 for a rigid-body mode."""
         return np.asarray(np.abs(self.eigenvalues) / (2 * np.pi))
 
     @cached_property
@@ -76,7 +76,7 @@ class Modes:
 
     @cached_property
     def damping_ratios(self) -> FloatArray:
-        """-Re lambda / |lambda|; 1 for a stable real pole, nan for a rigid-body mode, which has none."""
+        """``-Re lambda / |lambda|``; 1 for a stable real pole, nan for a rigid-body mode, which has none."""
         size = np.abs(self.eigenvalues)
         ratios = np.full(len(size), np.nan)
         np.divide(-self.eigenvalues.real, size, out=ratios, where=size > 0)

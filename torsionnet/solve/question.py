@@ -98,6 +98,19 @@ def _default(drivetrain: Drivetrain) -> tuple[Input, ...]:
     raise UsageError(msg)
 
 
+def _torque_on(drivetrain: Drivetrain, node: str) -> Input:
+    """A torque on a node that can move; anywhere else every response would silently be zero."""
+    solved = drivetrain.assembly.kinematics.reduction.solved
+    driven = [name for name, channel in drivetrain.inputs.items() if channel.quantity == "angle" and channel.of == node]
+    if driven:
+        msg = f'the angle of "{node}" is imposed by {driven[0]}; name that input, or another node'
+        raise UsageError(msg)
+    if node in solved and not solved[node]:
+        msg = f'"{node}" is locked; a torque there moves nothing'
+        raise UsageError(msg)
+    return Input("torque", node)
+
+
 def _present(drivetrain: Drivetrain, name: str) -> Input:
     channel = drivetrain.inputs[name]
     if channel.of not in drivetrain.nodes:
@@ -119,7 +132,7 @@ def _named_input(drivetrain: Drivetrain, name: str) -> Input:
     if name in drivetrain.inputs:
         return _present(drivetrain, name)
     if name in drivetrain.nodes:
-        return Input("torque", name)
+        return _torque_on(drivetrain, name)
     known = [*drivetrain.inputs, *drivetrain.nodes]
     declared = ", ".join(drivetrain.inputs) or "none"
     msg = f'no input or node is named "{name}"{did_you_mean(name, known)}; inputs: {declared}'
@@ -158,7 +171,7 @@ def _input(drivetrain: Drivetrain, entry: str | Sensor) -> Input | Functional:
     if sensor is not None:
         return functional(drivetrain, sensor, str(entry))
     if entry in drivetrain.nodes:
-        return Input("torque", str(entry))
+        return _torque_on(drivetrain, str(entry))
     known = [*drivetrain.inputs, *drivetrain.sensors, *drivetrain.nodes]
     msg = f'no input, sensor or node is named "{entry}"{did_you_mean(str(entry), known)}'
     raise UsageError(msg)

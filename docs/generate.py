@@ -1,0 +1,527 @@
+"""Pages and tables made from the code when the documentation is built: elements, units, damping, traps, validation.
+
+``python docs/generate.py`` writes them into docs/generated; conf.py does the same before every build.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from dataclasses import MISSING, Field
+from fractions import Fraction
+from inspect import getdoc
+from pathlib import Path
+from typing import Any
+
+import sympy
+
+import torsionnet as tn
+from torsionnet.damping import MEASURES
+from torsionnet.elements import ELEMENT_TYPES, Constraint, Element, Law, Part, Values, make_element
+from torsionnet.elements import fields as spec
+from torsionnet.errors import ModelError
+from torsionnet.expressions import Algebra
+from torsionnet.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimension, expected_unit
+
+DOCS = Path(__file__).parent
+GENERATED = DOCS / "generated"
+TESTS = DOCS.parent / "tests"
+
+SAMPLES = {
+    "inertia": "0.15 kg*m^2",
+    "stiffness": "13.3 kN*m/rad",
+    "damping": "4 N*m*s/rad",
+    "length": "0.5 m",
+    "shear modulus": "80 GPa",
+    "density": "7850 kg/m^3",
+    "mass": "0.8 kg",
+    "1": 3,
+}
+COMMON = ("description", "enabled")
+
+
+def table(headings: list[str], rows: list[list[str]]) -> str:
+    """A Markdown table."""
+    lines = [headings, ["---"] * len(headings), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines) + "\n"
+
+
+def prose(text: str) -> str:
+    """Text in which stars are stars."""
+    return text.replace("*", r"\*")
+
+
+def code(text: object) -> str:
+    return f"`{text}`"
+
+
+# Elements
+
+
+def elements_page() -> str:
+    """One section for each registered type."""
+    return "\n".join(element_section(kind, cls) for kind, cls in ELEMENT_TYPES.items())
+
+
+def element_section(kind: str, cls: type[Element]) -> str:
+    minimal = sample(cls, full=False)
+    ports = list(minimal.ports)
+    known = {*ports, "nodes"}
+    optional = [declared.name for declared in own_fields(cls) if is_port(declared) and declared.name not in known]
+    more = f"; optional: {', '.join(map(code, optional))}" if optional else ""
+    rest = "" if len(ports) == 1 else " At any other port: positive when it drives out of the element."
+    sign = f"The sign of the torque is defined at `{ports[0]}`: {cls.sign}.{rest}"
+    parts = [
+        f"## {kind}\n",
+        f"*In Python:* `torsionnet.{cls.__name__}`\n",
+        physics(cls),
+        laws(cls),
+        f"*Ports:* {', '.join(map(code, ports))}{more}. {sign}\n",
+        fields_table(cls),
+        f"```yaml\nelements:\n  part: {flow(minimal.to_data())}\n```\n",
+    ]
+    return "\n".join(parts)
+
+
+def own_fields(cls: type[Element]) -> list[Field[Any]]:
+    return [declared for declared in cls.declared() if declared.name not in COMMON]
+
+
+def is_port(declared: Field[Any]) -> bool:
+    return isinstance(spec.spec_of(declared), (spec.NodeName, spec.NodePair))
+
+
+def physics(cls: type[Element]) -> str:
+    """The docstring up to its examples."""
+    return (getdoc(cls) or "").partition("\nExamples\n")[0].strip() + "\n"
+
+
+def sample(cls: type[Element], *, full: bool, symbolic: bool = False) -> Element:
+    """An element with what is required, or with everything that goes together; values are samples or symbols."""
+    given = [d for d in own_fields(cls) if d.default is MISSING or (symbolic and isinstance(d.default, str))]
+    given = [d for d in given if d.default is MISSING or isinstance(spec.spec_of(d), spec.Quantity)]
+    data = {declared.name: sample_value(declared, symbolic=symbolic) for declared in given}
+    optional = [declared for declared in own_fields(cls) if declared.name not in data]
+    for declared in optional:
+        if not full and constructible(cls, data):
+            break
+        if isinstance(spec.spec_of(declared), (spec.Count, spec.Choice)):
+            continue
+        trial = data | {declared.name: sample_value(declared, symbolic=symbolic)}
+        if not constructible(cls, data) or constructible(cls, trial):
+            data = trial
+    return make_element(cls.kind, "part", data)
+
+
+def constructible(cls: type[Element], data: dict[str, Any]) -> bool:
+    try:
+        make_element(cls.kind, "part", data)
+    except ModelError:
+        return False
+    return True
+
+
+def sample_value(declared: Field[Any], *, symbolic: bool) -> Any:
+    kind = spec.spec_of(declared)
+    if isinstance(kind, spec.NodePair):
+        return ["a", "b"]
+    if isinstance(kind, spec.NodeName):
+        return declared.name
+    if isinstance(kind, spec.Quantity):
+        loss = 0.1 if isinstance(kind, spec.LossFactor) else SAMPLES[kind.dimension]
+        return kind.symbol if symbolic else loss
+    others = {spec.Teeth: [20, 61], spec.Flag: True, spec.Count: 1, spec.Text: "text"}
+    if isinstance(kind, spec.Table):
+        return [["1 Hz", "400 N*m/rad", "2 N*m*s/rad"], ["20 Hz", "500 N*m/rad", "1.2 N*m*s/rad"]]
+    return kind.options[0] if isinstance(kind, spec.Choice) else others[type(kind)]
+
+
+def laws(cls: type[Element]) -> str:
+    """Rows and laws in symbols, of the plainest element and of one with everything given."""
+    plain, full = (described(sample(cls, full=full, symbolic=True)) for full in (False, True))
+    if plain == full:
+        return plain
+    return f"With the required entries only:\n\n{plain}\nWith the optional entries:\n\n{full}"
+
+
+def described(element: Element) -> str:
+    names = {declared.symbol for declared, _ in element.scalars().values() if isinstance(declared, spec.Quantity)}
+    algebra = Algebra(number=lambda x: sympy.Rational(x.numerator, x.denominator), sqrt=sympy.sqrt, pi=sympy.pi)
+    value = Values({name: sympy.Symbol(name, positive=True) for name in names}, algebra)
+    return "\n".join(f"$${row_text(part)},\\qquad {law_text(part)}$$\n" for part in element.parts(value))
+
+
+def row_text(part: Part) -> str:
+    text = ""
+    for node, coefficient in part.row.items():
+        factor = sympy.factor(sympy.sympify(coefficient))
+        negative = factor.could_extract_minus_sign()
+        size = sympy.factor(-factor) if negative else factor
+        shown = "" if size == 1 else f"\\left({sympy.latex(size)}\\right)" if size.is_Add else sympy.latex(size)
+        sign = "-" if negative else "+" if text else ""
+        text += rf" {sign} {shown} \theta_\mathrm{{{node.replace('_', chr(92) + '_')}}}"
+    return rf"\gamma = {text}"
+
+
+def law_text(part: Part) -> str:
+    if isinstance(part, Constraint):
+        return r"\gamma = 0"
+    return rf"\kappa(s) = {kappa(part)}"
+
+
+def kappa(law: Law) -> str:
+    terms = [
+        product(coefficient, power)
+        for coefficient, power in ((law.inertia, "s^2"), (law.damping, "s"))
+        if sympy.sympify(coefficient) != 0
+    ]
+    if law.table is not None:
+        return r"k(f) + \mathrm{j}\,\omega\,c(f)"
+    loss = sympy.sympify(law.loss_factor)
+    if sympy.sympify(law.stiffness) != 0:
+        terms.append(product(law.stiffness, "" if loss == 0 else rf"(1 + \mathrm{{j}}\,{sympy.latex(loss)})"))
+    return " + ".join(terms)
+
+
+def product(coefficient: Any, factor: str) -> str:
+    value = sympy.sympify(coefficient)
+    text = sympy.latex(value)
+    return (f"\\left({text}\\right)" if value.is_Add and factor else text) + (f"\\,{factor}" if factor else "")
+
+
+def fields_table(cls: type[Element]) -> str:
+    headings = ["entry", "symbol", "unit", "bounds", "default", "what it is"]
+    return table(headings, [field_row(declared) for declared in own_fields(cls)])
+
+
+def field_row(declared: Field[Any]) -> list[str]:
+    kind = spec.spec_of(declared)
+    is_quantity = isinstance(kind, spec.Quantity)
+    symbol = f"${sympy.latex(sympy.Symbol(kind.symbol))}$" if is_quantity else ""
+    unit = "" if not is_quantity else "-" if kind.dimension == "1" else code(expected_unit(kind.dimension))
+    default = "required" if declared.default is MISSING else default_text(declared.default)
+    return [code(declared.name), symbol, unit, bounds(kind), default, prose(kind.description)]
+
+
+def default_text(default: Any) -> str:
+    if default is None:
+        return "none"
+    return code({True: "true", False: "false"}[default] if isinstance(default, bool) else default)
+
+
+def bounds(kind: spec.Spec) -> str:
+    match kind:
+        case spec.Choice():
+            text = " or ".join(map(code, kind.options))
+        case spec.Count():
+            text = f"{kind.lower} to {kind.upper}"
+        case spec.Flag():
+            text = "`true` or `false`"
+        case spec.Teeth():
+            text = "whole, not 0"
+        case spec.Quantity(lower=None):
+            text = "not 0" if kind.nonzero else ""
+        case spec.Quantity():
+            text = f"{'>' if kind.exclusive else '>='} {kind.lower:g}"
+        case _:
+            text = ""
+    return text
+
+
+def flow(data: Any) -> str:
+    """Plain data in YAML's flow style, as one line of a model file."""
+    if isinstance(data, dict):
+        return "{" + ", ".join(f"{key}: {flow(value)}" for key, value in data.items()) + "}"
+    if isinstance(data, (list, tuple)):
+        return "[" + ", ".join(map(flow, data)) + "]"
+    return {True: "true", False: "false"}[data] if isinstance(data, bool) else str(data)
+
+
+# Units and damping
+
+
+def units_page() -> str:
+    names = {dimension: name for name, dimension in reversed(DIMENSIONS.items())}
+    names |= {DIMENSIONS["angle"]: "angle, number", DIMENSIONS["shear modulus"]: "shear modulus"}
+    rows = []
+    for name, (factor, dimension, prefixes) in sorted(_BASE.items(), key=lambda entry: str(entry[1][1])):
+        with_prefix = ", ".join(code(prefix + name) for prefix in prefixes)
+        rows.append(
+            [code(name), names.get(dimension, "force" if name.endswith(("N", "f")) else ""), factor_text(factor)]
+        )
+        rows[-1] += [code(shown_dimension(dimension)), with_prefix]
+    joined = ", ".join(f"{code(name)}" for name in _JOINED)
+    prefixes = ", ".join(f"{code(name)} {float(value):g}" for name, value in _PREFIXES.items() if name)
+    accepted = [[name, code(unit), code(expected_unit(name))] for name, unit in WANTED.items()]
+    return "\n".join(
+        [
+            table(["unit", "of", "in SI", "SI unit", "with prefix"], rows),
+            f"Prefixes: {prefixes}, only where the table has them.\n",
+            f"Written as one word: {joined}. Anything else needs a `*` between its parts.\n",
+            "What an entry expects, and a unit of it that is not SI:\n",
+            table(["quantity", "for example", "SI"], accepted),
+        ]
+    )
+
+
+WANTED = {
+    "inertia": "lbf*in*s^2",
+    "stiffness": "kN*m/rad",
+    "compliance": "rad/(N*m)",
+    "damping": "lbf*in*s/rad",
+    "torque": "kN*m",
+    "angle": "deg",
+    "speed": "rpm",
+    "frequency": "cpm",
+    "length": "mm",
+    "mass": "lb",
+    "density": "kg/m^3",
+    "shear modulus": "GPa",
+}
+
+
+def shown_dimension(dimension: Dimension) -> str:
+    return str(dimension) or "1"
+
+
+def factor_text(factor: Fraction | float) -> str:
+    if isinstance(factor, Fraction) and factor.denominator == 1 and factor < 10**6:
+        return str(factor)
+    return f"{float(factor):.10g}"
+
+
+def damping_page() -> str:
+    x, ratio = sympy.Symbol("x", positive=True), sympy.Symbol("omega") / sympy.Symbol("k")
+    algebra = Algebra(number=sympy.Rational, sqrt=sympy.sqrt, pi=sympy.pi)
+    rows = []
+    for name, measure in MEASURES.items():
+        own, eta = sympy.Symbol(measure.symbol), sympy.Symbol("eta")
+        forward = sympy.latex(measure.to_loss_factor(x, algebra, ratio).subs(x, own))
+        back = sympy.latex(measure.from_loss_factor(eta, algebra, ratio))
+        example = tn.convert_damping(0.04, "eta", name, stiffness=1000.0, frequency=10.0)
+        cells = [code(name), f"${sympy.latex(own)}$", prose(measure.description.partition(",")[0])]
+        rows.append([*cells, rf"$\eta = {forward}$", rf"${sympy.latex(own)} = {back}$", f"{example:.6g}"])
+    headings = ["entry", "symbol", "what it is", "loss factor from it", "it from the loss factor", "at eta = 0.04"]
+    note = "The last column holds for 1000 N m/rad at 10 Hz, which only `c` depends on.\n"
+    return table(headings, rows) + "\n" + note
+
+
+# What is refused
+
+TRAP_MODEL = """\
+torsionnet: 1
+parameters: {{k: 1 kN*m/rad, tau: {ratio}}}
+elements:
+  disc:  {{type: inertia, node: a, inertia: {inertia}}}
+  shaft: {{type: spring, nodes: [a, b], stiffness: {stiffness}}}
+  stage: {{type: gear, nodes: [b, c], ratio: tau}}
+  load:  {{type: inertia, node: c, inertia: 2, enabled: {enabled}}}
+"""
+SOUND = {"inertia": "0.1 kg*m^2", "stiffness": "k", "ratio": "3", "enabled": "true"}
+TRAPS = (
+    ("stiffness", "13,3 kN*m/rad", "a decimal comma; some readers take 133"),
+    ("ratio", "3:1", "YAML 1.1 makes 181 of it (base 60)"),
+    ("ratio", "017", "YAML 1.1 makes 15 of it (octal)"),
+    ("enabled", "no", "YAML 1.1 makes `false` of it, and of the country code"),
+    ("inertia", "0.1 kg*m", "a unit of the wrong dimension"),
+    ("inertia", "0.1 kgm^3", "a unit nobody has"),
+    ("stiffness", "50 Hz", "a frequency is no stiffness"),
+    ("stiffness", "2 k", "a product without its sign"),
+    ("stiffness", "k + 3 N*m/rad", "a quantity inside an expression"),
+    ("stiffness", "k**5", "an exponent above 4"),
+    ("stiffness", "abs(k)", "a function"),
+    ("inertia", ".inf", "no finite number"),
+    ("inertia", "-0.1", "a negative inertia"),
+    ("stiffness", "kk", "a misspelt name"),
+)
+
+
+def traps_page() -> str:
+    rows = [[code(written), why, refusal(entry, written)] for entry, written, why in TRAPS]
+    return table(["written", "the trap", "what torsionnet says"], rows)
+
+
+def refusal(entry: str, written: str) -> str:
+    try:
+        tn.loads(TRAP_MODEL.format(**SOUND | {entry: written}), "model.yaml")
+    except ModelError as error:
+        return code(error.faults[0].message)
+    raise AssertionError(written)
+
+
+# Validation
+
+
+def paper_page() -> str:
+    """The rigs of the source paper: the model against what its test shows."""
+    from torsionnet import demo
+
+    rigs = demo.rigs()
+    rows = []
+    for rig in rigs:
+        for quantity, unit, value in demo.quantities(rig):
+            printed = demo.PAPER.get((rig.case, quantity))
+            if printed is not None:
+                apart = f"{value - printed:+.1f} deg" if unit == "deg" else f"{100 * (value / printed - 1):+.1f} %"
+                shown = [f"{printed:g} {unit}".removesuffix(" 1"), f"{value:.5g} {unit}".removesuffix(" 1"), apart]
+                rows.append([rig.case, quantity, *shown, WHY[quantity]])
+    headings = ["case", "quantity", "paper's test", "model", "deviation", "why"]
+    return table(headings, rows) + "\n" + model_table(rigs)
+
+
+WHY = {
+    "peak frequency": "printed to 1 Hz; the estimate has a line every 0.5 Hz",
+    "peak phase": "a viscous damper stands for losses that do not depend on frequency",
+    "damping ratio": "the model's is that of the whole rig, see below",
+    "DC gain": "$1/k_1 + \\tau^2/k_2$ with the same two stiffnesses in every gear",
+}
+
+
+def model_table(rigs: list[Any]) -> str:
+    rows, curves = [], []
+    for rig in rigs:
+        whole, cut = rig.drivetrain.modes(), rig.drivetrain.modes(measured_input="T_T")
+        rows.append([rig.case, poles(whole), poles(cut)])
+        found = {quantity: value for quantity, _, value in demo_quantities(rig)}
+        peak = f"{found['peak value']:.4f} at {found['peak frequency']:.3f} Hz, {found['peak phase']:.1f} deg"
+        curves.append([rig.case, f"{found['DC gain']:.4f}", peak, f"{lag(rig, 0.4):.1f}", f"{lag(rig, 12.0):.1f}"])
+    headings = ["case", "whole rig", "cut at the torque meter"]
+    curve = ["case", "static [deg/(N m)]", "peak [deg/(N m)]", "phase at 0.4 Hz [deg]", "phase at 12 Hz [deg]"]
+    return (
+        "Poles of the models, $|\\lambda|/2\\pi$ and damping ratio:\n\n"
+        + table(headings, rows)
+        + "\nTheir transfer functions $\\theta_1/T_T$:\n\n"
+        + table(curve, curves)
+    )
+
+
+def demo_quantities(rig: Any) -> Any:
+    from torsionnet import demo
+
+    return demo.quantities(rig)
+
+
+def poles(modes: tn.Modes) -> str:
+    found = []
+    for index, kind in enumerate(modes.kinds):
+        if kind == "oscillatory":
+            found.append(f"{modes.natural_frequencies[index]:.5f} Hz, {100 * modes.damping_ratios[index]:.2f} %")
+        else:
+            found.append(f"real pole {modes.eigenvalues[index].real:.6g} rad/s")
+    return "; ".join(found)
+
+
+def lag(rig: Any, frequency: float) -> float:
+    return float(rig.drivetrain.frequency_response("theta_1", "T_T", [frequency]).phase.item())
+
+
+PER_HZ = {
+    "natural_frequencies_hz": ("Hz", 1.0),
+    "natural_frequencies_cpm": ("1/min", 60.0),
+    "natural_frequencies_rad_s": ("rad/s", 2 * math.pi),
+}
+
+
+def cases_page() -> str:
+    """Every published number, and every case with only a reference computed to 40 digits."""
+    if str(TESTS) not in sys.path:
+        sys.path.insert(0, str(TESTS))
+    from validation.build import build, case_names, read_case
+
+    cases = {name: read_case(name) for name in case_names()}
+    printed, computed, sources = [], [], []
+    for name, case in cases.items():
+        if "expected" not in case:
+            continue
+        modes = build(case).modes()
+        rows = published_rows(name, case, modes)
+        printed += rows
+        sources += [f"* {code(name)}: {source_of(case)}"] if rows else []
+        computed.append(computed_row(name, case, modes))
+    headings = ["case", "quantity", "published", "computed", "relative"]
+    reference = ["case", "what it is", "compared", "values", "largest relative deviation"]
+    return (
+        "### Printed numbers\n\nUndamped natural frequencies $f_n$ and damping ratios $\\zeta_n$.\n\n"
+        + table(headings, printed)
+        + "\nSources, and where the numbers were taken from:\n\n"
+        + "\n".join(sources)
+        + "\n"
+        + "\n### Reference solutions of the same data\n\n"
+        + table(reference, computed)
+    )
+
+
+def source_of(case: dict[str, Any]) -> str:
+    """Where the numbers come from, without notes on how the file was found."""
+    return re.sub(r"; the two-node value.*", "", case["source"])
+
+
+def published_rows(name: str, case: dict[str, Any], modes: tn.Modes) -> list[list[str]]:
+    rows = []
+    published = case.get("published") or {}
+    first = [code(name)]
+    for key, (unit, scale) in PER_HZ.items():
+        for index, value in enumerate(published.get(key, ())):
+            if value in (None, 0):
+                continue
+            found = modes.undamped_natural_frequencies[index] * scale
+            rows.append([*first, f"$f_{{{index + 1}}}$ [{unit}]", *compared(value, found)])
+            first = [""]
+    ratios = [ratio for ratio, kind in zip(modes.damping_ratios, modes.kinds, strict=True) if kind == "oscillatory"]
+    for index, value in enumerate(published.get("damping_ratios", ())):
+        rows.append([*first, f"$\\zeta_{{{index + 1}}}$", *compared(value, ratios[index])])
+        first = [""]
+    return rows
+
+
+def compared(value: float | str, found: float) -> list[str]:
+    shown = f"{float(value):.10g}"
+    return [shown, f"{found:.10g}", f"{found / float(value) - 1:+.1e}"]
+
+
+def computed_row(name: str, case: dict[str, Any], modes: tn.Modes) -> list[str]:
+    expected = case["expected"]
+    damped = "damping_ratios" in expected
+    picked = [i for i, kind in enumerate(modes.kinds) if kind == "oscillatory" or not damped]
+    pairs = list(zip(modes.natural_frequencies[picked], expected["natural_frequencies_hz"], strict=True))
+    what = "natural frequencies"
+    if damped:
+        pairs += zip(modes.damping_ratios[picked], expected["damping_ratios"], strict=True)
+        what += ", damping ratios"
+    worst = max(abs(found / value - 1) for found, value in pairs if value)
+    return [code(name), case["description"].partition(";")[0], what, str(len(pairs)), f"{worst:.1e}"]
+
+
+# Picture
+
+
+def sign_picture(path: Path) -> None:
+    """Cut torque, gear ratio and lag, as the page on sign conventions explains them."""
+    import sign_picture as picture
+
+    picture.draw(path)
+
+
+PAGES = {
+    "elements.md": elements_page,
+    "units.md": units_page,
+    "damping.md": damping_page,
+    "traps.md": traps_page,
+    "paper.md": paper_page,
+    "cases.md": cases_page,
+}
+
+
+def write_all(folder: Path = GENERATED) -> None:
+    """All generated pages, and the picture."""
+    folder.mkdir(exist_ok=True)
+    for name, make in PAGES.items():
+        (folder / name).write_text(make(), encoding="utf-8")
+    if str(DOCS) not in sys.path:
+        sys.path.insert(0, str(DOCS))
+    sign_picture(folder / "signs.svg")
+
+
+if __name__ == "__main__":
+    write_all()

@@ -1,0 +1,189 @@
+"""The documentation is true: generated tables are complete, snippets load, programs run."""
+
+import importlib
+import json
+import os
+import re
+import runpy
+import shlex
+import sys
+from pathlib import Path
+
+import pytest
+
+import torsionnet as tn
+from torsionnet.cli import main
+from torsionnet.damping import MEASURES
+from torsionnet.elements import ELEMENT_TYPES
+from torsionnet.files.located import compose
+from torsionnet.units import _BASE
+
+os.environ["MPLBACKEND"] = "Agg"
+DOCS = Path(__file__).parents[1] / "docs"
+EXAMPLES = sorted((DOCS.parent / "examples").glob("plot_*.py"))
+OWN = ["concepts", "sign_conventions", "model_file", "get_started", "validation"]
+PAGES = [DOCS / f"{name}.md" for name in OWN] + sorted((DOCS / "how_to").glob("*.md"))
+FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+FILE_NAME = re.compile(r"# (\w+\.yaml)\n")
+
+
+def blocks(page, *languages):
+    return [text for language, text in FENCE.findall(page.read_text(encoding="utf-8")) if language in languages]
+
+
+@pytest.fixture(scope="module")
+def generate():
+    sys.path.insert(0, str(DOCS))
+    yield importlib.import_module("generate")
+    sys.path.remove(str(DOCS))
+
+
+@pytest.fixture
+def workplace(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+class TestGeneratedPages:
+    def test_elements_page_has_every_type_and_every_entry(self, generate):
+        for kind, cls in ELEMENT_TYPES.items():
+            section = generate.element_section(kind, cls)
+            assert section.startswith(f"## {kind}\n")
+            assert section in generate.elements_page()
+            assert cls.sign in section
+            for declared in cls.declared():
+                if declared.name not in generate.COMMON:
+                    assert f"| `{declared.name}` |" in section
+                    assert generate.prose(declared.metadata["spec"].description) in section
+            assert all(f"`{port}`" in section for port in generate.sample(cls, full=True).ports)
+        page = (DOCS / "elements.md").read_text(encoding="utf-8")
+        assert all(f"`{name}`" in page for name in generate.COMMON)
+
+    @pytest.mark.parametrize("kind", ELEMENT_TYPES)
+    def test_minimal_line_of_every_type_makes_that_element(self, generate, kind):
+        text = re.search(r"```yaml\n(.*?)```", generate.element_section(kind, ELEMENT_TYPES[kind]), re.DOTALL)[1]
+        entry = compose(text, "line").data["elements"]["part"]
+        assert type(tn.elements.make_element(entry.pop("type"), "part", entry)) is ELEMENT_TYPES[kind]
+
+    def test_laws_in_symbols(self, generate):
+        gear = generate.laws(tn.Gear)
+        assert r"\gamma = 0" in gear
+        assert r"\left(\tau - 1\right) \theta_\mathrm{housing}" in gear
+        assert r"\frac{2}{z - 1} \theta_\mathrm{sun}" in generate.laws(tn.Planetary)
+
+    def test_every_unit_and_every_measure_of_damping_is_listed(self, generate):
+        units, damping = generate.units_page(), generate.damping_page()
+        assert all(f"| `{name}` |" in units for name in _BASE)
+        assert all(f"| `{name}` |" in damping for name in MEASURES)
+
+    def test_traps_are_refused_with_a_message(self, generate):
+        assert generate.traps_page().count("\n") == len(generate.TRAPS) + 2
+        tn.loads(generate.TRAP_MODEL.format(**generate.SOUND))
+
+    def test_deviations_from_the_paper_are_those_the_page_explains(self, generate):
+        page = generate.paper_page()
+        assert "| DMF | peak phase | -64 deg | -72.618 deg | -8.6 deg |" in page
+        assert "| AMT II | DC gain | 0.44 deg/(N*m) | 0.41971 deg/(N*m) | -4.6 % |" in page
+        assert "| AMT V | DC gain | 0.16 deg/(N*m) | 0.17406 deg/(N*m) | +8.8 % |" in page
+
+    def test_published_values_are_met(self, generate):
+        rows = re.findall(r"\| ([+-]\d\.\de[+-]\d\d) \|$", generate.cases_page(), re.MULTILINE)
+        assert len(rows) >= 25
+        assert max(abs(float(row)) for row in rows) < 5e-4
+
+    def test_picture(self, generate, tmp_path):
+        generate.sign_picture(tmp_path / "signs.svg")
+        assert "<svg" in (tmp_path / "signs.svg").read_text(encoding="utf-8")
+
+
+def is_whole(text):
+    return "torsionnet: 1" in text
+
+
+WHOLE = [(page.stem, text) for page in PAGES for text in blocks(page, "yaml") if is_whole(text)]
+
+
+@pytest.mark.parametrize(("page", "text"), WHOLE, ids=lambda value: value[:12])
+def test_whole_models_load_without_a_warning(page, text):
+    assert [str(fault) for fault in tn.loads(text, page).check() if fault.severity != "note"] == []
+
+
+PARTS = [text for text in blocks(DOCS / "model_file.md", "yaml") if not is_whole(text)]
+
+
+@pytest.mark.parametrize("text", PARTS, ids=lambda text: text.partition(":")[0])
+def test_snippets_of_the_model_file_page_fit_into_its_first_model(text):
+    base = compose(blocks(DOCS / "model_file.md", "yaml")[0], "base").data
+    for section, entries in compose(text, "snippet").data.items():
+        base[section] = {**base.get(section, {}), **entries}
+    model = tn.loads(json.dumps(base))
+    for name in model.configurations:
+        model.configured(name)
+
+
+def test_axes_of_the_model_file_page_combine():
+    base = compose(blocks(DOCS / "model_file.md", "yaml")[0], "base").data
+    snippet = next(text for text in PARTS if "configurations:" in text)
+    for section, entries in compose(snippet, "snippet").data.items():
+        base[section] = {**base.get(section, {}), **entries}
+    page = (DOCS / "model_file.md").read_text(encoding="utf-8")
+    assert all(f"`{name}`" in page for name in tn.loads(json.dumps(base)).configurations)
+
+
+def lay_out(page, folder):
+    """Models that a page gives a file name."""
+    for text in blocks(page, "yaml"):
+        name = FILE_NAME.match(text)
+        if name:
+            (folder / name[1]).write_text(text, encoding="utf-8")
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.stem)
+def test_programs_on_pages_run(page, workplace, capsys):
+    lay_out(page, workplace)
+    names = {}
+    for text in blocks(page, "python"):
+        exec(compile(text, page.name, "exec"), names)
+    assert "Traceback" not in capsys.readouterr().out
+
+
+COMMANDS = [
+    (page, line.partition("#")[0].strip())
+    for page in PAGES
+    for text in blocks(page, "sh")
+    for line in text.splitlines()
+    if line.startswith("torsionnet ")
+]
+
+
+@pytest.mark.parametrize(("page", "line"), COMMANDS, ids=lambda value: getattr(value, "stem", value))
+def test_commands_on_pages_work(page, line, workplace, capsys):
+    lay_out(page, workplace)
+    code = main(shlex.split(line)[1:])
+    assert code == 0, capsys.readouterr()
+
+
+def test_message_on_the_page_about_bad_input_is_the_real_one():
+    page = DOCS / "how_to" / "bad_input.md"
+    text = re.search(r'text = """(.*?)"""', blocks(page, "python")[0], re.DOTALL)[1]
+    with pytest.raises(tn.ModelError) as caught:
+        tn.loads(text, "model.yaml")
+    assert str(caught.value) == blocks(page, "text")[0].rstrip("\n")
+
+
+def test_there_is_a_gallery():
+    assert len(EXAMPLES) >= 6
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_example_draws(path, workplace, capsys):
+    import matplotlib.pyplot as plt
+    from matplotlib.figure import Figure
+
+    names = runpy.run_path(str(path))
+    figures = [value for value in names.values() if isinstance(value, Figure)]
+    assert figures
+    for number, figure in enumerate(figures):
+        figure.savefig(workplace / f"{number}.png")
+    plt.close("all")
+    capsys.readouterr()

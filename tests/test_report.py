@@ -1,0 +1,530 @@
+"""Pictures: what is in them, that they collide nowhere, and how they get into files."""
+
+import itertools
+import re
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from models import EVERY_ELEMENT, geared_line
+from validation.build import build, case_names, read_case
+
+import torsionnet as tn
+from torsionnet.report import bode, mode_shapes, save, schematic
+from torsionnet.report.bode import unwrapped
+from torsionnet.report.labels import number, quantity, symbol
+from torsionnet.response import Channel, FrequencyResponse
+
+DEGREES = tn.Conventions(angle="deg", frequency="cpm")
+FREQUENCIES = np.geomspace(0.3, 40, 60)
+
+
+def amt(configuration="", output="theta_1", **changes):
+    rig = tn.load("amt_rig")
+    return rig.configured(configuration, **changes).frequency_response(output, "T_T", FREQUENCIES)
+
+
+def made(values, frequencies=None, **extra):
+    """A response with one output and one input from plain values."""
+    values = np.asarray(values, dtype=complex).reshape(-1, 1, 1)
+    frequencies = np.arange(1.0, len(values) + 1) if frequencies is None else np.asarray(frequencies, dtype=float)
+    return FrequencyResponse(frequencies, values, (Channel("y", "rad"),), (Channel("u", "N*m"),), **extra)
+
+
+def curve(axes, number=0):
+    return np.asarray(axes.lines[number].get_xdata()), np.asarray(axes.lines[number].get_ydata())
+
+
+def legend(figure):
+    return [text.get_text() for box in figure.legends for text in box.get_texts()]
+
+
+class TestBode:
+    def test_lines_are_the_response_in_the_units_shown(self):
+        response = amt("V")
+        magnitude, phase = bode(response, conventions=DEGREES).axes
+        x, y = curve(magnitude)
+        np.testing.assert_allclose(x, 60 * FREQUENCIES, rtol=1e-12)
+        np.testing.assert_allclose(y, np.degrees(np.abs(response.values[:, 0, 0])), rtol=1e-12)
+        np.testing.assert_allclose(curve(phase)[1], response.phase[:, 0, 0], rtol=1e-12)
+
+    def test_axes_say_what_and_in_which_unit(self):
+        magnitude, phase = bode(amt("V"), conventions=DEGREES).axes
+        assert magnitude.get_ylabel() == "|theta_1/T_T| [deg/(N·m)]"
+        assert phase.get_ylabel() == "phase [deg]"
+        assert phase.get_xlabel() == "frequency [cpm]"
+
+    def test_decibels_are_those_of_the_response(self):
+        shown = tn.Conventions(angle="deg", db_reference=0.01)
+        axes = bode(amt("V"), conventions=shown, decibels=True).axes[0]
+        assert axes.get_ylabel() == "|theta_1/T_T| [dB re 0.01 deg/(N·m)]"
+        np.testing.assert_allclose(curve(axes)[1], amt("V").decibels(shown)[:, 0, 0], rtol=1e-12)
+
+    def test_configurations_are_told_apart(self):
+        figure = bode([amt("II"), amt("V")])
+        assert legend(figure) == ["II", "V"]
+        assert figure.get_suptitle() == "AMT test rig"
+        first, second = figure.axes[0].lines
+        assert first.get_color() != second.get_color()
+        assert first.get_linestyle() != second.get_linestyle()
+
+    def test_own_labels_and_title(self):
+        figure = bode([amt("II"), amt("V")], labels=["model", "test"], title="T")
+        assert legend(figure) == ["model", "test"]
+        assert figure.get_suptitle() == "T"
+
+    def test_every_pair_is_a_curve_unless_one_is_chosen(self):
+        response = amt(output=["theta_1", "hub", "input_shaft"])
+        assert legend(bode(response)) == ["theta_1/T_T", "hub/T_T", "input_shaft/T_T"]
+        assert len(bode(response, output="hub").axes[0].lines) == 1
+
+    def test_unlike_units_are_refused(self):
+        response = amt(output=["theta_1", "torque(dmf)"])
+        with pytest.raises(tn.UsageError, match="choose with output="):
+            bode(response)
+        bode(response, output="torque(dmf)")
+
+    def test_wrong_number_of_labels_is_refused(self):
+        with pytest.raises(tn.UsageError, match="2 labels"):
+            bode(amt(), labels=["a", "b"])
+
+    def test_nothing_to_plot_is_refused(self):
+        with pytest.raises(tn.UsageError):
+            bode([])
+
+    def test_infinite_values_are_left_out(self):
+        y = curve(bode(made([1, np.inf, 2, 0, 3])).axes[0])[1]
+        np.testing.assert_array_equal(np.isnan(y), [False, True, False, True, False])
+
+    def test_zero_frequency_only_on_a_linear_axis(self):
+        response = made([1, 2, 3], [0, 1, 2])
+        assert len(curve(bode(response).axes[0])[0]) == 2
+        assert len(curve(bode(response, x_log=False).axes[0])[0]) == 3
+
+    def test_coherence_where_there_is_one(self):
+        response = made([1, 2, 3], coherence=np.array([0.9, 0.5, 1.0]).reshape(-1, 1, 1))
+        figure = bode(response)
+        assert figure.axes[2].get_ylabel() == "coherence [-]"
+        np.testing.assert_array_equal(curve(figure.axes[2])[1], [0.9, 0.5, 1.0])
+        assert len(bode(response, coherence=False).axes) == 2
+        with pytest.raises(tn.UsageError, match="none of the responses"):
+            bode(made([1, 2]), coherence=True)
+
+    def test_poor_conditioning_is_marked(self):
+        figure = bode(made([1, 2, 3, 4], conditioning=np.array([1, 1e-14, 1e-12, 1])))
+        (patch,) = figure.axes[0].patches
+        assert patch.get_x() == pytest.approx(1.5)
+        assert patch.get_x() + patch.get_width() == pytest.approx(3.5)
+        assert "measured input nearly zero: not to be trusted" in legend(figure)
+        assert bode(made([1, 2], conditioning=np.ones(2))).legends == []
+
+    def test_phase_goes_on_below_a_half_turn(self):
+        turns = np.exp(-1j * np.radians(np.arange(0, 720, 30)))
+        np.testing.assert_allclose(unwrapped(turns), -np.arange(0.0, 720, 30), atol=1e-9)
+
+    def test_opposite_phase_is_a_lag(self):
+        np.testing.assert_array_equal(unwrapped(np.array([complex(-1, 0.0), complex(-2, -0.0)])), [-180, -180])
+
+    @pytest.mark.parametrize("span", [0, 100, 300, 2000])
+    def test_phase_ticks_are_multiples_of_45(self, span):
+        values = np.exp(-1j * np.radians(np.linspace(0, span, 200)))
+        axes = bode(made(values)).axes[1]
+        low, high = axes.get_ylim()
+        ticks = [tick for tick in axes.get_yticks() if low <= tick <= high]
+        assert 2 <= len(ticks) <= 13
+        np.testing.assert_array_equal(np.remainder(ticks, 45), 0)
+
+
+class TestModeShapes:
+    def test_a_panel_for_each_mode(self):
+        rig = tn.load("amt_rig")
+        modes = rig.modes()
+        figure = mode_shapes(modes, rig)
+        assert len(figure.axes) == len(modes)
+        assert figure.axes[0].get_title() == "1: 3.409 Hz, zeta = 22.9 %"
+        assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == list(rig.nodes)
+
+    def test_points_are_the_shape(self):
+        modes = geared_line().modes()
+        points = [line for line in mode_shapes(modes).axes[1].lines if line.get_marker() == "o"]
+        imaginary, real = (np.asarray(line.get_ydata()) for line in points)
+        np.testing.assert_array_equal(real, modes.shapes[:, 1].real)
+        np.testing.assert_array_equal(imaginary, modes.shapes[:, 1].imag)
+
+    def test_only_nodes_that_share_an_element_are_joined(self):
+        rig = tn.load("marine_steam_turbine")
+        modes = rig.modes()
+        place = {node: index for index, node in enumerate(modes.nodes)}
+        joined = {frozenset((place[a], place[b])) for a, b in rig.graph().edges() if "ground" not in (a, b)}
+        lines = [line for line in mode_shapes(modes, rig).axes[0].lines if line.get_label() == "_edge"]
+        assert {frozenset(int(x) for x in line.get_xdata()) for line in lines} == joined
+        assert not [line for line in mode_shapes(modes).axes[0].lines if line.get_label() == "_edge"]
+
+    def test_at_most_twelve_unless_asked(self):
+        rig = build(read_case("uniform_chain_50_free_free"))
+        modes = rig.modes()
+        figure = mode_shapes(modes, rig)
+        assert len(figure.axes) == 12
+        assert "12 of 50 modes shown" in legend(figure)
+        assert figure.axes[0].get_title() == "1: rigid body"
+        titles = [axes.get_title() for axes in mode_shapes(modes, rig, which=[50, 2, 3]).axes]
+        assert [title.split(":")[0] for title in titles] == ["50", "2", "3"]
+
+    @pytest.mark.parametrize("number", [0, 51, -1])
+    def test_no_such_mode(self, number):
+        modes = build(read_case("uniform_chain_50_free_free")).modes()
+        with pytest.raises(tn.UsageError, match="numbered 1 to 50"):
+            mode_shapes(modes, which=[number])
+
+    def test_drawn_without_complaint_with_an_odd_number_of_panels(self, tmp_path):
+        rig = build(read_case("uniform_chain_50_free_free"))
+        save(mode_shapes(rig.modes(), rig, which=[1, 2, 3]), tmp_path / "shapes.png")
+
+
+def inertia(name, node, value=1.0):
+    return tn.Inertia(name, node=node, inertia=value)
+
+
+def hybrid():
+    """Planetary set, differential, branches, a loop through the road, every kind of spring and sensor."""
+    return tn.Drivetrain(
+        "hybrid axle with a title in $",
+        [
+            inertia("engine", "e", 0.2),
+            tn.Spring("damper_spring", nodes=("e", "s"), stiffness=600, damping={"zeta": 0.02, "at": "12 Hz"}),
+            tn.Planetary("split", sun="s", ring="r", carrier="c", teeth=(30, 78), planet_inertia=1e-4),
+            inertia("generator", "s", 0.05),
+            inertia("ring_gear", "r", 0.02),
+            tn.Gear("counter", nodes=("r", "k"), teeth=(30, -44)),
+            tn.Gear("reduction", nodes=("k", "cage"), ratio=-3.5, stiffness=1e6, damping=10),
+            tn.Gear("motor_gear", nodes=("m", "k"), ratio=-2.6),
+            inertia("motor", "m", 0.03),
+            tn.Differential("axle", cage="cage", left="l", right="rr"),
+            tn.Shaft("left_shaft", nodes=("l", "wl"), outer_diameter="28 mm", length="0.6 m", segments=4),
+            tn.Spring("right_shaft", nodes=("rr", "wr"), stiffness=9000),
+            inertia("wheel_left", "wl", 0.9),
+            inertia("wheel_right", "wr", 0.9),
+            tn.HystereticSpring("tyre_left", nodes=("wl", "road"), stiffness=3e4, loss_factor=0.1),
+            tn.TabulatedSpring("tyre_right", nodes=("wr", "road"), table=[[1, 3e4, 2], [20, 4e4, 1]]),
+            inertia("vehicle", "road", 130),
+            tn.Damper("drag", nodes=("road", "ground"), damping=3),
+            tn.Lock("carrier_brake", node="c"),
+            tn.Damper("oil", nodes=("k", "ground"), damping=0.1),
+            tn.Spring("mount", nodes=("m", "ground"), stiffness=5),
+            tn.Spring("pto_shaft", nodes=("e", "pump"), stiffness=800),
+            inertia("pump_inertia", "pump", 0.01),
+        ],
+        inputs={"T_E": {"torque": "e"}, "T_mot": {"torque": "m"}},
+        sensors={
+            "w_e": {"velocity": "e"},
+            "T_left": {"torque": "left_shaft"},
+            "T_cage": {"torque": "reduction", "at": "cage"},
+            "T_brake": {"torque": "carrier_brake"},
+            "twist": {"twist": "right_shaft"},
+        },
+    )
+
+
+def parallel():
+    """Gears side by side, strands side by side, an elastic end, and a loop of gears."""
+    return tn.Drivetrain(
+        "side by side",
+        [
+            inertia("a", "x"),
+            tn.Gear("g1", nodes=("x", "y"), ratio=3, stiffness=1e4),
+            tn.Gear("g2", nodes=("x", "y"), ratio=2.9, stiffness=1e5),
+            inertia("b", "y", 20),
+            tn.Spring("p1", nodes=("y", "z"), stiffness=4),
+            tn.Spring("p2_with_a_long_name", nodes=("y", "z"), stiffness=4, damping=2),
+            tn.Damper("p3", nodes=("z", "y"), damping=2),
+            tn.Damper("across", nodes=("x", "z"), damping=2),
+            inertia("e", "z"),
+            tn.Spring("wall", nodes=("z", "ground"), stiffness=3, damping=1),
+        ],
+    )
+
+
+def chain(count):
+    masses = [inertia(f"J{i}", f"n{i}", 1 + i % 7) for i in range(count)]
+    springs = [tn.Spring(f"k{i}", nodes=(f"n{i}", f"n{i + 1}"), stiffness=1e4) for i in range(count - 1)]
+    return tn.Drivetrain(f"chain of {count}", [*masses, *springs, tn.Lock("end", node=f"n{count - 1}")])
+
+
+def star():
+    arms = [
+        element
+        for i in range(6)
+        for element in (
+            tn.Gear(f"g_{i}", nodes=("h", f"p{i}"), ratio=-2 - i),
+            tn.Spring(f"k_{i}", nodes=(f"p{i}", f"q{i}"), stiffness=9),
+            inertia(f"J_{i}", f"q{i}"),
+        )
+    ]
+    return tn.Drivetrain("star", [inertia("hub", "h"), *arms])
+
+
+def ends_clamped():
+    middle = [tn.Spring(f"k_{i}", nodes=(f"n{i}", f"n{i + 1}"), stiffness=i + 1) for i in range(9)]
+    masses = [inertia(f"J_{i}", f"n{i}") for i in range(10)]
+    return tn.Drivetrain("clamped", [*masses, *middle, tn.Lock("left", node="n0"), tn.Lock("right", node="n9")])
+
+
+def full_mesh():
+    """Every node joined with every other: more loops than lines could show."""
+    nodes = [f"n{i}" for i in range(6)]
+    pairs = itertools.combinations(nodes, 2)
+    springs = [tn.Spring(f"k_{a}_{b}", nodes=(a, b), stiffness=1) for a, b in pairs]
+    return tn.Drivetrain("mesh", [*(inertia(f"J_{node}", node) for node in nodes), *springs])
+
+
+def alone(kind):
+    element = EVERY_ELEMENT[kind]
+    nodes = [node for node in dict.fromkeys(element.ports.values()) if node != "ground"]
+    return tn.Drivetrain(kind, [element, *(inertia(f"J_{node}", node) for node in nodes)])
+
+
+# The chain of 200 has a test of its own; here it would take as long as all others together.
+CASES = [case for case in case_names() if "nodes" in read_case(case) and len(read_case(case)["nodes"]) < 100]
+EXAMPLES = {
+    **{name: lambda name=name: tn.load(name) for name in tn.library_models()},
+    **{case: lambda case=case: build(read_case(case)) for case in CASES},
+    **{kind: lambda kind=kind: alone(kind) for kind in EVERY_ELEMENT},
+    "hybrid": hybrid,
+    "parallel": parallel,
+    "star": star,
+    "clamped": ends_clamped,
+    "mesh": full_mesh,
+    "chain of 41": lambda: chain(41),
+}
+each_example = pytest.mark.parametrize("example", EXAMPLES)
+
+
+def texts(figure):
+    return [text.get_text() for text in figure.axes[0].texts]
+
+
+def collisions(figure):
+    """Pairs of texts whose boxes overlap by more than half a pixel, as drawn."""
+    figure.canvas.draw()
+    renderer = figure.canvas.get_renderer()
+    shown = [(text.get_text(), text.get_window_extent(renderer)) for text in figure.axes[0].texts]
+    return [
+        (first, second)
+        for (first, a), (second, b) in itertools.combinations(shown, 2)
+        if min(a.x1, b.x1) - max(a.x0, b.x0) > 0.5 and min(a.y1, b.y1) - max(a.y0, b.y0) > 0.5
+    ]
+
+
+def outside(figure):
+    """Texts that are not wholly in the picture; a drawing leaves the renderer they are measured with."""
+    boxes = [(text.get_text(), text.get_window_extent()) for text in figure.axes[0].texts]
+    page = figure.bbox
+    return [text for text, box in boxes if box.x0 < page.x0 or box.x1 > page.x1 or box.y0 < page.y0 or box.y1 > page.y1]
+
+
+def crossed(figure):
+    """Texts with a line through them."""
+    figure.canvas.draw()
+    renderer, back = figure.canvas.get_renderer(), figure.axes[0].transData.inverted()
+    boxes = [
+        (text.get_text(), text.get_window_extent(renderer).transformed(back).padded(-1.5))
+        for text in figure.axes[0].texts
+    ]
+    return [
+        text
+        for patch in figure.axes[0].patches
+        for text, box in boxes
+        if not patch.get_fill() and patch.get_path().intersects_bbox(box, filled=False)
+    ]
+
+
+def drawable(figure):
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    FigureCanvasAgg(figure)
+    return figure
+
+
+class TestSchematic:
+    @each_example
+    def test_texts_meet_no_texts_and_no_lines_and_lie_inside(self, example):
+        figure = drawable(schematic(EXAMPLES[example]()))
+        assert collisions(figure) == []
+        assert crossed(figure) == []
+        assert outside(figure) == []
+
+    def test_a_line_through_a_text_would_be_found(self):
+        figure = drawable(schematic(tn.load("dmf_rig")))
+        shaft = max(figure.axes[0].patches, key=lambda patch: patch.get_path().get_extents().width)
+        figure.axes[0].texts[0].set_position(shaft.get_path().vertices.mean(axis=0) - [0, 3])
+        assert crossed(figure)
+
+    def test_a_collision_would_be_found(self):
+        figure = drawable(schematic(tn.load("dmf_rig")))
+        first, second = figure.axes[0].texts[:2]
+        second.set_position(first.get_position())
+        assert collisions(figure)
+
+    def test_a_text_outside_would_be_found(self):
+        figure = drawable(schematic(tn.load("dmf_rig")))
+        figure.axes[0].texts[0].set_x(-100)
+        assert len(outside(figure)) == 1
+
+    @each_example
+    def test_everything_is_named_once(self, example):
+        model = EXAMPLES[example]()
+        shown = texts(schematic(model))
+        inner = {node for element in model.elements.values() for node in element.internal_nodes}
+        for node in set(model.nodes) - inner:
+            assert node in shown
+        if len(model.nodes) <= 40:
+            for name in model.elements:
+                assert shown.count(name) == 1 + (name in model.nodes), name
+            for name in (*model.inputs, *model.sensors):
+                assert symbol(name) in shown, name
+
+    def test_values_in_engineering_units(self):
+        shown = texts(schematic(tn.load("amt_rig").configured("V")))
+        for text in (
+            r"$k_{\mathrm{1}}$ = 460 N·m/rad",
+            r"$k_{\mathrm{2}}$ = 12.3 kN·m/rad",
+            r"$c_{\mathrm{1}}$ = 4 N·m·s/rad",
+            r"$I_{\mathrm{F}}$ = 0.152 kg·m²",
+            r"$\tau$ = 3.26",
+        ):
+            assert text in shown
+
+    def test_title(self):
+        assert "AMT test rig (V)" in texts(schematic(tn.load("amt_rig").configured("V")))
+        assert "own" in texts(schematic(tn.load("amt_rig"), title="own"))
+        assert "AMT test rig" not in texts(schematic(tn.load("amt_rig"), title=""))
+
+    def test_switched_off_elements_are_not_drawn(self):
+        assert "bearing" not in texts(schematic(tn.load("amt_rig").switched(off=["bearing"])))
+
+    def test_long_chain_is_cut_into_lines_and_fits(self):
+        figure = schematic(chain(200))
+        width, height = figure.get_size_inches()
+        assert max(width, height) <= 24.0 + 1e-9
+        assert 0.4 < width / height < 2.5
+        assert any(text.startswith("200 nodes") for text in texts(figure))
+
+    def test_loop_is_led_back_by_a_line_of_level_and_upright_pieces(self):
+        lines = [
+            patch.get_path().vertices
+            for patch in schematic(hybrid()).axes[0].patches
+            if patch.get_edgecolor() == mpl.colors.to_rgba("#6b6b6b") and not patch.get_fill()
+        ]
+        assert lines
+        for points in lines:
+            assert np.all(np.isclose(np.diff(points, axis=0), 0).any(axis=1))
+
+    def test_many_loops_are_tagged_with_the_name_of_the_node(self):
+        shown = texts(schematic(full_mesh()))
+        assert sum(shown.count(f"n{i}") for i in range(6)) == 6 + 10
+
+    def test_drawing_shows_the_ratio_of_the_inertias(self):
+        small, large = (
+            tn.Drivetrain(
+                "two", [inertia("a", "x", 1), tn.Spring("k", nodes=("x", "y"), stiffness=1), inertia("b", "y", value)]
+            )
+            for value in (10, 1000)
+        )
+        heights = []
+        for model in (small, large):
+            boxes = [patch.get_path().get_extents() for patch in schematic(model).axes[0].patches]
+            discs = [box.height for box in boxes if box.width == pytest.approx(13)]
+            heights.append(max(discs) - min(discs))
+        assert 0 < heights[0] < heights[1]
+
+
+class TestLabels:
+    @pytest.mark.parametrize(
+        ("value", "text"),
+        [
+            (0, "0"),
+            (460, "460"),
+            (12345.6, "12350"),
+            (0.0780, "0.078"),
+            (-3.5, "−3.5"),
+            (2.5e-5, "2.5·10⁻⁵"),
+            (38759227, "3.876·10⁷"),
+            (999999.9, "1000000"),
+        ],
+    )
+    def test_number(self, value, text):
+        assert number(value) == text
+
+    @pytest.mark.parametrize(
+        ("value", "dimension", "text"),
+        [
+            (1.2e6, "stiffness", "1.2 MN·m/rad"),
+            (0.3, "damping", "0.3 N·m·s/rad"),
+            (0.028, "length", "28 mm"),
+            (1.5, "length", "1.5 m"),
+            (3, "1", "3"),
+        ],
+    )
+    def test_quantity(self, value, dimension, text):
+        assert quantity(value, dimension) == text
+
+    @pytest.mark.parametrize(
+        ("name", "text"),
+        [
+            ("theta_1", r"$\theta_{\mathrm{1}}$"),
+            ("k", "$k$"),
+            ("c_a_b", r"$c_{\mathrm{a\_b}}$"),
+            ("rotor_speed", "rotor_speed"),
+        ],
+    )
+    def test_symbol(self, name, text):
+        assert symbol(name) == text
+
+
+class TestSave:
+    @pytest.mark.parametrize(
+        ("ending", "start"), [("svg", b"<?xml"), ("png", b"\x89PNG"), ("pdf", b"%PDF"), ("SVG", b"<?xml")]
+    )
+    def test_form_by_the_ending(self, tmp_path, ending, start):
+        path = tmp_path / f"picture.{ending}"
+        save(schematic(tn.load("dmf_rig")), path)
+        assert path.read_bytes().startswith(start)
+
+    @pytest.mark.parametrize("ending", ["svg", "png", "pdf"])
+    def test_equal_figures_give_equal_files(self, tmp_path, ending):
+        contents = set()
+        for copy in range(2):
+            path = tmp_path / f"{copy}.{ending}"
+            save(bode([amt("II"), amt("V")]), path)
+            contents.add(path.read_bytes())
+        assert len(contents) == 1
+
+    def test_resolution_of_a_png(self, tmp_path):
+        figure = schematic(tn.load("dmf_rig"))
+        save(figure, tmp_path / "a.png")
+        header = (tmp_path / "a.png").read_bytes()[16:24]
+        size = [int.from_bytes(header[:4]), int.from_bytes(header[4:])]
+        np.testing.assert_allclose(size, 150 * figure.get_size_inches(), atol=1)
+
+    @pytest.mark.parametrize("name", ["picture.jpg", "picture", ".svg", "picture.svg.txt"])
+    def test_other_endings_are_refused(self, tmp_path, name):
+        with pytest.raises(tn.UsageError, match=re.escape(".svg, .png or .pdf")):
+            save(schematic(tn.load("dmf_rig")), tmp_path / name)
+        assert list(tmp_path.iterdir()) == []
+
+    def test_a_failure_leaves_nothing_behind(self, tmp_path):
+        figure = schematic(tn.load("dmf_rig"))
+        target = tmp_path / "old.svg"
+        target.write_text("old")
+        figure.axes[0].text(0, 0, "$\\nosuchcommand$")
+        with pytest.raises(ValueError, match="nosuchcommand"):
+            save(figure, target)
+        assert target.read_text() == "old"
+        assert [path.name for path in tmp_path.iterdir()] == ["old.svg"]
+
+    def test_global_settings_stay_as_they_are(self, tmp_path):
+        before = dict(mpl.rcParams)
+        rig = tn.load("dmf_rig")
+        for figure in (schematic(rig), mode_shapes(rig.modes(), rig), bode(amt())):
+            save(figure, tmp_path / "a.svg")
+        assert dict(mpl.rcParams) == before
