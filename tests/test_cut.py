@@ -70,6 +70,44 @@ def test_a_loop_past_the_meter_keeps_both_sides():
         assert residue(looped, "angle", "T", pole) == pytest.approx(1e4, rel=0.05)
 
 
+def test_slow_poles_are_no_rigid_bodies():
+    """A node held by 5 N m/rad and 100 N m s/rad relaxes at 0.05 rad/s, beside a mesh at 1e6 rad/s."""
+    model = tn.Drivetrain(
+        "p",
+        [
+            tn.Inertia("i", node="a", inertia=1),
+            tn.Spring("s", nodes=("a", "b"), stiffness=1e5),
+            tn.Inertia("j", node="b", inertia=0.1),
+            tn.Spring("s2", nodes=("b", "c"), stiffness=5),
+            tn.Damper("dc", nodes=("c", "ground"), damping=100),
+            tn.Spring("mesh", nodes=("b", "d"), stiffness=1e9),
+            tn.Inertia("pinion", node="d", inertia=1e-3),
+        ],
+        inputs={"T": {"torque": "a"}},
+        sensors={"B": {"angle": "b"}},
+    )
+    modes = model.modes(measured_input="B")
+    assert modes.kinds == ("real pole", "oscillatory")
+    np.testing.assert_allclose(modes.eigenvalues, [-0.05, 1e6j], rtol=1e-6)
+
+
+def test_a_measured_input_the_excitation_does_not_reach():
+    rig = geared_line()
+    behind = tn.Drivetrain(
+        "x", [*rig.elements.values(), tn.Inertia("far", node="h", inertia=1)], rig.parameters, rig.inputs
+    )
+    with pytest.raises(tn.UsageError, match="does not reach"):
+        behind.modes(measured_input="angle(h)")
+
+
+def test_several_measured_inputs():
+    rig = geared_line()
+    poles = rig.modes(measured_input=["angle(m)", "angle(g)"], excitation=["m", "g"])
+    assert len(poles) == 0
+    with pytest.raises(tn.UsageError, match="excitation= goes with measured_input="):
+        rig.modes(excitation="m")
+
+
 def test_a_spring_as_torque_meter_adds_its_own_pole():
     """theta_1/T_T of the DMF rig contains 1/(k_1 + c_1 s): a real pole at -k_1/c_1."""
     modes = tn.load("dmf_rig").modes(measured_input="T_T")

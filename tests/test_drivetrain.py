@@ -1,5 +1,8 @@
 """The drivetrain itself: immutability, parameters, configurations, operating point, checks in Python."""
 
+import copy
+import pickle
+
 import numpy as np
 import pytest
 from models import geared_line
@@ -77,6 +80,34 @@ class TestConfigurations:
         assert chosen.configuration == "gear=1,clutch=open,wheel=large"
         assert (chosen.parameters["tau"], chosen.parameters["J"], "clutch" in chosen.elements) == (14, 5, False)
 
+    def test_another_alternative_of_an_axis_takes_the_place_of_the_first(self):
+        rig = tn.load("amt_rig").configured("V_c_O_360").configured("V")
+        assert (rig.configuration, rig.parameters["c_O"]) == ("V", 170)
+        car = self.model().configured("open").configured("closed")
+        assert "clutch" in car.elements
+        assert self.model().configured("wheel=large,gear=1").configuration == "gear=1,wheel=large"
+
+    def test_changes_by_hand_outlast_a_configuration(self):
+        car = self.model()
+        assert car.configured(tau=7).configured("gear=5").parameters["tau"] == 7
+        assert "clutch" in car.switched(on=["clutch"]).configured("open").elements
+
+    def test_two_axes_may_not_set_the_same(self):
+        axes = {"x": {"p": {"k": 2}}, "y": {"q": {"k": 3}}}
+        (fault,) = faults_of(
+            WHEEL, tn.Spring("s", nodes=("a", "ground"), stiffness="k"), parameters={"k": 1}, configurations=axes
+        )
+        assert "k is set on axis x too" in fault
+
+    def test_copies_and_pickles_keep_everything(self):
+        car = self.model().configured("open", J=9)
+        car.modes()
+        for twin in (pickle.loads(pickle.dumps(car)), copy.deepcopy(car)):
+            assert twin == car
+            assert (twin.configuration, twin.configured("closed").parameters["J"]) == ("clutch=open", 9)
+        error = pickle.loads(pickle.dumps(tn.ModelError("wrong", "car")))
+        assert (error.title, error.faults[0].message) == ("car", "wrong")
+
     def test_the_original_stays_as_it_was(self):
         car = self.model()
         before = car.to_yaml()
@@ -129,6 +160,18 @@ class TestOperatingPoint:
             axle.ratio_between("c", "l")
         locked = tn.Drivetrain("axle", [tn.Differential("d", cage="c", left="l", right="r", locked=True), *parts])
         assert locked.ratio_between("c", "l") == 1
+
+    def test_the_order_of_clamps_does_not_matter(self):
+        gear = tn.Planetary("set", sun="s", ring="r", carrier="c", ratio=3)
+        clamps = [tn.Lock("ring", node="r"), tn.Lock("hub", node="h")]
+        rest = [
+            tn.Inertia("js", node="s", inertia=1),
+            tn.Inertia("jc", node="c", inertia=1),
+            tn.Spring("k", nodes=("c", "h"), stiffness=5),
+        ]
+        for order in (clamps, clamps[::-1]):
+            model = tn.Drivetrain("x", [gear, *rest, *order], operating_point={"speed": {"s": 100}})
+            assert (model.mean_speeds["c"], model.mean_speeds["r"]) == (25, 0)
 
     @pytest.mark.parametrize(("held", "expected"), [("r", 3.5), ("s", 3.5 / 2.5), ("c", -2.5)])
     def test_planetary_with_a_clamped_member(self, held, expected):
@@ -256,6 +299,46 @@ class TestChecks:
         assert sorted(fault.severity for fault in model.check()) == ["note", "warning", "warning", "warning"]
         assert any("rigid-body mode" in fault.message for fault in model.check())
         assert any('"unused" is not used' in fault.message for fault in model.check())
+
+    def test_names_that_hide_a_node_are_told(self):
+        for entries in (
+            {"sensors": {"a": {"velocity": "a"}}},
+            {"sensors": {"a": {"angle": "a"}}},
+            {"inputs": {"a": {"angle": "a"}}},
+        ):
+            model = tn.Drivetrain(
+                "x",
+                [WHEEL, tn.Spring("s", nodes=("a", "b"), stiffness=1), tn.Inertia("j", node="b", inertia=1)],
+                **entries,
+            )
+            assert any("is also a node" in fault.message for fault in model.check())
+        plain = tn.Drivetrain("x", [WHEEL, HELD], inputs={"a": {"torque": "a"}})
+        assert not any("is also a node" in fault.message for fault in plain.check())
+
+    def test_channels_are_checked_where_they_are_made(self):
+        for make in (
+            lambda: tn.Input("force", "a"),
+            lambda: tn.Sensor("angel", "a"),
+            lambda: tn.Sensor("angle", "a", at="b"),
+            lambda: tn.Sensor("angle", 5),
+        ):
+            with pytest.raises(tn.UsageError):
+                make()
+        assert tn.Parameter(3).value.evaluate({}) == 3
+
+    def test_a_measure_of_no_damping_that_is_none_is_placed(self):
+        found = faults_of(WHEEL, tn.Spring("s", nodes=("a", "ground"), stiffness=-10, damping={"Q": 0, "at": 10}))
+        assert len(found) == 1 or any("s cannot be calculated" in fault for fault in found)
+        found = faults_of(WHEEL, tn.Spring("s", nodes=("a", "ground"), stiffness=10, damping={"Q": 0, "at": 10}))
+        assert any("elements.s" in fault for fault in found)
+
+    @pytest.mark.parametrize("elements", [None, [], "abc", [1]])
+    def test_what_is_no_list_of_elements(self, elements):
+        with pytest.raises(tn.ModelError, match="element"):
+            tn.Drivetrain("x", elements)
+
+    def test_sizes_beyond_all_drivetrains(self):
+        assert "no size that anything" in faults_of(tn.Inertia("j", node="a", inertia="1e-200"), HELD)[0]
 
     def test_duplicate_names(self):
         (fault,) = faults_of(WHEEL, HELD, tn.Inertia("wheel", node="a", inertia=2))

@@ -97,6 +97,15 @@ def test_law_without_fixed_point_is_reported(low, high, settles):
             assert not model.modes().converged[0]
 
 
+def test_a_table_that_feeds_energy_makes_an_unstable_mode():
+    """lambda^2 + c lambda + k = 0 with c = -1 frozen at the mode's own frequency."""
+    bush = tn.TabulatedSpring("b", nodes=("a", "ground"), table=[[0, 100, -1.0], [50, 100, -1.0]])
+    modes = tn.Drivetrain("t", [tn.Inertia("j", node="a", inertia=1), bush]).modes()
+    assert modes.eigenvalues[0].real == pytest.approx(0.5, rel=1e-2)
+    assert modes.damping_ratios[0] == pytest.approx(-0.05, rel=1e-2)
+    assert modes.descriptions[0].startswith("unstable, it grows")
+
+
 def test_warnings_point_at_the_line_of_the_user():
     free = geared_line().switched(off=["brake", "stiff"])
     with pytest.warns(tn.TorsionnetWarning) as caught:

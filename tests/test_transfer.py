@@ -65,6 +65,24 @@ class TestTorques:
         np.testing.assert_allclose(value(model, "torque(out)", "a"), value(model, "torque(k)", "a"), rtol=1e-13)
 
 
+class TestPorts:
+    def test_a_name_that_is_a_port_and_the_node_of_another_is_refused(self):
+        model = tn.Drivetrain(
+            "simpson",
+            [
+                tn.Planetary("p2", sun="sun", ring="r2", carrier="ring", ratio=2),
+                *(tn.Inertia(f"j{node}", node=node, inertia=1) for node in ("sun", "r2", "ring")),
+            ],
+        )
+        with pytest.raises(tn.UsageError, match="could be two ports of p2"):
+            model.frequency_response("torque(p2, ring)", "sun", F)
+        assert len(value(model, "torque(p2, carrier)", "sun")) == 4
+
+    def test_an_open_clutch_carries_nothing(self):
+        rig = geared_line(k_1=0, c=0)
+        np.testing.assert_array_equal(value(rig, "torque(soft)"), 0)
+
+
 class TestMeasuredInputs:
     def test_chain_rule(self):
         rig = geared_line()
@@ -127,6 +145,22 @@ class TestZeroFrequency:
         assert value(model, "velocity(a)", "a", f=[0.0])[0] == pytest.approx(0.25, rel=1e-14)
         assert value(model, "acceleration(a)", "a", f=[0.0])[0] == 0
 
+    def test_compliant_loop_that_closes_only_in_exact_numbers(self):
+        """10 * 0.1 is 1: the loop turns freely, though not in binary."""
+        gears = [
+            tn.Gear("g1", nodes=("a", "b"), ratio=0.1, stiffness=100),
+            tn.Gear("g2", nodes=("b", "a"), ratio=10, stiffness=100),
+        ]
+        loop = tn.Drivetrain("l", [*(tn.Inertia(f"j{n}", node=n, inertia=1) for n in "ab"), *gears])
+        with pytest.warns(tn.TorsionnetWarning, match="turns freely"):
+            assert value(loop, "a", "a", f=[0.0])[0] == np.inf
+
+    def test_table_without_stiffness_at_rest(self):
+        bush = tn.TabulatedSpring("b", nodes=("a", "ground"), table=[[0, 0, 1.0], [50, 100, 1.0]])
+        model = tn.Drivetrain("t", [tn.Inertia("i", node="a", inertia=1), bush])
+        with pytest.warns(tn.TorsionnetWarning, match="turns freely"):
+            assert value(model, "a", "a", f=[0.0])[0] == np.inf
+
     def test_undamped_resonance_is_infinite_not_a_traceback(self):
         model = tn.Drivetrain(
             "r", [tn.Inertia("j", node="a", inertia=1), tn.Spring("k", nodes=("a", "ground"), stiffness=1)]
@@ -181,14 +215,14 @@ class TestQuestions:
             ("angel", "T_M", {}, 'did you mean "angle"'),
             ("angle", "T_N", {}, "no input, sensor or node"),
             ("torque(sof)", "T_M", {}, 'did you mean "soft"'),
-            ("torque(stage, q)", "T_M", {}, "attached to g, o"),
+            ("torque(stage, q)", "T_M", {}, "attached to g"),
             ("velocity(q)", "T_M", {}, "no node"),
             ("angle", "T", {"excitation": "nobody"}, "no input or node"),
             ("angle", ["T", "T_M"], {}, "T_M is an excitation"),
             ("angle", ["T", "twist(soft)"], {}, "2 measured"),
             ("angle", "T_M", {"excitation": "g"}, "excitation= goes with measured inputs"),
             ([], "T_M", {}, "at least one"),
-            ("angle", "h", {}, '"h" is locked'),
+            ("angle", "h", {}, '"h" moves nothing: it is locked'),
         ],
     )
     def test_wrong_names_are_answered(self, output, input, options, words):

@@ -7,8 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from torsionnet.elements import Element
 from torsionnet.elements.fields import FieldError, node_name_fault
-from torsionnet.errors import Fault, unknown_key
+from torsionnet.errors import Fault, UsageError, did_you_mean, unknown_key
 
 SENSOR_QUANTITIES = ("angle", "velocity", "acceleration", "twist", "torque")
 """angle, velocity, acceleration of a node; twist of an element; torque through an element at one of its ports."""
@@ -35,6 +36,16 @@ class Sensor:
     of: str
     at: str | None = None
 
+    def __post_init__(self) -> None:
+        if self.quantity not in SENSOR_QUANTITIES:
+            raise UsageError(_wrong_quantity("a sensor measures", self.quantity, SENSOR_QUANTITIES))
+        if not isinstance(self.of, str) or not isinstance(self.at, str | None):
+            msg = f"a sensor is on a node or element given by its name, got {self.of!r}, {self.at!r}"
+            raise UsageError(msg)
+        if self.at is not None and self.quantity != "torque":
+            msg = f"only a torque is taken at a port; leave out at={self.at!r}, or measure a torque instead"
+            raise UsageError(msg)
+
     def __str__(self) -> str:
         return f"{self.quantity}({self.of}{', ' + self.at if self.at else ''})"
 
@@ -49,11 +60,22 @@ class Input:
     quantity: str
     of: str
 
+    def __post_init__(self) -> None:
+        if self.quantity not in INPUT_QUANTITIES:
+            raise UsageError(_wrong_quantity("an input drives", self.quantity, INPUT_QUANTITIES))
+        if not isinstance(self.of, str):
+            msg = f"an input is on a node given by its name, got {self.of!r}"
+            raise UsageError(msg)
+
     def __str__(self) -> str:
         return f"{self.quantity} on {self.of}"
 
     def to_data(self) -> dict[str, str]:
         return {self.quantity: self.of}
+
+
+def _wrong_quantity(what: str, quantity: object, known: tuple[str, ...]) -> str:
+    return f"{what} {' or '.join(known)}, not {quantity!r}{did_you_mean(str(quantity), known)}"
 
 
 _CALL = re.compile(r"\s*([a-z]+)\s*\(\s*([A-Za-z][\w.]*)\s*(?:,\s*([A-Za-z][\w.]*)\s*)?\)\s*")
@@ -66,7 +88,7 @@ def parse_sensor(text: str) -> Sensor | None:
     Sensor(quantity='twist', of='dmf', at=None)
     """
     match = _CALL.fullmatch(text)
-    if match is None or match[1] not in SENSOR_QUANTITIES:
+    if match is None or match[1] not in SENSOR_QUANTITIES or (match[3] and match[1] != "torque"):
         return None
     return Sensor(match[1], match[2], match[3])
 
@@ -124,3 +146,20 @@ def read_channels(raw: Mapping[str, Any], table: str) -> tuple[dict[str, Any], l
         except FieldError as error:
             faults.append(error.fault.under(table, name))
     return channels, faults
+
+
+def port_fault(element: Element, at: str) -> str | None:
+    """Why ``at`` names no port of the element, neither by the port's own name nor by its node; or None.
+
+    A name that is a port and also the node of another port is refused: either could be meant.
+    """
+    by_name, by_node = (
+        [index for index, pair in enumerate(element.ports.items()) if pair[side] == at] for side in (0, 1)
+    )
+    ports = ", ".join(f"{node} ({port})" for port, node in element.ports.items())
+    if not by_name and not by_node:
+        hint = did_you_mean(at, [*element.ports.values(), *element.ports])
+        return f'{element.name} is not attached to "{at}"{hint}; it is attached to {ports}'
+    if len({*by_name, *by_node}) > 1:
+        return f'"{at}" could be two ports of {element.name}, which is attached to {ports}; rename the node'
+    return None

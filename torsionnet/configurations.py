@@ -124,6 +124,9 @@ def label(choice: Mapping[str, str], axes: Axes) -> str:
 def parse_choice(text: str, axes: Axes) -> dict[str, str]:
     """The choice meant by ``V``, ``gear=V`` or ``gear=V,clutch=open``; UsageError lists what there is."""
     choice: dict[str, str] = {}
+    if not isinstance(text, str):
+        msg = f"a configuration is named by a text such as gear=V, got {text!r}"
+        raise UsageError(msg)
     for part in (piece.strip() for piece in text.split(",")):
         axis, name = _parse_part(part, axes)
         if axis in choice:

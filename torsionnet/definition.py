@@ -121,12 +121,21 @@ def collect_elements(elements: Iterable[Element]) -> tuple[dict[str, Element], l
     """Elements by name; a name used twice is a fault."""
     table: dict[str, Element] = {}
     faults: list[Fault] = []
+    if isinstance(elements, Mapping):
+        elements = elements.values()
+    if not isinstance(elements, Iterable) or isinstance(elements, str):
+        return {}, [Fault(f"expected a list of elements, got {elements!r}", ("elements",))]
     for element in elements:
+        if not isinstance(element, Element):
+            faults.append(Fault(f"expected an element such as Inertia(...), got {element!r}", ("elements",)))
+            continue
         if element.name in table:
             faults.append(
                 Fault(f'two elements are named "{element.name}"; names must be unique', ("elements", element.name))
             )
         table[element.name] = element
+    if not table and not faults:
+        faults.append(Fault("a drivetrain needs at least one element", ("elements",)))
     return table, faults
 
 

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 from torsionnet.channels import Input, Sensor
 from torsionnet.checks import check_definition, check_variant, has_errors
-from torsionnet.configurations import Overlay, combinations, label, parse_choice, read_overlay
+from torsionnet.configurations import Overlay, combinations, label, parse_choice
 from torsionnet.definition import Definition, all_nodes, collect_elements, define
 from torsionnet.elements import Element
 from torsionnet.elements.fields import FieldError
 from torsionnet.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.expressions import Expression
 from torsionnet.operating_point import OperatingPoint
 from torsionnet.parameters import Parameter, read_value, resolve
 from torsionnet.speeds import mean_speeds, mean_torques, total_ratio
@@ -96,20 +97,36 @@ class Drivetrain:
         )
         faults += found + check_definition(definition)
         _refuse(faults, name)
-        self._definition = definition
-        self._choice: dict[str, str] = {}
-        self._findings = tuple(faults)
+        self.__setstate__(_state(definition, definition, {}, Overlay(), faults))
 
     @classmethod
-    def from_definition(
-        cls, definition: Definition, choice: Mapping[str, str], findings: Iterable[Fault]
-    ) -> Drivetrain:
+    def from_definition(cls, definition: Definition, findings: Iterable[Fault] = ()) -> Drivetrain:
         """Drivetrain of a definition that has been checked."""
+        return cls._variant(definition, definition, {}, Overlay(), findings)
+
+    @classmethod
+    def _variant(
+        cls,
+        definition: Definition,
+        base: Definition,
+        choice: Mapping[str, str],
+        changes: Overlay,
+        findings: Iterable[Fault],
+    ) -> Drivetrain:
         new = cls.__new__(cls)
-        new._definition = definition  # noqa: SLF001
-        new._choice = dict(choice)  # noqa: SLF001
-        new._findings = tuple(findings)  # noqa: SLF001
+        new.__setstate__(_state(definition, base, choice, changes, findings))
         return new
+
+    def _changed(self, choice: Mapping[str, str], changes: Overlay) -> Drivetrain:
+        """The base with the chosen alternatives in the order of the axes, and the changes made by hand last."""
+        definition = self._base
+        chosen = {axis: choice[axis] for axis in definition.axes if axis in choice}
+        for axis, alternative in chosen.items():
+            definition = definition.overlaid(self._base.axes[axis][alternative])
+        definition = definition.overlaid(changes)
+        faults = check_variant(definition)
+        _refuse(faults, label(chosen, definition.axes) or self.name)
+        return self._variant(definition, self._base, chosen, changes, faults)
 
     @property
     def definition(self) -> Definition:
@@ -198,10 +215,12 @@ class Drivetrain:
         Parameters
         ----------
         name : str
-            ``"V"``, or ``"gear=V,clutch=open"`` where there are several axes. Axes not named keep their state.
+            ``"V"``, or ``"gear=V,clutch=open"`` where there are several axes. Axes not named keep their state; on
+            an axis named again the new alternative takes the place of the old one.
         **overrides
             Parameter values: SI numbers, quantities or expressions. A derived parameter given here loses its
-            expression, and everything derived from it follows the new value.
+            expression, and everything derived from it follows the new value. What is given here holds against every
+            configuration, also one chosen later.
 
         Raises
         ------
@@ -216,28 +235,19 @@ class Drivetrain:
         >>> tn.load("amt_rig").configured("V", c_O=360).parameters["c_O"]
         360.0
         """
-        definition, choice = self._definition, dict(self._choice)
+        choice = dict(self._choice)
         if name:
-            for axis, alternative in parse_choice(name, definition.axes).items():
-                definition = definition.overlaid(definition.axes[axis][alternative])
-                choice[axis] = alternative
-        if overrides:
-            definition = definition.overlaid(_read_overrides(overrides, definition))
-        faults = check_variant(definition)
-        _refuse(faults, label(choice, definition.axes) or self.name)
-        return self.from_definition(definition, choice, faults)
+            choice |= parse_choice(name, self._base.axes)
+        values = _read_overrides(overrides, self._base)
+        return self._changed(choice, replace(self._changes, parameters={**self._changes.parameters, **values}))
 
     def switched(self, *, on: Iterable[str] = (), off: Iterable[str] = ()) -> Drivetrain:
-        """A copy with elements switched on or off by name."""
-        overlay, _ = read_overlay({"on": list(on), "off": list(off)}, ())
-        for element in (*overlay.on, *overlay.off):
-            if element not in self._definition.elements:
-                msg = f'no element is named "{element}"{did_you_mean(element, self._definition.elements)}'
-                raise UsageError(msg)
-        definition = self._definition.overlaid(overlay)
-        faults = check_variant(definition)
-        _refuse(faults, self.name)
-        return self.from_definition(definition, self._choice, faults)
+        """A copy with elements switched on or off by name, whatever its configuration says."""
+        states = dict.fromkeys(self._changes.on, True) | dict.fromkeys(self._changes.off, False)
+        states |= dict.fromkeys(_element_names(on, self._base), True)
+        states |= dict.fromkeys(_element_names(off, self._base), False)
+        lists = {word: tuple(name for name in states if states[name] is (word == "on")) for word in ("on", "off")}
+        return self._changed(self._choice, replace(self._changes, on=lists["on"], off=lists["off"]))
 
     def check(self) -> tuple[Fault, ...]:
         """Warnings and notes about the model (errors have already been refused)."""
@@ -313,15 +323,20 @@ class Drivetrain:
 
         return frequency_response(self, output, input, frequencies, excitation=excitation)
 
-    def modes(self, *, measured_input: str | Sensor | None = None, excitation: str | None = None) -> Modes:
+    def modes(
+        self,
+        *,
+        measured_input: Channels | None = None,
+        excitation: str | Sequence[str] | None = None,
+    ) -> Modes:
         """Complex modes: natural frequencies, damping ratios, shapes at all nodes and energy shares.
 
         Parameters
         ----------
-        measured_input : str or Sensor, optional
+        measured_input : str, Sensor or sequence of these, optional
             The poles of transfer functions against this measured input instead: for an output at the torque meter or
             downstream of it, those of the drivetrain cut there.
-        excitation : str, optional
+        excitation : str or sequence of str, optional
             Which input drives the drivetrain then; default: the model's only input.
 
         Examples
@@ -361,6 +376,19 @@ class Drivetrain:
 
         return dump(self._definition, path)
 
+    _definition: Definition
+    _base: Definition
+    _choice: dict[str, str]
+    _changes: Overlay
+    _findings: tuple[Fault, ...]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What makes the drivetrain, without what was calculated from it."""
+        return _state(self._definition, self._base, self._choice, self._changes, self._findings)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Drivetrain):
             return NotImplemented
@@ -377,13 +405,20 @@ class Drivetrain:
         return f"<Drivetrain {self.name!r}: {counts}{chosen}>"
 
 
+def _state(
+    definition: Definition, base: Definition, choice: Mapping[str, str], changes: Overlay, findings: Iterable[Fault]
+) -> dict[str, Any]:
+    parts = {"_definition": definition, "_base": base, "_choice": dict(choice), "_changes": changes}
+    return parts | {"_findings": tuple(findings)}
+
+
 def _refuse(faults: Iterable[Fault], title: str) -> None:
     errors = [fault for fault in faults if fault.severity == "error"]
     if errors and has_errors(errors):
         raise ModelError(errors, title if isinstance(title, str) and title else "the model")
 
 
-def _read_overrides(overrides: Mapping[str, Any], definition: Definition) -> Overlay:
+def _read_overrides(overrides: Mapping[str, Any], definition: Definition) -> dict[str, Expression]:
     values = {}
     for name, raw in overrides.items():
         if name not in definition.parameters:
@@ -393,4 +428,13 @@ def _read_overrides(overrides: Mapping[str, Any], definition: Definition) -> Ove
             values[name] = read_value(raw)
         except FieldError as error:
             raise ModelError([error.fault.under("parameters", name)]) from None
-    return replace(Overlay(), parameters=values)
+    return values
+
+
+def _element_names(names: Iterable[str] | str, definition: Definition) -> list[str]:
+    listed = [names] if isinstance(names, str) else list(names)
+    for name in listed:
+        if name not in definition.elements:
+            msg = f'no element is named "{name}"{did_you_mean(str(name), definition.elements)}'
+            raise UsageError(msg)
+    return listed

@@ -89,6 +89,9 @@ class ModelError(TorsionnetError, ValueError):
         self.title = title
         super().__init__(self._text())
 
+    def __reduce__(self) -> tuple[type[ModelError], tuple[tuple[Fault, ...], str]]:
+        return type(self), (self.faults, self.title)
+
     def _text(self) -> str:
         count = len(self.faults)
         total = f"{count} error{'s' if count != 1 else ''} in {self.title}. Nothing was calculated."
@@ -122,7 +125,7 @@ def nearest(name: str, candidates: Iterable[str]) -> str:
     import difflib
 
     known = {candidate.casefold(): candidate for candidate in candidates}
-    close = difflib.get_close_matches(name.casefold(), known, n=1, cutoff=0.6)
+    close = difflib.get_close_matches(str(name).casefold(), known, n=1, cutoff=0.6)
     return known[close[0]] if close else ""
 
 

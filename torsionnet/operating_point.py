@@ -20,6 +20,11 @@ class OperatingPoint:
     speed: Mapping[str, Expression] = field(default_factory=dict)
     torque: Mapping[str, Expression] = field(default_factory=dict)
 
+    def __post_init__(self) -> None:
+        for name in TABLES:
+            given = {node: read_scalar(value, name) for node, value in getattr(self, name).items()}
+            object.__setattr__(self, name, given)
+
     def __bool__(self) -> bool:
         return bool(self.speed or self.torque)
 

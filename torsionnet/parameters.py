@@ -23,9 +23,13 @@ class Parameter:
     plausible and limit fits.
     """
 
-    value: Expression
+    value: Any
     description: str = ""
     bounds: tuple[float, float] | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.value, Expression):
+            object.__setattr__(self, "value", read_value(self.value))
 
     @property
     def is_derived(self) -> bool:

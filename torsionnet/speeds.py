@@ -19,6 +19,7 @@ from torsionnet.kinematics import exact_row
 from torsionnet.operating_point import OperatingPoint
 
 _UNIT = "one"
+BRANCHING = ("planetary", "differential", "gear")
 Rows: TypeAlias = list[dict[str, Fraction]]
 Fits: TypeAlias = Callable[[Reduction], bool]
 
@@ -31,12 +32,16 @@ def holding_rows(definition: Definition, values: Mapping[str, Any]) -> list[dict
 
 
 def _clamped(rows: Rows, definition: Definition, order: Mapping[str, int], keep: Collection[str], fits: Fits) -> Rows:
-    """The rows, and every clamp that leaves the speeds in question possible: it holds a member of a planetary set."""
-    for element in definition.active:
-        if element.glyph == "clamp":
-            more: Rows = [*rows, *({node: Fraction(1)} for node in element.ports.values())]
-            if fits(reduce_rows(more, order, keep)):
-                rows = more
+    """The rows, and every clamp that leaves the speeds in question possible: it holds a member of a planetary set.
+
+    Clamps on members of such sets come first, so that the order of declaration does not matter.
+    """
+    branching = {node for element in definition.active if element.glyph in BRANCHING for node in element.ports.values()}
+    clamps = [element for element in definition.active if element.glyph == "clamp"]
+    for element in sorted(clamps, key=lambda clamp: branching.isdisjoint(clamp.ports.values())):
+        more: Rows = [*rows, *({node: Fraction(1)} for node in element.ports.values())]
+        if fits(reduce_rows(more, order, keep)):
+            rows = more
     return rows
 
 

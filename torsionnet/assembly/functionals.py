@@ -9,27 +9,33 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
-from torsionnet.channels import SENSOR_QUANTITIES, UNITS, Sensor
+from torsionnet.channels import SENSOR_QUANTITIES, UNITS, Sensor, port_fault
 from torsionnet.definition import all_nodes
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import GROUND, Element, Values
+from torsionnet.elimination import exact
 from torsionnet.errors import UsageError, did_you_mean
-from torsionnet.kinematics import virtual_motion
+from torsionnet.kinematics import exact_row, virtual_motion
 
 
 @dataclass(frozen=True)
 class Term:
-    """factor * s^power * (row theta), or with ``law`` factor * kappa_law(s) * (row theta)."""
+    """factor * s^power * (row theta), or with ``law`` factor * kappa_law(s) * (row theta).
+
+    ``row`` and ``imposed`` are the floats of ``exact``, the row over coordinates and imposed angles.
+    """
 
     row: FloatArray
     imposed: FloatArray
-    factor: float
+    exact: Mapping[str, Fraction]
+    factor: Fraction
     power: int = 0
     law: int | None = None
 
@@ -45,7 +51,9 @@ class Functional:
 
     def coefficients(self, kappa: ComplexArray, s: ComplexArray) -> ComplexArray:
         """Coefficient of every term, shape (n_f, n_terms); ``kappa`` as of Assembly.law_stiffness."""
-        columns = [term.factor * (s**term.power if term.law is None else kappa[:, term.law]) for term in self.terms]
+        columns = [
+            float(term.factor) * (s**term.power if term.law is None else kappa[:, term.law]) for term in self.terms
+        ]
         return np.stack(columns, axis=1) if columns else np.zeros((len(s), 0), dtype=complex)
 
 
@@ -62,7 +70,7 @@ def functional(drivetrain: Drivetrain, sensor: Sensor, name: str = "") -> Functi
     if sensor.quantity in ("angle", "velocity", "acceleration"):
         _require(sensor.of, drivetrain.nodes, "node", all_nodes(drivetrain.definition.elements.values()))
         power = ("angle", "velocity", "acceleration").index(sensor.quantity)
-        return Functional(label, unit, (_motion(assembly, {sensor.of: 1}, 1.0, power),))
+        return Functional(label, unit, (_motion(assembly, {sensor.of: 1}, power),))
     if sensor.quantity not in SENSOR_QUANTITIES:
         msg = f'"{sensor.quantity}" is no quantity of a sensor; choose {", ".join(SENSOR_QUANTITIES)}'
         raise UsageError(msg)
@@ -70,7 +78,7 @@ def functional(drivetrain: Drivetrain, sensor: Sensor, name: str = "") -> Functi
     element = drivetrain.elements[sensor.of]
     if sensor.quantity == "twist":
         row = element.twist(Values(drivetrain.exact_values))
-        return Functional(label, unit, (_motion(assembly, row, 1.0, 0),))
+        return Functional(label, unit, (_motion(assembly, row, 0),))
     return _torque(assembly, element, sensor.at, label)
 
 
@@ -84,8 +92,9 @@ def _require(name: str, known: Any, what: str, switched_off: Any = ()) -> None:
     raise UsageError(msg)
 
 
-def _motion(assembly: Assembly, row: Mapping[str, Any], factor: float, power: int) -> Term:
-    return Term(*assembly.rows_of(row), factor=factor, power=power)
+def _motion(assembly: Assembly, row: Mapping[str, Any], power: int) -> Term:
+    exact = exact_row(assembly.kinematics.reduced(row))
+    return Term(*assembly.rows_of(row), exact=exact, factor=Fraction(1), power=power)
 
 
 def port_of(element: Element, at: str | None) -> tuple[str, int]:
@@ -94,15 +103,17 @@ def port_of(element: Element, at: str | None) -> tuple[str, int]:
     A connection without inertia hands on to ground what it takes at its other end, so that end is returned instead.
     """
     ports = list(element.ports.items())
-    index = 0 if at is None else next((i for i, names in enumerate(ports) if at in names), None)
-    if index is None:
-        attached = ", ".join(node for _, node in ports)
-        hint = did_you_mean(str(at), element.ports.values())
-        msg = f'{element.name} is not attached to "{at}"{hint}; it is attached to {attached}'
-        raise UsageError(msg)
+    index = 0 if at is None else _port_index(element, at)
     if ports[index][1] == GROUND:
         index = _other_end(element, index)
     return ports[index][1], 1 if index == 0 else -1
+
+
+def _port_index(element: Element, at: str) -> int:
+    fault = port_fault(element, at)
+    if fault:
+        raise UsageError(fault)
+    return next(index for index, names in enumerate(element.ports.items()) if at in names)
 
 
 def _other_end(element: Element, index: int) -> int:
@@ -116,29 +127,29 @@ def _torque(assembly: Assembly, element: Element, at: str | None, label: str) ->
     node, sign = port_of(element, at)
     terms: list[Term] = []
     direct: dict[str, float] = {}
-    laws = [(owner, law) for owner, law in assembly.kinematics.laws if law.acts]
-    for index, (owner, law) in enumerate(laws):
+    for index, (owner, law) in enumerate(zip(assembly.owners, assembly.laws, strict=True)):
         if owner == element.name and node in law.row:
-            terms.append(_law_term(assembly, index, sign * float(law.row[node])))
+            terms.append(_law_term(assembly, index, sign * exact(law.row[node])))
     for index, (owner, row) in enumerate(assembly.kinematics.constraints):
         if owner == element.name and node in row:
-            more, shares = _multiplier(assembly, index, sign * float(row[node]))
+            more, shares = _multiplier(assembly, index, sign * exact(row[node]))
             terms += more
             direct = {name: direct.get(name, 0.0) + shares.get(name, 0.0) for name in {*direct, *shares}}
     return Functional(label, UNITS["torque"], tuple(terms), direct)
 
 
-def _law_term(assembly: Assembly, index: int, factor: float) -> Term:
-    return Term(assembly.system.rows[index], assembly.imposed_rows[index], factor, law=index)
+def _law_term(assembly: Assembly, index: int, factor: Fraction) -> Term:
+    rows = (assembly.system.rows[index], assembly.imposed_rows[index], assembly.exact_rows[index])
+    return Term(*rows, factor=factor, law=index)
 
 
-def _multiplier(assembly: Assembly, index: int, factor: float) -> tuple[list[Term], dict[str, float]]:
+def _multiplier(assembly: Assembly, index: int, factor: Fraction) -> tuple[list[Term], dict[str, float]]:
     """Lambda = z^T (B u - D theta) times ``factor``."""
     motion = virtual_motion(assembly.kinematics, index)
     terms = []
-    laws = [law for _, law in assembly.kinematics.laws if law.acts]
-    for number, law in enumerate(laws):
-        work = sum((coefficient * motion[node] for node, coefficient in law.row.items() if node in motion), start=0)
+    for number, law in enumerate(assembly.laws):
+        shares = (exact(coefficient) * motion[node] for node, coefficient in law.row.items() if node in motion)
+        work = sum(shares, start=Fraction(0))
         if work:
-            terms.append(_law_term(assembly, number, -factor * float(work)))
-    return terms, {node: factor * float(value) for node, value in motion.items()}
+            terms.append(_law_term(assembly, number, -factor * work))
+    return terms, {node: float(factor * value) for node, value in motion.items()}

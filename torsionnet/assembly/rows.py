@@ -45,6 +45,10 @@ class RowSystem:
     stiffness: FloatArray
     dynamic: tuple[tuple[int, DynamicStiffness], ...] = ()
 
+    def __post_init__(self) -> None:
+        for array in (self.rows, self.inertia, self.damping, self.stiffness):
+            array.setflags(write=False)
+
     @property
     def n_coordinates(self) -> int:
         return int(self.rows.shape[1])

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
@@ -13,7 +14,7 @@ import numpy as np
 from torsionnet.assembly.rows import ComplexArray, DynamicStiffness, FloatArray, RowSystem
 from torsionnet.definition import Definition
 from torsionnet.elements import Law, Values
-from torsionnet.kinematics import Kinematics, pseudo_node, solve_kinematics
+from torsionnet.kinematics import Kinematics, exact_row, pseudo_node, solve_kinematics
 
 
 @dataclass(frozen=True)
@@ -52,9 +53,22 @@ class Assembly:
 
     def rows_of(self, row: Mapping[str, Any]) -> tuple[FloatArray, FloatArray]:
         """A row over nodes as arrays over coordinates (n_q,) and imposed angles (n_x,)."""
-        coordinates, imposed = _columns(self.kinematics)
         reduced = self.kinematics.reduced(row)
-        return _dense([reduced], coordinates)[0], _dense([reduced], imposed)[0]
+        return _dense([reduced], self._columns[0])[0], _dense([reduced], self._columns[1])[0]
+
+    @cached_property
+    def _columns(self) -> tuple[dict[str, int], dict[str, int]]:
+        return _columns(self.kinematics)
+
+    @cached_property
+    def laws(self) -> tuple[Law, ...]:
+        """The laws behind the rows of ``system``, with exact coefficients."""
+        return tuple(law for _, law in self.kinematics.laws if law.acts)
+
+    @cached_property
+    def exact_rows(self) -> tuple[dict[str, Fraction], ...]:
+        """The rows of ``system`` over coordinates and imposed angles as exact rationals."""
+        return tuple(exact_row(self.kinematics.reduced(law.row)) for law in self.laws)
 
     def law_stiffness(self, omega: FloatArray, s: ComplexArray) -> ComplexArray:
         """kappa_i(s) = J s^2 + c s + k + dynamic(omega) of every law, shape (n_f, n_laws), N m/rad."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 
-from torsionnet.channels import ELEMENT_QUANTITIES
+from torsionnet.channels import ELEMENT_QUANTITIES, port_fault
 from torsionnet.definition import Definition, all_nodes
 from torsionnet.elements import GROUND
 from torsionnet.errors import Fault, Path, did_you_mean, unknown_name
@@ -96,15 +96,10 @@ def unknown_elements(definition: Definition) -> list[Fault]:
         element = definition.elements.get(sensor.of)
         if element is None:
             faults.append(_no_element(sensor.of, definition, path))
-        elif sensor.at is not None and sensor.at not in {*element.ports, *element.ports.values()}:
-            ports = [node for node in element.ports.values() if node != GROUND]
-            hint = did_you_mean(sensor.at, ports)
-            faults.append(
-                Fault(
-                    f'{sensor.of} is not attached to "{sensor.at}"{hint}; it is attached to {", ".join(ports)}',
-                    ("sensors", name, "at"),
-                )
-            )
+        elif sensor.at is not None:
+            reason = port_fault(element, sensor.at)
+            if reason:
+                faults.append(Fault(reason, ("sensors", name, "at")))
     return faults
 
 
@@ -133,14 +128,30 @@ def unknown_in_configurations(definition: Definition) -> list[Fault]:
     return faults
 
 
+def competing_axes(definition: Definition) -> list[Fault]:
+    """A parameter or element that alternatives on two axes decide: which one wins would be a matter of order."""
+    faults: list[Fault] = []
+    homes: dict[str, str] = {}
+    for axis, alternatives in definition.axes.items():
+        for label, overlay in alternatives.items():
+            for name in (*overlay.parameters, *overlay.on, *overlay.off):
+                if homes.setdefault(name, axis) != axis:
+                    text = f"{name} is set on axis {homes[name]} too; different axes must change different things"
+                    key = name if name in overlay.parameters else "on" if name in overlay.on else "off"
+                    faults.append(Fault(text, ("configurations", axis, label, key), on_key=True, about=name))
+    return faults
+
+
 def hidden_names(definition: Definition) -> list[Fault]:
     """Names where ``output=`` or ``input=`` could mean two things: sensors and inputs win over nodes."""
     nodes = set(_nodes(definition))
     faults = []
     for table in ("inputs", "sensors"):
         for name, channel in getattr(definition, table).items():
-            if name in nodes and channel.of != name:
-                text = f'"{name}" is also a node; as output= or input= the name means {channel}'
+            same = table == "inputs" and (channel.quantity, channel.of) == ("torque", name)
+            if name in nodes and not same:
+                what = "a measured input" if table == "sensors" else channel
+                text = f'"{name}" is also a node; as input= it means {what}, as output= {channel}, not the node'
                 faults.append(Fault(text, (table, name), "warning", on_key=True))
     for name in definition.sensors:
         if name in definition.inputs:
@@ -173,6 +184,7 @@ CHECKS = (
     unknown_nodes,
     unknown_elements,
     unknown_in_configurations,
+    competing_axes,
     unused_parameters,
     hidden_names,
     dead_ends,

@@ -168,7 +168,7 @@ def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fau
 
 def rigid_motions(kinematics: Kinematics) -> list[set[str]]:
     """The independent motions of the coordinates that no spring resists."""
-    rows = [exact_row(kinematics.reduced(law.row)) for _, law in kinematics.laws if law.is_elastic]
+    rows = [exact_row(kinematics.reduced(law.row)) for _, law in kinematics.laws if law.holds_at_rest]
     return free_motions(rows, kinematics.coordinates)
 
 

@@ -9,10 +9,13 @@ from fractions import Fraction
 from torsionnet.definition import Definition
 from torsionnet.elements import Element, Law, Values
 from torsionnet.elements.fields import DampingQuantity, Quantity
-from torsionnet.errors import Fault, Path
+from torsionnet.errors import Fault, Path, TorsionnetError
 from torsionnet.expressions import Binary, Expression, ExpressionError
 from torsionnet.parameters import dimensions
 from torsionnet.units import DIMENSIONS, Dimension, expected_unit
+
+SMALLEST, LARGEST = 1e-60, 1e60
+"""Beyond these the square of a value, or its product with another one, leaves the range of numbers."""
 
 Numbers = Mapping[str, "Fraction | float"]
 
@@ -26,6 +29,13 @@ def wrong_dimensions(definition: Definition) -> list[Fault]:
                 fault = _dimension_fault(expression, wanted, known)
                 if fault:
                     faults.append(Fault(fault, ("elements", name, entry, *subpath)))
+    return faults
+
+
+def overlay_dimensions(definition: Definition) -> list[Fault]:
+    """Alternatives that give a parameter a value of another dimension."""
+    known, _ = dimensions(definition.parameters)
+    faults = []
     for axis, alternatives in definition.axes.items():
         for label, overlay in alternatives.items():
             for name, value in overlay.parameters.items():
@@ -103,6 +113,8 @@ def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measu
         return f"{expression} cannot be calculated: {error}"
     if not math.isfinite(value):
         return f"{expression} is not a finite number"
+    if value and not SMALLEST < abs(value) < LARGEST:
+        return f"{expression} = {value:g} is no size that anything in a drivetrain has"
     shown = f"{expression} = {value:g}" if expression.names else f"{value:g}"
     if measure:
         positive = wanted == "frequency" or not isinstance(spec, DampingQuantity)
@@ -128,7 +140,7 @@ def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
         return []
     try:
         parts = element.parts(Values(numbers))
-    except (ExpressionError, ArithmeticError) as error:
+    except (TorsionnetError, ArithmeticError) as error:
         return [Fault(f"{element.name} cannot be calculated: {error}", ("elements", element.name))]
     for part in parts:
         if isinstance(part, Law) and min(part.inertia, part.damping, part.stiffness, part.loss_factor) < 0:

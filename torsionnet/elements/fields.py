@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import MISSING, Field, dataclass, field
 from fractions import Fraction
+from numbers import Integral
 from typing import Any
 
 from torsionnet.damping import MEASURES, DampingMeasure
@@ -318,10 +319,10 @@ class Teeth(Spec):
             msg = f"expected two teeth counts [z1, z2], got {_shown(raw)}"
             raise FieldError(msg)
         for index, count in enumerate(raw):
-            if isinstance(count, bool) or not isinstance(count, int) or count == 0:
+            if isinstance(count, bool) or not isinstance(count, Integral) or count == 0:
                 msg = f"a teeth count is a whole number other than zero, got {count!r}"
                 raise FieldError(msg, (index,))
-        return (raw[0], raw[1])
+        return (int(raw[0]), int(raw[1]))
 
     def plain(self, value: Any) -> Any:
         return list(value)
@@ -361,10 +362,10 @@ class Count(Spec):
     upper: int = 1000
 
     def coerce(self, raw: Any) -> int:
-        if isinstance(raw, bool) or not isinstance(raw, int) or not self.lower <= raw <= self.upper:
+        if isinstance(raw, bool) or not isinstance(raw, Integral) or not self.lower <= int(raw) <= self.upper:
             msg = f"expected a whole number from {self.lower} to {self.upper}, got {raw!r}"
             raise FieldError(msg)
-        return raw
+        return int(raw)
 
     def schema(self) -> dict[str, Any]:
         return {"type": "integer", "minimum": self.lower, "maximum": self.upper, "description": self.description}
@@ -408,6 +409,7 @@ class Table(Spec):
     def coerce(self, raw: Any) -> StiffnessTable:
         if isinstance(raw, StiffnessTable):
             return raw
+        raw = raw.tolist() if hasattr(raw, "tolist") else raw
         if isinstance(raw, str) or not isinstance(raw, Sequence) or not raw:
             msg = f"expected rows [frequency, stiffness, damping], got {_shown(raw)}"
             raise FieldError(msg)

@@ -66,6 +66,8 @@ class Gear(Element):
 
     def contradictions(self) -> list[tuple[Path, str]]:
         faults = _one_of(self, "ratio", "teeth") + _mesh_faults(self)
+        if self.housing in self.nodes:
+            faults.append((("housing",), "the housing must be on a node of its own, not on one of the two shafts"))
         if GROUND in self.nodes and self.housing is None:
             faults.append((("nodes",), "a gear needs two shafts that turn; to hold a shaft use a lock"))
         return faults

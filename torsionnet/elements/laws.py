@@ -36,8 +36,13 @@ class Law:
 
     @property
     def is_elastic(self) -> bool:
-        """Whether the law resists a constant gamma."""
+        """Whether the law is a spring; a table is one even if its stiffness vanishes at rest."""
         return bool(self.stiffness != 0) or self.table is not None
+
+    @property
+    def holds_at_rest(self) -> bool:
+        """Whether the law resists a constant gamma."""
+        return bool(self.stiffness != 0) or (self.table is not None and self.table.stiffness[0] > 0)
 
     @property
     def acts(self) -> bool:

@@ -33,6 +33,7 @@ def _sound_checks(definition: Definition) -> Iterator[Fault]:
     for check in _CHECKS:
         yield from check(definition)
     yield from values.wrong_dimensions(definition)
+    yield from values.overlay_dimensions(definition)
     yield from values.passive_tables(definition)
     known, found = resolve(definition.parameters)
     yield from found

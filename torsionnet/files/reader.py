@@ -95,7 +95,7 @@ def _no_model(document: Document) -> Fault:
 def _drivetrain(definition: Definition | None, faults: list[Fault], title: str) -> Drivetrain:
     if definition is None:
         raise ModelError([fault for fault in faults if fault.severity == "error"], title)
-    return Drivetrain.from_definition(definition, {}, faults)
+    return Drivetrain.from_definition(definition, faults)
 
 
 def find_model(model: str | os.PathLike[str]) -> Path:

@@ -8,7 +8,7 @@ poles are the rates at which the measured inputs stay zero while the excitations
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +20,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import GROUND, Element
 from torsionnet.errors import UsageError
 from torsionnet.response import Modes
-from torsionnet.solve.question import as_sensor, ask, excitations_of
+from torsionnet.solve.question import as_sensor, ask
 
 
 @dataclass(frozen=True)
@@ -32,26 +32,35 @@ class Cut:
 
 def poles_of_measured(
     drivetrain: Drivetrain,
-    measured_input: str | Sensor,
-    excitation: str | None,
+    measured_input: str | Sensor | Sequence[str | Sensor],
+    excitation: str | Sequence[str] | None,
     natural_modes: Callable[[Drivetrain], Modes],
 ) -> Modes:
-    """Modes of the drivetrain cut at a measured input."""
-    sensor = as_sensor(drivetrain, measured_input)
+    """Modes of the drivetrain cut at a measured input.
+
+    Raises
+    ------
+    UsageError
+        The measured input is no sensor, or no excitation reaches it.
+    """
     question = ask(drivetrain, _anything(drivetrain), measured_input, excitation)
-    if sensor is None or not question.is_measured:
+    if not question.is_measured:
         msg = f'"{measured_input}" is no sensor; a measured input is one'
         raise UsageError(msg)
-    excitations = excitations_of(drivetrain, excitation)
-    cut = find_cut(drivetrain, sensor, excitations)
+    entries = [measured_input] if isinstance(measured_input, str | Sensor) else list(measured_input)
+    sensor = as_sensor(drivetrain, entries[0])
+    cut = find_cut(drivetrain, sensor, question.excitations) if sensor is not None and len(entries) == 1 else None
     if cut is None:
         from torsionnet.solve.pencil import measured_poles
 
         return measured_poles(drivetrain, question)
-    return _of_cut_system(drivetrain, cut, f"cut at {measured_input}", natural_modes)
+    return _of_cut_system(drivetrain, cut, f"cut at {entries[0]}", natural_modes)
 
 
 def _anything(drivetrain: Drivetrain) -> str:
+    if not drivetrain.nodes:
+        msg = "the drivetrain has no nodes"
+        raise UsageError(msg)
     return f"angle({drivetrain.nodes[0]})"
 
 
@@ -121,7 +130,7 @@ def cut_definition(definition: Definition, kept: tuple[str, ...]) -> Definition:
 
 
 def _of_cut_system(drivetrain: Drivetrain, cut: Cut, title: str, natural_modes: Callable[[Drivetrain], Modes]) -> Modes:
-    rest = Drivetrain.from_definition(cut_definition(drivetrain.definition, cut.kept), {}, ())
+    rest = Drivetrain.from_definition(cut_definition(drivetrain.definition, cut.kept))
     found = natural_modes(rest)
     shapes = np.full((len(drivetrain.nodes), len(found)), np.nan + 0j)
     for node, row in zip(found.nodes, found.shapes, strict=True):

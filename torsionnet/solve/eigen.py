@@ -59,7 +59,8 @@ class EigenSolution:
 def complex_modes(system: RowSystem) -> EigenSolution:
     """All modes with damping; an undamped system gets purely imaginary eigenvalues.
 
-    Real parts are never positive: the damping matrix is positive semidefinite, so a positive one is rounding.
+    Of passive laws real parts are never positive: the damping matrix is positive semidefinite, so a positive one is
+    rounding. A table whose damping is negative can make a mode grow.
     With frequency-dependent laws each mode uses their stiffness at its own frequency |Im lambda|; real poles
     use the real part at rest.
 
@@ -74,19 +75,28 @@ def complex_modes(system: RowSystem) -> EigenSolution:
         omega, shapes = undamped_modes(system)
         starts = [(float(omega[i]), shapes[:, i].astype(complex)) for i in np.flatnonzero(omega)]
         found = frozen.modes(system, spaces, starts)
+        passive = is_passive(system, found.values)
     else:
         undamped = not np.any(system.damping > 0)
         spectrum = refined(solve(system, spaces, system.stiffness, undamped=undamped))
         kept, real = physical(spectrum)
         found = frozen.Found.all_converged(spectrum, kept, real)
-    return _sorted_solution(spaces.rigid, found)
+        passive = True
+    return _sorted_solution(spaces.rigid, found, passive=passive)
 
 
-def _sorted_solution(rigid: FloatArray, found: frozen.Found) -> EigenSolution:
+def is_passive(system: RowSystem, eigenvalues: ComplexArray) -> bool:
+    """Whether no frequency-dependent law feeds energy into any of the vibrations."""
+    omega = np.abs(eigenvalues.imag)
+    return all(bool(np.all(law(omega).imag >= 0)) for _, law in system.dynamic)
+
+
+def _sorted_solution(rigid: FloatArray, found: frozen.Found, *, passive: bool) -> EigenSolution:
     order = np.argsort(np.abs(found.values), kind="stable")
     n_rigid, real = rigid.shape[1], found.real[order]
     values = np.where(real, found.values[order].real, found.values[order])
-    values = np.minimum(values.real, 0.0) + 1j * values.imag
+    if passive:
+        values = np.minimum(values.real, 0.0) + 1j * values.imag
     shapes = scaled(found.shapes[:, order])
     shapes[:, real] = shapes[:, real].real
     return EigenSolution(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,7 +11,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.channels import Sensor
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.errors import TorsionnetWarning
+from torsionnet.errors import TorsionnetWarning, UsageError
 from torsionnet.response import Modes
 from torsionnet.solve.cut import poles_of_measured
 from torsionnet.solve.eigen import EigenSolution, complex_modes, scaled, undamped_modes
@@ -21,11 +22,17 @@ UNCERTAIN = 1e-6
 
 
 def modes(
-    drivetrain: Drivetrain, *, measured_input: str | Sensor | None = None, excitation: str | None = None
+    drivetrain: Drivetrain,
+    *,
+    measured_input: str | Sensor | Sequence[str | Sensor] | None = None,
+    excitation: str | Sequence[str] | None = None,
 ) -> Modes:
     """See :meth:`torsionnet.Drivetrain.modes`."""
     if measured_input is not None:
         return poles_of_measured(drivetrain, measured_input, excitation, natural_modes)
+    if excitation is not None:
+        msg = "excitation= goes with measured_input=; the modes of the drivetrain itself need none"
+        raise UsageError(msg)
     return natural_modes(drivetrain)
 
 

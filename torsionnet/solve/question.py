@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from torsionnet.assembly.functionals import Functional, functional
 from torsionnet.channels import Input, Sensor, parse_sensor
@@ -39,8 +40,8 @@ def ask(
     UsageError
         An unknown name, no or an ambiguous excitation, or not as many measured inputs as excitations.
     """
-    outputs = tuple(_output(drivetrain, entry) for entry in _listed(output))
-    entries = _listed(input)
+    outputs = tuple(_output(drivetrain, entry) for entry in _listed(output, "an output", (str, Sensor)))
+    entries = _listed(input, "an input", (str, Sensor, Input))
     if not outputs or not entries:
         msg = "name at least one output and one input"
         raise UsageError(msg)
@@ -82,11 +83,6 @@ def _measured(
     return Question(outputs, measured, excitations, is_measured=True, notes=(f"measured input; excitation: {names}",))
 
 
-def excitations_of(drivetrain: Drivetrain, excitation: str | Sequence[str] | None) -> tuple[Input, ...]:
-    """The excitations named, or the model's only input."""
-    return _chosen(drivetrain, excitation) if excitation is not None else _default(drivetrain)
-
-
 def _default(drivetrain: Drivetrain) -> tuple[Input, ...]:
     inputs = tuple(drivetrain.inputs.values())
     if len(inputs) == 1:
@@ -105,8 +101,9 @@ def _torque_on(drivetrain: Drivetrain, node: str) -> Input:
     if driven:
         msg = f'the angle of "{node}" is imposed by {driven[0]}; name that input, or another node'
         raise UsageError(msg)
-    if node in solved and not solved[node]:
-        msg = f'"{node}" is locked; a torque there moves nothing'
+    if node in solved and solved[node].keys().isdisjoint(drivetrain.assembly.kinematics.coordinates):
+        held = "its motion is imposed" if solved[node] else "it is locked"
+        msg = f'a torque on "{node}" moves nothing: {held}'
         raise UsageError(msg)
     return Input("torque", node)
 
@@ -123,12 +120,13 @@ def _known_inputs(drivetrain: Drivetrain) -> str:
     return f": {', '.join(drivetrain.inputs)}" if drivetrain.inputs else ""
 
 
-def _chosen(drivetrain: Drivetrain, excitation: str | Sequence[str]) -> tuple[Input, ...]:
-    names = [excitation] if isinstance(excitation, str) else list(excitation)
-    return tuple(_named_input(drivetrain, name) for name in names)
+def _chosen(drivetrain: Drivetrain, excitation: str | Input | Sequence[str | Input]) -> tuple[Input, ...]:
+    return tuple(_named_input(drivetrain, name) for name in _listed(excitation, "an excitation", (str, Input)))
 
 
-def _named_input(drivetrain: Drivetrain, name: str) -> Input:
+def _named_input(drivetrain: Drivetrain, name: Any) -> Input:
+    if isinstance(name, Input):
+        return _given(drivetrain, name)
     if name in drivetrain.inputs:
         return _present(drivetrain, name)
     if name in drivetrain.nodes:
@@ -139,8 +137,24 @@ def _named_input(drivetrain: Drivetrain, name: str) -> Input:
     raise UsageError(msg)
 
 
-def _listed(names: str | Sensor | Sequence[str | Sensor]) -> list[str | Sensor]:
-    return [names] if isinstance(names, (str, Sensor)) else list(names)
+def _given(drivetrain: Drivetrain, channel: Input) -> Input:
+    """An excitation given as an object: a torque anywhere, an imposed angle only where the model declares it."""
+    if channel.quantity == "torque" and channel.of in drivetrain.nodes:
+        return _torque_on(drivetrain, channel.of)
+    if channel in drivetrain.inputs.values():
+        return channel
+    msg = f"the model has no {channel}; declare an imposed angle as an input of the model, a torque needs a node"
+    raise UsageError(msg)
+
+
+def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:
+    """One name or several as a list; anything else is refused in words."""
+    entries = [names] if isinstance(names, kinds) else list(names) if isinstance(names, list | tuple) else [None]
+    for entry in entries:
+        if not isinstance(entry, kinds):
+            msg = f"{what} is a name or a list of names, got {names!r}"
+            raise UsageError(msg)
+    return entries
 
 
 def as_sensor(drivetrain: Drivetrain, entry: str | Sensor) -> Sensor | None:
@@ -164,7 +178,9 @@ def _output(drivetrain: Drivetrain, entry: str | Sensor) -> Functional:
     raise UsageError(msg)
 
 
-def _input(drivetrain: Drivetrain, entry: str | Sensor) -> Input | Functional:
+def _input(drivetrain: Drivetrain, entry: str | Sensor | Input) -> Input | Functional:
+    if isinstance(entry, Input):
+        return _given(drivetrain, entry)
     if isinstance(entry, str) and entry in drivetrain.inputs:
         return _present(drivetrain, entry)
     sensor = as_sensor(drivetrain, entry)

@@ -18,7 +18,7 @@ import numpy as np
 from torsionnet.assembly.functionals import Functional, functional
 from torsionnet.assembly.rows import FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
-from torsionnet.channels import Input
+from torsionnet.channels import ELEMENT_QUANTITIES, Input, Sensor
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.solve.reduction import null_basis, orthogonal_complement
@@ -49,13 +49,14 @@ def to_control(drivetrain: Drivetrain) -> control.StateSpace:
     """
     import control
 
-    if not drivetrain.inputs or not drivetrain.sensors:
+    present = active_channels(drivetrain)
+    if not present.inputs or not present.sensors:
         msg = "a state space needs at least one input and one sensor in the model"
         raise UsageError(msg)
     assembly = drivetrain.assembly
-    inputs = list(drivetrain.inputs.values())
+    inputs = list(present.inputs.values())
     system = _first_order(assembly, inputs)
-    readings = [functional(drivetrain, sensor, name) for name, sensor in drivetrain.sensors.items()]
+    readings = [functional(drivetrain, sensor, name) for name, sensor in present.sensors.items()]
     rows = [_output(assembly, reading, inputs, system) for reading in readings]
     C, D = np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
     return control.StateSpace(
@@ -63,11 +64,31 @@ def to_control(drivetrain: Drivetrain) -> control.StateSpace:
         system.B,
         C,
         D,
-        inputs=list(drivetrain.inputs),
-        outputs=list(drivetrain.sensors),
+        inputs=list(present.inputs),
+        outputs=list(present.sensors),
         name=drivetrain.title,
         remove_useless_states=False,
     )
+
+
+@dataclass(frozen=True)
+class Channels:
+    """The inputs and sensors that act in a configuration."""
+
+    inputs: dict[str, Input]
+    sensors: dict[str, Sensor]
+
+
+def active_channels(drivetrain: Drivetrain) -> Channels:
+    """Inputs and sensors without those on parts that are switched off."""
+    nodes, elements = set(drivetrain.nodes), set(drivetrain.elements)
+    inputs = {name: channel for name, channel in drivetrain.inputs.items() if channel.of in nodes}
+    homes = {
+        name: elements if sensor.quantity in ELEMENT_QUANTITIES else nodes
+        for name, sensor in drivetrain.sensors.items()
+    }
+    sensors = {name: sensor for name, sensor in drivetrain.sensors.items() if sensor.of in homes[name]}
+    return Channels(inputs, sensors)
 
 
 def _first_order(assembly: Assembly, inputs: Sequence[Input]) -> FirstOrder:
@@ -128,16 +149,17 @@ def _output(
     rates = np.zeros((2, len(inputs)))
     sizes = np.zeros(2)
     for term in reading.terms:
+        gain = float(term.factor)
         x, u = term.row @ system.X, term.row @ system.U
         factors = _factors(assembly, term.law, term.power)
         states, direct = (x, x @ system.A, x @ system.A @ system.A), (u, x @ system.B, x @ system.A @ system.B)
         for factor, state, load in zip(factors, states, direct, strict=True):
-            C += term.factor * factor * state
-            D = D + term.factor * factor * load
+            C += gain * factor * state
+            D = D + gain * factor * load
         improper = (factors[1] * u + factors[2] * (x @ system.B), factors[2] * u)
         for order, part in enumerate(improper):
-            rates[order] += term.factor * part
-            sizes[order] += float(np.abs(term.factor * part).max(initial=0.0))
+            rates[order] += gain * part
+            sizes[order] += float(np.abs(gain * part).max(initial=0.0))
     if np.any(np.abs(rates) > NEGLIGIBLE * np.maximum(sizes, 1e-300)[:, None]):
         msg = f"{reading.name} contains the rate of change of an input; it has a frequency response but no state space"
         raise UsageError(msg)

@@ -79,7 +79,10 @@ def _static(drivetrain: Drivetrain, question: Question) -> ComplexArray:
 
 
 def _checked(frequencies: ArrayLike) -> FloatArray:
-    f = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    try:
+        f = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    except (TypeError, ValueError):
+        f = np.array([np.nan])
     if f.ndim != 1 or not np.isfinite(f).all() or (f < 0).any():
         msg = "frequencies must be a list of finite numbers >= 0, in Hz"
         raise UsageError(msg)
@@ -104,8 +107,8 @@ def read(
     """Readings under unit excitations."""
     kappa = assembly.law_stiffness(omega, s)
     terms = [term for reading in readings for term in reading.terms]
-    rows = np.array([term.row for term in terms]).reshape(len(terms), -1)
-    imposed = np.array([term.imposed for term in terms]).reshape(len(terms), -1)
+    rows = np.array([term.row for term in terms]).reshape(len(terms), assembly.system.n_coordinates)
+    imposed = np.array([term.imposed for term in terms]).reshape(len(terms), len(assembly.kinematics.imposed))
     loads, moves = _loads(assembly, excitations, kappa)
     motion = dense.respond(assembly.system, kappa, loads, rows) + (imposed @ moves)[None]
     values = np.zeros((len(s), len(readings), len(excitations)), dtype=complex)

@@ -31,7 +31,8 @@ def describe(
             sentences.append(_overdamped(solution.eigenvalues[index], elements, strain[:, index], dissipated[:, index]))
         else:
             crossings = vibration_nodes(assembly, shapes[:, index])
-            sentences.append(_vibration(elements, strain[:, index], crossings))
+            grows = "unstable, it grows; " if solution.eigenvalues[index].real > 0 else ""
+            sentences.append(grows + _vibration(elements, strain[:, index], crossings))
     return tuple(sentences)
 
 

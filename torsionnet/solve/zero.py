@@ -16,12 +16,15 @@ from torsionnet.assembly.rows import ComplexArray
 from torsionnet.assembly.system import Assembly, smallest_rate
 from torsionnet.channels import Input
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.elimination import reduce_rows
+from torsionnet.elimination import exact, reduce_rows
+from torsionnet.kinematics import exact_row, pseudo_node
 from torsionnet.solve.question import Question
 
 DIGITS = 160
 SMALL = 30
 """s is 10^-30 of the slowest rate of the system; a pole of second order leaves 160 - 60 digits."""
+
+LOAD = "load"
 
 
 def at_zero(drivetrain: Drivetrain, question: Question) -> ComplexArray:
@@ -59,61 +62,75 @@ def _transfer(assembly: Assembly, question: Question, s: Any) -> list[list[Any]]
     return [[quotient[row, column] for column in range(len(measured))] for row in range(len(outputs))]
 
 
+def _number(value: Any) -> Any:
+    """A rational or float with all its digits; the ratio of two integers keeps 10 * 0.1 at 1."""
+    import mpmath
+
+    fraction = exact(value)
+    return mpmath.mpf(fraction.numerator) / fraction.denominator
+
+
 def _kappa(assembly: Assembly, s: Any) -> list[Any]:
     import mpmath
 
-    system = assembly.system
     kappa = [
-        mpmath.mpf(k) + s * (mpmath.mpf(c) + s * mpmath.mpf(j))
-        for j, c, k in zip(system.inertia, system.damping, system.stiffness, strict=True)
+        (0 if law.loss_factor else _number(law.stiffness)) + s * (_number(law.damping) + s * _number(law.inertia))
+        for law in assembly.laws
     ]
-    for index, law in system.dynamic:
+    for index, law in assembly.system.dynamic:
         kappa[index] += mpmath.mpmathify(complex(law(np.zeros(1))[0]))
+        table = assembly.laws[index].table
+        if table is not None:
+            kappa[index] += s * _number(table.damping[0])
     return kappa
 
 
-def _solve(assembly: Assembly, excitation: Input, s: Any) -> tuple[list[Any], list[Any]]:
-    """Coordinates and imposed angles under a unit excitation."""
-    imposed: list[Any] = [0.0] * assembly.imposed_rows.shape[1]
-    loads: list[Any] = [0.0] * assembly.system.n_coordinates
+def _solve(assembly: Assembly, excitation: Input, s: Any) -> dict[str, Any]:
+    """Every coordinate and imposed angle under a unit excitation, by name."""
+    kinematics = assembly.kinematics
+    motion = {pseudo_node(name): _number(0) for name in kinematics.imposed}
+    equations: dict[str, dict[str, Any]] = {name: {} for name in kinematics.coordinates}
+    effect = exact_row(kinematics.reduced({excitation.of: 1}))
     if excitation.quantity == "torque":
-        loads = [float(value) for value in assembly.rows_of({excitation.of: 1})[0]]
+        for name in effect.keys() & equations.keys():
+            equations[name][LOAD] = -_number(effect[name])
     else:
-        imposed = [float(value) for value in assembly.rows_of({excitation.of: 1})[1]]
-    equations: list[dict[Any, Any]] = [{"load": -load} if load else {} for load in loads]
-    for index, kappa in enumerate(_kappa(assembly, s)):
-        row = assembly.system.rows[index]
-        used = np.flatnonzero(row)
-        follows = sum(float(p) * x for p, x in zip(assembly.imposed_rows[index], imposed, strict=True))
-        for i in used:
-            for j in used:
-                equations[i][j] = equations[i].get(j, 0) + kappa * float(row[i]) * float(row[j])
-            if follows:
-                equations[i]["load"] = equations[i].get("load", 0) + kappa * float(row[i]) * follows
-    solved = reduce_rows(equations, {index: index for index in range(len(loads))}, {"load"}).solved
-    return [solved.get(index, {}).get("load", 0) for index in range(len(loads))], imposed
+        motion |= {name: _number(share) for name, share in effect.items()}
+    for kappa, row in zip(_kappa(assembly, s), assembly.exact_rows, strict=True):
+        follows = sum((_number(row[name]) * motion[name] for name in row.keys() & motion.keys()), start=_number(0))
+        free = [name for name in row if name in equations]
+        for i in free:
+            for j in free:
+                _add(equations[i], j, kappa * _number(row[i] * row[j]))
+            _add(equations[i], LOAD, kappa * _number(row[i]) * follows)
+    order = {name: index for index, name in enumerate(equations)}
+    solved = reduce_rows(list(equations.values()), order, {LOAD}).solved
+    return motion | {name: solved.get(name, {}).get(LOAD, _number(0)) for name in equations}
+
+
+def _add(row: dict[str, Any], name: str, value: Any) -> None:
+    row[name] = row.get(name, 0) + value
 
 
 def _readings(
     assembly: Assembly,
     readings: Sequence[Functional],
     excitations: Sequence[Input],
-    solutions: Sequence[tuple[list[Any], list[Any]]],
+    solutions: Sequence[dict[str, Any]],
     s: Any,
 ) -> list[list[Any]]:
     kappa = _kappa(assembly, s)
     table = []
     for reading in readings:
         row = []
-        for excitation, (motion, imposed) in zip(excitations, solutions, strict=True):
-            total = sum((_term(term, motion, imposed, kappa, s) for term in reading.terms), start=s * 0)
+        for excitation, motion in zip(excitations, solutions, strict=True):
+            total = sum((_term(term, motion, kappa, s) for term in reading.terms), start=s * 0)
             direct = reading.direct.get(excitation.of, 0.0) if excitation.quantity == "torque" else 0.0
             row.append(total + direct)
         table.append(row)
     return table
 
 
-def _term(term: Term, motion: list[Any], imposed: list[Any], kappa: list[Any], s: Any) -> Any:
-    gamma = sum((float(term.row[i]) * motion[i] for i in np.flatnonzero(term.row)), start=s * 0)
-    gamma += sum(float(p) * x for p, x in zip(term.imposed, imposed, strict=True))
-    return term.factor * gamma * (s**term.power if term.law is None else kappa[term.law])
+def _term(term: Term, motion: dict[str, Any], kappa: list[Any], s: Any) -> Any:
+    gamma = sum((_number(share) * motion[name] for name, share in term.exact.items()), start=s * 0)
+    return _number(term.factor) * gamma * (s**term.power if term.law is None else kappa[term.law])
