@@ -133,7 +133,7 @@ def _of_cut(
 ) -> Asked:
     """What is left downstream of the cut; the measured torque is an excitation there."""
     node, sign = port_of(drivetrain.elements[sensor.of], sensor.at)
-    rest = Drivetrain.from_definition(cut_definition(drivetrain.definition, cut.kept), {}, ())
+    rest = Drivetrain.from_definition(cut_definition(drivetrain.definition, cut.kept))
     mechanism = _mechanism(rest, [output], referred_to)
     removed = ", ".join(name for name in drivetrain.elements if name not in cut.kept)
     notes = (*whole.notes, f"cut at {whole.channels[1].name}: independent of {removed}") if removed else whole.notes

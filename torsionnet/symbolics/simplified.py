@@ -187,7 +187,7 @@ def _apply(drivetrain: Drivetrain, change: Change) -> Drivetrain:
         elements.pop(change.name, None)
     else:
         elements[change.name] = change.replacement
-    return Drivetrain.from_definition(replace(drivetrain.definition, elements=elements), {}, ())
+    return Drivetrain.from_definition(replace(drivetrain.definition, elements=elements))
 
 
 class _Reference:
