@@ -15,7 +15,7 @@ LAYERS = (  # top to bottom: first name below torsionnet
     {"cli", "demo", "__main__"},
     {"report"},
     {"identify"},
-    {"solve"},
+    {"solve", "symbolics"},
     {"assembly"},
     {
         "drivetrain",

@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     import networkx as nx
     from numpy.typing import ArrayLike
 
-    from torsionnet.assembly.symbolic import SymbolicSystem
     from torsionnet.assembly.system import Assembly
     from torsionnet.response import FrequencyResponse, Modes
     from torsionnet.solve.grid import Adaptive
+    from torsionnet.symbolics.system import SymbolicSystem
 
     Channels: TypeAlias = str | Sensor | Sequence[str | Sensor]
 
@@ -359,8 +359,17 @@ class Drivetrain:
         return modes(self, measured_input=measured_input, excitation=excitation)
 
     def symbolic(self, *, referred_to: Sequence[str] = ()) -> SymbolicSystem:
-        """M, C, K in the model's own symbols; ``referred_to`` chooses the nodes kept as coordinates."""
-        from torsionnet.assembly.symbolic import symbolic_system
+        """M, C, K and transfer functions in the model's own symbols.
+
+        ``referred_to`` chooses the nodes kept as coordinates.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T").mechanical
+        1/(I_2*s**2 + k_2 + s*(c_2 + c_B)) + 1/(c_1*s + k_1)
+        """
+        from torsionnet.symbolics.system import symbolic_system
 
         return symbolic_system(self, referred_to)
 

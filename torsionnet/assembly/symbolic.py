@@ -23,7 +23,7 @@ OMEGA = sympy.Symbol("omega")
 
 
 @dataclass(frozen=True, eq=False)
-class SymbolicSystem:
+class SymbolicMatrices:
     """M, C, K over the kept coordinates: (M s^2 + C s + K + j H) q + kappa(omega) terms = B u.
 
     Attributes
@@ -90,7 +90,7 @@ def _joined(terms: list[str]) -> str:
     return text.removeprefix("+ ") or "0"
 
 
-def symbolic_system(drivetrain: Drivetrain, referred_to: Sequence[str] = ()) -> SymbolicSystem:
+def symbolic_matrices(drivetrain: Drivetrain, referred_to: Sequence[str] = ()) -> SymbolicMatrices:
     """See :meth:`torsionnet.Drivetrain.symbolic`.
 
     Raises
@@ -116,7 +116,7 @@ def symbolic_system(drivetrain: Drivetrain, referred_to: Sequence[str] = ()) -> 
     nodes = [ratios.reduced({node: twin(1)}) for node in kinematics.nodes]
     inputs = tuple(name for name, channel in drivetrain.inputs.items() if channel.of in kinematics.nodes)
     loads = [ratios.reduced({drivetrain.inputs[name].of: twin(1)}) for name in inputs]
-    return SymbolicSystem(
+    return SymbolicMatrices(
         **{key: total.matrix() for key, total in sums.items()},
         coordinates=coordinates,
         nodes=kinematics.nodes,
@@ -132,7 +132,7 @@ class _Ratios:
     """Kinematics on twins, with the pivots of the exact values."""
 
     def __init__(self, plain: Kinematics, values: Values, definition: Any, names: Sequence[str]) -> None:
-        self.kinematics = _twin_kinematics(plain, values, definition, names)
+        self.kinematics = twin_kinematics(plain, values, definition, names)
 
     def reduced(self, row: Row) -> Row:
         return self.kinematics.reduced({node: twin(value) for node, value in row.items()})
@@ -157,15 +157,28 @@ def _uncancelled(row: Row, solved: dict[Any, Row]) -> dict[str, Any]:
     return result
 
 
-def _twin_kinematics(plain: Kinematics, values: Values, definition: Any, names: Sequence[str]) -> Kinematics:
+def twin_kinematics(
+    plain: Kinematics, values: Values, definition: Any, names: Sequence[str] = (), loose: Sequence[int] = ()
+) -> Kinematics:
+    """The kinematics again with twins; constraints whose number is in ``loose`` are left out of the solution."""
     from torsionnet.elimination import reduce_rows
     from torsionnet.kinematics import constraints_of, owned_parts
 
     parts = owned_parts(definition, values)
-    rows = [{node: twin(value) for node, value in row.items()} for _, row in constraints_of(parts)]
+    rows = [
+        {} if index in loose else {node: twin(value) for node, value in row.items()}
+        for index, (_, row) in enumerate(constraints_of(parts))
+    ]
     order = {node: index for index, node in enumerate(plain.nodes)}
     reduction = reduce_rows(rows, order, {*names, *(pseudo_node(name) for name in plain.imposed)})
-    return Kinematics(plain.nodes, parts, plain.imposed, reduction, plain.coordinates)
+    coordinates = tuple(node for node in plain.nodes if node not in reduction.solved)
+    return Kinematics(plain.nodes, parts, plain.imposed, reduction, coordinates)
+
+
+def law_parts(owner: str, law: Law) -> tuple[Any, Any, Any]:
+    """Coefficients of 1, s, s^2 of a law on twins; hysteresis and tables stand in the first."""
+    found = {key: sympy.Integer(0) for key in ("K", "C", "M", "H", "tables")} | _coefficients(owner, law)
+    return found["K"] + sympy.I * found["H"] + found["tables"], found["C"], found["M"]
 
 
 def _coefficients(owner: str, law: Law) -> dict[str, Any]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
 import sympy
@@ -65,7 +66,12 @@ def rational(number: Any) -> Any:
 
 def twin(number: Any) -> Twin:
     """A plain number as a twin of itself."""
-    return number if isinstance(number, Twin) else Twin(exact(number), rational(number))
+    return number if isinstance(number, Twin) else _plain(number)
+
+
+@lru_cache(maxsize=1024)
+def _plain(number: Any) -> Twin:
+    return Twin(exact(number), rational(number))
 
 
 def _root(number: Any) -> Twin:

@@ -1,0 +1,71 @@
+"""Fully expanded numerator and denominator."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import sympy
+
+from torsionnet.errors import UsageError
+from torsionnet.symbolics.algebras import Terms
+from torsionnet.symbolics.sparse import Monomials, Sparse, monomials_for
+
+if TYPE_CHECKING:
+    from torsionnet.symbolics.transfer_function import TransferFunction
+
+
+@dataclass(frozen=True)
+class Expanded:
+    """Numerator and denominator without brackets; making sympy expressions of them takes longer than making them.
+
+    Attributes
+    ----------
+    numerator, denominator : Sparse
+    algebra : Monomials
+    """
+
+    numerator: Sparse
+    denominator: Sparse
+    algebra: Monomials
+
+    @property
+    def terms(self) -> int:
+        """How many there are."""
+        return sum(sum(map(bool, part.terms.values())) for part in (self.numerator, self.denominator))
+
+    @cached_property
+    def expression(self) -> Any:
+        """The quotient as a sympy expression."""
+        depth = max(self.numerator.depth, self.denominator.depth)
+        above, below = (
+            self.algebra.expression(part.at_depth(depth), part.scale**depth)
+            for part in (self.numerator, self.denominator)
+        )
+        return above / below
+
+    def to_ring(self) -> tuple[Any, Any]:
+        """Numerator and denominator as elements of a sympy polynomial ring over the rationals."""
+        ring = sympy.polys.rings.PolyRing(self.algebra.generators, sympy.QQ, sympy.polys.orderings.lex)
+        return ring(self.algebra.as_dict(self.numerator)), ring(self.algebra.as_dict(self.denominator))
+
+
+def predicted_terms(function: TransferFunction) -> int:
+    """Terms of numerator and denominator, at most; exact where every parameter appears once."""
+    return int(sum(function.steps.run(Terms(), [function.numerator, function.denominator])))
+
+
+def expanded(function: TransferFunction, cap: int) -> Expanded:
+    """See :meth:`TransferFunction.expanded`."""
+    predicted = predicted_terms(function)
+    if predicted > cap:
+        msg = (
+            f"fully expanded, this transfer function has up to {predicted:,} terms, more than {cap:,}; "
+            "use .mechanical or .program, keep(...) fewer parameters, or raise cap="
+        )
+        raise UsageError(msg)
+    program, outputs = function.steps, [function.numerator, function.denominator]
+    algebra = monomials_for(program.payloads(outputs))
+    above, below = program.run(algebra, outputs)
+    return Expanded(above, below, algebra)

@@ -1,0 +1,117 @@
+"""Gain and factors: 1 + s/omega of first order, 1 + 2 zeta s/omega_n + s^2/omega_n^2 of second order."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import sympy
+
+from torsionnet.symbolics.algebras import InPowersOfS, S, Terms, in_s
+from torsionnet.symbolics.numbers import surely_zero
+from torsionnet.symbolics.program import Node, Program
+from torsionnet.symbolics.rational import factored, tidy
+
+if TYPE_CHECKING:
+    from torsionnet.symbolics.transfer_function import TransferFunction
+
+MOST_TERMS = 30
+"""Polynomials of more terms are not searched for factors that the recursion did not give."""
+
+MOST_OPERATIONS, MOST_SYMBOLS = 100, 10
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A polynomial with constant term 1, to a power.
+
+    Attributes
+    ----------
+    coefficients : tuple
+        Of 1, s, s^2, ...; the first is 1.
+    power : int
+    """
+
+    coefficients: tuple[Any, ...]
+    power: int = 1
+
+    @property
+    def order(self) -> int:
+        return len(self.coefficients) - 1
+
+    @property
+    def omega_n(self) -> Any:
+        """Corner or natural frequency in rad/s, of first and second order."""
+        if self.order == 1:
+            return sympy.simplify(1 / self.coefficients[1])
+        return sympy.sqrt(sympy.simplify(1 / self.coefficients[2])) if self.order == 2 else None  # noqa: PLR2004
+
+    @property
+    def zeta(self) -> Any:
+        """Damping ratio, of second order."""
+        if self.order != 2:  # noqa: PLR2004
+            return None
+        return self.coefficients[1] / (2 * sympy.sqrt(self.coefficients[2]))
+
+    @property
+    def expression(self) -> Any:
+        return in_s(self.coefficients) ** self.power
+
+
+@dataclass(frozen=True)
+class Normalised:
+    """gain * s^power * product of numerator factors / product of denominator factors."""
+
+    gain: Any
+    power: int
+    numerator: tuple[Factor, ...]
+    denominator: tuple[Factor, ...]
+
+    @property
+    def expression(self) -> Any:
+        """The whole as a sympy expression."""
+        above = sympy.Mul(*(factor.expression for factor in self.numerator))
+        below = sympy.Mul(*(factor.expression for factor in self.denominator))
+        return self.gain * S**self.power * above / below
+
+
+def normalised(function: TransferFunction) -> Normalised:
+    """Factors as the recursion gives them, and those sympy finds in short polynomials."""
+    above, below = (_factors(function, node) for node in (function.numerator, function.denominator))
+    return Normalised(factored(above[0] / below[0]), above[1] - below[1], above[2], below[2])
+
+
+def _factors(function: TransferFunction, node: Node) -> tuple[Any, int, tuple[Factor, ...]]:
+    """(Gain, power of s, factors) of a numerator or denominator."""
+    gain, power = sympy.Integer(1), 0
+    factors: list[Factor] = []
+    for index, times in function.steps.factors(node).items():
+        for polynomial, more in _irreducible(function, index):
+            lowest = next((i for i, value in enumerate(polynomial) if value != 0), None)
+            if lowest is None:
+                return sympy.Integer(0), 0, ()
+            power += lowest * more * times
+            gain *= polynomial[lowest] ** (more * times)
+            if len(polynomial) > lowest + 1:
+                scaled = tuple(value / polynomial[lowest] for value in polynomial[lowest:])
+                factors.append(Factor(scaled, more * times))
+    return gain, power, tuple(factors)
+
+
+def _irreducible(function: TransferFunction, index: int) -> list[tuple[list[Any], int]]:
+    """(Coefficients, power) of the factors of one step."""
+    (polynomial,) = function.steps.run(InPowersOfS(Program().leaf), [function.steps.at(index)])
+    coefficients = [sympy.Integer(0) if surely_zero(value) else tidy(value) for value in polynomial.coefficients]
+    (count,) = function.steps.run(Terms(), [function.steps.at(index)])
+    whole = in_s(coefficients)
+    if count > MOST_TERMS or len(coefficients) < 3 or whole.has(sympy.I):  # noqa: PLR2004
+        return [(coefficients, 1)]
+    number, denominator = sympy.fraction(sympy.together(whole))
+    if sympy.count_ops(number) > MOST_OPERATIONS or len(number.free_symbols) > MOST_SYMBOLS:
+        return [(coefficients, 1)]
+    content, found = sympy.factor_list(number, S)
+    return [([content / denominator], 1), *((_coefficients(factor), power) for factor, power in found)]
+
+
+def _coefficients(polynomial: Any) -> list[Any]:
+    return [sympy.collect(value, S) for value in sympy.Poly(polynomial, S).all_coeffs()[::-1]]

@@ -1,0 +1,251 @@
+"""A transfer function in symbols, and the forms it can be written in."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import sympy
+from numpy.typing import ArrayLike
+
+from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.symbolics.algebras import Changed, Derivatives, Expressions
+from torsionnet.symbolics.network import Stiffness
+from torsionnet.symbolics.program import Node, Program
+from torsionnet.symbolics.question import Asked
+
+if TYPE_CHECKING:
+    from torsionnet.symbolics.expanded import Expanded
+    from torsionnet.symbolics.normalised import Normalised
+    from torsionnet.symbolics.rational import Rational
+    from torsionnet.symbolics.where import WhereTable
+
+FORMS = ("mechanical", "polynomial", "normalised", "program", "expanded")
+
+
+@dataclass(frozen=True, eq=False)
+class TransferFunction:
+    """One output over one input, exact, in the model's own symbols.
+
+    Everything follows from one straight-line program for numerator and denominator, which has no subtraction and no
+    division; the forms are worked out when they are asked for.
+
+    Attributes
+    ----------
+    channels : tuple of Channel
+        Output and input, with their units.
+    numerator, denominator : Node
+        Results of one program, common factors left out.
+    values : dict
+        Symbol -> exact rational value in the model.
+    asked : Asked or None
+        The mechanism behind, for the continued fraction.
+    tables : dict
+        Tabulated stiffness by its symbolic function: kappa(omega).
+    notes : tuple of str
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
+    >>> H.mechanical
+    1/(I_2*s**2 + k_2 + s*(c_2 + c_B)) + 1/(c_1*s + k_1)
+    >>> H.static_gain
+    (k_1 + k_2)/(k_1*k_2)
+    """
+
+    channels: tuple[Channel, Channel]
+    numerator: Node
+    denominator: Node
+    values: Mapping[Any, Any]
+    asked: Asked | None = None
+    tables: Mapping[Any, Any] = field(default_factory=dict)
+    title: str = ""
+    notes: tuple[str, ...] = ()
+    conditions: tuple[Any, ...] = ()
+
+    @property
+    def steps(self) -> Program:
+        """The program of numerator and denominator."""
+        return self.numerator.program
+
+    @cached_property
+    def free_symbols(self) -> frozenset[Any]:
+        """Parameters that appear, as sympy symbols."""
+        found: set[Any] = set()
+        for index in self.steps.needed([self.numerator, self.denominator]):
+            step = self.steps.steps[index]
+            payload = step[1] if step[0] == "leaf" else None
+            for part in payload.parts if isinstance(payload, Stiffness) else (payload,):
+                if isinstance(part, sympy.Basic):
+                    found |= {part} if part.is_Symbol else part.free_symbols
+        return frozenset(found - {sympy.Symbol("omega")})
+
+    @cached_property
+    def nested(self) -> Any:
+        """Numerator over denominator as the recursion gives them, a sympy expression."""
+        above, below = self.steps.run(Expressions(), [self.numerator, self.denominator])
+        return above / below
+
+    @cached_property
+    def mechanical(self) -> Any:
+        """Continued fraction with the user's groups, a sympy expression; nested where there are closed loops."""
+        from torsionnet.symbolics.written import continued_expression
+
+        written = None if self.asked is None else continued_expression(self.asked)
+        return self.nested if written is None else written
+
+    @cached_property
+    def polynomial(self) -> Rational:
+        """Polynomials in s, with coefficients a_i, b_i and what they stand for."""
+        from torsionnet.symbolics.rational import rational
+
+        return rational(self)
+
+    @cached_property
+    def normalised(self) -> Normalised:
+        """Static gain, omega_n and zeta of the factors of first and second order."""
+        from torsionnet.symbolics.normalised import normalised
+
+        return normalised(self)
+
+    @cached_property
+    def program(self) -> WhereTable:
+        """Straight-line program: every intermediate result once, under a name."""
+        from torsionnet.symbolics.where import where_table
+
+        return where_table(self)
+
+    def predicted_terms(self) -> int:
+        """Terms of the fully expanded numerator and denominator, at most."""
+        from torsionnet.symbolics.expanded import predicted_terms
+
+        return predicted_terms(self)
+
+    def expanded(self, cap: int = 50_000) -> Expanded:
+        """Fully expanded numerator and denominator, in a polynomial ring.
+
+        Raises
+        ------
+        UsageError
+            More than ``cap`` terms are predicted; the message has the number.
+        """
+        from torsionnet.symbolics.expanded import expanded
+
+        return expanded(self, cap)
+
+    @property
+    def static_gain(self) -> Any:
+        """The limit at zero frequency: an expression, 0, or sympy's infinity."""
+        from torsionnet.symbolics.limits import static_gain
+
+        return static_gain(self)
+
+    @property
+    def low_frequency(self) -> Any:
+        """The leading term for s -> 0, gain * s^power."""
+        from torsionnet.symbolics.limits import low_frequency
+
+        return low_frequency(self)
+
+    @property
+    def high_frequency(self) -> Any:
+        """The leading term for s -> oo, gain * s^power."""
+        from torsionnet.symbolics.limits import high_frequency
+
+        return high_frequency(self)
+
+    def derivative(self, parameter: str) -> TransferFunction:
+        """The derivative with respect to a parameter, again with all forms but the mechanical one.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
+        >>> H.derivative("k_2").static_gain
+        -1/k_2**2
+        """
+        program = Program()
+        algebra = Derivatives(program, self._symbol(parameter))
+        above, below = self.steps.run(algebra, [self.numerator, self.denominator])
+        numerator = above.slope * below.value + below.slope * above.value * -1
+        numerator, denominator = program.reduced(numerator, below.value * below.value)
+        return replace(self, numerator=numerator, denominator=denominator, asked=None)
+
+    def subs(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> TransferFunction:
+        """The transfer function with numbers (exact: 0.5 becomes 1/2) or sympy expressions for parameters."""
+        given = {self._symbol(name): _exact(value) for name, value in {**(values or {}), **more}.items()}
+        return self._changed(given) if given else self
+
+    def keep(self, names: Collection[str]) -> TransferFunction:
+        """Only the named parameters stay symbols; all others get their exact values.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
+        >>> H.keep(["k_2"]).mechanical
+        1/(k_2 + 19*s**2/125 + 43*s/10) + 1/(s/10 + 13300)
+        """
+        kept = {self._symbol(name) for name in names}
+        return self._changed({name: self.values[name] for name in self.free_symbols - kept if name in self.values})
+
+    def _changed(self, given: dict[Any, Any]) -> TransferFunction:
+        def change(expression: Any) -> Any:
+            return given.get(expression, expression) if expression.is_Atom else expression.xreplace(given)
+
+        program = Program()
+        nodes = self.steps.run(Changed(program, change), [self.numerator, self.denominator])
+        numerator, denominator = program.reduced(*nodes)
+        asked = None if self.asked is None else self.asked.changed(change)
+        return replace(self, numerator=numerator, denominator=denominator, asked=asked)
+
+    def _symbol(self, name: str) -> Any:
+        known = {str(symbol): symbol for symbol in {*self.values, *self.free_symbols}}
+        if str(name) not in known:
+            msg = f'no parameter is named "{name}"{did_you_mean(str(name), known)}'
+            raise UsageError(msg)
+        return known[str(name)]
+
+    def evaluate(self, frequencies: ArrayLike, **parameters: float) -> FrequencyResponse:
+        """Numbers at frequencies in Hz, with the values of the model where no others are given.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
+        >>> round(float(abs(H.evaluate([8.116]).values.item())) * 57.29578, 4)
+        0.2519
+        """
+        from torsionnet.symbolics.numbers import evaluate
+
+        return evaluate(self, frequencies, {self._symbol(name): value for name, value in parameters.items()})
+
+    def python_code(self, name: str = "transfer_function") -> str:
+        """Source text of a numpy function of frequency in Hz and the parameters."""
+        from torsionnet.symbolics.code import python_code
+
+        return python_code(self, name)
+
+    def to_latex(self, form: str = "mechanical") -> str:
+        """LaTeX of a form: mechanical, polynomial, normalised, program or expanded."""
+        from torsionnet.symbolics.latex import to_latex
+
+        return to_latex(self, form)
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.to_latex()}$"
+
+    def __repr__(self) -> str:
+        names = " / ".join(channel.name for channel in self.channels)
+        operations = self.program.operations
+        return f"<TransferFunction {names}: {len(self.free_symbols)} parameters, {operations} operations>"
+
+
+def _exact(value: Any) -> Any:
+    from torsionnet.assembly.twin import rational
+
+    return value if isinstance(value, sympy.Basic) else rational(value)
