@@ -40,3 +40,14 @@ def test_fault_shown_in_the_readme_is_the_one_reported():
         tn.loads(broken, file="model.yaml")
     shown = block("text").rstrip("\n")
     assert shown in str(caught.value)
+
+
+def test_symbolic_forms_are_those_that_come_out():
+    for name in ("dmf_rig", "amt_rig"):
+        response = tn.load(name).symbolic().transfer_function("theta_1", "T_T")
+        assert f"`{response.mechanical}`" in README
+    dmf = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T").polynomial
+    assert f"`{dmf.named}`" in README
+    assert all(f"`{name} = {value}`" in README for name, value in dmf.where.items())
+    amt = tn.load("amt_rig").symbolic().transfer_function("theta_1", "T_T").polynomial
+    assert len(amt.denominator) == 5

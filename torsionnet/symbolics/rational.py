@@ -31,7 +31,7 @@ class Coefficients(Protocol):
         ...
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Rational:
     """(b_0 + b_1 s + ...) / (a_0 + a_1 s + ...).
 
@@ -82,6 +82,12 @@ class Rational:
             for letter, coefficients in (("b", self.numerator), ("a", self.denominator))
         )
         return above / below
+
+    def __repr__(self) -> str:
+        return f"{self.named} where {', '.join(f'{name} = {value}' for name, value in self.where.items())}"
+
+    def _repr_latex_(self) -> str:
+        return f"${sympy.latex(self.expression)}$"
 
 
 def _trimmed(coefficients: Sequence[Any]) -> tuple[Any, ...]:
