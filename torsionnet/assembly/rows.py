@@ -51,10 +51,7 @@ class RowSystem:
     @cached_property
     def sparse_rows(self) -> list[dict[int, float]]:
         """Every row as a map from coordinate to coefficient."""
-        found: list[dict[int, float]] = [{} for _ in self.rows]
-        for i, j in zip(*(part.tolist() for part in np.nonzero(self.rows)), strict=True):
-            found[i][j] = float(self.rows[i, j])
-        return found
+        return sparse(self.rows)
 
     def __post_init__(self) -> None:
         for array in (self.rows, self.inertia, self.damping, self.stiffness):
@@ -90,3 +87,11 @@ class RowSystem:
         for index, law in self.dynamic:
             values[index] += law(np.array([omega]))[0]
         return values
+
+
+def sparse(rows: FloatArray) -> list[dict[int, float]]:
+    """Rows as maps from coordinate to coefficient."""
+    found: list[dict[int, float]] = [{} for _ in rows]
+    for i, j in zip(*(part.tolist() for part in np.nonzero(rows)), strict=True):
+        found[i][j] = float(rows[i, j])
+    return found

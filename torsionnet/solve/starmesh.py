@@ -17,10 +17,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem, sparse
 from torsionnet.solve import dense
 from torsionnet.solve.graph_plan import Plan, make_plan
-from torsionnet.solve.row_algebra import Row
 from torsionnet.solve.sweep import Array, sweep
 
 BLOCK_BYTES = 3 * 2**20
@@ -85,14 +84,6 @@ def plan_for(system: RowSystem, rows: FloatArray, support: NDArray[np.intp]) -> 
         system.plans[key] = make_plan(system.sparse_rows, sparse(rows), support.tolist(), last)
     plan: Plan = system.plans[key]
     return plan
-
-
-def sparse(rows: FloatArray) -> list[Row]:
-    """Rows as maps from coordinate to coefficient."""
-    found: list[Row] = [{} for _ in rows]
-    for i, j in zip(*(part.tolist() for part in np.nonzero(rows)), strict=True):
-        found[i][j] = float(rows[i, j])
-    return found
 
 
 def _solved(
