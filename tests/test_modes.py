@@ -42,6 +42,14 @@ def test_words_about_modes():
     assert second == "strain in left 50 %, right 50 %; 2 nodes of vibration in left, in right"
 
 
+def test_nodes_of_vibration_are_counted_over_the_gears():
+    """The n-th elastic mode of a tree has n nodes; two branches of two gear stages each meet at the bull gear."""
+    described = tn.load("marine_steam_turbine").modes().descriptions[2:]
+    counts = [int(text.split("; ")[1].split()[0]) for text in described]
+    assert counts == [1, 2, 3, 4, 5]
+    assert not any("node of vibration" in text for text in tn.load("planetary_set").modes().descriptions)
+
+
 def test_overdamped_mode_has_ratio_one_and_a_time_constant():
     modes = tn.load("amt_rig").configured("V", c_O=360).modes()
     assert modes.kinds == ("oscillatory", "real pole", "real pole")

@@ -42,6 +42,11 @@ def test_fault_shown_in_the_readme_is_the_one_reported():
     assert shown in str(caught.value)
 
 
+def test_number_of_library_models():
+    words = {9: "Nine", 10: "Ten", 11: "Eleven", 12: "Twelve"}
+    assert f"{words[len(tn.library_models()) - 2]} published drivetrains" in README
+
+
 def test_symbolic_forms_are_those_that_come_out():
     for name in ("dmf_rig", "amt_rig"):
         response = tn.load(name).symbolic().transfer_function("theta_1", "T_T")

@@ -51,9 +51,12 @@ _HOMES = {
     "loads": "files",
 }
 
-__all__ = ["__version__", *_HOMES]  # noqa: PLE0604
+_PACKAGES = ("report", "units")
+
+__all__ = ["__version__", *_HOMES, *_PACKAGES]  # noqa: PLE0604
 
 if TYPE_CHECKING:
+    from torsionnet import report, units
     from torsionnet.channels import Input, Sensor
     from torsionnet.damping import convert_damping
     from torsionnet.drivetrain import Drivetrain
@@ -89,6 +92,8 @@ if TYPE_CHECKING:
 
 def __getattr__(name: str) -> object:
     """Import a public name where it is first used: starting up stays quick."""
+    if name in _PACKAGES:
+        return importlib.import_module(f"torsionnet.{name}")
     if name not in _HOMES:
         msg = f"module {__name__!r} has no attribute {name!r}"
         raise AttributeError(msg)

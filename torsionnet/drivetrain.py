@@ -432,7 +432,8 @@ def _read_overrides(overrides: Mapping[str, Any], definition: Definition) -> dic
     values = {}
     for name, raw in overrides.items():
         if name not in definition.parameters:
-            msg = f'no parameter is named "{name}"{did_you_mean(name, definition.parameters)}'
+            axis = f'; configurations are chosen by text: configured("{name}={raw}")' if name in definition.axes else ""
+            msg = f'no parameter is named "{name}"{axis or did_you_mean(name, definition.parameters)}'
             raise UsageError(msg)
         try:
             values[name] = read_value(raw)

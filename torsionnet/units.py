@@ -322,9 +322,13 @@ _STRAY = re.compile(r"[,:;.'’_]|\s*(?!1\s*/)[0-9]")
 def _misread(written: str) -> str:
     if re.match(r"[+-]?[0-9]+:[0-9]", written):
         return f'expected a number, got "{written}"; write the ratio as a number (3.0) or give teeth: [z1, z2]'
+    either = re.match(r"([+-]?[0-9]{1,3}),([0-9]{3})(?![0-9,.])", written)
+    if either:
+        whole, rest = f"{either[1]}{either[2]}", written[either.end() :]
+        return f'"{written}" is ambiguous; write {either[1]}.{either[2]}{rest} or {whole}{rest}'
     comma = re.match(r"([+-]?[0-9]+),([0-9]+)(?![0-9,.])", written)
     if comma:
-        return f'"{written}" has a decimal comma; write {comma[1]}.{comma[2]}'
+        return f'"{written}" has a decimal comma; write {comma[1]}.{comma[2]}{written[comma.end() :]}'
     grouped = re.match(r"([+-]?[0-9]{1,3}(?:[,.'’_\s][0-9]{3})+)(?:[.,]([0-9]+))?", written)
     if grouped:
         decimals = f".{grouped[2]}" if grouped[2] else ""

@@ -86,7 +86,7 @@ def _require(name: str, known: Any, what: str, switched_off: Any = ()) -> None:
     if name in known:
         return
     if name in switched_off:
-        msg = f'{what} "{name}" is switched off in this configuration'
+        msg = f'{what} "{name}" is switched off in this configuration; nothing can be measured there'
         raise UsageError(msg)
     msg = f'no {what} is named "{name}"{did_you_mean(name, known)}'
     raise UsageError(msg)

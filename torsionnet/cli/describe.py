@@ -138,7 +138,9 @@ def channels_table(rig: Drivetrain) -> Table:
     rows = [(name, "input", str(entry), UNITS[entry.quantity], "") for name, entry in rig.inputs.items()]
     for name, sensor in rig.sensors.items():
         element = rig.elements.get(sensor.of) if sensor.quantity == "torque" else None
-        rows.append((name, "sensor", str(sensor), UNITS[sensor.quantity], element.sign if element else ""))
+        rows.append(
+            (name, "sensor", str(sensor), UNITS[sensor.quantity], element.sign_at(sensor.at) if element else "")
+        )
     columns = (Column("name"), Column("kind"), Column("what"), Column("unit"), Column("sign"))
     return without_empty_columns(Table("Inputs and sensors", columns, tuple(rows)))
 

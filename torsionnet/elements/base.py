@@ -110,6 +110,14 @@ class Element:
                 ports[declared.name] = nodes
         return ports
 
+    def sign_at(self, at: str | None) -> str:
+        """What a positive torque means at a port, given by its name or node; None is the first port."""
+        ports = list(self.ports.items())
+        if at is None or at in ports[0]:
+            return self.sign
+        node = next((node for port, node in ports if at in (port, node)), at)
+        return f"positive when it drives out of the element into {node}"
+
     @property
     def internal_nodes(self) -> tuple[str, ...]:
         """Nodes the element brings along by itself."""

@@ -30,7 +30,7 @@ def describe(
         elif kind == "real pole":
             sentences.append(_overdamped(solution.eigenvalues[index], elements, strain[:, index], dissipated[:, index]))
         else:
-            crossings = vibration_nodes(assembly, shapes[:, index])
+            crossings = vibration_nodes(assembly, solution.vectors[:, index])
             grows = "unstable, it grows; " if solution.eigenvalues[index].real > 0 else ""
             sentences.append(grows + _vibration(elements, strain[:, index], crossings))
     return tuple(sentences)
@@ -59,7 +59,9 @@ def _overdamped(value: complex, elements: tuple[str, ...], strain: FloatArray, d
     return text if strain.any() else f"{text}; no spring involved"
 
 
-def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[str]) -> str:
+def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[str] | None) -> str:
+    if crossings is None:
+        return f"strain in {_leading(elements, strain)}"
     count = len(crossings)
     nodes = "no node of vibration" if not count else f"{count} node{'s' if count > 1 else ''} of vibration"
     places = list(dict.fromkeys(crossings))
@@ -67,28 +69,32 @@ def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[st
     return f"strain in {_leading(elements, strain)}; {nodes}{where}"
 
 
-def vibration_nodes(assembly: Assembly, shape: ComplexArray) -> list[str]:
-    """Where the angle, referred over the ratios, changes its sign: ``in shaft``, or ``at wheel`` if it stands still.
+def vibration_nodes(assembly: Assembly, motion: ComplexArray) -> list[str] | None:
+    """Where the motion changes its sense: ``in shaft``, or ``at wheel`` if a node stands still.
 
-    A complex shape is turned to its main phase first.
+    ``motion`` (n_q,) is over coordinates, so that what is rigidly geared together counts as one wheel, and angles
+    either side of an elastic element are compared over its ratio. A complex shape is turned to its main phase first. None where an
+    elastic element ties three coordinates, for which there is no such count.
     """
-    turned = (shape * np.exp(-0.5j * np.angle(np.sum(shape**2)))).real
-    angle = dict(zip(assembly.nodes, turned, strict=True))
-    limit = STILL * float(np.abs(turned).max(initial=0.0))
+    turned = (motion * np.exp(-0.5j * np.angle(np.sum(motion**2)))).real
+    moves = dict(zip(assembly.kinematics.coordinates, turned, strict=True))
     crossings: dict[frozenset[str], str] = {}
     around: dict[str, list[float]] = {}
-    for owner, law in assembly.kinematics.laws:
-        if len(law.row) != 2 or not law.is_elastic:  # noqa: PLR2004
+    for owner, law, row in zip(assembly.owners, assembly.laws, assembly.exact_rows, strict=True):
+        if not law.is_elastic or len(row) < 2:  # noqa: PLR2004
             continue
-        (first, a), (second, b) = law.row.items()
-        left, right = float(a) * angle[first], -float(b) * angle[second]
-        if min(abs(left), abs(right)) > limit and left * right < 0:
-            crossings.setdefault(frozenset(law.row), f"in {owner}")
-        around.setdefault(first, []).append(right)
-        around.setdefault(second, []).append(left)
-    still = [
-        node
-        for node, values in around.items()
-        if abs(angle[node]) <= limit and min(values) < -limit and max(values) > limit
-    ]
+        if len(row) > 2 or not row.keys() <= moves.keys():  # noqa: PLR2004
+            return None
+        (first, a), (second, b) = row.items()
+        left, right = float(a) * moves[first], -float(b) * moves[second]
+        around.setdefault(first, []).append(right / float(a))
+        around.setdefault(second, []).append(-left / float(b))
+        if left * right < 0 and min(abs(left), abs(right)) > STILL * max(abs(left), abs(right)):
+            crossings.setdefault(frozenset(row), f"in {owner}")
+    still = [node for node, near in around.items() if _stands(moves[node], near)]
     return [*crossings.values(), *(f"at {node}" for node in still)]
+
+
+def _stands(here: float, near: list[float]) -> bool:
+    """Whether a coordinate rests between neighbours that swing against each other."""
+    return min(near) < 0 < max(near) and abs(here) <= STILL * min(-min(near), max(near))

@@ -40,8 +40,8 @@ def _solved(network: Network, program: Program, load: SymbolRow) -> tuple[dict[s
     size = len(network.coordinates)
     if size > MOST_COORDINATES:
         msg = (
-            f"{size} coordinates with many closed loops have no short expression; "
-            "use frequency_response, or open a loop by leaving an element out"
+            f"{size} coordinates that closed loops, shafts with inertia of their own or planetary sets tie together "
+            "have no short expression; use frequency_response, or replace such a shaft by a spring and inertias"
         )
         raise UsageError(msg)
     payloads = list(dict.fromkeys(_payloads(network, load)))
