@@ -73,8 +73,8 @@ def vibration_nodes(assembly: Assembly, motion: ComplexArray) -> list[str] | Non
     """Where the motion changes its sense: ``in shaft``, or ``at wheel`` if a node stands still.
 
     ``motion`` (n_q,) is over coordinates, so that what is rigidly geared together counts as one wheel, and angles
-    either side of an elastic element are compared over its ratio. A complex shape is turned to its main phase first. None where an
-    elastic element ties three coordinates, for which there is no such count.
+    either side of an elastic element are compared over its ratio. A complex shape is turned to its main phase first.
+    None where an elastic element ties three coordinates, for which there is no such count.
     """
     turned = (motion * np.exp(-0.5j * np.angle(np.sum(motion**2)))).real
     moves = dict(zip(assembly.kinematics.coordinates, turned, strict=True))
