@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
@@ -24,13 +26,14 @@ def describe(
 ) -> tuple[str, ...]:
     """One description per mode; ``shapes`` (n_nodes, n_modes), shares (n_elements, n_modes)."""
     sentences = []
+    links = Links.of(assembly)
     for index, kind in enumerate(solution.kinds):
         if kind == "rigid body":
             sentences.append(_rigid(assembly, shapes[:, index]))
         elif kind == "real pole":
             sentences.append(_overdamped(solution.eigenvalues[index], elements, strain[:, index], dissipated[:, index]))
         else:
-            crossings = vibration_nodes(assembly, shapes[:, index])
+            crossings = links.vibration_nodes(shapes[:, index])
             grows = "unstable, it grows; " if solution.eigenvalues[index].real > 0 else ""
             sentences.append(grows + _vibration(elements, strain[:, index], crossings))
     return tuple(sentences)
@@ -46,8 +49,8 @@ def _rigid(assembly: Assembly, shape: ComplexArray) -> str:
 
 
 def _leading(elements: tuple[str, ...], shares: FloatArray) -> str:
-    order = [index for index in np.argsort(-shares) if shares[index] >= NOTEWORTHY][:3]
-    order = order or list(np.argsort(-shares)[:1])
+    largest = np.argsort(-np.round(shares, 9), kind="stable")[:3]  # of equal ones the first
+    order = [index for index in largest if shares[index] >= NOTEWORTHY] or list(largest[:1])
     return ", ".join(f"{elements[index]} {100 * shares[index]:.0f} %" for index in order if shares[index] > 0)
 
 
@@ -67,28 +70,42 @@ def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[st
     return f"strain in {_leading(elements, strain)}; {nodes}{where}"
 
 
-def vibration_nodes(assembly: Assembly, shape: ComplexArray) -> list[str]:
-    """Where the angle, referred over the ratios, changes its sign: ``in shaft``, or ``at wheel`` if it stands still.
+@dataclass(frozen=True)
+class Links:
+    """The elastic laws between two nodes: left = a * angle[first], right = -b * angle[second]."""
 
-    A complex shape is turned to its main phase first.
-    """
-    turned = (shape * np.exp(-0.5j * np.angle(np.sum(shape**2)))).real
-    angle = dict(zip(assembly.nodes, turned, strict=True))
-    limit = STILL * float(np.abs(turned).max(initial=0.0))
-    crossings: dict[frozenset[str], str] = {}
-    around: dict[str, list[float]] = {}
-    for owner, law in assembly.kinematics.laws:
-        if len(law.row) != 2 or not law.is_elastic:  # noqa: PLR2004
-            continue
-        (first, a), (second, b) = law.row.items()
-        left, right = float(a) * angle[first], -float(b) * angle[second]
-        if min(abs(left), abs(right)) > limit and left * right < 0:
-            crossings.setdefault(frozenset(law.row), f"in {owner}")
-        around.setdefault(first, []).append(right)
-        around.setdefault(second, []).append(left)
-    still = [
-        node
-        for node, values in around.items()
-        if abs(angle[node]) <= limit and min(values) < -limit and max(values) > limit
-    ]
-    return [*crossings.values(), *(f"at {node}" for node in still)]
+    nodes: tuple[str, ...]
+    owners: tuple[str, ...]
+    ends: NDArray[np.int_]
+    factors: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, assembly: Assembly) -> Links:
+        laws = [(owner, law.row) for owner, law in assembly.kinematics.laws if len(law.row) == 2 and law.is_elastic]  # noqa: PLR2004
+        ends = np.array([[assembly.node_index[node] for node in row] for _, row in laws], dtype=int)
+        factors = np.array([[float(factor) for factor in row.values()] for _, row in laws])
+        owners = tuple(owner for owner, _ in laws)
+        return cls(assembly.nodes, owners, ends.reshape(-1, 2), factors.reshape(-1, 2) * [1.0, -1.0])
+
+    def vibration_nodes(self, shape: ComplexArray) -> list[str]:
+        """Where the angle, referred over the ratios, changes its sign: ``in shaft``, or ``at wheel`` if it rests.
+
+        A complex shape is turned to its main phase first.
+        """
+        angle = (shape * np.exp(-0.5j * np.angle(np.sum(shape**2)))).real
+        limit = STILL * float(np.abs(angle).max(initial=0.0))
+        sides = self.factors * angle[self.ends]
+        crossing = (np.abs(sides).min(axis=1) > limit) & (sides[:, 0] * sides[:, 1] < 0)
+        crossings: dict[frozenset[int], str] = {}
+        for number in np.flatnonzero(crossing):
+            crossings.setdefault(frozenset(self.ends[number].tolist()), f"in {self.owners[number]}")
+        around: dict[int, list[float]] = {}
+        for number in np.flatnonzero((np.abs(angle[self.ends]) <= limit).any(axis=1)):
+            for node, beyond in zip(self.ends[number].tolist(), sides[number, ::-1].tolist(), strict=True):
+                around.setdefault(node, []).append(beyond)
+        still = [
+            self.nodes[node]
+            for node, values in around.items()
+            if abs(angle[node]) <= limit and min(values) < -limit and max(values) > limit
+        ]
+        return [*crossings.values(), *(f"at {node}" for node in still)]
