@@ -312,9 +312,9 @@ class _Companion:
 
 def _damped(pencil: _Pencil, motions: Motions, count: int, slowest: float) -> tuple[ComplexArray, ComplexArray]:
     """Eigenvalues and shapes, at least ``count`` and all as low as these; one of each pair."""
-    wanted, sigma, n = 2 * count + 4, slowest / 2, len(pencil.scale)
+    wanted, sigma, n = 2 * count + 8, slowest / 20, len(pencil.scale)
     for _ in range(_ROUNDS):
-        if 2 * wanted > motions.dynamic:
+        if wanted > motions.dynamic:
             raise _NotFoundError
         problem = _Companion(pencil, motions, sigma, slowest)
         values, vectors = problem.run(wanted)
@@ -323,7 +323,7 @@ def _damped(pencil: _Pencil, motions: Motions, count: int, slowest: float) -> tu
         sizes = np.sort(np.abs(values))
         if len(sizes) >= count and sizes[count - 1] + sigma <= problem.reach * (1 + _MARGIN):
             break
-        wanted, sigma = 2 * wanted, min(sigma, max(float(sizes[0]), sigma / 100))
+        wanted, sigma = wanted + wanted // 2, min(sigma, max(float(sizes[0]), sigma / 100))
     else:
         raise _NotFoundError
     for _ in range(count):
