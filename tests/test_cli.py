@@ -234,6 +234,10 @@ def test_modes_of_the_cut_system():
     assert "cut at T_T" in text
 
 
+def test_modes_lowest():
+    assert len(json.loads(run("modes", "dmf_rig", "--lowest", "1", "--json").stdout)[0]["modes"]) == 1
+
+
 def test_modes_in_rpm():
     assert "426.316" in run("modes", "dmf_rig", "--frequency-unit", "rpm").stdout
 

@@ -337,6 +337,7 @@ class Drivetrain:
         *,
         measured_input: Channels | None = None,
         excitation: str | Sequence[str] | None = None,
+        lowest: int | None = None,
     ) -> Modes:
         """Complex modes: natural frequencies, damping ratios, shapes at all nodes and energy shares.
 
@@ -347,6 +348,9 @@ class Drivetrain:
             downstream of it, those of the drivetrain cut there.
         excitation : str or sequence of str, optional
             Which input drives the drivetrain then; default: the model's only input.
+        lowest : int, optional
+            Only so many modes, those of the smallest ``|lambda|``, rigid bodies included; likewise the undamped
+            natural frequencies. Much quicker for large models. Default: all.
 
         Examples
         --------
@@ -356,7 +360,7 @@ class Drivetrain:
         """
         from torsionnet.solve.modes import modes
 
-        return modes(self, measured_input=measured_input, excitation=excitation)
+        return modes(self, measured_input=measured_input, excitation=excitation, lowest=lowest)
 
     def symbolic(self, *, referred_to: Sequence[str] = ()) -> SymbolicSystem:
         """M, C, K and transfer functions in the model's own symbols.

@@ -23,6 +23,7 @@ EIGENVALUES = ("Re lambda", "Im lambda")
     "--measured-input", metavar="SENSOR", help="The poles of responses against this sensor: those of the cut system."
 )
 @click.option("--excitation", metavar="INPUT", help="What drives the drivetrain then, if it has several inputs.")
+@click.option("--lowest", type=click.IntRange(min=1), metavar="N", help="Only the N lowest modes; default: all.")
 @click.option("--shapes", is_flag=True, help="Also the mode shapes, at every node.")
 @click.option("--energies", is_flag=True, help="Also the share of every element in the energies.")
 @frequency_unit_option
@@ -35,6 +36,7 @@ def command(
     settings: tuple[tuple[str, str], ...],
     measured_input: str | None,
     excitation: str | None,
+    lowest: int | None,
     shapes: bool,
     energies: bool,
     frequency_unit: str,
@@ -50,7 +52,9 @@ def command(
     from torsionnet.response import Conventions
 
     conventions = Conventions(frequency=frequency_unit)
-    results = [case.drivetrain.modes(measured_input=measured_input, excitation=excitation) for case in cases]
+    results = [
+        case.drivetrain.modes(measured_input=measured_input, excitation=excitation, lowest=lowest) for case in cases
+    ]
     tables = [modes.table(conventions) for modes in results]
     if as_json:
         print_json([_as_data(case, modes) for case, modes in zip(cases, results, strict=True)])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TypeAlias
@@ -81,6 +81,20 @@ class Modes:
         ratios = np.full(len(size), np.nan)
         np.divide(-self.eigenvalues.real, size, out=ratios, where=size > 0)
         return ratios + 0.0
+
+    def first(self, count: int | None) -> Modes:
+        """Only the first modes and undamped natural frequencies."""
+        cut = {
+            name: getattr(self, name)[..., :count]
+            for name in ("eigenvalues", "shapes", "kinetic", "strain", "dissipated", "converged")
+        }
+        return replace(
+            self,
+            **cut,
+            kinds=self.kinds[:count],
+            descriptions=self.descriptions[:count],
+            undamped_natural_frequencies=self.undamped_natural_frequencies[:count],
+        )
 
     def __len__(self) -> int:
         return len(self.eigenvalues)

@@ -14,14 +14,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.solve import frozen
-from torsionnet.solve.reduction import AnyArray, null_basis, orthogonal_complement, subspaces
+from torsionnet.solve.lowest import Motions, lowest_vibrations
+from torsionnet.solve.reduction import LARGE, AnyArray, echelon, null_basis, orthogonal_complement, subspaces
 from torsionnet.solve.spectrum import physical, refined, solve
 
 RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
@@ -55,9 +56,14 @@ class EigenSolution:
     iterations: NDArray[np.int_]
     errors: FloatArray
 
+    def first(self, count: int | None) -> EigenSolution:
+        """Only the first modes."""
+        parts = {part.name: getattr(self, part.name)[..., :count] for part in fields(self) if part.name != "kinds"}
+        return EigenSolution(kinds=self.kinds[:count], **parts)
 
-def complex_modes(system: RowSystem) -> EigenSolution:
-    """All modes with damping; an undamped system gets purely imaginary eigenvalues.
+
+def complex_modes(system: RowSystem, lowest: int | None = None) -> EigenSolution:
+    """Modes with damping, all or the ``lowest`` so many; an undamped system gets purely imaginary eigenvalues.
 
     Of passive laws real parts are never positive: the damping matrix is positive semidefinite, so a positive one is
     rounding. A table whose damping is negative can make a mode grow.
@@ -70,6 +76,8 @@ def complex_modes(system: RowSystem) -> EigenSolution:
         Where coordinates have neither inertia nor spring nor damper.
     """
     stiff = frozen.stiff_laws(system)
+    if lowest is not None and (few := _few_modes(system, stiff, lowest)) is not None:
+        return few.first(lowest)
     spaces = subspaces(system, stiff, system.damping > 0)
     if system.dynamic:
         omega, shapes = undamped_modes(system)
@@ -82,7 +90,28 @@ def complex_modes(system: RowSystem) -> EigenSolution:
         kept, real = physical(spectrum)
         found = frozen.Found.all_converged(spectrum, kept, real)
         passive = True
-    return _sorted_solution(spaces.rigid, found, passive=passive)
+    return _sorted_solution(spaces.rigid, found, passive=passive).first(lowest)
+
+
+def _few_modes(system: RowSystem, stiff: NDArray[np.bool_], lowest: int) -> EigenSolution | None:
+    """The lowest modes of a large system by a sparse route, or None where none fits."""
+    damped = system.damping > 0
+    motions = _motions(system, stiff, damped)
+    if motions is None:
+        return None
+    count = lowest - motions.rigid.shape[1]
+    found = lowest_vibrations(system, motions, count, undamped=not np.any(damped))
+    return None if found is None else _sorted_solution(motions.rigid, found, passive=True)
+
+
+def _motions(system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bool_]) -> Motions | None:
+    """Rigid-body motions of a large system; None if it is not large or coordinates have nothing acting on them."""
+    heavy = system.inertia > 0
+    if system.n_coordinates <= LARGE or system.dynamic or null_basis(system.rows[heavy | stiff | damped]).size:
+        return None
+    rigid = echelon(null_basis(system.rows[stiff]))
+    undamped = null_basis(system.rows[stiff | damped])
+    return Motions(rigid, undamped, system.n_coordinates - null_basis(system.rows[heavy]).shape[1])
 
 
 def is_passive(system: RowSystem, eigenvalues: ComplexArray) -> bool:
@@ -118,8 +147,8 @@ def scaled(shapes: AnyArray) -> AnyArray:
     return np.asarray(shapes / shapes[first, np.arange(shapes.shape[1])])
 
 
-def undamped_modes(system: RowSystem) -> tuple[FloatArray, FloatArray]:
-    """Natural frequencies and shapes of M and K alone.
+def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatArray, FloatArray]:
+    """Natural frequencies and shapes of M and K alone, all or the ``lowest`` so many.
 
     Damping is ignored; a frequency-dependent law counts with the real part of its stiffness at the mode's own
     frequency.
@@ -132,6 +161,10 @@ def undamped_modes(system: RowSystem) -> tuple[FloatArray, FloatArray]:
         Real shapes; the largest component of each is 1.
     """
     stiff = frozen.stiff_laws(system)
+    if lowest is not None and (motions := _motions(system, stiff, np.zeros_like(stiff))) is not None:
+        few = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=True)
+        if few is not None:
+            return _sorted_undamped(motions.rigid, few, lowest)
     basis = _held_coordinates(system, stiff)
     system = RowSystem(system.rows @ basis, system.inertia, system.damping, system.stiffness, system.dynamic)
     spaces = subspaces(system, stiff, np.zeros_like(stiff))
@@ -140,9 +173,15 @@ def undamped_modes(system: RowSystem) -> tuple[FloatArray, FloatArray]:
     else:
         spectrum = refined(solve(system, spaces, system.stiffness, undamped=True))
         found = frozen.Found.all_converged(spectrum, *physical(spectrum))
+    omega, shapes = _sorted_undamped(spaces.rigid, found, lowest)
+    return omega, scaled(basis @ shapes).real
+
+
+def _sorted_undamped(rigid: FloatArray, found: frozen.Found, lowest: int | None) -> tuple[FloatArray, FloatArray]:
     order = np.argsort(found.values.imag, kind="stable")
-    omega = np.concatenate([np.zeros(spaces.rigid.shape[1]), found.values.imag[order]])
-    return omega, np.asarray(scaled(basis @ np.hstack([spaces.rigid, found.shapes[:, order].real])))
+    omega = np.concatenate([np.zeros(rigid.shape[1]), found.values.imag[order]])
+    shapes = np.hstack([rigid, found.shapes[:, order].real])
+    return omega[:lowest], np.asarray(scaled(shapes)[:, :lowest])
 
 
 def _held_coordinates(system: RowSystem, stiff: NDArray[np.bool_]) -> FloatArray:

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.assembly.system import Assembly
@@ -26,20 +28,25 @@ def modes(
     *,
     measured_input: str | Sensor | Sequence[str | Sensor] | None = None,
     excitation: str | Sequence[str] | None = None,
+    lowest: int | None = None,
 ) -> Modes:
     """See :meth:`torsionnet.Drivetrain.modes`."""
+    if lowest is not None and lowest < 1:
+        msg = f"lowest={lowest}: at least one mode must be asked for"
+        raise UsageError(msg)
     if measured_input is not None:
-        return poles_of_measured(drivetrain, measured_input, excitation, natural_modes)
+        found = poles_of_measured(drivetrain, measured_input, excitation, partial(natural_modes, lowest=lowest))
+        return found.first(lowest)
     if excitation is not None:
         msg = "excitation= goes with measured_input=; the modes of the drivetrain itself need none"
         raise UsageError(msg)
-    return natural_modes(drivetrain)
+    return natural_modes(drivetrain, lowest)
 
 
-def natural_modes(drivetrain: Drivetrain) -> Modes:
+def natural_modes(drivetrain: Drivetrain, lowest: int | None = None) -> Modes:
     """Modes of the drivetrain as it stands; nodes with an imposed angle stand still."""
     assembly = drivetrain.assembly
-    solution = complex_modes(assembly.system)
+    solution = complex_modes(assembly.system, lowest)
     if not solution.converged.all():
         stuck = ", ".join(f"{abs(value) / (2 * np.pi):.4g} Hz" for value in solution.eigenvalues[~solution.converged])
         text = f"the frequency-dependent stiffness did not settle for the mode(s) near {stuck}"
@@ -56,7 +63,7 @@ def natural_modes(drivetrain: Drivetrain) -> Modes:
         kinds=solution.kinds,
         nodes=assembly.nodes,
         shapes=shapes,
-        undamped_natural_frequencies=undamped_modes(assembly.system)[0] / (2 * np.pi),
+        undamped_natural_frequencies=undamped_modes(assembly.system, lowest)[0] / (2 * np.pi),
         elements=elements,
         kinetic=kinetic,
         strain=strain,
@@ -89,9 +96,15 @@ def energies(
     dissipated = (system.damping[:, None] * rate + dynamic.imag) * rate * motion
     rigid = np.array([kind == "rigid body" for kind in solution.kinds], dtype=bool)
     strain[:, rigid], dissipated[:, rigid] = 0.0, 0.0
-    owner = np.array([[name == element for name in assembly.owners] for element in elements], dtype=float)
-    owner = owner.reshape(len(elements), len(assembly.owners))
-    return tuple(_shares(owner @ part) for part in (kinetic, strain, dissipated))  # type: ignore[return-value]
+    place = {element: number for number, element in enumerate(elements)}
+    owner = np.array([place[name] for name in assembly.owners], dtype=int)
+    return tuple(_shares(_summed(part, owner, len(elements))) for part in (kinetic, strain, dissipated))  # type: ignore[return-value]
+
+
+def _summed(parts: FloatArray, owner: NDArray[np.int_], count: int) -> FloatArray:
+    total = np.zeros((count, parts.shape[1]))
+    np.add.at(total, owner, parts)
+    return total
 
 
 def _shares(parts: FloatArray) -> FloatArray:

@@ -25,6 +25,8 @@ from torsionnet.errors import SolveError
 
 AnyArray: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]
 
+LARGE = 60
+"""Systems with more coordinates than this are large: routes that follow their structure are worth their start."""
 RANK_TOLERANCE = 1e-11
 """On normalised rows, which hold ratios of O(1..100): consistent loops of ratios meet to about 1e-15."""
 
@@ -75,15 +77,54 @@ def null_basis(rows: FloatArray) -> FloatArray:
     free = _not_pinned(rows)
     rest = rows[:, free]
     rest = rest[np.any(rest != 0, axis=1)]
-    inside = np.eye(len(free))
-    if len(rest):
-        unit = rest / np.linalg.norm(rest, axis=1)[:, None]
-        _, sigma, vt = np.linalg.svd(unit)
-        rank = int(np.count_nonzero(sigma > RANK_TOLERANCE * sigma[0]))
-        inside = np.asarray(vt[rank:].T)
+    inside = _null_of_pairs(rest) if len(free) > LARGE else None
+    if inside is None:
+        inside = _null_of_any(rest)
     basis = np.zeros((n_q, inside.shape[1]))
     basis[free] = inside
     return basis
+
+
+def _null_of_any(rows: FloatArray) -> FloatArray:
+    if not len(rows):
+        return np.eye(rows.shape[1])
+    unit = rows / np.linalg.norm(rows, axis=1)[:, None]
+    if len(unit) > unit.shape[1]:
+        unit = np.linalg.qr(unit, mode="r")  # the same singular values without as many left vectors as rows
+    _, sigma, vt = np.linalg.svd(unit)
+    rank = int(np.count_nonzero(sigma > RANK_TOLERANCE * sigma[0]))
+    return np.asarray(vt[rank:].T)
+
+
+def _null_of_pairs(rows: FloatArray) -> FloatArray | None:
+    """One direction for each connected part, from ratio to ratio; None unless every row has two entries and holds."""
+    if np.any(np.count_nonzero(rows, axis=1) != 2):  # noqa: PLR2004
+        return None
+    ends = np.nonzero(rows)[1].reshape(-1, 2)
+    factors = np.take_along_axis(rows, ends, axis=1)
+    ratios = -factors[:, 0] / factors[:, 1]  # second per first
+    links: list[list[tuple[int, float]]] = [[] for _ in range(rows.shape[1])]
+    for (first, second), ratio in zip(ends.tolist(), ratios.tolist(), strict=True):
+        links[first].append((second, ratio))
+        links[second].append((first, 1 / ratio))
+    angle, part, count = np.zeros(len(links)), np.full(len(links), -1), 0
+    for root in range(len(links)):
+        if part[root] < 0:
+            angle[root], part[root], waiting = 1.0, count, [root]
+            while waiting:
+                node = waiting.pop()
+                for other, ratio in links[node]:
+                    if part[other] < 0:
+                        angle[other], part[other] = ratio * angle[node], count
+                        waiting.append(other)
+            count += 1
+    terms = factors * angle[ends]
+    holds = np.abs(terms.sum(axis=1)) <= RANK_TOLERANCE * np.abs(terms).max(axis=1, initial=0.0)
+    if not (np.all(np.isfinite(terms)) and np.all(terms) and np.all(holds)):
+        return None
+    basis = np.zeros((len(links), count))
+    basis[np.arange(len(links)), part] = angle
+    return np.asarray(basis / np.linalg.norm(basis, axis=0))
 
 
 def _not_pinned(rows: FloatArray) -> list[int]:
@@ -91,7 +132,9 @@ def _not_pinned(rows: FloatArray) -> list[int]:
 
     This is exact, so that a locked train keeps its full rank whatever its ratios multiply to.
     """
-    open_rows = [set(np.flatnonzero(row).tolist()) for row in rows]
+    open_rows: list[set[int]] = [set() for _ in rows]
+    for number, column in zip(*(part.tolist() for part in np.nonzero(rows)), strict=True):
+        open_rows[number].add(column)
     touching: list[list[set[int]]] = [[] for _ in range(rows.shape[1])]
     for row in open_rows:
         for column in row:
@@ -109,7 +152,7 @@ def _not_pinned(rows: FloatArray) -> list[int]:
     return [column for column in range(rows.shape[1]) if column not in pinned]
 
 
-def _echelon(basis: FloatArray) -> FloatArray:
+def echelon(basis: FloatArray) -> FloatArray:
     """Combine columns so that each has a coordinate of its own: separate trains get separate rigid modes."""
     basis = basis.copy()
     free = np.ones(len(basis), dtype=bool)
@@ -157,7 +200,7 @@ def subspaces(system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bo
     if free:
         raise SolveError(f"{free} coordinate(s) have neither inertia nor spring nor damper acting on them")
     massless, held = null_basis(rows[heavy]), null_basis(rows[heavy | damped])
-    rigid = _echelon(null_basis(rows[stiff]))
+    rigid = echelon(null_basis(rows[stiff]))
     undamped_rigid = null_basis(rows[stiff | damped])
     scaled = np.sqrt(system.inertia[heavy])[:, None] * rows[heavy]
     moving = _mass_basis(scaled, system.n_coordinates - massless.shape[1])

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
@@ -24,13 +26,14 @@ def describe(
 ) -> tuple[str, ...]:
     """One description per mode; ``shapes`` (n_nodes, n_modes), shares (n_elements, n_modes)."""
     sentences = []
+    links = Links.of(assembly)
     for index, kind in enumerate(solution.kinds):
         if kind == "rigid body":
             sentences.append(_rigid(assembly, shapes[:, index]))
         elif kind == "real pole":
             sentences.append(_overdamped(solution.eigenvalues[index], elements, strain[:, index], dissipated[:, index]))
         else:
-            crossings = vibration_nodes(assembly, solution.vectors[:, index])
+            crossings = links.vibration_nodes(solution.vectors[:, index])
             grows = "unstable, it grows; " if solution.eigenvalues[index].real > 0 else ""
             sentences.append(grows + _vibration(elements, strain[:, index], crossings))
     return tuple(sentences)
@@ -46,8 +49,8 @@ def _rigid(assembly: Assembly, shape: ComplexArray) -> str:
 
 
 def _leading(elements: tuple[str, ...], shares: FloatArray) -> str:
-    order = [index for index in np.argsort(-shares) if shares[index] >= NOTEWORTHY][:3]
-    order = order or list(np.argsort(-shares)[:1])
+    largest = np.argsort(-np.round(shares, 9), kind="stable")[:3]  # of equal ones the first
+    order = [index for index in largest if shares[index] >= NOTEWORTHY] or list(largest[:1])
     return ", ".join(f"{elements[index]} {100 * shares[index]:.0f} %" for index in order if shares[index] > 0)
 
 
@@ -69,32 +72,48 @@ def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[st
     return f"strain in {_leading(elements, strain)}; {nodes}{where}"
 
 
-def vibration_nodes(assembly: Assembly, motion: ComplexArray) -> list[str] | None:
-    """Where the motion changes its sense: ``in shaft``, or ``at wheel`` if a node stands still.
+@dataclass(frozen=True)
+class Links:
+    """The elastic laws between two coordinates: left = a * first, right = -b * second.
 
-    ``motion`` (n_q,) is over coordinates, so that what is rigidly geared together counts as one wheel, and angles
-    either side of an elastic element are compared over its ratio. A complex shape is turned to its main phase first.
-    None where an elastic element ties three coordinates, for which there is no such count.
+    Over coordinates what is rigidly geared together counts as one wheel. ``wide`` says that a law ties three of them.
     """
-    turned = (motion * np.exp(-0.5j * np.angle(np.sum(motion**2)))).real
-    moves = dict(zip(assembly.kinematics.coordinates, turned, strict=True))
-    crossings: dict[frozenset[str], str] = {}
-    around: dict[str, list[float]] = {}
-    for owner, law, row in zip(assembly.owners, assembly.laws, assembly.exact_rows, strict=True):
-        if not law.is_elastic or len(row) < 2:  # noqa: PLR2004
-            continue
-        if len(row) > 2 or not row.keys() <= moves.keys():  # noqa: PLR2004
+
+    names: tuple[str, ...]
+    owners: tuple[str, ...]
+    ends: NDArray[np.int_]
+    factors: NDArray[np.float64]
+    wide: bool
+
+    @classmethod
+    def of(cls, assembly: Assembly) -> Links:
+        names = assembly.kinematics.coordinates
+        place = {name: index for index, name in enumerate(names)}
+        laws = zip(assembly.owners, assembly.laws, assembly.exact_rows, strict=True)
+        elastic = [(owner, row) for owner, law, row in laws if law.is_elastic and len(row) > 1]
+        pairs = [(owner, row) for owner, row in elastic if len(row) == 2 and row.keys() <= place.keys()]  # noqa: PLR2004
+        ends = np.array([[place[name] for name in row] for _, row in pairs], dtype=int).reshape(-1, 2)
+        factors = np.array([[float(factor) for factor in row.values()] for _, row in pairs]).reshape(-1, 2)
+        owners = tuple(owner for owner, _ in pairs)
+        return cls(names, owners, ends, factors * [1.0, -1.0], wide=len(pairs) < len(elastic))
+
+    def vibration_nodes(self, motion: ComplexArray) -> list[str] | None:
+        """Where the motion (n_q,) changes its sense: ``in shaft``, or ``at wheel`` if that rests in between.
+
+        Angles either side of an elastic element are compared over its ratio, a complex shape is turned to its main
+        phase first. None where there is no such count because an element ties three coordinates.
+        """
+        if self.wide:
             return None
-        (first, a), (second, b) = row.items()
-        left, right = float(a) * moves[first], -float(b) * moves[second]
-        around.setdefault(first, []).append(right / float(a))
-        around.setdefault(second, []).append(-left / float(b))
-        if left * right < 0 and min(abs(left), abs(right)) > STILL * max(abs(left), abs(right)):
-            crossings.setdefault(frozenset(row), f"in {owner}")
-    still = [node for node, near in around.items() if _stands(moves[node], near)]
-    return [*crossings.values(), *(f"at {node}" for node in still)]
-
-
-def _stands(here: float, near: list[float]) -> bool:
-    """Whether a coordinate rests between neighbours that swing against each other."""
-    return min(near) < 0 < max(near) and abs(here) <= STILL * min(-min(near), max(near))
+        angle = (motion * np.exp(-0.5j * np.angle(np.sum(motion**2)))).real
+        sides = self.factors * angle[self.ends]
+        size = np.abs(sides)
+        crossing = (sides[:, 0] * sides[:, 1] < 0) & (size.min(axis=1) > STILL * size.max(axis=1))
+        crossings: dict[frozenset[int], str] = {}
+        for number in np.flatnonzero(crossing):
+            crossings.setdefault(frozenset(self.ends[number].tolist()), f"in {self.owners[number]}")
+        low, high = np.zeros(len(angle)), np.zeros(len(angle))
+        np.minimum.at(low, self.ends, sides[:, ::-1] / self.factors)
+        np.maximum.at(high, self.ends, sides[:, ::-1] / self.factors)
+        rests = (low < 0) & (high > 0) & (np.abs(angle) <= STILL * np.minimum(-low, high))
+        return [*crossings.values(), *(f"at {self.names[node]}" for node in np.flatnonzero(rests))]

@@ -1,0 +1,70 @@
+"""Modes of large damped and undamped chains, in one run: medians, as Markdown.
+
+openTorsion 0.3.2 is no dependency: its row needs it in the interpreter named by ``OPENTORSION_PYTHON``
+(``python -m venv v; v/bin/pip install opentorsion==0.3.2``).
+"""
+
+import os
+import platform
+import sys
+from pathlib import Path
+
+import numpy as np
+from frequency_response import opentorsion_seconds, seconds
+
+import torsionnet as tn
+
+
+def rig(n, *, damped=True):
+    """J = 1, k = 1e6, c = 10 between neighbours and 0.1 to ground."""
+    elements = [tn.Inertia(f"J{i}", node=f"n{i}", inertia=1) for i in range(n)]
+    if damped:
+        elements += [tn.Damper(f"c{i}", nodes=(f"n{i}", "ground"), damping=0.1) for i in range(n)]
+    damping = 10 if damped else 0
+    elements += [tn.Spring(f"k{i}", nodes=(f"n{i}", f"n{i + 1}"), stiffness=1e6, damping=damping) for i in range(n - 1)]
+    model = tn.Drivetrain("chain", elements)
+    _ = model.assembly
+    return model
+
+
+def rows():
+    """Yield work, seconds here, seconds there, ratio to reach."""
+    chain = rig(500)
+    here = seconds(lambda: chain.modes(lowest=20), runs=3)
+    there = opentorsion_seconds(500, 1, "modes") if "OPENTORSION_PYTHON" in os.environ else None
+    yield "500 DOF damped, lowest 20, against openTorsion `modal_analysis` + `eigenmodes`", here, there, 20
+    middle = rig(250)
+    few, every = seconds(lambda: middle.modes(lowest=20), runs=3), seconds(middle.modes, runs=1)
+    yield "250 DOF damped, lowest 20, against all modes", few, every, None
+    undamped = rig(250, damped=False)
+    few, every = seconds(lambda: undamped.modes(lowest=20), runs=3), seconds(undamped.modes, runs=1)
+    yield "250 DOF undamped, lowest 20, against all modes", few, every, None
+
+
+def table():
+    yield "| modes | here, s | other, s | ratio | to reach | |"
+    yield "|---|---|---|---|---|---|"
+    for name, here, there, least in rows():
+        ratio = there / here if there else None
+        word = "" if least is None else "openTorsion is not installed"
+        if least is not None and ratio is not None:
+            word = "reached" if ratio >= least else "missed"
+        cells = [f"{value:.3g}" if value else "" for value in (here, there, ratio)]
+        yield f"| {name} | {' | '.join(cells)} | {f'>= {least}' if least else ''} | {word} |"
+
+
+def main():
+    lines = [
+        f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}, numpy {np.__version__}",
+        "",
+    ]
+    print(*lines, sep="\n")
+    for line in table():
+        print(line, flush=True)
+        lines.append(line)
+    if len(sys.argv) > 1:
+        Path(sys.argv[1]).write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
