@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 import torsionnet as tn
+from torsionnet.elements import ELEMENT_TYPES
 
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
 
@@ -56,3 +57,18 @@ def test_symbolic_forms_are_those_that_come_out():
     assert all(f"`{name} = {value}`" in README for name, value in dmf.where.items())
     amt = tn.load("amt_rig").symbolic().transfer_function("theta_1", "T_T").polynomial
     assert len(amt.denominator) == 5
+
+
+def test_element_of_the_contributing_guide_works(monkeypatch):
+    """The example becomes an element type: two inertias on an inerter act as one."""
+    guide = (Path(__file__).parents[1] / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    monkeypatch.setattr("torsionnet.elements.base.ELEMENT_TYPES", dict(ELEMENT_TYPES))
+    names = {"__name__": __name__}
+    exec(compile(re.search(r"```python\n(.*?)```", guide, re.DOTALL)[1], "CONTRIBUTING.md", "exec"), names)
+    parts = [
+        tn.Inertia("j", node="a", inertia=1),
+        names["Inerter"]("b", nodes=("a", "c"), inertance=3),
+        tn.Inertia("k", node="c", inertia=2),
+    ]
+    value = tn.Drivetrain("x", parts).frequency_response("a", "a", [1.0]).values[0, 0, 0]
+    assert value == pytest.approx(-1 / (1 + 1 / (1 / 3 + 1 / 2)) / (2 * 3.141592653589793) ** 2, rel=1e-12)
