@@ -43,7 +43,8 @@ bench: $(VENV)/.group-test  ## run every script in benchmarks/
 	done
 
 clean:  ## remove everything that make creates, .venv included
-	rm -rf $(VENV) build dist out docs/_build docs/gallery docs/generated docs/sg_execution_times.rst
+	rm -rf $(VENV) build dist out docs/_build docs/gallery docs/sg_execution_times.rst
+	rm -f docs/generated/paper.md docs/generated/cases.md docs/generated/signs.svg
 	rm -rf .cache .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find torsionnet tests benchmarks examples docs -name __pycache__ -type d -prune -exec rm -rf {} +
 

@@ -290,7 +290,7 @@ def parse_quantity(text: str) -> Quantity:
     Fraction(39, 500)
     >>> parse_quantity("13,3 kN*m/rad")
     Traceback (most recent call last):
-    torsionnet.units.UnitError: "13,3 kN*m/rad" has a decimal comma; write 13.3
+    torsionnet.units.UnitError: "13,3 kN*m/rad" has a decimal comma; write 13.3 kN*m/rad
     """
     if len(text) > _MAX_LENGTH:
         raise UnitError(f"a quantity has at most {_MAX_LENGTH} characters")
