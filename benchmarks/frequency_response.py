@@ -218,20 +218,6 @@ def small():
     yield "the same with making the copy", both, None, "", None
 
 
-def large_modes():
-    n = 500
-    elements = [tn.Inertia(f"J{i}", node=f"n{i}", inertia=1) for i in range(n)]
-    elements += [tn.Damper(f"c{i}", nodes=(f"n{i}", "ground"), damping=0.1) for i in range(n)]
-    elements += [tn.Spring(f"k{i}", nodes=(f"n{i}", f"n{i + 1}"), stiffness=1e6, damping=10) for i in range(n - 1)]
-    rig = tn.Drivetrain("chain", elements)
-    _ = rig.assembly
-    if "lowest" not in tn.Drivetrain.modes.__kwdefaults__:
-        return
-    ours = seconds(lambda: rig.modes(lowest=20), runs=3)
-    other = opentorsion_seconds(n, 1, "modes")
-    yield "modes, 500 DOF damped, lowest 20, against openTorsion", ours, other, ">= 20", None
-
-
 def rows():
     yield from long_chain()
     yield from against("batched `numpy.linalg.solve`", 100, 10_000, batched, 300)
@@ -241,7 +227,6 @@ def rows():
     yield growth("frequencies, 1e3 to 3e4", [1000, 3000, 10_000, 30_000], lambda n: graph(chains[200], frequencies(n)))
     yield from siso()
     yield from small()
-    yield from large_modes()
 
 
 chains = {n: chain(n) for n in (100, 200, 400, 800, 1600)}
