@@ -124,7 +124,7 @@ def test_snippets_of_the_model_file_page_fit_into_its_first_model(text):
         base[section] = {**base.get(section, {}), **entries}
     model = tn.loads(json.dumps(base))
     for name in model.configurations:
-        model.configured(name)
+        assert model.configured(name).configuration == name
 
 
 def test_axes_of_the_model_file_page_combine():

@@ -92,6 +92,20 @@ class TestConfigurations:
         assert car.configured(tau=7).configured("gear=5").parameters["tau"] == 7
         assert "clutch" in car.switched(on=["clutch"]).configured("open").elements
 
+    def test_copies_that_share_their_rows_keep_their_own_elements(self):
+        """Two springs, or two couplings, between the same nodes: same rows, other names."""
+        for make in (
+            lambda name, **state: tn.Spring(name, nodes=("a", "b"), stiffness=10, **state),
+            lambda name, **state: tn.RigidCoupling(name, nodes=("a", "b"), **state),
+        ):
+            parts = [WHEEL, HELD, tn.Inertia("j", node="b", inertia=1), make("one"), make("two", enabled=False)]
+            first = tn.Drivetrain("x", parts, configurations={"b": {"on": ["two"], "off": ["one"]}})
+            torque = first.frequency_response("torque(one)", "a", [1.0]).values
+            second = first.configured("b")
+            np.testing.assert_array_equal(second.frequency_response("torque(two)", "a", [1.0]).values, torque)
+            with pytest.raises(tn.UsageError, match="switched off"):
+                second.frequency_response("torque(one)", "a", [1.0])
+
     def test_two_axes_may_not_set_the_same(self):
         axes = {"x": {"p": {"k": 2}}, "y": {"q": {"k": 3}}}
         (fault,) = faults_of(

@@ -179,6 +179,7 @@ class TestModeShapes:
     def test_drawn_without_complaint_with_an_odd_number_of_panels(self, tmp_path):
         rig = build(read_case("uniform_chain_50_free_free"))
         save(mode_shapes(rig.modes(), rig, which=[1, 2, 3]), tmp_path / "shapes.png")
+        assert (tmp_path / "shapes.png").stat().st_size > 0
 
 
 def inertia(name, node, value=1.0):
