@@ -1,0 +1,1 @@
+"""Recorded and simulated signals: records, processing, and the frequency responses estimated from them."""
