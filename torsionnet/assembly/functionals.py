@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.channels import SENSOR_QUANTITIES, UNITS, Sensor, port_fault
@@ -49,12 +50,13 @@ class Functional:
     terms: tuple[Term, ...]
     direct: Mapping[str, float] = field(default_factory=dict)
 
-    def coefficients(self, kappa: ComplexArray, s: ComplexArray) -> ComplexArray:
-        """Coefficient of every term, shape (n_f, n_terms); ``kappa`` as of Assembly.law_stiffness."""
+    def coefficients(self, kappa: LawStiffness) -> ComplexArray:
+        """Coefficient of every term, shape (n_lanes, n_terms)."""
         columns = [
-            float(term.factor) * (s**term.power if term.law is None else kappa[:, term.law]) for term in self.terms
+            float(term.factor) * (kappa.s**term.power if term.law is None else kappa.of(term.law))
+            for term in self.terms
         ]
-        return np.stack(columns, axis=1) if columns else np.zeros((len(s), 0), dtype=complex)
+        return np.stack(columns, axis=1) if columns else np.zeros((kappa.n_lanes, 0), dtype=complex)
 
 
 def functional(drivetrain: Drivetrain, sensor: Sensor, name: str = "") -> Functional:

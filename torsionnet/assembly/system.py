@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.rows import ComplexArray, DynamicStiffness, FloatArray, RowSystem
+from torsionnet.assembly.rows import DynamicStiffness, FloatArray, RowSystem
 from torsionnet.definition import Definition
 from torsionnet.elements import Law, Values
 from torsionnet.kinematics import Kinematics, exact_row, pseudo_node, solve_kinematics
@@ -69,19 +69,6 @@ class Assembly:
     def exact_rows(self) -> tuple[dict[str, Fraction], ...]:
         """The rows of ``system`` over coordinates and imposed angles as exact rationals."""
         return tuple(exact_row(self.kinematics.reduced(law.row)) for law in self.laws)
-
-    def law_stiffness(self, omega: FloatArray) -> ComplexArray:
-        """kappa_i(j omega) = k - J omega^2 + j c omega + dynamic(omega) of every law, shape (n_f, n_laws), N m/rad.
-
-        The frequencies of one law lie next to each other in memory.
-        """
-        system = self.system
-        kappa = np.empty((len(system.stiffness), len(omega)), dtype=complex)
-        kappa.real = system.stiffness[:, None] - system.inertia[:, None] * (omega * omega)
-        kappa.imag = system.damping[:, None] * omega
-        for index, law in system.dynamic:
-            kappa[index] += law(omega)
-        return kappa.T
 
 
 def assemble(

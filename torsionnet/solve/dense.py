@@ -4,33 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
+from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 
 BLOCK_BYTES = 32 * 2**20
 
 
-def respond(system: RowSystem, kappa: ComplexArray, loads: ComplexArray, rows: FloatArray) -> ComplexArray:
-    """Motion of ``rows`` under ``loads``: rows @ D(s)^-1 @ loads.
+def respond(system: RowSystem, kappa: LawStiffness, loads: ComplexArray, rows: FloatArray) -> ComplexArray:
+    """Motion of ``rows`` under ``loads``: rows @ D(s)^-1 @ loads; as :func:`torsionnet.solve.starmesh.respond`."""
+    return solve(system, kappa.by_law, loads, rows)
 
-    Parameters
-    ----------
-    system : RowSystem
-    kappa : (n_f, n_laws) array
-        Dynamic stiffness of each law, N m/rad.
-    loads : (n_f or 1, n_q, n_exc) array
-        Generalised torques, N m.
-    rows : (n_rows, n_q) array
 
-    Returns
-    -------
-    (n_f, n_rows, n_exc) array
-    """
-    n_f, n_q = len(kappa), system.n_coordinates
-    motion = np.empty((n_f, len(rows), loads.shape[2]), dtype=complex)
+def solve(system: RowSystem, by_law: ComplexArray, loads: ComplexArray, rows: FloatArray) -> ComplexArray:
+    """The same for dynamic stiffnesses (n_laws, n_lanes) in N m/rad."""
+    n_lanes, n_q = by_law.shape[1], system.n_coordinates
+    motion = np.empty((n_lanes, len(rows), loads.shape[2]), dtype=complex)
     block = max(1, BLOCK_BYTES // (16 * max(1, n_q) ** 2))
-    for start in range(0, n_f, block):
-        part = slice(start, min(start + block, n_f))
-        motion[part] = rows @ _solve(_assembled(system, kappa[part]), loads if len(loads) == 1 else loads[part])
+    for start in range(0, n_lanes, block):
+        part = slice(start, min(start + block, n_lanes))
+        motion[part] = rows @ _solve(_assembled(system, by_law[:, part].T), loads if len(loads) == 1 else loads[part])
     return motion
 
 

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.assembly.functionals import Functional
+from torsionnet.assembly.law_stiffness import LawStiffness, law_stiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
 from torsionnet.channels import Input, Sensor
@@ -27,8 +28,12 @@ from torsionnet.solve.grid import Adaptive
 from torsionnet.solve.question import Question, remembered
 from torsionnet.solve.zero import at_zero
 
-Respond: TypeAlias = Callable[[RowSystem, ComplexArray, ComplexArray, FloatArray], ComplexArray]
-METHODS: dict[str, Respond] = {"graph": starmesh.respond, "dense": dense.respond}
+Respond: TypeAlias = Callable[[RowSystem, LawStiffness, ComplexArray, FloatArray], ComplexArray]
+METHODS: dict[str, Respond] = {
+    "graph": starmesh.respond,
+    "compiled": starmesh.respond_compiled,
+    "dense": dense.respond,
+}
 POOR = 1e-10
 """A measured input smaller than this share of its own terms is mostly rounding."""
 
@@ -60,9 +65,10 @@ def frequency_response(
     conditioning = np.ones(len(f))
     moving = f > 0
     if moving.all():
-        values, conditioning = evaluate(drivetrain.assembly, question, f, method)
+        values, conditioning = (part[0] for part in evaluate([drivetrain.assembly], question, f, method))
     elif moving.any():
-        values[moving], conditioning[moving] = evaluate(drivetrain.assembly, question, f[moving], method)
+        found = evaluate([drivetrain.assembly], question, f[moving], method)
+        values[moving], conditioning[moving] = (part[0] for part in found)
     if not moving.all():
         values[~moving] = _static(drivetrain, question, method)
         _warn_infinite(values[~moving], "at 0 Hz: the drivetrain turns freely")
@@ -82,9 +88,9 @@ def frequency_response(
 def _static(drivetrain: Drivetrain, question: Question, method: str) -> ComplexArray:
     """Values at zero frequency: the static solution where it is finite, else the limit."""
     if not rigid_motions(drivetrain.assembly.kinematics):
-        values = evaluate(drivetrain.assembly, question, np.zeros(1), method)[0]
+        values = evaluate([drivetrain.assembly], question, np.zeros(1), method)[0][0]
         if np.isfinite(values).all():
-            return values
+            return np.asarray(values)
     return at_zero(drivetrain, question)
 
 
@@ -114,44 +120,57 @@ def _checked(frequencies: ArrayLike) -> FloatArray:
 
 
 def evaluate(
-    assembly: Assembly, question: Question, frequencies: FloatArray, method: str = "graph"
+    assemblies: Sequence[Assembly], question: Question, frequencies: FloatArray, method: str = "graph"
 ) -> tuple[ComplexArray, FloatArray]:
-    """Transfer functions (n_f, n_out, n_in) at frequencies > 0, and the conditioning (n_f,) of the measured inputs."""
-    readings = read(assembly, question, 2 * np.pi * frequencies, METHODS[method])
-    n_out = len(question.outputs)
-    outputs, measured = readings.values[:, :n_out], readings.values[:, n_out:]
-    if not question.is_measured:
-        return outputs, np.ones(len(frequencies))
-    return _divide(outputs, measured), _conditioning(measured, readings.cancellation[:, n_out:], question, frequencies)
+    """Transfer functions at frequencies > 0, and the conditioning of the measured inputs.
+
+    Parameters
+    ----------
+    assemblies : sequence of Assembly
+        Variants with the same rows.
+    question : Question
+    frequencies : (n_f,) array
+        Hz.
+    method : str
+
+    Returns
+    -------
+    (n_variants, n_f, n_out, n_in) array and (n_variants, n_f) array
+    """
+    kappa = law_stiffness([assembly.system for assembly in assemblies], 2 * np.pi * frequencies)
+    readings = read(assemblies[0], question, kappa, method)
+    n_out, shape = len(question.outputs), (len(assemblies), len(frequencies))
+    values, conditioning = readings.values[:, :n_out], np.ones(kappa.n_lanes)
+    if question.is_measured:
+        measured, shares = readings.values[:, n_out:], readings.cancellation[:, n_out:]
+        values = _divide(values, measured)
+        conditioning = _conditioning(measured, shares, question, np.tile(frequencies, len(assemblies)))
+    return values.reshape(*shape, *values.shape[1:]), conditioning.reshape(shape)
 
 
-def read(assembly: Assembly, question: Question, omega: FloatArray, respond: Respond) -> Readings:
-    """Readings under unit excitations, a block of frequencies at a time."""
-    block = starmesh.block_size(len(assembly.owners))
-    parts = [
-        _read(assembly, question, omega[start : start + block], respond)
-        for start in range(0, max(1, len(omega)), block)
-    ]
-    if len(parts) == 1:
-        return parts[0]
+def read(assembly: Assembly, question: Question, kappa: LawStiffness, method: str) -> Readings:
+    """Readings under unit excitations, a block of lanes at a time."""
+    size, respond = starmesh.block_size(kappa.n_laws, method), METHODS[method]
+    if kappa.n_lanes <= size:
+        return _read(assembly, question, kappa, respond)
+    parts = [_read(assembly, question, block, respond) for block in kappa.blocks(size)]
     values = np.concatenate([part.values for part in parts])
     return Readings(values, np.concatenate([part.cancellation for part in parts]))
 
 
-def _read(assembly: Assembly, question: Question, omega: FloatArray, respond: Respond) -> Readings:
-    kappa, s = assembly.law_stiffness(omega), np.asarray(1j * omega, dtype=np.complex128)
+def _read(assembly: Assembly, question: Question, kappa: LawStiffness, respond: Respond) -> Readings:
     rows, imposed = question.rows
     loads, moves = _loads(assembly, question.excitations, kappa)
     motion = respond(assembly.system, kappa, loads, rows)
     if moves.any():
         motion = motion + (imposed @ moves)[None]
-    values = np.zeros((len(omega), len(question.readings), len(question.excitations)), dtype=complex)
+    values = np.zeros((kappa.n_lanes, len(question.readings), len(question.excitations)), dtype=complex)
     sizes = np.zeros(values.shape)
     start = 0
     with np.errstate(invalid="ignore"):
         for number, reading in enumerate(question.readings):
             stop = start + len(reading.terms)
-            parts = reading.coefficients(kappa, s)[:, :, None] * motion[:, start:stop]
+            parts = reading.coefficients(kappa)[:, :, None] * motion[:, start:stop]
             direct = np.array([_direct(reading, excitation) for excitation in question.excitations])
             values[:, number] = parts.sum(axis=1) + direct
             if question.is_measured:
@@ -165,8 +184,8 @@ def _direct(reading: Functional, excitation: Input) -> float:
     return reading.direct.get(excitation.of, 0.0) if excitation.quantity == "torque" else 0.0
 
 
-def _loads(assembly: Assembly, excitations: Sequence[Input], kappa: ComplexArray) -> tuple[ComplexArray, FloatArray]:
-    """Generalised torques (n_f or 1, n_q, n_exc), and the imposed angles (n_x, n_exc) of unit excitations."""
+def _loads(assembly: Assembly, excitations: Sequence[Input], kappa: LawStiffness) -> tuple[ComplexArray, FloatArray]:
+    """Generalised torques (n_lanes or 1, n_q, n_exc), and the imposed angles (n_x, n_exc) of unit excitations."""
     system = assembly.system
     moves = np.zeros((len(assembly.kinematics.imposed), len(excitations)))
     torques = np.zeros((1, system.n_coordinates, len(excitations)), dtype=complex)
@@ -179,7 +198,8 @@ def _loads(assembly: Assembly, excitations: Sequence[Input], kappa: ComplexArray
     if not moves.any():
         return torques, moves
     used = np.flatnonzero(assembly.imposed_rows.any(axis=1))
-    following = system.rows[used].T @ (kappa[:, used, None] * (assembly.imposed_rows[used] @ moves))
+    stiffness = kappa.only(used.tolist()).by_law.T
+    following = system.rows[used].T @ (stiffness[:, :, None] * (assembly.imposed_rows[used] @ moves))
     return torques - following, moves
 
 

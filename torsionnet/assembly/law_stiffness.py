@@ -1,0 +1,120 @@
+"""Dynamic stiffness of every law over frequency, and over variants of the parameters.
+
+Solvers work on lanes: one lane is one frequency of one variant, all frequencies of the first variant first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+
+
+@dataclass(frozen=True, eq=False)
+class LawStiffness:
+    """kappa_i(j omega) = k - J omega^2 + j c omega + sampled(omega) of every law.
+
+    Attributes
+    ----------
+    inertia, damping, stiffness : (n_variants, n_laws) arrays
+    omega : (n_f,) array
+        rad/s.
+    sampled : tuple of (law index, (n_variants, n_f) complex array)
+        What is no polynomial in omega, N m/rad.
+    """
+
+    inertia: FloatArray
+    damping: FloatArray
+    stiffness: FloatArray
+    omega: FloatArray
+    sampled: tuple[tuple[int, ComplexArray], ...] = ()
+
+    @property
+    def n_laws(self) -> int:
+        return int(self.stiffness.shape[1])
+
+    @property
+    def n_lanes(self) -> int:
+        return len(self.stiffness) * len(self.omega)
+
+    @property
+    def s(self) -> ComplexArray:
+        """Of every lane, rad/s."""
+        s: ComplexArray = np.asarray(1j * self.omega, dtype=np.complex128)
+        return s if len(self.stiffness) == 1 else np.tile(s, len(self.stiffness))
+
+    def of(self, law: int) -> ComplexArray:
+        """Dynamic stiffness of one law, shape (n_lanes,), N m/rad."""
+        return np.asarray(self.only([law]).by_law[0])
+
+    def only(self, laws: Sequence[int]) -> LawStiffness:
+        """The laws at these places."""
+        places = {law: place for place, law in enumerate(laws)}
+        sampled = tuple((places[law], values) for law, values in self.sampled if law in places)
+        parts = self.inertia[:, laws], self.damping[:, laws], self.stiffness[:, laws]
+        return LawStiffness(*parts, omega=self.omega, sampled=sampled)
+
+    @property
+    def by_law(self) -> ComplexArray:
+        """Of every law, shape (n_laws, n_lanes): the lanes of a law lie next to each other."""
+        kappa = np.empty((self.n_laws, len(self.stiffness), len(self.omega)), dtype=complex)
+        J, c, k = (np.ascontiguousarray(part.T)[:, :, None] for part in (self.inertia, self.damping, self.stiffness))
+        np.multiply(J, -(self.omega * self.omega), out=kappa.real)
+        kappa.real += k
+        np.multiply(c, self.omega, out=kappa.imag)
+        for law, values in self.sampled:
+            kappa[law] += values
+        return kappa.reshape(self.n_laws, self.n_lanes)
+
+    def blocks(self, size: int) -> Iterator[LawStiffness]:
+        """Parts of at most ``size`` lanes that follow each other: several variants, or frequencies of one."""
+        n_f = len(self.omega)
+        together = max(1, size // max(1, n_f))
+        for first in range(0, len(self.stiffness), together):
+            variants = slice(first, first + together)
+            for start in range(0, max(1, n_f), max(1, size)):
+                yield self._part(variants, slice(start, start + size))
+
+    def _part(self, variants: slice, frequencies: slice) -> LawStiffness:
+        return replace(
+            self,
+            inertia=self.inertia[variants],
+            damping=self.damping[variants],
+            stiffness=self.stiffness[variants],
+            omega=self.omega[frequencies],
+            sampled=tuple((law, values[variants, frequencies]) for law, values in self.sampled),
+        )
+
+
+def law_stiffness(systems: Sequence[RowSystem], omega: FloatArray) -> LawStiffness:
+    """Of variants of one system, at omega in rad/s.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.load("dmf_rig")
+    >>> soft = rig.configured(k_2=100)
+    >>> kappa = law_stiffness([rig.assembly.system, soft.assembly.system], np.array([0.0, 1.0]))
+    >>> kappa.n_lanes
+    4
+    """
+    J = np.array([system.inertia for system in systems])
+    c = np.array([system.damping for system in systems])
+    k = np.array([system.stiffness for system in systems])
+    laws = dict.fromkeys(law for system in systems for law, _ in system.dynamic)
+    sampled = {law: np.zeros((len(systems), len(omega)), dtype=complex) for law in laws}
+    for variant, system in enumerate(systems):
+        for law, at in system.dynamic:
+            sampled[law][variant] += at(omega)
+    return LawStiffness(J, c, k, omega, tuple(sampled.items()))
+
+
+def sampled_stiffness(kappa: ComplexArray) -> LawStiffness:
+    """From values (n_f, n_laws) alone."""
+    n_f, n_laws = kappa.shape
+    nothing = np.zeros((1, n_laws))
+    values = tuple((law, np.array(kappa[None, :, law], dtype=complex)) for law in range(n_laws))
+    return LawStiffness(nothing, nothing, nothing, np.zeros(n_f), values)
