@@ -25,6 +25,7 @@ _HOMES = {
     "Element": "elements",
     "Fault": "errors",
     "FrequencyResponse": "response",
+    "FrequencyResponses": "response",
     "Gear": "elements",
     "HystereticSpring": "elements",
     "Inertia": "elements",
@@ -86,7 +87,7 @@ if TYPE_CHECKING:
     from torsionnet.files import library_models, load, loads
     from torsionnet.operating_point import OperatingPoint
     from torsionnet.parameters import Parameter
-    from torsionnet.response import Conventions, FrequencyResponse, Modes
+    from torsionnet.response import Conventions, FrequencyResponse, FrequencyResponses, Modes
     from torsionnet.solve.grid import Adaptive
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -56,39 +56,59 @@ def frequency_response(
     method: str = "graph",
 ) -> FrequencyResponse:
     """See :meth:`torsionnet.Drivetrain.frequency_response`."""
-    if method not in METHODS:
-        msg = f'no method is named "{method}"; choose {", ".join(METHODS)}'
-        raise UsageError(msg)
+    known_method(method)
     question = remembered(drivetrain, output, input, excitation)
-    f = _resolving(drivetrain, frequencies, question) if isinstance(frequencies, Adaptive) else _checked(frequencies)
-    values = np.empty((len(f), len(question.outputs), len(question.measured)), dtype=complex)
-    conditioning = np.ones(len(f))
-    moving = f > 0
-    if moving.all():
-        values, conditioning = (part[0] for part in evaluate([drivetrain.assembly], question, f, method))
-    elif moving.any():
-        found = evaluate([drivetrain.assembly], question, f[moving], method)
-        values[moving], conditioning[moving] = (part[0] for part in found)
-    if not moving.all():
-        values[~moving] = _static(drivetrain, question, method)
-        _warn_infinite(values[~moving], "at 0 Hz: the drivetrain turns freely")
-    sound = moving & (conditioning >= POOR)
-    _warn_infinite(values[sound], "at a frequency above 0")
+    f = chosen_frequencies(drivetrain, frequencies, question)
+    values, conditioning = responses([drivetrain], question, f, method)
+    warn_infinite(values, conditioning, f)
     return FrequencyResponse(
         frequencies=f,
-        values=values,
+        values=values[0],
         outputs=tuple(Channel(reading.name, reading.unit) for reading in question.outputs),
         inputs=tuple(Channel(reading.name, reading.unit) for reading in question.measured),
         title=drivetrain.title,
-        conditioning=conditioning if question.is_measured else None,
+        conditioning=conditioning[0] if question.is_measured else None,
         notes=question.notes,
     )
+
+
+def known_method(method: str) -> None:
+    """Refuse a method that does not exist."""
+    if method not in METHODS:
+        msg = f'no method is named "{method}"; choose {", ".join(METHODS)}'
+        raise UsageError(msg)
+
+
+def chosen_frequencies(drivetrain: Drivetrain, frequencies: ArrayLike | Adaptive, question: Question) -> FloatArray:
+    """The frequencies asked for, Hz."""
+    return _resolving(drivetrain, frequencies, question) if isinstance(frequencies, Adaptive) else _checked(frequencies)
+
+
+class Evaluated(NamedTuple):
+    """Transfer functions (n_variants, n_f, n_out, n_in), and the conditioning (n_variants, n_f) of measured inputs."""
+
+    values: ComplexArray
+    conditioning: FloatArray
+
+
+def responses(drivetrains: Sequence[Drivetrain], question: Question, f: FloatArray, method: str) -> Evaluated:
+    """Transfer functions of drivetrains with the same rows at frequencies >= 0."""
+    assemblies, moving = [drivetrain.assembly for drivetrain in drivetrains], f > 0
+    if moving.all():
+        return evaluate(assemblies, question, f, method)
+    shape = (len(drivetrains), len(f))
+    found = Evaluated(np.empty((*shape, len(question.outputs), len(question.measured)), dtype=complex), np.ones(shape))
+    if moving.any():
+        found.values[:, moving], found.conditioning[:, moving] = evaluate(assemblies, question, f[moving], method)
+    for number, drivetrain in enumerate(drivetrains):
+        found.values[number, ~moving] = _static(drivetrain, question, method)
+    return found
 
 
 def _static(drivetrain: Drivetrain, question: Question, method: str) -> ComplexArray:
     """Values at zero frequency: the static solution where it is finite, else the limit."""
     if not rigid_motions(drivetrain.assembly.kinematics):
-        values = evaluate([drivetrain.assembly], question, np.zeros(1), method)[0][0]
+        values = evaluate([drivetrain.assembly], question, np.zeros(1), method).values[0]
         if np.isfinite(values).all():
             return np.asarray(values)
     return at_zero(drivetrain, question)
@@ -121,7 +141,7 @@ def _checked(frequencies: ArrayLike) -> FloatArray:
 
 def evaluate(
     assemblies: Sequence[Assembly], question: Question, frequencies: FloatArray, method: str = "graph"
-) -> tuple[ComplexArray, FloatArray]:
+) -> Evaluated:
     """Transfer functions at frequencies > 0, and the conditioning of the measured inputs.
 
     Parameters
@@ -132,10 +152,6 @@ def evaluate(
     frequencies : (n_f,) array
         Hz.
     method : str
-
-    Returns
-    -------
-    (n_variants, n_f, n_out, n_in) array and (n_variants, n_f) array
     """
     kappa = law_stiffness([assembly.system for assembly in assemblies], 2 * np.pi * frequencies)
     readings = read(assemblies[0], question, kappa, method)
@@ -145,7 +161,7 @@ def evaluate(
         measured, shares = readings.values[:, n_out:], readings.cancellation[:, n_out:]
         values = _divide(values, measured)
         conditioning = _conditioning(measured, shares, question, np.tile(frequencies, len(assemblies)))
-    return values.reshape(*shape, *values.shape[1:]), conditioning.reshape(shape)
+    return Evaluated(values.reshape(*shape, *values.shape[1:]), conditioning.reshape(shape))
 
 
 def read(assembly: Assembly, question: Question, kappa: LawStiffness, method: str) -> Readings:
@@ -240,6 +256,14 @@ def _conditioning(
     return worst
 
 
-def _warn_infinite(values: ComplexArray, where: str) -> None:
-    if len(values) and not np.isfinite(values).all():
-        warnings.warn(f"the response is infinite {where}", TorsionnetWarning, stacklevel=4)
+def warn_infinite(values: ComplexArray, conditioning: FloatArray, f: FloatArray) -> None:
+    """Warn of infinite responses that rounding of a vanishing measured input does not explain."""
+    finite = np.isfinite(values).all(axis=(2, 3))
+    if finite.all():
+        return
+    for lanes, where in (
+        (f == 0, "at 0 Hz: the drivetrain turns freely"),
+        ((f > 0) & (conditioning >= POOR), "at a frequency above 0"),
+    ):
+        if (lanes & ~finite).any():
+            warnings.warn(f"the response is infinite {where}", TorsionnetWarning, stacklevel=4)

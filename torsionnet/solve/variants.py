@@ -1,0 +1,69 @@
+"""Transfer functions of many variants of a drivetrain: those with the same rows are solved together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import groupby
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.channels import Sensor
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import UsageError
+from torsionnet.response import Channel, FrequencyResponses
+from torsionnet.solve.grid import Adaptive
+from torsionnet.solve.question import remembered
+from torsionnet.solve.transfer import Evaluated, chosen_frequencies, known_method, responses, warn_infinite
+
+
+def frequency_responses(
+    drivetrain: Drivetrain,
+    output: str | Sensor | Sequence[str | Sensor],
+    input: str | Sensor | Sequence[str | Sensor],
+    frequencies: ArrayLike | Adaptive,
+    variants: Mapping[str, ArrayLike],
+    *,
+    excitation: str | Sequence[str] | None = None,
+    method: str = "graph",
+) -> FrequencyResponses:
+    """See :meth:`torsionnet.Drivetrain.frequency_responses`."""
+    known_method(method)
+    parameters = _columns(variants)
+    question = remembered(drivetrain, output, input, excitation)
+    f = chosen_frequencies(drivetrain, frequencies, question)
+    copies = [drivetrain.configured(**values) for values in _rows(parameters)]
+    parts: list[Evaluated] = []
+    for _, group in groupby(copies, key=lambda copy: id(copy.assembly.system.plans)):
+        alike = list(group)
+        parts.append(responses(alike, remembered(alike[0], output, input, excitation), f, method))
+    values, conditioning = (np.concatenate([getattr(part, name) for part in parts]) for name in Evaluated._fields)
+    warn_infinite(values, conditioning, f)
+    return FrequencyResponses(
+        parameters,
+        f,
+        values,
+        tuple(Channel(reading.name, reading.unit) for reading in question.outputs),
+        tuple(Channel(reading.name, reading.unit) for reading in question.measured),
+        drivetrain.title,
+        conditioning if question.is_measured else None,
+        question.notes,
+    )
+
+
+def _columns(variants: Mapping[str, ArrayLike]) -> dict[str, FloatArray]:
+    """Values by parameter, all of one length; one value alone holds for all variants."""
+    try:
+        columns = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in variants.items()}
+        spread = list(np.broadcast_arrays(*columns.values()))
+    except (TypeError, ValueError):
+        spread = []
+    if not spread or any(column.ndim != 1 for column in spread) or not len(spread[0]):
+        msg = "variants are lists of numbers in SI by parameter, all of one length: {'k_2': [400, 460, 500]}"
+        raise UsageError(msg)
+    return dict(zip(columns, (column.copy() for column in spread), strict=True))
+
+
+def _rows(columns: Mapping[str, FloatArray]) -> Iterator[dict[str, float]]:
+    return (dict(zip(columns, map(float, row), strict=True)) for row in zip(*columns.values(), strict=True))
