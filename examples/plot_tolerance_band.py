@@ -2,7 +2,7 @@
 Tolerances of a dual-mass flywheel
 ==================================
 
-Parts scatter. How far does that move the response at the torque meter? A few hundred drivetrains with stiffness, damping
+Parts scatter. How far does that move the response at the torque meter? Some hundred drivetrains with stiffness, damping
 and inertia drawn from their tolerances are solved together by :meth:`~torsionnet.Drivetrain.frequency_responses`, and
 the band that holds 90 % of them is drawn around the nominal one. The tolerances here are examples.
 """
