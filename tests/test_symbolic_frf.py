@@ -112,7 +112,7 @@ class TestEveryFormIsTheNumericResponse:
         assert_all_forms(drivetrain, *question)
 
     def test_more_loops_than_deletion_and_contraction_takes(self):
-        names = ["a", "b", "c", "d"]
+        names = ["a", "b", "c", "d", "e"]
         elements = [tn.Inertia(f"J{n}", node=n, inertia=f"J_{n}") for n in names]
         parameters = {f"J_{n}": 1 + i for i, n in enumerate(names)}
         for i, (first, second) in enumerate((a, b) for a in names for b in names if a < b):

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from torsionnet.symbolics.network import Graph, Member, Network, SymbolRow
+from torsionnet.symbolics.network import Edge, Graph, Member, Network, SymbolRow
 from torsionnet.symbolics.program import Node, Program
 from torsionnet.symbolics.tree import bilinear, determinant
 
@@ -60,7 +60,10 @@ def _split(network: Network, rows: tuple[SymbolRow, ...], factor: Node, program:
 
 
 def closing(graph: Graph) -> list[Member]:
-    """Laws over more than two coordinates, and edges beyond a spanning forest."""
+    """Laws over more than two coordinates, and edges beyond a spanning forest.
+
+    Edges between the same two coordinates go together; where several do, they are in the forest if they can be.
+    """
     home = {name: name for name in graph.coordinates}
 
     def top(name: str) -> str:
@@ -68,11 +71,14 @@ def closing(graph: Graph) -> list[Member]:
             name = home[name]
         return name
 
-    found = list(graph.wide)
+    together: dict[frozenset[str], list[Edge]] = {}
     for edge in graph.edges:
-        first, second = top(edge.first), top(edge.second)
+        together.setdefault(frozenset((edge.first, edge.second)), []).append(edge)
+    found = list(graph.wide)
+    for edges in sorted(together.values(), key=len, reverse=True):
+        first, second = top(edges[0].first), top(edges[0].second)
         if first == second:
-            found.append(edge.member)
+            found += [edge.member for edge in edges]
         home[first] = second
     return found
 

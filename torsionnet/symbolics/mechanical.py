@@ -17,11 +17,24 @@ from typing import Any
 from torsionnet.symbolics.loops import closing
 from torsionnet.symbolics.network import Graph, SymbolRow, vanishes
 from torsionnet.symbolics.readings import Mechanism, Part
-from torsionnet.symbolics.tree import Branch, orient, roots_of
+from torsionnet.symbolics.tree import Branch, Strand, orient, roots_of
 
 
 class NoContinuedFractionError(Exception):
     """The drivetrain or the question is not that of a tree."""
+
+
+def only(branch: Branch) -> Strand:
+    """The law of a branch that has one.
+
+    Raises
+    ------
+    NoContinuedFractionError
+        Laws on several motions between the same two coordinates have no flexibility in series.
+    """
+    if len(branch.strands) != 1:
+        raise NoContinuedFractionError
+    return branch.strands[0]
 
 
 @dataclass
@@ -46,8 +59,8 @@ class Continued:
         """None stands for a coordinate nothing holds, and for a branch that holds nothing."""
         branches = [b for b in self.tree.below[name] if self.receptance[b.child] is not None]
         for branch in branches:
-            series = self._inverse(branch) + self._squared(branch.far) * self.receptance[branch.child]
-            self.flexibility[branch.child] = series / self._squared(branch.near)
+            series = self._inverse(branch) + self._squared(only(branch).far) * self.receptance[branch.child]
+            self.flexibility[branch.child] = series / self._squared(only(branch).near)
         found = [self.flexibility[branch.child] for branch in branches]
         ground = self.graph.grounds.get(name)
         if ground is None and len(found) == 1:
@@ -63,7 +76,7 @@ class Continued:
         return self.element(1)
 
     def _inverse(self, branch: Branch) -> Any:
-        return self._one / self.element(branch.law)
+        return self._one / self.element(only(branch).law)
 
     def _squared(self, coefficient: Any) -> Any:
         return self.element(coefficient**2)
@@ -76,11 +89,11 @@ class Continued:
         return result
 
     def _handed_on(self, branch: Branch) -> Any:
-        ratio = self.element(-branch.near / branch.far)
+        ratio = self.element(-only(branch).near / only(branch).far)
         receptance = self.receptance[branch.child]
         if receptance is None:
             return ratio
-        y = self.element(branch.law) * self._squared(branch.far)
+        y = self.element(only(branch).law) * self._squared(only(branch).far)
         return ratio * (y / (y + self._one / receptance))
 
     def reading(self, row: SymbolRow, law: Any = None) -> Any:
@@ -88,7 +101,11 @@ class Continued:
         row = {name: value for name, value in row.items() if name in self.tree.below}
         for child in row if len(row) == 2 else ():  # noqa: PLR2004
             branch = self.tree.above.get(child)
-            if branch and branch.parent in row and vanishes(row[branch.parent] * branch.far - row[child] * branch.near):
+            if (
+                branch
+                and branch.parent in row
+                and vanishes(row[branch.parent] * only(branch).far - row[child] * only(branch).near)
+            ):
                 return self._torque(branch, row[branch.parent], law)
         total = self.element(0)
         for name, value in row.items():
@@ -99,11 +116,11 @@ class Continued:
         """The law times the twist of an edge, times scale over the coefficient of the parent."""
         if branch.child not in self.flexibility:
             return self.element(0)
-        carried = self.motion(branch.parent) * self.element(scale / branch.near**2)
+        carried = self.motion(branch.parent) * self.element(scale / only(branch).near ** 2)
         torque = carried * (self._one / self.flexibility[branch.child])
-        if law is not None and law == branch.law:
+        if law is not None and law == only(branch).law:
             return torque
-        twist = torque / self.element(branch.law)
+        twist = torque / self.element(only(branch).law)
         return twist if law is None else twist * self.element(law)
 
 

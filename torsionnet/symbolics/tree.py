@@ -1,38 +1,53 @@
 """The division-free recursion on a forest.
 
-With g_v the dynamic stiffness to ground at coordinate v, and a child edge of dynamic stiffness y on the motion
-alpha theta_v + beta theta_c,
+With g_v the dynamic stiffness to ground at coordinate v, and laws y_e on the motions alpha_e theta_v + beta_e theta_c
+between v and its child c,
 
-    F_c = A_c + beta^2 y Q_c,   Q_v = prod F_c,   A_v = g_v Q_v + sum_c alpha^2 y A_c prod_{c' != c} F_c'
+    F_c = A_c + sum_e beta_e^2 y_e Q_c,   Q_v = prod F_c,   A_v = g_v Q_v + sum_c B_c prod_{c' != c} F_c'
+    B_c = sum_e alpha_e^2 y_e A_c + sum_{e<f} (alpha_e beta_f - alpha_f beta_e)^2 y_e y_f Q_c
 
-det D = A_root, and for the torque at the root and the motion at j
+where the second sum, by Cauchy and Binet, is there only if several motions are resisted between the same two
+coordinates, as by a shaft with its own inertia. det D = A_root, and for the torque at the root and the motion at j
 
-    adj_j = prod_path(-alpha beta y) * prod_{subtrees hanging off the path} F * Q_j
+    adj_j = prod_path(-sum_e alpha_e beta_e y_e) * prod_{subtrees hanging off the path} F * Q_j
 
-without a subtraction or division: every coefficient of the expanded result is positive where the ratios are. The twist
-along an edge alone needs no subtraction either, alpha theta_v + beta theta_c being alpha A_c where theta_v has F_c.
+On a tree of single laws nothing is subtracted or divided: every coefficient of the expanded result is positive where
+the ratios are. The twist along an edge needs no subtraction either: where theta_v has F_c, a theta_v + b theta_c has
+a A_c + sum_e (a beta_e - b alpha_e) beta_e y_e Q_c.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any
+from itertools import combinations
+from typing import Any, NamedTuple
 
 from torsionnet.symbolics.network import Edge, Graph, SymbolRow, vanishes
 from torsionnet.symbolics.program import Node, Program
 
 
-@dataclass(frozen=True)
-class Branch:
-    """An edge as seen from the root: parent, child, and y with its row."""
+class Strand(NamedTuple):
+    """A law on near * theta_parent + far * theta_child."""
 
-    parent: str
-    child: str
     law: Any
     near: Any
     far: Any
+
+
+@dataclass(frozen=True)
+class Branch:
+    """All laws between a parent and its child."""
+
+    parent: str
+    child: str
+    strands: tuple[Strand, ...]
+
+    def crossings(self) -> Iterator[tuple[Strand, Strand, Any]]:
+        """Pairs of strands with the square of the determinant of their rows."""
+        for e, f in combinations(self.strands, 2):
+            yield e, f, (e.near * f.far - f.near * e.far) ** 2
 
 
 @dataclass(frozen=True)
@@ -60,16 +75,14 @@ def orient(graph: Graph, root: str) -> Orientation:
     above: dict[str, Branch] = {}
     below: dict[str, tuple[Branch, ...]] = {}
     for name in order:
-        branches = []
+        strands: dict[str, list[Strand]] = {}
         for edge in attached.get(name, ()):
             other = edge.second if edge.first == name else edge.first
-            if name in above and above[name].parent == other:
-                continue
-            branch = Branch(name, other, edge.law, *edge.coefficients(name))
-            branches.append(branch)
-            above[other] = branch
-            order.append(other)
-        below[name] = tuple(branches)
+            if name not in above or above[name].parent != other:
+                strands.setdefault(other, []).append(Strand(edge.law, *edge.coefficients(name)))
+        below[name] = tuple(Branch(name, other, tuple(found)) for other, found in strands.items())
+        above |= {branch.child: branch for branch in below[name]}
+        order += strands
     return Orientation(root, tuple(order), above, below)
 
 
@@ -118,18 +131,31 @@ class Recursion:
         branches = self.tree.below[name]
         for branch in branches:
             child = branch.child
-            self.F[child] = self.A[child] + self._stiffness(branch, branch.far**2) * self.Q[child]
+            self.F[child] = self.A[child] + self._sum(branch, lambda e: e.far**2) * self.Q[child]
         others = self._products_without_one([branch.child for branch in branches])
         self.Q[name] = self._hanging(name)
         total = self.program.leaf(self.graph.grounds[name]) * self.Q[name] if name in self.graph.grounds else None
         for branch, rest in zip(branches, others, strict=True):
-            term = self._stiffness(branch, branch.near**2) * self.A[branch.child] * rest
+            term = self._handed_up(branch) * rest
             total = term if total is None else total + term
         self.A[name] = self.program.leaf(0) if total is None else total
 
-    def _stiffness(self, branch: Branch, factor: Any) -> Node:
-        y = self.program.leaf(branch.law)
-        return y if factor == 1 else self.program.leaf(factor) * y
+    def _handed_up(self, branch: Branch) -> Node:
+        """F_c times the stiffness of the branch at its parent."""
+        total = self._sum(branch, lambda e: e.near**2) * self.A[branch.child]
+        for e, f, factor in branch.crossings():
+            y = self.program.leaf(e.law) * self.program.leaf(f.law) * self.program.leaf(factor)
+            total = total + y * self.Q[branch.child]
+        return total
+
+    def _sum(self, branch: Branch, factor: Callable[[Strand], Any]) -> Node:
+        """Sum of the laws of a branch, each with a factor."""
+        total = self.program.leaf(0)
+        for strand in branch.strands:
+            number = factor(strand)
+            if not vanishes(number):
+                total = total + self.program.leaf(number) * self.program.leaf(strand.law)
+        return total
 
     def _hanging(self, name: str, without: str = "") -> Node:
         result = self.program.leaf(1)
@@ -150,7 +176,7 @@ class Recursion:
         """Product along the path to ``end``, with all that hangs off it."""
         result = self.program.leaf(1)
         for branch in self.tree.path(end):
-            passed = self._stiffness(branch, -branch.near * branch.far)
+            passed = self._sum(branch, lambda e: -e.near * e.far)
             result = result * passed * self._hanging(branch.parent, branch.child)
         return result
 
@@ -175,10 +201,11 @@ class Recursion:
             return None
         for child in row:
             branch = self.tree.above.get(child)
-            if branch and branch.parent in row and vanishes(row[branch.parent] * branch.far - row[child] * branch.near):
-                scale = row[branch.parent]
+            if branch and branch.parent in row:
+                a, b = row[branch.parent], row[child]
+                passed = self._sum(branch, lambda e, a=a, b=b: (a * e.far - b * e.near) * e.far)  # type: ignore[misc]
                 carried = self._carried(branch.parent) * self._hanging(branch.parent, child)
-                return carried * self.program.leaf(scale) * self.A[child]
+                return carried * (self.program.leaf(a) * self.A[child] + passed * self.Q[child])
         return None
 
 
