@@ -11,6 +11,7 @@ from torsionnet.symbolics.algebras import InPowersOfS, S, Terms, in_s
 from torsionnet.symbolics.numbers import surely_zero
 from torsionnet.symbolics.program import Node, Program
 from torsionnet.symbolics.rational import factored, tidy
+from torsionnet.symbolics.shown import latex, polynomial_text, shown
 
 if TYPE_CHECKING:
     from torsionnet.symbolics.transfer_function import TransferFunction
@@ -57,8 +58,19 @@ class Factor:
     def expression(self) -> Any:
         return in_s(self.coefficients) ** self.power
 
+    def __str__(self) -> str:
+        power = f"({{}})**{self.power}" if self.power != 1 else "{}"
+        if self.order == 1:
+            return f"{power.format('1 + s/omega_n')} with omega_n = {shown(self.omega_n)}"
+        if self.order == 2:  # noqa: PLR2004
+            form = power.format("1 + 2*zeta*s/omega_n + s**2/omega_n**2")
+            return f"{form} with omega_n = {shown(self.omega_n)}, zeta = {shown(self.zeta)}"
+        return power.format(
+            polynomial_text(f"({shown(value)})" if n else "1" for n, value in enumerate(self.coefficients))
+        )
 
-@dataclass(frozen=True)
+
+@dataclass(frozen=True, repr=False)
 class Normalised:
     """gain * s^power * product of numerator factors / product of denominator factors."""
 
@@ -73,6 +85,22 @@ class Normalised:
         above = sympy.Mul(*(factor.expression for factor in self.numerator))
         below = sympy.Mul(*(factor.expression for factor in self.denominator))
         return self.gain * S**self.power * above / below
+
+    def __str__(self) -> str:
+        above = [("numerator", factor) for factor in self.numerator]
+        below = [("denominator", factor) for factor in self.denominator]
+        lines = [f"gain {shown(self.gain)}"]
+        lines += [f"s**{self.power}"] if self.power else []
+        return "\n".join([*lines, *(f"{place}: {factor}" for place, factor in above + below)])
+
+    __repr__ = __str__
+
+    def to_latex(self) -> str:
+        """The whole as one product."""
+        return latex(self.expression)
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.to_latex()}$"
 
 
 def normalised(function: TransferFunction) -> Normalised:

@@ -12,6 +12,7 @@ import sympy
 from torsionnet.symbolics.algebras import InPowersOfS, Terms, in_s
 from torsionnet.symbolics.program import Node, Program
 from torsionnet.symbolics.raw import RawExpressions
+from torsionnet.symbolics.shown import polynomial_latex, polynomial_text, where_text, with_where
 from torsionnet.symbolics.sparse import Monomials, Sparse, monomials_for
 
 if TYPE_CHECKING:
@@ -77,17 +78,31 @@ class Rational:
     @property
     def named(self) -> Any:
         """The quotient in the names of the coefficients."""
-        above, below = (
-            in_s(sympy.Symbol(f"{letter}_{power}") if value != 0 else 0 for power, value in enumerate(coefficients))
-            for letter, coefficients in (("b", self.numerator), ("a", self.denominator))
-        )
+        above, below = (in_s(names) for names in self._names)
         return above / below
 
-    def __repr__(self) -> str:
-        return f"{self.named} where {', '.join(f'{name} = {value}' for name, value in self.where.items())}"
+    @property
+    def _names(self) -> tuple[list[Any], list[Any]]:
+        """Name of every coefficient of numerator and denominator, 0 for those that are zero."""
+        above, below = (
+            [sympy.Symbol(f"{letter}_{power}") if value != 0 else sympy.Integer(0) for power, value in enumerate(part)]
+            for letter, part in (("b", self.numerator), ("a", self.denominator))
+        )
+        return above, below
+
+    def __str__(self) -> str:
+        above, below = (polynomial_text(names) for names in self._names)
+        return where_text(f"({above})/({below})", self.where)
+
+    __repr__ = __str__
+
+    def to_latex(self) -> str:
+        """The quotient in the names of the coefficients, and what they stand for."""
+        above, below = (polynomial_latex(names) for names in self._names)
+        return with_where(rf"\frac{{{above}}}{{{below}}}", self.where)
 
     def _repr_latex_(self) -> str:
-        return f"${sympy.latex(self.expression)}$"
+        return f"$\\displaystyle {self.to_latex()}$"
 
 
 def _trimmed(coefficients: Sequence[Any]) -> tuple[Any, ...]:

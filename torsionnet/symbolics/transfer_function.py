@@ -16,12 +16,16 @@ from torsionnet.symbolics.algebras import Changed, Derivatives, Expressions
 from torsionnet.symbolics.network import Stiffness
 from torsionnet.symbolics.program import Node, Program
 from torsionnet.symbolics.question import Asked
+from torsionnet.symbolics.shown import shown
 
 if TYPE_CHECKING:
     from torsionnet.symbolics.expanded import Expanded
     from torsionnet.symbolics.normalised import Normalised
     from torsionnet.symbolics.rational import Rational
     from torsionnet.symbolics.where import WhereTable
+
+MOST_PRINTED = 60
+"""Operations of a transfer function that is printed in one line."""
 
 FORMS = ("mechanical", "polynomial", "normalised", "program", "expanded")
 
@@ -243,6 +247,16 @@ class TransferFunction:
         names = " / ".join(channel.name for channel in self.channels)
         operations = self.program.operations
         return f"<TransferFunction {names}: {len(self.free_symbols)} parameters, {operations} operations>"
+
+    def __str__(self) -> str:
+        """The mechanical form if it is short, else its straight-line program."""
+        names = "/".join(channel.name for channel in self.channels)
+        operations = self.program.operations
+        if operations <= MOST_PRINTED:
+            return f"{names} = {shown(self.mechanical)}"
+        if operations <= 10 * MOST_PRINTED:
+            return f"{names} = {self.program}"
+        return f"{names}: {operations} operations; print its .program, or ask for .python_code()"
 
 
 def _exact(value: Any) -> Any:

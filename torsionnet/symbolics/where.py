@@ -13,6 +13,7 @@ import sympy
 from torsionnet.symbolics.algebras import S, evaluated
 from torsionnet.symbolics.network import Stiffness
 from torsionnet.symbolics.program import ARITHMETIC, Node, Program
+from torsionnet.symbolics.shown import latex, where_text, with_where
 
 if TYPE_CHECKING:
     from torsionnet.symbolics.transfer_function import TransferFunction
@@ -41,7 +42,7 @@ class Lowered:
         return k + j * (s * s) if c.is_zero else k + s * (c + s * j)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class WhereTable:
     """A straight-line program.
 
@@ -84,6 +85,17 @@ class WhereTable:
         for index in self.program.needed([self.result]):
             algebra_results[index] = names.named(index, _expression(self.program.steps[index], algebra_results))
         return names.table, algebra_results[self.result.index]
+
+    def __str__(self) -> str:
+        table, result = self.where()
+        return where_text(result, table)
+
+    def __repr__(self) -> str:
+        return f"<WhereTable: {self.operations} operations>"
+
+    def _repr_latex_(self) -> str:
+        table, result = self.where()
+        return f"$\\displaystyle {with_where(latex(result), table)}$"
 
 
 class _Names:
