@@ -102,7 +102,7 @@ def test_equations_read_like_equations():
     assert lines[1].endswith("= 0")
 
 
-def test_imposed_angles_are_refused_clearly():
-    model = tn.Drivetrain("x", [tn.Inertia("j", node="a", inertia=1)], inputs={"phi": {"angle": "a"}})
-    with pytest.raises(tn.UsageError, match="phi"):
-        model.symbolic()
+def test_imposed_angles_stand_still_in_the_equations():
+    elements = [tn.Inertia("j", node="a", inertia=1), tn.Spring("k", nodes=("a", "b"), stiffness="k")]
+    model = tn.Drivetrain("x", elements, {"k": 3}, inputs={"phi": {"angle": "b"}})
+    assert model.symbolic().equations() == ("theta_a'' + k theta_a = 0",)

@@ -67,20 +67,17 @@ def resolve(
     UsageError
         As for a frequency response; also where the excitation does not reach the measured input.
     """
-    if not isinstance(output, str | Sensor) or not isinstance(input, str | Sensor):
-        msg = "a transfer function in symbols has one output and one input; ask for one pair at a time"
-        raise UsageError(msg)
     question = ask(drivetrain, output, input, excitation)
     reading = as_sensor(drivetrain, output) or Sensor("angle", str(output))
-    channels = (_channel(question.outputs[0]), _channel(question.measured[0]))
+    channels = (channel(question.outputs[0]), channel(question.measured[0]))
     if not question.is_measured:
-        mechanism = _mechanism(drivetrain, [reading], referred_to, memory)
+        mechanism = mechanism_for(drivetrain, [reading], referred_to, memory)
         node = question.excitations[0].of
         return Asked(mechanism, parts_of(mechanism, reading), None, node, 1, channels, question.notes)
     sensor = as_sensor(drivetrain, input)
     if sensor is None:  # a measured input is a sensor
         raise TypeError
-    mechanism = _mechanism(drivetrain, [reading, sensor], referred_to, memory)
+    mechanism = mechanism_for(drivetrain, [reading, sensor], referred_to, memory)
     whole = _measured(reading, sensor, question, mechanism)
     _require_reached(whole, str(input), question.excitations[0])
     cut = find_cut(drivetrain, sensor, question.excitations)
@@ -89,14 +86,15 @@ def resolve(
     return _of_cut(drivetrain, cut, reading, sensor, whole, referred_to)
 
 
-def _channel(reading: Functional) -> Channel:
+def channel(reading: Functional) -> Channel:
+    """Name and unit of a reading."""
     return Channel(reading.name, reading.unit)
 
 
-def _mechanism(
+def mechanism_for(
     drivetrain: Drivetrain,
     sensors: Sequence[Sensor],
-    referred_to: Sequence[str],
+    referred_to: Sequence[str] = (),
     memory: dict[tuple[int, ...], Mechanism] | None = None,
 ) -> Mechanism:
     """The mechanism in which the sensors can be read, from ``memory`` where it has been made before."""
@@ -110,7 +108,7 @@ def _mechanism(
 
 
 def _measured(output: Sensor, sensor: Sensor, question: Question, mechanism: Mechanism) -> Asked:
-    channels = (_channel(question.outputs[0]), _channel(question.measured[0]))
+    channels = (channel(question.outputs[0]), channel(question.measured[0]))
     parts, measured = parts_of(mechanism, output), parts_of(mechanism, sensor)
     return Asked(mechanism, parts, measured, question.excitations[0].of, 1, channels, question.notes)
 
@@ -134,7 +132,7 @@ def _of_cut(
     """What is left downstream of the cut; the measured torque is an excitation there."""
     node, sign = port_of(drivetrain.elements[sensor.of], sensor.at)
     rest = Drivetrain.from_definition(cut_definition(drivetrain.definition, cut.kept))
-    mechanism = _mechanism(rest, [output], referred_to)
+    mechanism = mechanism_for(rest, [output], referred_to)
     removed = ", ".join(name for name in drivetrain.elements if name not in cut.kept)
     notes = (*whole.notes, f"cut at {whole.channels[1].name}: independent of {removed}") if removed else whole.notes
     into = sign if sensor.of in cut.kept else -sign

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import sympy
@@ -11,10 +11,14 @@ import sympy
 from torsionnet.assembly.symbolic import OMEGA, SymbolicMatrices, symbolic_matrices
 from torsionnet.channels import Sensor
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.response import Channel
+from torsionnet.solve.question import ask
+from torsionnet.symbolics.imposed import at_rest, is_imposed, posed, single
 from torsionnet.symbolics.program import Node
 from torsionnet.symbolics.question import Asked, resolve
 from torsionnet.symbolics.readings import Mechanism
 from torsionnet.symbolics.transfer_function import TransferFunction
+from torsionnet.symbolics.transfer_matrix import TransferMatrix, over_measured
 
 if TYPE_CHECKING:
     from torsionnet.symbolics.simplified import Simplified
@@ -22,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class SymbolicSystem(SymbolicMatrices):
-    """Matrices over the kept coordinates, and transfer functions.
+    """Matrices over the kept coordinates, and transfer functions; in the matrices imposed angles stand still.
 
     Attributes
     ----------
@@ -45,7 +49,8 @@ class SymbolicSystem(SymbolicMatrices):
         ----------
         output, input, excitation
             As for :meth:`torsionnet.Drivetrain.frequency_response`, one of each. A measured torque that cuts the
-            drivetrain in two removes everything upstream from the result.
+            drivetrain in two removes everything upstream from the result; an imposed angle removes what hangs on the
+            driven node alone.
 
         Examples
         --------
@@ -54,18 +59,56 @@ class SymbolicSystem(SymbolicMatrices):
         (k_1*tau**2 + k_2)/(k_1*k_2)
         """
         drivetrain = self._model
-        asked = resolve(drivetrain, output, input, excitation, self.referred_to, self.mechanisms)
-        numerator, denominator = _fraction(asked)
+        single(output, input)
+        question = posed(drivetrain, output, input, excitation)
+        memory = self.mechanisms if question.drivetrain is drivetrain else None
+        asked = resolve(question.drivetrain, output, question.input, question.excitation, self.referred_to, memory)
+        if question.channel is not None:
+            asked = replace(asked, channels=(asked.channels[0], question.channel))
+        return replace(self._written(asked.channels, *_fraction(asked), asked.notes), asked=asked)
+
+    def transfer_matrix(
+        self,
+        outputs: Sequence[str | Sensor],
+        inputs: Sequence[str | Sensor],
+        excitation: str | Sequence[str] | None = None,
+    ) -> TransferMatrix:
+        """Several outputs and inputs at once; with several measured inputs, Y_out Y_in^-1.
+
+        Parameters
+        ----------
+        outputs, inputs, excitation
+            As for :meth:`torsionnet.Drivetrain.frequency_response`. At most three inputs are measured at a time.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> print(tn.load("dmf_rig").symbolic().transfer_matrix(["theta_1", "T_T"], ["T_M"])["T_T", "T_M"].static_gain)
+        1
+        """
+        drivetrain = self._model
+        question = ask(drivetrain, list(outputs), list(inputs), excitation)
+        if question.is_measured and len(inputs) > 1:
+            return over_measured(drivetrain, outputs, inputs, excitation, self._written)
+        given = excitation if isinstance(excitation, str | None) else excitation[0]
+        source = given if question.is_measured else None
+        return TransferMatrix(
+            tuple(tuple(self.transfer_function(output, entry, source) for entry in inputs) for output in outputs)
+        )
+
+    def _written(
+        self, channels: tuple[Channel, Channel], numerator: Node, denominator: Node, notes: tuple[str, ...]
+    ) -> TransferFunction:
+        drivetrain = self._model
         return TransferFunction(
-            asked.channels,
+            channels,
             numerator,
             denominator,
             self.values,
-            asked,
-            _tables(drivetrain),
-            drivetrain.title,
-            asked.notes,
-            self.conditions,
+            tables=_tables(drivetrain),
+            title=drivetrain.title,
+            notes=notes,
+            conditions=self.conditions,
         )
 
     def simplified(
@@ -113,6 +156,6 @@ def _tables(drivetrain: Drivetrain) -> Mapping[Any, Any]:
 def symbolic_system(drivetrain: Drivetrain, referred_to: Collection[str] = ()) -> SymbolicSystem:
     """See :meth:`torsionnet.Drivetrain.symbolic`."""
     names: Sequence[str] = [referred_to] if isinstance(referred_to, str) else list(referred_to)
-    matrices = symbolic_matrices(drivetrain, names)
+    matrices = symbolic_matrices(at_rest(drivetrain) if is_imposed(drivetrain) else drivetrain, names)
     content = {entry.name: getattr(matrices, entry.name) for entry in fields(SymbolicMatrices)}
     return SymbolicSystem(**content, drivetrain=drivetrain, referred_to=tuple(names))

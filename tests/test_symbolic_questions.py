@@ -1,0 +1,148 @@
+"""Transfer functions in symbols beyond one torque and a tree of single laws: each against the numbers."""
+
+import numpy as np
+import pytest
+
+import torsionnet as tn
+from torsionnet.symbolics.shown import shown
+
+F = np.array([0.3, 2.0, 7.0, 19.0])
+STEEL = {"shear_modulus": "G", "density": "rho"}
+
+
+def shafts(count, inertia="consistent"):
+    parameters = {"G": 80e9, "rho": 7850.0, "D": 0.05}
+    elements = [tn.Inertia("first", node="n0", inertia=0.3)]
+    for i in range(count):
+        parameters[f"L_{i}"] = 0.3 + 0.01 * i
+        ends = (f"n{i}", f"n{i + 1}")
+        elements.append(
+            tn.Shaft(f"s{i}", nodes=ends, outer_diameter="D", length=f"L_{i}", inertia=inertia, damping=0.1, **STEEL)
+        )
+    elements.append(tn.Inertia("last", node=f"n{count}", inertia=0.5))
+    return tn.Drivetrain("shafts", elements, parameters, inputs={"T": {"torque": "n0"}})
+
+
+def agree(model, output, input, **options):
+    H = model.symbolic().transfer_function(output, input, **options)
+    expected = model.frequency_response(output, input, F, **options).values
+    assert H.evaluate(F).values == pytest.approx(expected, rel=1e-10)
+    return H
+
+
+class TestLawsBetweenTheSameCoordinates:
+    @pytest.mark.parametrize("output", ["n6", "n0", "n3", "twist(s2)", "torque(s2)", "torque(s4, n4)"])
+    def test_shafts_with_inertia_of_their_own(self, output):
+        agree(shafts(6), output, "T")
+
+    def test_operations_grow_in_proportion_to_shafts(self):
+        ten, twenty, forty = (
+            shafts(n).symbolic().transfer_function(f"n{n}", "T").program.operations for n in (10, 20, 40)
+        )
+        assert forty - twenty == 2 * (twenty - ten)
+
+    def test_gears_side_by_side_and_a_rigid_planetary_with_inertia_on_its_ring(self):
+        elements = [
+            tn.Inertia("a", node="a", inertia="J"),
+            tn.Inertia("b", node="b", inertia=0.2),
+            tn.Inertia("ring", node="ring", inertia=0.4),
+            tn.Inertia("carrier", node="carrier", inertia=0.1),
+            tn.Gear("one", nodes=("a", "b"), ratio=2, stiffness="k", damping=0.5),
+            tn.Gear("two", nodes=("a", "b"), ratio="tau", stiffness=3e3),
+            tn.Planetary("set", sun="b", ring="ring", carrier="carrier", ratio="z"),
+            tn.Spring("out", nodes=("carrier", "ground"), stiffness=900, damping=1),
+        ]
+        model = tn.Drivetrain("side by side", elements, {"J": 0.1, "k": 2e3, "tau": 2.5, "z": 3})
+        for output in ("a", "carrier", "ring", "torque(one)", "torque(two, b)"):
+            agree(model, output, "a")
+
+
+class TestImposedAngles:
+    @pytest.fixture
+    def rig(self):
+        elements = [
+            tn.Inertia("exciter", node="drive", inertia=0.3),
+            tn.Spring("coupling", nodes=("drive", "a"), stiffness="k", damping=1),
+            tn.Inertia("rotor", node="a", inertia="J"),
+            tn.Spring("shaft", nodes=("a", "end"), stiffness=700, damping=0.2),
+            tn.Inertia("foundation", node="end", inertia=4),
+        ]
+        inputs = {"phi": {"angle": "drive"}, "psi": {"angle": "end"}, "T": {"torque": "a"}}
+        sensors = {"T_c": {"torque": "coupling"}, "T_s": {"torque": "shaft"}}
+        return tn.Drivetrain("driven", elements, {"k": 1e3, "J": 0.2}, inputs=inputs, sensors=sensors)
+
+    @pytest.mark.parametrize("input", ["phi", "psi", "T"])
+    @pytest.mark.parametrize("output", ["a", "T_c", "T_s", "velocity(a)", "twist(coupling)"])
+    def test_as_the_numbers(self, rig, output, input):
+        H = agree(rig, output, input)
+        assert [channel.name for channel in H.channels] == [output, input]
+
+    def test_what_hangs_on_the_driven_node_drops_out(self, rig):
+        assert "3*s**2/10" not in str(rig.symbolic().transfer_function("a", "phi"))
+
+    def test_under_a_measured_torque(self, rig):
+        agree(rig, "a", "T_c", excitation="phi")
+        agree(rig, "a", "T_s", excitation="T")
+
+    def test_matrices_are_those_at_rest(self, rig):
+        S = rig.symbolic()
+        numbers = rig.assembly.system
+        assert S.coordinates == ("a",)
+        for symbols, matrix in ((S.M, numbers.M), (S.C, numbers.C), (S.K, numbers.K)):
+            assert np.array(symbols.subs(S.values), dtype=float) == pytest.approx(matrix)
+
+
+class TestMatrices:
+    def test_receptances(self):
+        rig = tn.load("amt_rig").configured("III")
+        outputs, inputs = ["theta_1", "torque(half_shaft)"], ["T_M", "output_shaft"]
+        G = rig.symbolic().transfer_matrix(outputs, inputs)
+        expected = rig.frequency_response(outputs, inputs, F)
+        assert G.evaluate(F).values == pytest.approx(expected.values, rel=1e-10)
+        assert (G.outputs, G.inputs, G.shape) == (tuple(outputs), tuple(inputs), (2, 2))
+        assert G["theta_1", "output_shaft"] is G[0, 1]
+        assert G.to_latex().count("&") == 2
+
+    @pytest.mark.parametrize("count", [2, 3])
+    def test_several_measured_inputs(self, count):
+        model = shafts(4, inertia="lumped")
+        measured, excitation = ["torque(s0)", "torque(s2)", "angle(n4)"][:count], ["n0", "n2", "n4"][:count]
+        outputs = ["n1", "n3"]
+        G = model.symbolic().transfer_matrix(outputs, measured, excitation)
+        expected = model.frequency_response(outputs, measured, F, excitation=excitation)
+        assert G.evaluate(F).values == pytest.approx(expected.values, rel=1e-9)
+
+    def test_wrong_questions(self):
+        S = shafts(4).symbolic()
+        with pytest.raises(tn.UsageError, match="transfer_matrix takes several"):
+            S.transfer_function(["n1"], "n0")
+        with pytest.raises(tn.UsageError, match='nothing is named "n9"; there is n1'):
+            S.transfer_matrix(["n1"], ["n0"])["n9", 0]
+        with pytest.raises(tn.UsageError, match="do not tell the excitations apart"):
+            S.transfer_matrix(["n1"], ["angle(n0)", "angle(n0)"], ["n0", "n1"])
+
+
+class TestShown:
+    def test_polynomial_in_order(self):
+        text = str(shafts(6, inertia="lumped").symbolic().transfer_function("n6", "T").polynomial)
+        names = [f"a_{power}" for power in range(2, 15)]
+        places = [text.index(f"{name}*s**") for name in names]
+        assert places == sorted(places)
+
+    def test_factors_in_words(self):
+        text = str(tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T").normalised)
+        assert text.splitlines()[0] == "gain (k_1 + k_2)/(k_1*k_2)"
+        assert "denominator: 1 + s/omega_n with omega_n = k_1/c_1" in text
+
+    def test_short_functions_in_one_line_and_long_ones_not(self):
+        short = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
+        assert str(short) == f"theta_1/T_T = {short.mechanical}"
+        assert "ask for .python_code()" in str(shafts(40).symbolic().transfer_function("n40", "T"))
+
+    def test_long_numbers_and_turned_sums(self):
+        import sympy
+
+        z, k = sympy.symbols("z k")
+        assert str(shown((-z - 1) ** 2 * k)) == "k*(z + 1)**2"
+        assert str(shown(sympy.Rational(112984829027616, 10**12) * k)) == "112.98483*k"
+        assert shown(sympy.Rational(1, 3) * k) == k / 3
