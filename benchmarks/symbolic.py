@@ -41,6 +41,14 @@ def geared_tree(size, seed=1):
     return tn.Drivetrain(f"tree of {size}", elements, parameters, inputs={"T": {"torque": "n0"}})
 
 
+def shafts(count):
+    elements, parameters = [tn.Inertia("first", node="n0", inertia="J")], {"J": 0.3, "D": 0.05}
+    for i in range(count):
+        ends, parameters[f"L_{i}"] = (f"n{i}", f"n{i + 1}"), 0.3 + 0.01 * i
+        elements.append(tn.Shaft(f"s{i}", nodes=ends, outer_diameter="D", length=f"L_{i}"))
+    return tn.Drivetrain(f"{count} shafts", elements, parameters, inputs={"T": {"torque": "n0"}})
+
+
 def median_seconds(prepare, work):
     times = []
     for _ in range(RUNS):
@@ -73,6 +81,8 @@ def rows():
     yield "semi-symbolic, 20 DOF, 5 symbols, exact polynomials in s and the symbols", seconds, 0.030
     seconds = median_seconds(tree.symbolic, lambda system: system.transfer_function("n199", "T").program)
     yield "200-node branched geared tree, straight-line program", seconds, 0.5
+    seconds = median_seconds(shafts(20).symbolic, lambda system: system.transfer_function("n20", "T").program)
+    yield "20 shafts with consistent inertia, straight-line program", seconds, 0.2
 
 
 def main():
