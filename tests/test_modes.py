@@ -7,6 +7,7 @@ import pytest
 from models import geared_line
 
 import torsionnet as tn
+from torsionnet.solve.eigen import undamped_modes
 
 
 def test_energy_shares_by_hand():
@@ -119,3 +120,18 @@ def test_warnings_point_at_the_line_of_the_user():
     with pytest.warns(tn.TorsionnetWarning) as caught:
         free.frequency_response("angle", "T_M", [0.0])
     assert caught[0].filename == __file__
+
+
+def test_without_damping_the_natural_frequencies_are_the_undamped_ones():
+    elements = [
+        tn.Inertia("a", node="a", inertia=1),
+        tn.Spring("ab", nodes=("a", "b"), stiffness=3e3),
+        tn.Spring("bc", nodes=("b", "c"), stiffness=1e3),  # b has no inertia
+        tn.Inertia("c", node="c", inertia=2),
+        tn.Gear("cd", nodes=("c", "d"), ratio=-3),
+        tn.Inertia("d", node="d", inertia=0.2),
+    ]
+    modes = tn.Drivetrain("free", elements).modes()
+    expected = undamped_modes(tn.Drivetrain("free", elements).assembly.system)[0] / (2 * np.pi)
+    assert modes.undamped_natural_frequencies == pytest.approx(expected, rel=1e-14, abs=0)
+    assert len(expected) == 2

@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.rows import FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
 from torsionnet.channels import Sensor
 from torsionnet.drivetrain import Drivetrain
@@ -63,7 +63,7 @@ def natural_modes(drivetrain: Drivetrain, lowest: int | None = None) -> Modes:
         kinds=solution.kinds,
         nodes=assembly.nodes,
         shapes=shapes,
-        undamped_natural_frequencies=undamped_modes(assembly.system, lowest)[0] / (2 * np.pi),
+        undamped_natural_frequencies=_undamped_rates(assembly.system, solution, lowest) / (2 * np.pi),
         elements=elements,
         kinetic=kinetic,
         strain=strain,
@@ -72,6 +72,13 @@ def natural_modes(drivetrain: Drivetrain, lowest: int | None = None) -> Modes:
         descriptions=describe(assembly, solution, shapes, elements, strain, dissipated),
         title=drivetrain.title,
     )
+
+
+def _undamped_rates(system: RowSystem, solution: EigenSolution, lowest: int | None) -> FloatArray:
+    """Natural frequencies without damping, rad/s; those of the solution itself where nothing damps."""
+    if system.damping.any() or system.dynamic:
+        return undamped_modes(system, lowest)[0]
+    return np.abs(solution.eigenvalues)
 
 
 def energies(

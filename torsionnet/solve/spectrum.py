@@ -62,7 +62,7 @@ def solve(system: RowSystem, spaces: Subspaces, stiffness: AnyArray, *, undamped
 
 
 def _singular(form: FirstOrder) -> tuple[ComplexArray, ComplexArray, FloatArray]:
-    _, sigma, vt = np.linalg.svd(form.coupling)
+    _, sigma, vt = np.linalg.svd(form.coupling, full_matrices=False)
     forces = np.zeros((len(form.matrix) - len(sigma), len(sigma)))
     return 1j * sigma, np.vstack([vt.T, forces]).astype(complex), np.ones(len(sigma))
 
