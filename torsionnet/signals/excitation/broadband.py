@@ -1,0 +1,162 @@
+"""Many frequencies at once: periodic multisines and bursts of noise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.errors import UsageError
+from torsionnet.signals.excitation.base import Excitation, FloatArray
+
+ComplexArray = NDArray[np.complex128]
+
+WHOLE = 1e-9
+OVERSAMPLING = 8
+"""Points per cycle of the highest line when peaks are looked for."""
+ROUNDS = 200
+"""Clipping and restoring; the crest factor hardly falls any further."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Periodic(Excitation):
+    """A signal of several equal periods.
+
+    Attributes
+    ----------
+    start, stop : float
+        Band in Hz.
+    period : float
+        s; lines are 1/period apart.
+    periods : int
+    seed : int
+        The same seed gives the same signal.
+    """
+
+    start: float
+    stop: float
+    period: float
+    periods: int = 1
+    seed: int = 0
+
+    @property
+    def length(self) -> float:
+        return self.period * self.periods
+
+    @property
+    def highest_frequency(self) -> float:
+        return self.stop
+
+    @property
+    def lines(self) -> FloatArray:
+        """Frequencies in Hz that are excited."""
+        return np.asarray(self._numbers / self.period)
+
+    @property
+    def _numbers(self) -> NDArray[np.int_]:
+        """Cycles of each line in a period."""
+        first, last = np.ceil(self.start * self.period - 1e-9), np.floor(self.stop * self.period + 1e-9)
+        return np.arange(max(int(first), 1), int(last) + 1)
+
+    def _count(self, sampling_rate: float) -> int:
+        """Samples of one period.
+
+        Raises
+        ------
+        UsageError
+            It is no whole number: the lines would leak.
+        """
+        count = round(self.period * sampling_rate)
+        if abs(count - self.period * sampling_rate) > WHOLE * count:
+            msg = f"{self.kind}: a period of {self.period:g} s is no whole number of samples at {sampling_rate:g} Hz"
+            raise UsageError(msg)
+        return count
+
+    def _contradictions(self) -> list[str]:
+        if self.start >= self.stop:
+            return ["start must be below stop"]
+        if not len(self.lines):
+            return [f"no line between {self.start:g} and {self.stop:g} Hz with a period of {self.period:g} s"]
+        return []
+
+
+@dataclass(frozen=True, kw_only=True)
+class Multisine(_Periodic):
+    """Equal amplitudes at all lines of a band, with phases that keep the peak low for its power.
+
+    From Schroeder's phases on, the signal is clipped and its amplitudes are restored again and again (Van der Ouderaa,
+    Schoukens and Renneboog 1988).
+
+    Examples
+    --------
+    >>> burst = Multisine(start=0.5, stop=40, period=8, periods=5)
+    >>> x = burst.samples(1000)
+    >>> bool(abs(x).max() / x.std() < 1.6), len(burst.lines)
+    (True, 317)
+    """
+
+    kind: ClassVar[str] = "multisine"
+
+    @cached_property
+    def _spectrum(self) -> ComplexArray:
+        """Complex amplitudes of the lines for a peak of 1."""
+        numbers = self._numbers
+        size, order = int(OVERSAMPLING * numbers[-1]), np.arange(len(numbers))
+        values = np.exp(-1j * np.pi * order * (order - 1) / len(numbers))
+        best, lowest = values, np.inf
+        for level in np.linspace(0.75, 0.95, ROUNDS):
+            signal = _periodic(numbers, values, size)
+            peak = np.abs(signal).max()
+            if peak < lowest:
+                best, lowest = values, peak
+            clipped = np.fft.rfft(np.clip(signal, -level * peak, level * peak))[numbers]
+            values = np.exp(1j * np.angle(clipped))
+        return np.asarray(best / np.abs(_periodic(numbers, best, 4 * size)).max())
+
+    def _alternating(self, time: FloatArray, sampling_rate: float) -> FloatArray:  # noqa: ARG002
+        return np.tile(_periodic(self._numbers, self._spectrum, self._count(sampling_rate)), self.periods)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BurstRandom(_Periodic):
+    """Noise in a band for a share of each period, then silence in which the drivetrain comes to rest.
+
+    Every period has noise of its own. ``amplitude`` is the peak.
+
+    Attributes
+    ----------
+    share : float
+        Of a period with noise, 0 to 1.
+
+    Examples
+    --------
+    >>> x = BurstRandom(start=1, stop=40, period=4, periods=3, share=0.5, seed=7).samples(200)
+    >>> float(abs(x[400:800]).max()), float(abs(x).max())
+    (0.0, 1.0)
+    """
+
+    kind: ClassVar[str] = "burst random"
+
+    share: float = 0.5
+
+    def _contradictions(self) -> list[str]:
+        return super()._contradictions() + ([] if self.share <= 1 else ["share must be at most 1"])
+
+    def _alternating(self, time: FloatArray, sampling_rate: float) -> FloatArray:  # noqa: ARG002
+        rng = np.random.default_rng(self.seed)
+        count = self._count(sampling_rate)
+        noise = rng.standard_normal((2, self.periods, len(self._numbers)))
+        bursts = [_periodic(self._numbers, real + 1j * imag, count) for real, imag in zip(*noise, strict=True)]
+        gate = np.arange(count) < self.share * count
+        signal = np.concatenate([gate * burst for burst in bursts])
+        return np.asarray(signal / np.abs(signal).max())
+
+
+def _periodic(numbers: NDArray[np.int_], values: ComplexArray, size: int) -> FloatArray:
+    """One period of ``size`` samples from the complex amplitudes of its lines."""
+    spectrum = np.zeros(size // 2 + 1, dtype=complex)
+    spectrum[numbers] = values
+    return np.asarray(np.fft.irfft(spectrum, size) * size / 2)
