@@ -28,7 +28,7 @@ def in_order(recordings: Recordings) -> Iterator[tuple[Recording, bool]]:
     for block in [recordings] if isinstance(recordings, Recording) else recordings:
         first = first or block
         _check_alike(block, first)
-        _check_processable(block)
+        check_processable(block)
         half_a_sample = 0.5 / block.sampling_rate
         yield block, end is not None and abs(block.start - end) < half_a_sample
         end = block.start + block.duration
@@ -39,15 +39,11 @@ def stacked(recording: Recording) -> FloatArray:
     return np.array([signal.values for signal in recording], dtype=np.float64)
 
 
-def check_uniform(recording: Recording) -> None:
-    """Refuse a recording with time stamps."""
-    if recording.times is not None:
+def check_processable(block: Recording) -> None:
+    """Refuse a recording with time stamps, or with values that are not finite."""
+    if block.times is not None:
         msg = "sampling is not uniform: the recording has time stamps; resample it first"
         raise UsageError(msg)
-
-
-def _check_processable(block: Recording) -> None:
-    check_uniform(block)
     for signal in block:
         missing = int(np.count_nonzero(~np.isfinite(signal.values)))
         if missing:
