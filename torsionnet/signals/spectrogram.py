@@ -82,14 +82,14 @@ def spectrogram(recording: Recording, name: str, settings: Welch | None = None) 
         raise UsageError(msg)
     weights, step = settings.weights(rate), settings.step(rate)
     transform = ShortTimeFFT(weights, step, rate, scale_to="magnitude", fft_mode="onesided")
-    first, last = transform.lower_border_end[1], transform.upper_border_begin(count)[1]
+    middle, slices = len(weights) // 2, (count - len(weights)) // step + 1
     values = without_trend(chosen[name].values, settings.detrend)
-    lines = np.abs(transform.stft(values, first, last))
+    lines = np.abs(transform.stft(values, 0, slices, k_offset=middle))
     mirrored = slice(1, -1 if len(weights) % 2 == 0 else None)
     lines[mirrored] *= 2  # a sine's other half is at the negative frequency
     return Spectrogram(
         frequencies=np.asarray(transform.f, dtype=np.float64),
-        times=chosen.start + np.asarray(transform.t(count, first, last), dtype=np.float64),
+        times=chosen.start + (middle + step * np.arange(slices)) / rate,
         amplitude=np.asarray(lines, dtype=np.float64),
         name=name,
         unit=chosen[name].unit,
