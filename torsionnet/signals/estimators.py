@@ -14,7 +14,8 @@ from torsionnet.signals import transfer_matrices
 from torsionnet.signals.advice import remarks
 from torsionnet.signals.blocks import Recordings
 from torsionnet.signals.recording import FloatArray
-from torsionnet.signals.spectra import ComplexArray, CrossSpectra, cross_spectra
+from torsionnet.signals.spectra import cross_spectra
+from torsionnet.signals.spectral_matrix import ComplexArray, CrossSpectra
 from torsionnet.signals.welch import Welch
 
 Estimator: TypeAlias = Literal["H1", "H2", "Hv", "Hs"]

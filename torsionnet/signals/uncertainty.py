@@ -10,7 +10,7 @@ import numpy as np
 from torsionnet.errors import UsageError
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.signals.recording import FloatArray
-from torsionnet.signals.spectra import CrossSpectra
+from torsionnet.signals.spectral_matrix import CrossSpectra
 from torsionnet.signals.transfer_matrices import multiple_coherence
 
 
