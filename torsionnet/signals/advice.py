@@ -1,0 +1,128 @@
+"""What a reader of an estimated response should be told: doubtful peaks, and where a sensor stops resolving."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from torsionnet.errors import UsageError
+from torsionnet.response import FrequencyResponse
+from torsionnet.signals.recording import FloatArray
+
+LEAST_BINS = 3
+LEAST_COHERENCE = 0.8
+PROMINENCE = 3.0
+RANGE = 20.0
+MOST_LISTED = 5
+
+
+def peaks(magnitude: FloatArray) -> list[int]:
+    """Places of the peaks that stand out by 3 dB and are at most 20 dB below the highest."""
+    from scipy.signal import find_peaks
+
+    with np.errstate(divide="ignore", invalid="ignore"):
+        level = 20 * np.log10(np.nan_to_num(magnitude))
+    level = np.maximum(level, level.max() - 200)
+    found, _ = find_peaks(level, height=level.max() - RANGE, prominence=PROMINENCE)
+    return [int(place) for place in found]
+
+
+def half_power_bandwidth(frequencies: FloatArray, magnitude: FloatArray, peak: int) -> float:
+    """Width of a peak in Hz where it has fallen by 3 dB; NaN if it does not fall so far on both sides.
+
+    >>> frequencies = np.linspace(9, 11, 2001)
+    >>> magnitude = 1 / abs(1 - (frequencies / 10) ** 2 + 2j * 0.01 * frequencies / 10)
+    >>> round(half_power_bandwidth(frequencies, magnitude, int(magnitude.argmax())), 3)
+    0.2
+    """
+    level = magnitude[peak] / np.sqrt(2)
+    below = np.flatnonzero(magnitude < level)
+    left, right = below[below < peak], below[below > peak]
+    if not len(left) or not len(right):
+        return float("nan")
+    edges = [
+        np.interp(level, magnitude[[low, high]], frequencies[[low, high]])
+        for low, high in ((left[-1], left[-1] + 1), (right[0], right[0] - 1))
+    ]
+    return float(edges[1] - edges[0])
+
+
+def remarks(response: FrequencyResponse, bin_width: float, *, judge_coherence: bool = True) -> tuple[str, ...]:
+    """Warnings about the peaks of an estimate whose bins are ``bin_width`` Hz wide.
+
+    A peak narrower than three bins is widened by the window, which reads as too much damping. Ordinary coherence is
+    low for reasons other than noise where there are several inputs: then it is not to be judged.
+    """
+    found: list[str] = []
+    for o, output in enumerate(response.outputs):
+        for i, into in enumerate(response.inputs):
+            coherence = response.coherence[:, o, i] if response.coherence is not None and judge_coherence else None
+            about = f"warning: {output.name}/{into.name}"
+            magnitude = response.magnitude[:, o, i]
+            found += (f"{about} {t}" for t in _peak_remarks(response.frequencies, magnitude, coherence, bin_width))
+    return tuple(found)
+
+
+def _peak_remarks(
+    frequencies: FloatArray, magnitude: FloatArray, coherence: FloatArray | None, bin_width: float
+) -> Iterator[str]:
+    narrow, doubtful = [], []
+    for peak in peaks(magnitude):
+        width = half_power_bandwidth(frequencies, magnitude, peak)
+        if coherence is not None and coherence[peak] < LEAST_COHERENCE:
+            doubtful.append(f"{frequencies[peak]:g} Hz ({coherence[peak]:.2f})")
+        elif width < LEAST_BINS * bin_width:
+            narrow.append(f"{frequencies[peak]:g} Hz ({width:.3g} Hz)")
+    if narrow:
+        yield (
+            f"half-power bandwidth under {LEAST_BINS} bins of {bin_width:g} Hz at {_listed(narrow)}: "
+            "the height reads low and the damping high; use longer segments"
+        )
+    if doubtful:
+        yield f"coherence under {LEAST_COHERENCE:g} at the peak at {_listed(doubtful)}"
+
+
+def _listed(entries: list[str]) -> str:
+    more = len(entries) - MOST_LISTED
+    return ", ".join(entries[:MOST_LISTED]) + (f" and {more} more" if more > 0 else "")
+
+
+def resolution_limit(frequencies: FloatArray, amplitude: FloatArray, step: float, steps: float = 4.0) -> float:
+    """Frequency up to which an angle's amplitude is at least so many steps of the encoder, Hz.
+
+    Parameters
+    ----------
+    frequencies : (n_f,) array
+        Hz, increasing.
+    amplitude : (n_f,) array
+        Peak amplitude of the angle, rad.
+    step : float
+        Resolution, rad: a turn by lines per turn, and by four in quadrature.
+    steps : float, optional
+        At four the quantiser's error is a few percent; at half a step the response is lost.
+
+    Returns
+    -------
+    float
+        Where the amplitude first falls below that many steps; the last frequency if it never does, 0 if it is never
+        as large.
+
+    Examples
+    --------
+    >>> frequencies = np.linspace(1, 50, 50)
+    >>> round(resolution_limit(frequencies, 1 / frequencies**2, step=2 * np.pi / 4096), 1)
+    12.8
+    """
+    if not step > 0:
+        msg = f"an encoder's step must be a positive angle, got {step}"
+        raise UsageError(msg)
+    level = step * steps
+    enough = amplitude >= level
+    if not enough.any():
+        return 0.0
+    lost = np.flatnonzero(~enough & np.maximum.accumulate(enough))
+    if not len(lost):
+        return float(frequencies[-1])
+    around = [lost[0], lost[0] - 1]
+    return float(np.interp(level, amplitude[around], frequencies[around]))

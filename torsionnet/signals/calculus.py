@@ -1,0 +1,127 @@
+"""Integration and differentiation between angle, velocity and acceleration, in the frequency domain."""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias, get_args
+
+import numpy as np
+
+from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.signals.blocks import check_processable
+from torsionnet.signals.recording import FloatArray, Recording, Signal
+
+Ends: TypeAlias = Literal["mirror", "periodic"]
+MOTION = ("angle", "velocity", "acceleration")
+"""Each the derivative of the one before it."""
+
+
+def convert(
+    recording: Recording, name: str, quantity: str, *, ends: Ends = "mirror", lowest: float = 0.0, new_name: str = ""
+) -> Recording:
+    """With one signal of motion turned into another quantity.
+
+    Parameters
+    ----------
+    recording : Recording
+    name : str
+        A signal that is an angle, a velocity or an acceleration.
+    quantity : {"angle", "velocity", "acceleration"}
+    ends : {"mirror", "periodic"}, optional
+        What the transform sees beyond the ends. ``periodic``: the same record again; exact if it holds whole periods.
+        ``mirror``: the straight line from first to last value goes apart, the rest turned about its end points,
+        which makes no step; the derivative is then rough only in a few samples at the ends.
+    lowest : float, optional
+        Integration magnifies drift by 1/f; what is below this frequency in Hz is set to zero.
+    new_name : str, optional
+        Keeps the signal and adds the result under this name.
+
+    Notes
+    -----
+    The constant of every integration is unknown: it is chosen so that the result has no mean. Periodic records of a
+    velocity with a mean have no periodic angle: the mean is taken out first.
+
+    Examples
+    --------
+    >>> time = np.arange(100) / 100
+    >>> record = Recording((Signal("w", "velocity", np.cos(2 * np.pi * time)),), sampling_rate=100)
+    >>> angle = convert(record, "w", "angle", ends="periodic")["w"]
+    >>> angle.unit, bool(np.allclose(angle.values, np.sin(2 * np.pi * time) / (2 * np.pi)))
+    ('rad', True)
+    """
+    chosen = recording.select([name])
+    check_processable(chosen)
+    signal = chosen[name]
+    values, order = signal.values, _order(signal, quantity)
+    _check_ends(ends)
+    for _ in range(abs(order)):
+        values = _changed(values, np.sign(order), recording.sampling_rate, ends, lowest)
+    note = f"{quantity} from {signal.quantity} in the frequency domain, ends {ends}"
+    note += f", nothing below {lowest:g} Hz" if lowest else ""
+    return recording.with_signals(Signal(new_name or name, quantity, values, (*signal.notes, note)))
+
+
+def integrate(
+    recording: Recording, name: str, *, ends: Ends = "mirror", lowest: float = 0.0, new_name: str = ""
+) -> Recording:
+    """Velocity from acceleration, or angle from velocity: :func:`convert` by one."""
+    return convert(recording, name, _neighbour(recording[name], -1), ends=ends, lowest=lowest, new_name=new_name)
+
+
+def differentiate(recording: Recording, name: str, *, ends: Ends = "mirror", new_name: str = "") -> Recording:
+    """Velocity from angle, or acceleration from velocity: :func:`convert` by one."""
+    return convert(recording, name, _neighbour(recording[name], 1), ends=ends, new_name=new_name)
+
+
+def _neighbour(signal: Signal, order: int) -> str:
+    place = _place(signal.quantity, signal.name) + order
+    if not 0 <= place < len(MOTION):
+        msg = f"{signal.name} is {signal.quantity}, the {'first' if order < 0 else 'last'} of {', '.join(MOTION)}"
+        raise UsageError(msg)
+    return MOTION[place]
+
+
+def _order(signal: Signal, quantity: str) -> int:
+    if quantity not in MOTION:
+        msg = f'"{quantity}" is none of {", ".join(MOTION)}{did_you_mean(quantity, MOTION)}'
+        raise UsageError(msg)
+    return MOTION.index(quantity) - _place(signal.quantity, signal.name)
+
+
+def _place(quantity: str, name: str) -> int:
+    if quantity not in MOTION:
+        msg = f"{name} is {quantity or 'of unknown quantity'}, not one of {', '.join(MOTION)}"
+        raise UsageError(msg)
+    return MOTION.index(quantity)
+
+
+def _check_ends(ends: str) -> None:
+    if ends not in get_args(Ends):
+        msg = f'ends are {" or ".join(get_args(Ends))}, got "{ends}"'
+        raise UsageError(msg)
+
+
+def _changed(values: FloatArray, sign: int, rate: float, ends: Ends, lowest: float) -> FloatArray:
+    """Derivative for sign 1, integral without mean for -1."""
+    if ends == "periodic":
+        return _spectrally(values, sign, rate, lowest)
+    slope = (values[-1] - values[0]) / (len(values) - 1)
+    place = np.arange(len(values)) - (len(values) - 1) / 2
+    line = 0.5 * (values[0] + values[-1]) + slope * place
+    rest = values - line
+    beyond = np.concatenate([rest, -rest[-2:0:-1]])
+    changed = _spectrally(beyond, sign, rate, lowest)[: len(values)]
+    if sign > 0:
+        return np.asarray(changed + slope * rate)
+    if not lowest:
+        changed += (line.mean() * place + 0.5 * slope * place**2) / rate
+    return np.asarray(changed - changed.mean())
+
+
+def _spectrally(values: FloatArray, sign: int, rate: float, lowest: float) -> FloatArray:
+    lines = np.fft.rfft(values)
+    frequencies = np.fft.rfftfreq(len(values), 1 / rate)
+    lines[(frequencies < lowest) | (frequencies == 0)] = 0
+    if len(values) % 2 == 0:
+        lines[-1] = 0  # at half the sampling rate the derivative is invisible between the samples
+    lines[1:] *= (2j * np.pi * frequencies[1:]) ** float(sign)
+    return np.asarray(np.fft.irfft(lines, len(values)), dtype=np.float64)

@@ -1,0 +1,88 @@
+"""Test against model: how far two frequency responses are from each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.errors import UsageError
+from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.signals.recording import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Difference:
+    """One response over another.
+
+    Attributes
+    ----------
+    frequencies : (n_f,) array
+        Hz.
+    decibels : (n_f, n_out, n_in) array
+        Positive where the first is larger.
+    degrees : (n_f, n_out, n_in) array
+        -180 to 180; positive where the first leads.
+    """
+
+    frequencies: FloatArray
+    decibels: FloatArray
+    degrees: FloatArray
+
+
+def difference(first: FrequencyResponse, second: FrequencyResponse) -> Difference:
+    """Difference in dB and in degrees at every frequency.
+
+    Raises
+    ------
+    UsageError
+        The two are not of the same frequencies or not of the same kind.
+
+    Examples
+    --------
+    >>> one = FrequencyResponse(np.ones(1), np.full((1, 1, 1), -2j), (Channel("y", "rad"),), (Channel("x", "N*m"),))
+    >>> two = FrequencyResponse(np.ones(1), np.full((1, 1, 1), 1 + 0j), one.outputs, one.inputs)
+    >>> apart = difference(one, two)
+    >>> apart.decibels.round(2).item(), apart.degrees.item()
+    (6.02, -90.0)
+    """
+    _check_comparable(first, second)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = first.values / second.values
+        return Difference(first.frequencies, 20 * np.log10(np.abs(ratio)), np.degrees(np.angle(ratio)))
+
+
+def frac(first: FrequencyResponse, second: FrequencyResponse) -> FloatArray:
+    """Frequency response assurance criterion of every pair, (n_out, n_in).
+
+    1 where the two are proportional over frequency, 0 where they have nothing in common. A common factor does not
+    lower it: look at the difference in dB too.
+    """
+    _check_comparable(first, second)
+    common = np.abs(np.einsum("foi,foi->oi", first.values.conj(), second.values)) ** 2
+    sizes = [np.einsum("foi,foi->oi", r.values.conj(), r.values).real for r in (first, second)]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(common / (sizes[0] * sizes[1]))
+
+
+def _check_comparable(first: FrequencyResponse, second: FrequencyResponse) -> None:
+    for what, one, other in (("output", first.outputs, second.outputs), ("input", first.inputs, second.inputs)):
+        if _units(one) != _units(other):
+            msg = f"the {what}s differ: {_described(one)} against {_described(other)}"
+            raise UsageError(msg)
+    if first.frequencies.shape != second.frequencies.shape or not np.allclose(
+        first.frequencies, second.frequencies, rtol=1e-9, atol=0
+    ):
+        msg = (
+            "the two are not of the same frequencies, and interpolating a resonance falsifies it; ask the model at "
+            "the frequencies of the test"
+        )
+        raise UsageError(msg)
+
+
+def _units(channels: tuple[Channel, ...]) -> list[str]:
+    return [channel.unit for channel in channels]
+
+
+def _described(channels: tuple[Channel, ...]) -> str:
+    return ", ".join(f"{channel.name} in {channel.unit or 'an unknown unit'}" for channel in channels)

@@ -1,0 +1,154 @@
+"""Frequency responses estimated from recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Literal, TypeAlias, get_args
+
+import numpy as np
+
+from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.response import FrequencyResponse
+from torsionnet.signals import transfer_matrices
+from torsionnet.signals.advice import remarks
+from torsionnet.signals.blocks import Recordings
+from torsionnet.signals.recording import FloatArray
+from torsionnet.signals.spectra import cross_spectra
+from torsionnet.signals.spectral_matrix import ComplexArray, CrossSpectra
+from torsionnet.signals.welch import Welch
+
+Estimator: TypeAlias = Literal["H1", "H2", "Hv", "Hs"]
+Names: TypeAlias = str | Sequence[str]
+INSEPARABLE = 0.01
+
+
+def estimate(
+    measured: Recordings | CrossSpectra,
+    output: Names,
+    input: Names,
+    estimator: str | None = None,
+    settings: Welch | None = None,
+    noise_ratio: float | None = None,
+) -> FrequencyResponse:
+    """Transfer functions with coherence, from averaged spectra.
+
+    Parameters
+    ----------
+    measured : Recording, iterable of Recording, or CrossSpectra
+        As for :func:`~torsionnet.signals.spectra.cross_spectra`, or its result.
+    output, input : str or sequence of str
+        Names of signals. Several inputs must not be proportional to each other.
+    estimator : {"H1", "H2", "Hv", "Hs"}, optional
+        ``H1`` for noise on the outputs, ``H2`` for noise on the inputs, ``Hs`` for noise on both in the proportion
+        ``noise_ratio``. ``Hv`` is ``Hs`` with a noise ratio of 1, whose meaning depends on the units (SI here). By
+        default that of the settings.
+    settings : Welch, optional
+    noise_ratio : float, optional
+        Of ``Hs``: spectral density of the output's noise over that of each input's noise, in the squared SI units.
+        If left out, of one input, the two are taken to be equally noisy in proportion to their size: the
+        geometric mean of H1 and H2, independent of units.
+
+    Returns
+    -------
+    FrequencyResponse
+        Its coherence is the ordinary one, of each output with each input alone.
+
+    Examples
+    --------
+    >>> from torsionnet.signals.recording import Recording, Signal
+    >>> torque = np.random.default_rng(1).normal(size=5000)
+    >>> record = Recording((Signal("T", "torque", torque), Signal("theta", "angle", 0.01 * torque)), 100)
+    >>> response = estimate(record, "theta", "T")
+    >>> response.unit(), round(float(response.magnitude.max()), 6), round(float(response.coherence.min()), 6)
+    ('rad/(N*m)', 0.01, 1.0)
+    """
+    outputs, inputs = _listed(output), _listed(input)
+    spectra = _spectra(measured, (*outputs, *inputs), settings)
+    chosen = _check(estimator or spectra.settings.estimator, outputs, inputs, noise_ratio)
+    s_xx, s_xy = spectra.between(inputs, inputs), spectra.between(inputs, outputs)
+    s_yy = spectra.between(outputs, outputs)
+    response = FrequencyResponse(
+        frequencies=spectra.frequencies,
+        values=_values(chosen, s_xx, s_xy, s_yy, noise_ratio),
+        outputs=tuple(spectra.channels[i] for i in spectra.indices(outputs)),
+        inputs=tuple(spectra.channels[i] for i in spectra.indices(inputs)),
+        title=spectra.title,
+        coherence=transfer_matrices.ordinary_coherence(s_xx, s_xy, s_yy),
+        notes=(*spectra.notes, _provenance(chosen, spectra, noise_ratio)),
+    )
+    found = remarks(response, 1 / spectra.settings.seconds, judge_coherence=len(inputs) == 1)
+    return replace(response, notes=(*response.notes, *_doubts(spectra, s_xx), *found))
+
+
+def multiple_coherence(spectra: CrossSpectra, output: Names, input: Names) -> FloatArray:
+    """Share of each output's power that is linear in all the inputs together, (n_f, n_out)."""
+    outputs, inputs = _listed(output), _listed(input)
+    return transfer_matrices.multiple_coherence(
+        spectra.between(inputs, inputs), spectra.between(inputs, outputs), spectra.between(outputs, outputs)
+    )
+
+
+def _listed(names: Names) -> tuple[str, ...]:
+    return (names,) if isinstance(names, str) else tuple(names)
+
+
+def _spectra(measured: Recordings | CrossSpectra, names: tuple[str, ...], settings: Welch | None) -> CrossSpectra:
+    if not isinstance(measured, CrossSpectra):
+        return cross_spectra(measured, settings, names)
+    if settings is not None:
+        msg = "spectra are averaged already; settings can only be given for a recording"
+        raise UsageError(msg)
+    return measured
+
+
+def _check(estimator: str, outputs: Sequence[str], inputs: Sequence[str], noise_ratio: float | None) -> str:
+    known = get_args(Estimator)
+    if estimator not in known:
+        msg = f'no estimator is named "{estimator}"{did_you_mean(estimator, known)}; there is {", ".join(known)}'
+        raise UsageError(msg)
+    if estimator == "H2" and 1 < len(inputs) > len(outputs):
+        msg = f"H2 needs as many outputs as inputs; there are {len(outputs)} and {len(inputs)}"
+        raise UsageError(msg)
+    if estimator == "Hs" and noise_ratio is None and len(inputs) > 1:
+        msg = "Hs of several inputs needs a noise ratio"
+        raise UsageError(msg)
+    if noise_ratio is not None and (estimator != "Hs" or not noise_ratio > 0):
+        msg = f"a noise ratio is a positive number and belongs to Hs, got {noise_ratio} for {estimator}"
+        raise UsageError(msg)
+    return estimator
+
+
+def _values(
+    estimator: str, s_xx: ComplexArray, s_xy: ComplexArray, s_yy: ComplexArray, noise_ratio: float | None
+) -> ComplexArray:
+    if estimator == "H1":
+        return transfer_matrices.h1(s_xx, s_xy)
+    if estimator == "H2":
+        return transfer_matrices.h2(s_yy, s_xy.conj().transpose(0, 2, 1))
+    if estimator == "Hv":
+        return transfer_matrices.hs(s_xx, s_xy, s_yy, 1.0)
+    if noise_ratio is not None:
+        return transfer_matrices.hs(s_xx, s_xy, s_yy, noise_ratio)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        alike = np.einsum("foo->fo", s_yy).real / s_xx[:, :, 0].real
+    return transfer_matrices.hs(s_xx, s_xy, s_yy, alike)
+
+
+def _provenance(estimator: str, spectra: CrossSpectra, noise_ratio: float | None) -> str:
+    ratio = "" if noise_ratio is None else f" with noise ratio {noise_ratio:g}"
+    count = f"{spectra.averages} averages worth {spectra.effective_averages:.1f} without overlap"
+    return f"{estimator}{ratio}, {spectra.settings}, {count}"
+
+
+def _doubts(spectra: CrossSpectra, s_xx: ComplexArray) -> list[str]:
+    found = []
+    if spectra.averages == 1:
+        found.append("warning: of one segment the coherence is 1 whatever the signals; use a longer record")
+    inseparable = spectra.frequencies[transfer_matrices.independence(s_xx) < INSEPARABLE]
+    if s_xx.shape[1] > 1 and len(inseparable):
+        span = f"{len(inseparable)} frequencies from {inseparable[0]:g} to {inseparable[-1]:g} Hz"
+        found.append(
+            f"warning: the inputs are all but proportional at {span}; their effects cannot be told apart there"
+        )
+    return found

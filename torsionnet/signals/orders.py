@@ -1,0 +1,138 @@
+"""Order map: amplitudes at multiples of the rotation, against speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from torsionnet.errors import UsageError
+from torsionnet.signals.blocks import check_processable
+from torsionnet.signals.harmonics import sweep_cycles
+from torsionnet.signals.recording import FloatArray, Recording
+
+LARGEST_SIZE = 20_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class OrderMap:
+    """Amplitude over order and time, each time with its speed.
+
+    Attributes
+    ----------
+    orders : (n_o,) array
+        Multiples of the rotation.
+    times : (n_t,) array
+        Middle of each window, s.
+    speeds : (n_t,) array
+        Mean over each window, rad/s.
+    amplitude : (n_o, n_t) array
+        Peak amplitude of a sine that would give this line, in the unit of the signal.
+    name, unit : str
+    """
+
+    orders: FloatArray
+    times: FloatArray
+    speeds: FloatArray
+    amplitude: FloatArray
+    name: str
+    unit: str
+
+    def along(self, order: float) -> FloatArray:
+        """Amplitude of the line nearest to one order at each time, (n_t,)."""
+        return np.asarray(self.amplitude[np.abs(self.orders - order).argmin()])
+
+
+def order_map(
+    recording: Recording,
+    name: str,
+    speed: ArrayLike,
+    *,
+    highest: float = 10,
+    revolutions: int = 8,
+    overlap: float = 0.75,
+) -> OrderMap:
+    """Sample the signal anew at equal steps of angle, then take its spectrum over whole revolutions.
+
+    The steps are as fine as the time samples are at the lowest speed, so that nothing folds; the windows are Hann's.
+
+    Parameters
+    ----------
+    recording : Recording
+    name : str
+    speed : (n,) array
+        Speed of the shaft that counts as one, at every sample, rad/s, positive.
+    highest : float, optional
+        Highest order kept.
+    revolutions : int, optional
+        Length of a window; the orders are ``1 / revolutions`` apart.
+    overlap : float, optional
+
+    Raises
+    ------
+    UsageError
+        The record is too short, the speed is not positive, or the lowest speed makes the steps too fine to store;
+        leave the start of the run-up out then.
+
+    Examples
+    --------
+    >>> from torsionnet.signals.recording import Signal
+    >>> time = np.arange(20_000) / 1000
+    >>> turns = 10 * time + time**2
+    >>> record = Recording((Signal("T", "torque", 3 * np.sin(2 * np.pi * 2 * turns)),), sampling_rate=1000)
+    >>> order_map(record, "T", 2 * np.pi * (10 + 2 * time)).along(2).round(2)[[0, -1]].tolist()
+    [3.0, 3.0]
+    """
+    chosen = recording.select([name])
+    check_processable(chosen)
+    rotation = _rotation(speed, len(chosen))
+    turns = sweep_cycles(rotation, chosen.sampling_rate)
+    per_turn = _samples_per_turn(rotation, turns, chosen.sampling_rate, highest)
+    count = int(turns[-1] * per_turn) + 1
+    equal = np.arange(count) / per_turn
+    length, step = revolutions * per_turn, max(1, round(revolutions * per_turn * (1 - overlap)))
+    if count < length:
+        msg = f"the record of {turns[-1]:.3g} revolutions is too short for one window of {revolutions}"
+        raise UsageError(msg)
+    times = np.interp(equal, turns, chosen.time)
+    starts = np.arange(0, count - length + 1, step)
+    middles, ends = starts + length // 2, np.minimum(starts + length, count - 1)
+    return OrderMap(
+        orders=np.arange(int(highest * revolutions) + 1) / revolutions,
+        times=times[middles],
+        speeds=2 * np.pi * (equal[ends] - equal[starts]) / (times[ends] - times[starts]),
+        amplitude=_amplitudes(_at(times, chosen, name), starts, length, int(highest * revolutions) + 1),
+        name=name,
+        unit=chosen[name].unit,
+    )
+
+
+def _rotation(speed: ArrayLike, count: int) -> FloatArray:
+    values = np.asarray(speed, dtype=np.float64)
+    if values.shape != (count,) or not np.all(values > 0):
+        msg = f"the speed must be a positive number of rad/s for each of the {count} samples"
+        raise UsageError(msg)
+    return values / (2 * np.pi)
+
+
+def _samples_per_turn(rotation: FloatArray, turns: FloatArray, sampling_rate: float, highest: float) -> int:
+    per_turn = int(np.ceil(max(sampling_rate / rotation.min(), 2.5 * highest)))
+    if per_turn * turns[-1] > LARGEST_SIZE:
+        msg = f"the lowest speed, {rotation.min() * 60:.3g} rpm, makes the steps of angle too fine; leave it out"
+        raise UsageError(msg)
+    return per_turn
+
+
+def _at(times: FloatArray, recording: Recording, name: str) -> FloatArray:
+    from scipy.interpolate import CubicSpline
+
+    return np.asarray(CubicSpline(recording.time, recording[name].values)(times), dtype=np.float64)
+
+
+def _amplitudes(values: FloatArray, starts: NDArray[np.intp], length: int, count: int) -> FloatArray:
+    weights = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(length) / length)
+    scale = np.full(count, 2 / weights.sum())
+    scale[0] /= 2
+    lines = (np.fft.rfft(values[begin : begin + length] * weights)[:count] for begin in starts)
+    return np.array([np.abs(line) * scale for line in lines]).T

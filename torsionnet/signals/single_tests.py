@@ -1,0 +1,116 @@
+"""Estimators without averaging: a stepped sine, and the spectrum of a whole record."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.errors import UsageError
+from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.signals.blocks import check_processable, stacked
+from torsionnet.signals.detrending import Trend, without_trend
+from torsionnet.signals.recording import FloatArray, Recording
+
+ComplexArray = NDArray[np.complex128]
+Names = str | Sequence[str]
+
+
+@dataclass(frozen=True)
+class Step:
+    """One frequency of a stepped sine, in Hz, and from when to when it was held, in s."""
+
+    frequency: float
+    start: float
+    end: float
+
+
+def stepped_sine(
+    recording: Recording, output: Names, input: str, steps: Iterable[Step], settling: float = 0.0
+) -> FrequencyResponse:
+    """Response at the frequency of every step, from the sines that fit the signals best.
+
+    Mean and slope of each signal are fitted along. Of a step only whole periods are used, its last ones.
+
+    Parameters
+    ----------
+    recording : Recording
+    output : str or sequence of str
+    input : str
+    steps : iterable of Step
+    settling : float, optional
+        Time in s left out at the start of every step, for the transient to decay.
+
+    Raises
+    ------
+    UsageError
+        A step has no whole period within the record.
+    """
+    outputs = (output,) if isinstance(output, str) else tuple(output)
+    chosen, ordered = _checked(recording, (*outputs, input)), sorted(steps, key=lambda step: step.frequency)
+    sines = np.array([_sines(chosen, step, settling) for step in ordered])
+    note = f"stepped sine of {len(ordered)} steps, {settling:g} s each left to settle"
+    return _response(chosen, np.array([step.frequency for step in ordered]), sines, note)
+
+
+def full_record(
+    recording: Recording, output: Names, input: str, detrend: Trend = "mean", floor: float = 1e-3
+) -> FrequencyResponse:
+    """Spectrum of the output over that of the input, over the whole record at once.
+
+    Right if the record holds whole periods of a periodic test, or begins and ends at rest. It has the finest
+    resolution there is, and no averaging: noise stays as it is.
+
+    Parameters
+    ----------
+    recording : Recording
+    output : str or sequence of str
+    input : str
+    detrend : {"mean", "linear", "none"}, optional
+    floor : float, optional
+        Frequencies where the input is below this share of its largest line are left out.
+    """
+    outputs = (output,) if isinstance(output, str) else tuple(output)
+    chosen = _checked(recording, (*outputs, input))
+    lines = np.fft.rfft(without_trend(stacked(chosen), detrend), axis=1).T
+    excited = np.abs(lines[:, -1])
+    kept = (excited >= floor * excited.max()) & (excited > 0)
+    frequencies = np.fft.rfftfreq(len(chosen), 1 / chosen.sampling_rate)
+    note = f"full record of {chosen.duration:g} s, detrend {detrend}, no averaging"
+    return _response(chosen, frequencies[kept], lines[kept], note)
+
+
+def _checked(recording: Recording, names: Sequence[str]) -> Recording:
+    chosen = recording.select(names)
+    check_processable(chosen)
+    return chosen
+
+
+def _sines(recording: Recording, step: Step, settling: float) -> ComplexArray:
+    """Complex amplitude of every signal."""
+    rate, begin = recording.sampling_rate, step.start + settling
+    last = min(round((step.end - recording.start) * rate), len(recording))
+    periods = int((last / rate - (begin - recording.start)) * step.frequency + 1e-9)
+    if periods < 1 or begin < recording.start:
+        msg = f"the step at {step.frequency:g} Hz has no whole period in the record after settling"
+        raise UsageError(msg)
+    first = last - round(periods / step.frequency * rate)
+    time = recording.time[first:last]
+    angle = 2 * np.pi * step.frequency * time
+    basis = np.array([np.cos(angle), np.sin(angle), np.ones_like(time), np.linspace(-1, 1, len(time))]).T
+    fit = np.linalg.lstsq(basis, stacked(recording)[:, first:last].T, rcond=None)[0]
+    return np.asarray(fit[0] - 1j * fit[1], dtype=np.complex128)
+
+
+def _response(recording: Recording, frequencies: FloatArray, lines: ComplexArray, note: str) -> FrequencyResponse:
+    *outputs, into = (Channel(signal.name, signal.unit) for signal in recording)
+    return FrequencyResponse(
+        frequencies=frequencies,
+        values=np.asarray(lines[:, :-1, None] / lines[:, -1:, None], dtype=np.complex128),
+        outputs=tuple(outputs),
+        inputs=(into,),
+        title=recording.title,
+        notes=(*recording.notes, note),
+    )

@@ -1,0 +1,61 @@
+"""Spectral densities of all pairs of signals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.response import Channel
+from torsionnet.signals.recording import FloatArray
+from torsionnet.signals.welch import Welch
+
+ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, eq=False)
+class CrossSpectra:
+    """One-sided spectral densities of all pairs of signals.
+
+    Attributes
+    ----------
+    frequencies : (n_f,) array
+        Hz.
+    matrix : (n_f, n, n) complex array
+        ``matrix[:, a, b]`` averages ``conj(A) B``: its phase is by how much ``b`` leads ``a``.
+    channels : tuple of Channel
+    averages : int
+        Number of segments.
+    effective_averages : float
+        Number of segments without overlap that would be as certain.
+    settings : Welch
+    title : str
+    notes : tuple of str
+    """
+
+    frequencies: FloatArray
+    matrix: ComplexArray
+    channels: tuple[Channel, ...]
+    averages: int
+    effective_averages: float
+    settings: Welch
+    title: str = ""
+    notes: tuple[str, ...] = ()
+
+    def indices(self, names: Iterable[str]) -> list[int]:
+        """Places of the named signals."""
+        known = [channel.name for channel in self.channels]
+        wanted = list(names)
+        for name in wanted:
+            if name not in known:
+                msg = f'no signal is named "{name}"{did_you_mean(name, known)}; there is {", ".join(known)}'
+                raise UsageError(msg)
+        return [known.index(name) for name in wanted]
+
+    def between(self, first: Iterable[str], second: Iterable[str]) -> ComplexArray:
+        """The part (n_f, n_first, n_second) of the matrix."""
+        rows, columns = self.indices(first), self.indices(second)
+        return self.matrix[np.ix_(range(len(self.frequencies)), rows, columns)]

@@ -1,0 +1,97 @@
+"""Spectrogram: how the amplitudes in a signal change over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.errors import UsageError
+from torsionnet.signals.blocks import check_processable
+from torsionnet.signals.decimation import decimate
+from torsionnet.signals.detrending import without_trend
+from torsionnet.signals.recording import FloatArray, Recording
+from torsionnet.signals.welch import Welch
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrogram:
+    """Amplitude over frequency and time.
+
+    Attributes
+    ----------
+    frequencies : (n_f,) array
+        Hz.
+    times : (n_t,) array
+        Middle of each segment, s.
+    amplitude : (n_f, n_t) array
+        Peak amplitude of a sine that would give this line, in the unit of the signal.
+    name : str
+    unit : str
+    notes : tuple of str
+    """
+
+    frequencies: FloatArray
+    times: FloatArray
+    amplitude: FloatArray
+    name: str
+    unit: str
+    notes: tuple[str, ...] = ()
+
+    def decibels(self, reference: float = 1.0) -> FloatArray:
+        """20 log10 of amplitude over reference, (n_f, n_t)."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(20 * np.log10(self.amplitude / reference))
+
+    @property
+    def ridge(self) -> FloatArray:
+        """Frequency of the strongest line at each time, (n_t,), Hz."""
+        return np.asarray(self.frequencies[self.amplitude.argmax(axis=0)])
+
+
+def spectrogram(recording: Recording, name: str, settings: Welch | None = None) -> Spectrogram:
+    """Short-time spectra of one signal, by default of 2 s, Hamming, with 80 % overlap.
+
+    The mean of the whole record is taken out first unless the settings' ``detrend`` is ``none``. Segments that would
+    reach beyond an end of the record are left out. In a sweep a line is lower than the sine's amplitude as soon as
+    the frequency moves by more than about a bin within a segment.
+
+    Raises
+    ------
+    UsageError
+        The record is shorter than a segment.
+
+    Examples
+    --------
+    >>> from torsionnet.signals.recording import Signal
+    >>> time = np.arange(2000) / 200
+    >>> record = Recording((Signal("T", "torque", 10 * np.sin(2 * np.pi * 30 * time)),), sampling_rate=200)
+    >>> seen = spectrogram(record, "T")
+    >>> seen.ridge[0].item(), seen.decibels().max().round(3).item()
+    (30.0, 20.0)
+    """
+    from scipy.signal import ShortTimeFFT
+
+    settings = settings or Welch()
+    chosen = recording.select([name])
+    check_processable(chosen)
+    chosen = decimate(chosen, settings.decimation)
+    rate, count = chosen.sampling_rate, len(chosen)
+    if count < settings.samples(rate):
+        msg = f"the record of {chosen.duration:g} s is too short for one window of {settings.seconds:g} s"
+        raise UsageError(msg)
+    weights, step = settings.weights(rate), settings.step(rate)
+    transform = ShortTimeFFT(weights, step, rate, scale_to="magnitude", fft_mode="onesided")
+    middle, slices = len(weights) // 2, (count - len(weights)) // step + 1
+    values = without_trend(chosen[name].values, settings.detrend)
+    lines = np.abs(transform.stft(values, 0, slices, k_offset=middle))
+    mirrored = slice(1, -1 if len(weights) % 2 == 0 else None)
+    lines[mirrored] *= 2  # a sine's other half is at the negative frequency
+    return Spectrogram(
+        frequencies=np.asarray(transform.f, dtype=np.float64),
+        times=chosen.start + (middle + step * np.arange(slices)) / rate,
+        amplitude=np.asarray(lines, dtype=np.float64),
+        name=name,
+        unit=chosen[name].unit,
+        notes=(*chosen.notes, f"spectrogram, {settings}"),
+    )

@@ -1,0 +1,90 @@
+"""Transfer functions and coherences from spectral matrices: arrays in, arrays out.
+
+All follow scipy's convention ``S_ab = mean(conj(A) B)``. With ``y = H x`` that gives ``S_xy = S_xx H^T`` and
+``S_yy = S_yx H^T``, hence ``H1 = S_xy / S_xx`` and ``H2 = S_yy / S_yx``. ``S_yy / S_xy`` has the phase of the opposite
+sign.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.signals.recording import FloatArray
+
+ComplexArray = NDArray[np.complex128]
+
+
+def h1(s_xx: ComplexArray, s_xy: ComplexArray) -> ComplexArray:
+    """Least squares on the outputs, (n_f, n_out, n_in): unbiased if only the outputs are noisy."""
+    if s_xx.shape[1] == 1:
+        return _quotient(s_xy.transpose(0, 2, 1), s_xx)
+    return _complex((np.linalg.pinv(s_xx, hermitian=True) @ s_xy).transpose(0, 2, 1))
+
+
+def h2(s_yy: ComplexArray, s_yx: ComplexArray) -> ComplexArray:
+    """Least squares on the inputs: unbiased if only the inputs are noisy. Needs an output per input, or more."""
+    if s_yx.shape[2] == 1:
+        return _quotient(np.einsum("foo->fo", s_yy)[:, :, None], s_yx)
+    return _complex((np.linalg.pinv(s_yx) @ s_yy).transpose(0, 2, 1))
+
+
+def hs(s_xx: ComplexArray, s_xy: ComplexArray, s_yy: ComplexArray, noise_ratio: float | FloatArray) -> ComplexArray:
+    """Total least squares, each output on its own.
+
+    ``noise_ratio`` is the spectral density of the output's noise over that of each input's noise, a number or
+    (n_f, n_out): towards infinity the result becomes H1, towards zero H2.
+    """
+    ratio = np.broadcast_to(noise_ratio, (len(s_xx), s_xy.shape[2])).astype(np.float64)
+    columns = []
+    for o in range(s_xy.shape[2]):
+        column = _hs_single if s_xx.shape[1] == 1 else _hs_several
+        columns.append(column(s_xx, s_xy[:, :, o], s_yy[:, o, o].real, ratio[:, o]))
+    return np.stack(columns, axis=1)
+
+
+def _hs_single(s_xx: ComplexArray, s_xy: ComplexArray, s_yy: FloatArray, ratio: FloatArray) -> ComplexArray:
+    gap = ratio * s_xx[:, 0, 0].real - s_yy
+    root = np.hypot(gap, 2 * np.sqrt(ratio) * np.abs(s_xy[:, 0]))
+    # Two forms of one root; either cancels where the other does not.
+    from_input = _quotient(2 * ratio * s_xy[:, 0], gap + root)
+    from_output = _quotient(root - gap, 2 * s_xy[:, 0].conj())
+    return _complex(np.where(gap >= 0, from_input, from_output)[:, None])
+
+
+def _hs_several(s_xx: ComplexArray, s_xy: ComplexArray, s_yy: FloatArray, ratio: FloatArray) -> ComplexArray:
+    scaled = (s_xy / np.sqrt(ratio)[:, None])[:, :, None]
+    below = np.concatenate([scaled.conj().transpose(0, 2, 1), (s_yy / ratio)[:, None, None]], axis=2)
+    joint = np.concatenate([np.concatenate([s_xx, scaled], axis=2), below], axis=1)
+    smallest = np.linalg.eigh(joint).eigenvectors[:, :, 0]
+    return _quotient(-np.sqrt(ratio)[:, None] * smallest[:, :-1], smallest[:, -1:])
+
+
+def ordinary_coherence(s_xx: ComplexArray, s_xy: ComplexArray, s_yy: ComplexArray) -> FloatArray:
+    """Share of each output's power that is linear in one input alone, (n_f, n_out, n_in)."""
+    inputs, outputs = np.einsum("fii->fi", s_xx).real, np.einsum("foo->fo", s_yy).real
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray((np.abs(s_xy) ** 2 / inputs[:, :, None] / outputs[:, None, :]).transpose(0, 2, 1))
+
+
+def multiple_coherence(s_xx: ComplexArray, s_xy: ComplexArray, s_yy: ComplexArray) -> FloatArray:
+    """Share of each output's power that is linear in all inputs together, (n_f, n_out)."""
+    explained = np.einsum("fio,foi->fo", s_xy.conj(), h1(s_xx, s_xy)).real
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(explained / np.einsum("foo->fo", s_yy).real)
+
+
+def independence(s_xx: ComplexArray) -> FloatArray:
+    """Smallest eigenvalue of the inputs' spectra scaled to ones on the diagonal: 1 uncorrelated, 0 inseparable."""
+    sizes = np.sqrt(np.einsum("fii->fi", s_xx).real)
+    scaled = np.divide(s_xx, sizes[:, :, None] * sizes[:, None, :], out=np.zeros_like(s_xx), where=s_xx != 0)
+    return np.asarray(np.linalg.eigvalsh(scaled)[:, 0])
+
+
+def _quotient(above: ComplexArray | FloatArray, below: ComplexArray | FloatArray) -> ComplexArray:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return _complex(above / below)
+
+
+def _complex(values: NDArray[np.generic]) -> ComplexArray:
+    return np.asarray(values, dtype=np.complex128)

@@ -1,0 +1,88 @@
+"""How spectra are averaged: settings of Welch's method, and what its overlapping segments are worth."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.errors import UsageError
+from torsionnet.signals.detrending import Trend, check_trend
+from torsionnet.signals.recording import FloatArray
+
+
+@dataclass(frozen=True)
+class Welch:
+    """How spectra are averaged.
+
+    Attributes
+    ----------
+    window : str
+        A name that ``scipy.signal.get_window`` knows.
+    seconds : float
+        Length of a segment; the bins are ``1 / seconds`` apart.
+    overlap : float
+        Share of a segment that the next one repeats, 0 to below 1.
+    detrend : {"mean", "linear", "none"}
+        What is taken out of every segment. With other than ``none`` there is no bin at 0 Hz.
+    decimation : int
+        Factor by which the sampling rate is reduced first.
+    estimator : str
+        What :func:`~torsionnet.signals.estimators.estimate` uses unless told otherwise.
+    """
+
+    window: str = "hamming"
+    seconds: float = 2.0
+    overlap: float = 0.8
+    detrend: Trend = "mean"
+    decimation: int = 1
+    estimator: str = "H1"
+
+    def __post_init__(self) -> None:
+        check_trend(self.detrend)
+        if not 0 <= self.overlap < 1:
+            msg = f"overlap is a share from 0 to below 1, got {self.overlap}"
+            raise UsageError(msg)
+        if not self.seconds > 0:
+            msg = f"a segment must have a length in s above 0, got {self.seconds}"
+            raise UsageError(msg)
+
+    def samples(self, sampling_rate: float) -> int:
+        """Length of a segment."""
+        return max(1, round(self.seconds * sampling_rate))
+
+    def step(self, sampling_rate: float) -> int:
+        """Samples from the start of a segment to that of the next."""
+        length = self.samples(sampling_rate)
+        return max(1, length - round(self.overlap * length))
+
+    def weights(self, sampling_rate: float) -> FloatArray:
+        """Window over one segment."""
+        from scipy.signal import get_window
+
+        return np.asarray(get_window(self.window, self.samples(sampling_rate)), dtype=np.float64)
+
+    def __str__(self) -> str:
+        return f"Welch, {self.window} {self.seconds:g} s, overlap {self.overlap:.0%}, detrend {self.detrend}"
+
+
+PAPER = Welch(window="hamming", seconds=2.0, overlap=0.8, decimation=50, estimator="H2")
+"""Settings of the source paper: records of 10 kHz decimated to 200 Hz, Hamming 2 s, 80 % overlap, H2."""
+
+
+def effective_averages(weights: FloatArray, step: int, count: int) -> float:
+    """Number of independent segments that ``count`` overlapping ones are worth, for a stationary random signal.
+
+    Welch's formula: neighbours share information as far as the window overlaps with itself.
+
+    >>> effective_averages(np.ones(100), 100, 30)
+    30.0
+    >>> round(effective_averages(np.hanning(100), 50, 30), 1)
+    28.6
+    """
+    length = len(weights)
+    shared = 0.0
+    for lag in range(1, min(count, -(-length // step))):
+        common = float(weights[: length - lag * step] @ weights[lag * step :] / (weights @ weights))
+        shared += 2 * (1 - lag / count) * common**2
+    return float(count / (1 + shared))
