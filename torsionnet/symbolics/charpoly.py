@@ -1,101 +1,135 @@
-"""Many closed loops: sympy's characteristic polynomial, with every law as one unknown of a ring."""
+"""Many closed loops: sympy's characteristic polynomial, with every law and ratio as one unknown of a ring."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
 from typing import Any
 
 import sympy
 from sympy.polys.matrices import DomainMatrix
 
 from torsionnet.errors import UsageError
-from torsionnet.symbolics.network import Network, SymbolRow
+from torsionnet.symbolics.blocks import Block
+from torsionnet.symbolics.bundle import Quotient
+from torsionnet.symbolics.network import ONE, Member, SymbolRow
 from torsionnet.symbolics.program import Node, Program
 
 MOST_COORDINATES = 12
 
 
-def charpoly_determinant(network: Network, program: Program) -> Node:
-    """Det D."""
-    return _solved(network, program, {})[1]
-
-
-def charpoly_bilinear(network: Network, program: Program, reading: SymbolRow, load: SymbolRow) -> Node:
-    """Reading^T adj(D) load.
+@dataclass(frozen=True, eq=False)
+class Expanded:
+    """A block whose determinants are expanded in its laws.
 
     Raises
     ------
     UsageError
         There are more coordinates than this way can handle.
     """
-    motion, _ = _solved(network, program, load)
-    total = program.leaf(0)
-    for name, value in reading.items():
-        total = total + program.leaf(value) * motion[name]
-    return total
 
+    block: Block[Quotient]
+    hanging: Mapping[str, Quotient]
+    program: Program
 
-def _solved(network: Network, program: Program, load: SymbolRow) -> tuple[dict[str, Node], Node]:
-    """Adj(D) load by coordinate, and det D."""
-    network = network.graph.network
-    size = len(network.coordinates)
-    if size > MOST_COORDINATES:
-        msg = (
-            f"{size} coordinates that closed loops, shafts with inertia of their own or planetary sets tie together "
-            "have no short expression; use frequency_response, or replace such a shaft by a spring and inertias"
-        )
-        raise UsageError(msg)
-    payloads = list(dict.fromkeys(_payloads(network, load)))
-    ring, generators = sympy.polys.rings.xring([f"x_{i}" for i in range(len(payloads))], sympy.QQ)
-    number = dict(zip(payloads, generators, strict=True))
-    matrix, right = _matrices(network, load, ring, number)
-    if not load:
-        return {}, _node(matrix.charpoly()[-1] * (-1) ** size, payloads, program)
-    motion, determinant = matrix.solve_den(right, method="charpoly")
-    nodes = (_node(motion[row, 0].element, payloads, program) for row in range(size))
-    return dict(zip(network.coordinates, nodes, strict=True)), _node(determinant, payloads, program)
+    def __post_init__(self) -> None:
+        if len(self.names) > MOST_COORDINATES:
+            msg = (
+                f"{len(self.names)} coordinates that closed loops or planetary sets tie together in many ways have no "
+                "short expression; use frequency_response"
+            )
+            raise UsageError(msg)
 
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        return (self.block.top, *self.block.below)
 
-def _payloads(network: Network, load: SymbolRow) -> Any:
-    for member in network.members:
-        yield member.law
-        yield from member.row.values()
-    yield from load.values()
+    @property
+    def free(self) -> Node:
+        """The determinant with the top free."""
+        return self._determinant(0)
 
+    @property
+    def held(self) -> Node:
+        """The determinant with the top held: what multiplies a law to ground there."""
+        return self._determinant(1)
 
-def _matrices(network: Network, load: SymbolRow, ring: Any, number: dict[Any, Any]) -> tuple[Any, Any]:
-    index = {name: position for position, name in enumerate(network.coordinates)}
-    size = len(index)
-    rows = [[ring.zero] * size for _ in range(size)]
-    for member in network.members:
-        for first, alpha in member.row.items():
-            for second, beta in member.row.items():
-                rows[index[first]][index[second]] += (
-                    number[member.law] * _in_ring(alpha, number) * _in_ring(beta, number)
-                )
-    right = [[_in_ring(load[name], number) if name in load else ring.zero] for name in network.coordinates]
-    domain = ring.to_domain()
-    return DomainMatrix(rows, (size, size), domain), DomainMatrix(right, (size, 1), domain)
+    def carried(self, end: str) -> Node:
+        """Motion of a coordinate under a unit torque on the top, what hangs there left out."""
+        return self._motion(end, without=end)
 
+    def reading(self, row: SymbolRow) -> Node:
+        """A row under a unit torque on the top."""
+        total = self.program.leaf(0)
+        for name, value in row.items():
+            total = total + self.program.leaf(value) * self._motion(name)
+        return total
 
-def _in_ring(coefficient: Any, number: dict[Any, Any]) -> Any:
-    return sympy.QQ(coefficient.p, coefficient.q) if coefficient.is_Rational else number[coefficient]
+    @cached_property
+    def _members(self) -> tuple[Member[Quotient], ...]:
+        return (*self.block.members, *(Member({name: ONE}, law) for name, law in self.hanging.items()))
 
+    @cached_property
+    def _ratios(self) -> tuple[Any, ...]:
+        values = (value for member in self._members for value in member.row.values() if not value.is_Rational)
+        return tuple(dict.fromkeys(values))
 
-def _node(polynomial: Any, payloads: list[Any], program: Program) -> Node:
-    """A polynomial of the ring as steps, nested by one unknown after the other."""
-    return _nested(dict(polynomial.terms()), 0, payloads, program)
+    @cached_property
+    def _solved(self) -> tuple[Any, Any]:
+        """(Motions under a unit torque on the top, determinant); the last unknown is a law to ground at the top."""
+        count = len(self._members) + len(self._ratios) + 1
+        ring, unknowns = sympy.polys.rings.xring([f"x_{i}" for i in range(count)], sympy.QQ)
+        index = {name: number for number, name in enumerate(self.names)}
+        rows = [[ring.zero] * len(index) for _ in index]
+        for first, second, term in self._terms(unknowns):
+            rows[index[first]][index[second]] += term
+        domain, size = ring.to_domain(), len(index)
+        load = [[ring.one if name == self.block.top else ring.zero] for name in self.names]
+        stiffness = DomainMatrix(rows, (size, size), domain)
+        motion, determinant = stiffness.solve_den(DomainMatrix(load, (size, 1), domain), method="charpoly")
+        return motion, determinant
 
+    def _terms(self, unknowns: Sequence[Any]) -> Iterator[tuple[str, str, Any]]:
+        """(Row, column, what is added there)."""
+        ratio = dict(zip(self._ratios, unknowns[len(self._members) :], strict=False))
 
-def _nested(terms: dict[tuple[int, ...], Any], depth: int, payloads: list[Any], program: Program) -> Node:
-    if not terms:
-        return program.leaf(0)
-    if depth == len(payloads):
-        return program.leaf(sympy.QQ.to_sympy(next(iter(terms.values()))))
-    by_power: dict[int, dict[tuple[int, ...], Any]] = {}
-    for powers, coefficient in terms.items():
-        by_power.setdefault(powers[depth], {})[powers] = coefficient
-    unknown = program.leaf(payloads[depth])
-    total = program.leaf(0)
-    for power in range(max(by_power), -1, -1):
-        total = total * unknown + _nested(by_power.get(power, {}), depth + 1, payloads, program)
-    return total
+        def in_ring(value: Any) -> Any:
+            return sympy.QQ(value.p, value.q) if value.is_Rational else ratio[value]
+
+        for law, member in zip(unknowns, self._members, strict=False):
+            for (first, alpha), (second, beta) in product(member.row.items(), repeat=2):
+                yield first, second, law * in_ring(alpha) * in_ring(beta)
+        yield self.block.top, self.block.top, unknowns[-1]
+
+    def _determinant(self, power: int) -> Node:
+        terms = {powers: value for powers, value in self._solved[1].terms() if powers[-1] == power}
+        return self._node(terms, self._laws())
+
+    def _motion(self, name: str, without: str = "") -> Node:
+        terms = dict(self._solved[0][self.names.index(name), 0].element.terms())
+        return self._node(terms, self._laws(without))
+
+    def _laws(self, without: str = "") -> list[Quotient]:
+        one = self.program.leaf(1)
+        idle = self.hanging.get(without)
+        return [Quotient(one, one) if member.law is idle else member.law for member in self._members]
+
+    def _node(self, terms: Mapping[tuple[int, ...], Any], laws: Sequence[Quotient]) -> Node:
+        """A polynomial of the ring as steps, nested by one unknown after the other."""
+        one = self.program.leaf(1)
+        return self._nested(terms, [*laws, *(Quotient(self.program.leaf(ratio), one) for ratio in self._ratios)], 0)
+
+    def _nested(self, terms: Mapping[tuple[int, ...], Any], payloads: Sequence[Quotient], depth: int) -> Node:
+        if not terms or depth == len(payloads):
+            return self.program.leaf(sum(sympy.QQ.to_sympy(value) for value in terms.values()))
+        by_power: dict[int, dict[tuple[int, ...], Any]] = {}
+        for powers, coefficient in terms.items():
+            by_power.setdefault(powers[depth], {})[powers] = coefficient
+        unknown, total = payloads[depth], self.program.leaf(0)
+        top = max(1, *by_power)
+        for power in range(top, -1, -1):
+            share = self._nested(by_power.get(power, {}), payloads, depth + 1)
+            total = total * unknown.above + (share if power == top else share * unknown.below)
+        return total

@@ -1,112 +1,107 @@
-"""Closed loops: deletion and contraction of the edges that close them, down to forests.
+"""Closed loops and laws over three or more coordinates: deletion and contraction, one block at a time.
 
 det(D + y a a^T) = det D + y a_v^2 det(D on the motions with a = 0), and so for every bilinear form of the adjugate:
-one law less in the first term, one coordinate less in the second. Laws over three or more coordinates are taken apart
-in the same way. More than a few loops are left to sympy's characteristic polynomial.
+one law less in the first term, one coordinate less in the second, and both again trees of smaller blocks. Blocks with
+more than a few loops are left to sympy's characteristic polynomial.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from math import comb
 
-from torsionnet.symbolics.network import Edge, Graph, Member, Network, SymbolRow
+from torsionnet.symbolics.blocks import Block
+from torsionnet.symbolics.bundle import Quotient, sum_of_quotients
+from torsionnet.symbolics.charpoly import Expanded
+from torsionnet.symbolics.network import ONE, Contraction, Member, Network, SymbolRow, added_up
 from torsionnet.symbolics.program import Node, Program
-from torsionnet.symbolics.tree import bilinear, determinant
+from torsionnet.symbolics.tree import Recursion, Solved
 
 MOST_LOOPS = 3
 MOST_FORESTS = 2000
-"""Forests that deletion and contraction may lead to."""
+"""Forests that deletion and contraction may lead to in one block."""
 
 
-@dataclass(frozen=True)
-class Forest:
-    """A forest, the product of the laws contracted on the way to it, and the rows asked about."""
-
-    factor: Node
-    graph: Graph
-    rows: tuple[SymbolRow, ...]
-
-
-class TooManyLoopsError(Exception):
-    """Deletion and contraction would lead to too many forests."""
+def tied(block: Block[Quotient], hanging: Mapping[str, Quotient], program: Program) -> Solved:
+    """A block of more than two coordinates with what hangs on it."""
+    loops = loops_of(block)
+    if loops > MOST_LOOPS or comb(len(block.members), loops) > MOST_FORESTS:
+        return Expanded(block, hanging, program)
+    return Split(block, hanging, program)
 
 
-def forests(network: Network, rows: Sequence[SymbolRow], program: Program) -> list[Forest]:
-    """The forests whose determinants, times their factors, add up to that of the network."""
-    if len(closing(network.graph)) > MOST_LOOPS:
-        raise TooManyLoopsError
-    found = []
-    for forest in _split(network, tuple(rows), program.leaf(1), program):
-        found.append(forest)
-        if len(found) > MOST_FORESTS:
-            raise TooManyLoopsError
-    return found
+def loops_of(block: Block[Quotient]) -> int:
+    """Laws over more than two coordinates, and pairs of coordinates tied beyond a spanning tree."""
+    pairs = {frozenset(member.row) for member in block.members if len(member.row) == 2}  # noqa: PLR2004
+    wide = sum(len(member.row) > 2 for member in block.members)  # noqa: PLR2004
+    return wide + max(0, len(pairs) - len(block.below))
 
 
-def _split(network: Network, rows: tuple[SymbolRow, ...], factor: Node, program: Program) -> Iterator[Forest]:
-    graph = network.graph
-    loops = closing(graph)
-    if not loops:
-        yield Forest(factor, graph, rows)
-        return
-    network = graph.network
-    member = next(m for m in network.members if m.row == loops[0].row and m.law == loops[0].law)
-    rest = network.without(member)
-    yield from _split(rest, rows, factor, program)
-    contraction = rest.contracted(member.row)
-    weight = factor * program.leaf(member.law) * program.leaf(contraction.factor)
-    yield from _split(contraction.network, tuple(contraction.row(row) for row in rows), weight, program)
+@dataclass(frozen=True, eq=False)
+class Split:
+    """A block without one of its laws, and on the motions that this law does not feel."""
 
+    block: Block[Quotient]
+    hanging: Mapping[str, Quotient]
+    program: Program
+    others: dict[str, Split] = field(default_factory=dict)
 
-def closing(graph: Graph) -> list[Member]:
-    """Laws over more than two coordinates, and edges beyond a spanning forest.
+    @cached_property
+    def network(self) -> Network[Quotient]:
+        """The block as a network, what hangs on it as laws to ground."""
+        grounds = (Member({name: ONE}, law) for name, law in self.hanging.items())
+        return Network((self.block.top, *self.block.below), (*self.block.members, *grounds))
 
-    Edges between the same two coordinates go together; where several do, they are in the forest if they can be.
-    """
-    home = {name: name for name in graph.coordinates}
+    @cached_property
+    def member(self) -> Member[Quotient]:
+        """The law to split at: the widest, else one of the fewest between two coordinates."""
+        among = Counter(frozenset(member.row) for member in self.block.members)
+        return max(self.block.members, key=lambda member: (len(member.row), -among[frozenset(member.row)]))
 
-    def top(name: str) -> str:
-        while home[name] != name:
-            name = home[name]
-        return name
+    @cached_property
+    def contraction(self) -> Contraction[Quotient]:
+        return self.network.without(self.member).contracted(self.member.row, keep=self.block.top)
 
-    together: dict[frozenset[str], list[Edge]] = {}
-    for edge in graph.edges:
-        together.setdefault(frozenset((edge.first, edge.second)), []).append(edge)
-    found = list(graph.wide)
-    for edges in sorted(together.values(), key=len, reverse=True):
-        first, second = top(edges[0].first), top(edges[0].second)
-        if first == second:
-            found += [edge.member for edge in edges]
-        home[first] = second
-    return found
+    @cached_property
+    def deleted(self) -> Recursion:
+        return Recursion(self.network.without(self.member), self.program, self.block.top)
 
+    @cached_property
+    def contracted(self) -> Recursion:
+        network = added_up(self.contraction.network, lambda laws: sum_of_quotients(laws, self.program))
+        return Recursion(network, self.program, self.block.top)
 
-def network_determinant(network: Network, program: Program, first: str = "") -> Node:
-    """Det D of any network."""
-    try:
-        parts = forests(network, (), program)
-    except TooManyLoopsError:
-        from torsionnet.symbolics.charpoly import charpoly_determinant
+    @cached_property
+    def weight(self) -> Node:
+        """Factor of what is contracted."""
+        result = self.program.leaf(self.contraction.factor) * self.member.law.above
+        for law in self.contraction.idle:
+            result = result * law.below
+        return result
 
-        return charpoly_determinant(network, program)
-    total = program.leaf(0)
-    for forest in parts:
-        root = first if first in forest.graph.coordinates else ""
-        total = total + forest.factor * determinant(forest.graph, program, root)
-    return total
+    def _joined(self, deleted: Node, contracted: Node) -> Node:
+        return self.member.law.below * deleted + self.weight * contracted
 
+    @cached_property
+    def held(self) -> Node:
+        """The determinant with the top held."""
+        return self._joined(self.deleted.held, self.contracted.held)
 
-def network_bilinear(network: Network, program: Program, reading: SymbolRow, load: SymbolRow) -> Node:
-    """Reading^T adj(D) load of any network."""
-    try:
-        parts = forests(network, (reading, load), program)
-    except TooManyLoopsError:
-        from torsionnet.symbolics.charpoly import charpoly_bilinear
+    @cached_property
+    def free(self) -> Node:
+        """The determinant with the top free."""
+        return self._joined(self.deleted.determinant, self.contracted.determinant)
 
-        return charpoly_bilinear(network, program, reading, load)
-    total = program.leaf(0)
-    for forest in parts:
-        total = total + forest.factor * bilinear(forest.graph, program, *forest.rows)
-    return total
+    def reading(self, row: SymbolRow) -> Node:
+        """A row under a unit torque on the top."""
+        return self._joined(self.deleted.reading(row), self.contracted.reading(self.contraction.row(row)))
+
+    def carried(self, end: str) -> Node:
+        """Motion of a coordinate under a unit torque on the top, what hangs there left out."""
+        if end not in self.others:
+            bare = {name: law for name, law in self.hanging.items() if name != end}
+            self.others[end] = replace(self, hanging=bare, others={})
+        return self.others[end].reading({end: ONE})

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, TypeAlias
+from typing import Any, Generic, TypeAlias, TypeVar
 
 import sympy
 
@@ -30,121 +31,104 @@ class Stiffness:
         return self.stiffness, self.damping, self.inertia
 
 
+L = TypeVar("L")
+
+
 @dataclass(frozen=True, eq=False)
-class Member:
+class Member(Generic[L]):
     """A law on a row over coordinates."""
 
     row: SymbolRow
-    law: Stiffness
+    law: L
 
 
 @dataclass(frozen=True, eq=False)
-class Network:
+class Network(Generic[L]):
     """D(s) = sum of law * row row^T over the coordinates."""
 
     coordinates: tuple[str, ...]
-    members: tuple[Member, ...]
+    members: tuple[Member[L], ...]
 
     @cached_property
-    def graph(self) -> Graph:
-        """The network with parallel laws added up."""
-        return graph_of(self)
+    def grounds(self) -> Mapping[str, list[L]]:
+        """Laws on one coordinate alone."""
+        found: dict[str, list[L]] = {}
+        for member in self.members:
+            if len(member.row) == 1:
+                found.setdefault(next(iter(member.row)), []).append(member.law)
+        return found
 
-    def contracted(self, row: SymbolRow) -> Contraction:
-        """The network on the motions with row = 0.
+    def contracted(self, row: SymbolRow, keep: str = "") -> Contraction[L]:
+        """The network on the motions with row = 0, with one coordinate other than ``keep`` expressed by the others.
 
-        With the last coordinate v of the row expressed by the others, the coefficient of kappa in
-        det(D + kappa a a^T) is a_v^2 times the determinant of what is left, and so for every bilinear form of the
-        adjugate.
+        The coefficient of kappa in det(D + kappa a a^T) is a_v^2 times the determinant of what is left, v being the
+        coordinate expressed, and so for every bilinear form of the adjugate.
         """
-        pivot = max(row, key=self.coordinates.index)
+        pivot = self._pivot(row, keep)
         solution = {name: -value / row[pivot] for name, value in row.items() if name != pivot}
-        members = (Member(substituted(member.row, pivot, solution), member.law) for member in self.members)
+        members = [Member(substituted(member.row, pivot, solution), member.law) for member in self.members]
         rest = tuple(name for name in self.coordinates if name != pivot)
-        return Contraction(Network(rest, tuple(m for m in members if m.row)), pivot, solution, row[pivot] ** 2)
+        left = Network(rest, tuple(member for member in members if member.row))
+        idle = tuple(member.law for member in members if not member.row)
+        return Contraction(left, pivot, solution, row[pivot] ** 2, idle)
 
-    def without(self, member: Member) -> Network:
+    def _pivot(self, row: SymbolRow, keep: str) -> str:
+        """The last of the coordinates; of more than two, one on which few laws act, so that few rows get longer."""
+        names = [name for name in row if name != keep]
+        uses: Counter[str] = Counter()
+        if len(row) > 2:  # noqa: PLR2004
+            uses.update(name for member in self.members if len(member.row) > 1 for name in member.row)
+        return max(names, key=lambda name: (-uses[name], self.coordinates.index(name)))
+
+    def without(self, member: Member[L]) -> Network[L]:
         """The network with one law less."""
         return Network(self.coordinates, tuple(other for other in self.members if other is not member))
 
 
 @dataclass(frozen=True)
-class Contraction:
-    """A network with one coordinate less, what became of it, and the factor of its determinant."""
+class Contraction(Generic[L]):
+    """A network with one coordinate less, what became of it, and the factor of its determinant.
 
-    network: Network
+    ``idle`` are the laws on motions that are no longer possible.
+    """
+
+    network: Network[L]
     pivot: str
     solution: SymbolRow
     factor: Any
+    idle: tuple[L, ...]
 
     def row(self, row: SymbolRow) -> SymbolRow:
         """A row over the coordinates before as one over those left."""
         return substituted(row, self.pivot, self.solution)
 
 
-@dataclass(frozen=True)
-class Edge:
-    """All laws on the motion theta_first - ratio * theta_second."""
-
-    first: str
-    second: str
-    ratio: Any
-    law: Stiffness
-
-    @property
-    def member(self) -> Member:
-        return Member({self.first: ONE, self.second: -self.ratio}, self.law)
-
-    def coefficients(self, near: str) -> tuple[Any, Any]:
-        """Coefficients of the row at ``near`` and at the other end."""
-        return (ONE, -self.ratio) if near == self.first else (-self.ratio, ONE)
-
-
-@dataclass(frozen=True, eq=False)
-class Graph:
-    """A network with the laws on equal rows added up: to ground, between two coordinates, and over more."""
-
-    coordinates: tuple[str, ...]
-    grounds: Mapping[str, Stiffness]
-    edges: tuple[Edge, ...]
-    wide: tuple[Member, ...]
-
-    @property
-    def network(self) -> Network:
-        """The same laws, added up."""
-        grounded = (Member({name: ONE}, law) for name, law in self.grounds.items())
-        return Network(self.coordinates, (*grounded, *(edge.member for edge in self.edges), *self.wide))
-
-
-def graph_of(network: Network) -> Graph:
-    """Add up parallel laws, each term collected by the ratios it is reflected with."""
-    grounds: dict[str, _Collected] = {}
-    edges: dict[tuple[str, str, Any], _Collected] = {}
-    wide: dict[tuple[tuple[str, Any], ...], _Collected] = {}
+def added_up(network: Network[L], total: Callable[[Sequence[tuple[L, Any]]], L]) -> Network[L]:
+    """The network with the laws on parallel rows added up; ``total`` adds laws, each on a multiple of one row."""
+    groups: dict[tuple[tuple[str, Any], ...], list[tuple[L, Any]]] = {}
     for member in network.members:
-        names = sorted(member.row, key=lambda name: member.row[name] not in (1, -1))
-        scale = member.row[names[0]]
-        if len(names) == 1:
-            grounds.setdefault(names[0], _Collected()).add(member.law, scale)
-        elif len(names) == 2:  # noqa: PLR2004
-            key = _known(edges, names[0], names[1], -member.row[names[1]] / scale)
-            own = member.row[key[0]]
-            edges.setdefault(key, _Collected()).add(member.law, own)
-        else:
-            row = tuple((name, value / scale) for name, value in member.row.items())
-            wide.setdefault(row, _Collected()).add(member.law, scale)
-    return Graph(
-        network.coordinates,
-        {name: total.law() for name, total in grounds.items()},
-        tuple(Edge(*key, total.law()) for key, total in edges.items()),
-        tuple(Member(dict(row), total.law()) for row, total in wide.items()),
-    )
+        direction, scale = _direction(member.row, groups)
+        groups.setdefault(direction, []).append((member.law, scale))
+    members = (Member(dict(direction), total(laws)) for direction, laws in groups.items())
+    return Network(network.coordinates, tuple(members))
 
 
-def _known(edges: Mapping[tuple[str, str, Any], Any], first: str, second: str, ratio: Any) -> tuple[str, str, Any]:
-    """The edge, the way round in which it is already there."""
-    back = (second, first, 1 / ratio)
-    return back if back in edges else (first, second, ratio)
+def _direction(row: SymbolRow, known: Collection[Any]) -> tuple[tuple[tuple[str, Any], ...], Any]:
+    """The row over one of its coefficients, the same for parallel rows, and that coefficient."""
+    names = sorted(row, key=lambda name: row[name] not in (1, -1))
+    first, last = row[names[0]], row[names[-1]]
+    if len(names) == 2:  # noqa: PLR2004
+        back = ((names[1], ONE), (names[0], first / last))
+        return (back, last) if back in known else (((names[0], ONE), (names[1], last / first)), first)
+    return tuple((name, row[name] / first) for name in sorted(names)), first
+
+
+def reflected(laws: Sequence[tuple[Stiffness, Any]]) -> Stiffness:
+    """Sum of law * ratio^2, each term collected by the ratios it is reflected with."""
+    total = _Collected()
+    for law, ratio in laws:
+        total.add(law, ratio)
+    return total.law()
 
 
 class _Collected:

@@ -24,9 +24,9 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import Values
 from torsionnet.elimination import substitute
 from torsionnet.kinematics import Kinematics
-from torsionnet.symbolics.loops import network_bilinear, network_determinant
 from torsionnet.symbolics.network import ONE, Member, Network, Stiffness, SymbolRow
 from torsionnet.symbolics.program import Node, Program
+from torsionnet.symbolics.tree import bilinear, determinant
 
 PURE_S = Stiffness(damping=ONE)
 POWERS = {"angle": 0, "velocity": 1, "acceleration": 2}
@@ -47,7 +47,7 @@ class Part:
 class Reduced:
     """A network with the rigid rows asked for contracted, the rows carried along, and the factor of the determinant."""
 
-    network: Network
+    network: Network[Stiffness]
     rows: tuple[SymbolRow, ...]
     factor: Any
 
@@ -88,7 +88,7 @@ class Mechanism:
         return {name: value.symbol for name, value in reduced.items()}
 
     @cached_property
-    def network(self) -> Network:
+    def network(self) -> Network[Stiffness]:
         """The laws over the coordinates; the loose connections hold nothing."""
         laws = [(law_parts(owner, law), self.row(law.row)) for owner, law in self.kinematics.laws if law.acts]
         members = tuple(Member(row, Stiffness(*parts)) for parts, row in laws if row)
@@ -111,7 +111,7 @@ class Mechanism:
         """Det D."""
         found = self.reduced([load])
         first = next(iter(found.rows[0]), "")
-        return self.program.leaf(found.factor) * network_determinant(found.network, self.program, first)
+        return self.program.leaf(found.factor) * determinant(found.network, self.program, first)
 
     def numerator(self, parts: Collection[Part], node: str) -> Node:
         """Det D times a reading under a unit torque on a node."""
@@ -122,7 +122,7 @@ class Mechanism:
             number = self.program.leaf(part.factor * found.factor)
             for law in [PURE_S] * part.power + ([part.law] if part.law else []):
                 number = number * self.program.leaf(law)
-            total = total + network_bilinear(found.network, self.program, row, load) * number
+            total = total + bilinear(found.network, self.program, row, load) * number
         return total
 
 

@@ -1,122 +1,67 @@
-"""The division-free recursion on a forest.
+"""The division-free recursion on a tree of blocks.
 
-With g_v the dynamic stiffness to ground at coordinate v, and laws y_e on the motions alpha_e theta_v + beta_e theta_c
-between v and its child c,
+Below a coordinate v hang blocks, each with its determinants A_b and Q_b for v free and held (see
+:mod:`torsionnet.symbolics.bundle` and :mod:`torsionnet.symbolics.loops`). With g_v the dynamic stiffness to ground,
 
-    F_c = A_c + sum_e beta_e^2 y_e Q_c,   Q_v = prod F_c,   A_v = g_v Q_v + sum_c B_c prod_{c' != c} F_c'
-    B_c = sum_e alpha_e^2 y_e A_c + sum_{e<f} (alpha_e beta_f - alpha_f beta_e)^2 y_e y_f Q_c
+    Q_v = prod Q_b,   A_v = g_v Q_v + sum_b A_b prod_{b' != b} Q_b'
 
-where the second sum, by Cauchy and Binet, is there only if several motions are resisted between the same two
-coordinates, as by a shaft with its own inertia. det D = A_root, and for the torque at the root and the motion at j
+det D = A_root, and for the torque at the root and the motion at j
 
-    adj_j = prod_path(-sum_e alpha_e beta_e y_e) * prod_{subtrees hanging off the path} F * Q_j
+    adj_j = prod_path(motion carried through the block) * prod_{blocks hanging off the path} Q_b * Q_j
 
-On a tree of single laws nothing is subtracted or divided: every coefficient of the expanded result is positive where
-the ratios are. The twist along an edge needs no subtraction either: where theta_v has F_c, a theta_v + b theta_c has
-a A_c + sum_e (a beta_e - b alpha_e) beta_e y_e Q_c.
+without a subtraction or division where every block is a single edge: every coefficient of the expanded result is
+positive where the ratios are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import combinations
-from typing import Any, NamedTuple
+from typing import Protocol
 
-from torsionnet.symbolics.network import Edge, Graph, SymbolRow, vanishes
+from torsionnet.symbolics.blocks import Block, Orientation, orient, roots_of
+from torsionnet.symbolics.bundle import Bundle, Quotient, quotient, sum_of_quotients
+from torsionnet.symbolics.network import Member, Network, Stiffness, SymbolRow, added_up, reflected
 from torsionnet.symbolics.program import Node, Program
 
 
-class Strand(NamedTuple):
-    """A law on near * theta_parent + far * theta_child."""
+class Solved(Protocol):
+    """A block and all that hangs on it, seen from its top."""
 
-    law: Any
-    near: Any
-    far: Any
+    @property
+    def held(self) -> Node:
+        """The determinant with the top held."""
+        ...
 
+    @property
+    def free(self) -> Node:
+        """The determinant with the top free."""
+        ...
 
-@dataclass(frozen=True)
-class Branch:
-    """All laws between a parent and its child."""
+    def carried(self, end: str) -> Node:
+        """Motion of a coordinate under a unit torque on the top, without what hangs on that coordinate."""
+        ...
 
-    parent: str
-    child: str
-    strands: tuple[Strand, ...]
-
-    def crossings(self) -> Iterator[tuple[Strand, Strand, Any]]:
-        """Pairs of strands with the square of the determinant of their rows."""
-        for e, f in combinations(self.strands, 2):
-            yield e, f, (e.near * f.far - f.near * e.far) ** 2
-
-
-@dataclass(frozen=True)
-class Orientation:
-    """The tree that hangs on a root: coordinates from the root outwards, and the edges between them."""
-
-    root: str
-    order: tuple[str, ...]
-    above: Mapping[str, Branch]
-    below: Mapping[str, tuple[Branch, ...]]
-
-    def path(self, end: str) -> list[Branch]:
-        """Edges from the root to a coordinate."""
-        found = []
-        while end != self.root:
-            found.append(self.above[end])
-            end = found[-1].parent
-        return found[::-1]
-
-
-def orient(graph: Graph, root: str) -> Orientation:
-    """Hang the tree of ``root`` on it."""
-    attached = _attached(graph.edges)
-    order = [root]
-    above: dict[str, Branch] = {}
-    below: dict[str, tuple[Branch, ...]] = {}
-    for name in order:
-        strands: dict[str, list[Strand]] = {}
-        for edge in attached.get(name, ()):
-            other = edge.second if edge.first == name else edge.first
-            if name not in above or above[name].parent != other:
-                strands.setdefault(other, []).append(Strand(edge.law, *edge.coefficients(name)))
-        below[name] = tuple(Branch(name, other, tuple(found)) for other, found in strands.items())
-        above |= {branch.child: branch for branch in below[name]}
-        order += strands
-    return Orientation(root, tuple(order), above, below)
-
-
-def _attached(edges: Iterable[Edge]) -> dict[str, list[Edge]]:
-    found: dict[str, list[Edge]] = {}
-    for edge in edges:
-        found.setdefault(edge.first, []).append(edge)
-        found.setdefault(edge.second, []).append(edge)
-    return found
-
-
-def recursion(graph: Graph, program: Program, root: str) -> Recursion:
-    """The recursion on one tree, taken down once."""
-    key = (graph, root)
-    if key not in program.memory:
-        program.memory[key] = Recursion(graph, program, root)
-    found: Recursion = program.memory[key]
-    return found
+    def reading(self, row: SymbolRow) -> Node:
+        """A row over the coordinates of the block under a unit torque on the top."""
+        ...
 
 
 @dataclass
 class Recursion:
-    """A, Q and F of every coordinate of one tree, taken down in a program."""
+    """A and Q of every coordinate that is connected to the root, taken down in a program."""
 
-    graph: Graph
+    network: Network[Quotient]
     program: Program
     root: str
     A: dict[str, Node] = field(default_factory=dict)
     Q: dict[str, Node] = field(default_factory=dict)
-    F: dict[str, Node] = field(default_factory=dict)
+    solved: dict[Block[Quotient], Solved] = field(default_factory=dict)
 
     @cached_property
-    def tree(self) -> Orientation:
-        return orient(self.graph, self.root)
+    def tree(self) -> Orientation[Quotient]:
+        return orient(self.network, self.root)
 
     def __post_init__(self) -> None:
         for name in reversed(self.tree.order):
@@ -124,60 +69,69 @@ class Recursion:
 
     @property
     def determinant(self) -> Node:
-        """Det D of this tree."""
-        return self.A[self.root]
+        """Det D."""
+        return self.A[self.root] * self.beside
 
-    def _eliminate(self, name: str) -> None:
-        branches = self.tree.below[name]
-        for branch in branches:
-            child = branch.child
-            self.F[child] = self.A[child] + self._sum(branch, lambda e: e.far**2) * self.Q[child]
-        others = self._products_without_one([branch.child for branch in branches])
-        self.Q[name] = self._hanging(name)
-        total = self.program.leaf(self.graph.grounds[name]) * self.Q[name] if name in self.graph.grounds else None
-        for branch, rest in zip(branches, others, strict=True):
-            term = self._handed_up(branch) * rest
-            total = term if total is None else total + term
-        self.A[name] = self.program.leaf(0) if total is None else total
+    @property
+    def held(self) -> Node:
+        """Det D with the root held."""
+        return self.Q[self.root] * self.beside
 
-    def _handed_up(self, branch: Branch) -> Node:
-        """F_c times the stiffness of the branch at its parent."""
-        total = self._sum(branch, lambda e: e.near**2) * self.A[branch.child]
-        for e, f, factor in branch.crossings():
-            y = self.program.leaf(e.law) * self.program.leaf(f.law) * self.program.leaf(factor)
-            total = total + y * self.Q[branch.child]
-        return total
-
-    def _sum(self, branch: Branch, factor: Callable[[Strand], Any]) -> Node:
-        """Sum of the laws of a branch, each with a factor."""
-        total = self.program.leaf(0)
-        for strand in branch.strands:
-            number = factor(strand)
-            if not vanishes(number):
-                total = total + self.program.leaf(number) * self.program.leaf(strand.law)
-        return total
-
-    def _hanging(self, name: str, without: str = "") -> Node:
+    @cached_property
+    def beside(self) -> Node:
+        """The determinants of all that is not connected to the root."""
         result = self.program.leaf(1)
-        for branch in self.tree.below[name]:
-            if branch.child != without:
-                result = result * self.F[branch.child]
+        for other in roots_of(self.network, self.root)[1:]:
+            result = result * Recursion(self.network, self.program, other).A[other]
         return result
 
-    def _products_without_one(self, children: Sequence[str]) -> list[Node]:
+    def _eliminate(self, name: str) -> None:
+        blocks = self.tree.below[name]
+        for block in blocks:
+            self.solved[block] = self._solve(block)
+        own = self._ground(name)
+        held = self._hanging(name)
+        self.Q[name] = own.below * held
+        total = own.above * held
+        for block, rest in zip(blocks, self._products_without_one(blocks), strict=True):
+            total = total + own.below * self.solved[block].free * rest
+        self.A[name] = total
+
+    def _solve(self, block: Block[Quotient]) -> Solved:
+        hanging = {name: Quotient(self.A[name], self.Q[name]) for name in block.below}
+        if block.is_bundle:
+            return Bundle(block, hanging[block.below[0]], self.program)
+        from torsionnet.symbolics.loops import tied
+
+        return tied(block, hanging, self.program)
+
+    def _ground(self, name: str) -> Quotient:
+        return sum_of_quotients([(law, 1) for law in self.network.grounds.get(name, ())], self.program)
+
+    def _hanging(self, name: str, without: Block[Quotient] | None = None) -> Node:
+        result = self.program.leaf(1)
+        for block in self.tree.below[name]:
+            if block is not without:
+                result = result * self.solved[block].held
+        return result
+
+    def _products_without_one(self, blocks: Sequence[Block[Quotient]]) -> list[Node]:
         ahead, behind = [self.program.leaf(1)], [self.program.leaf(1)]
-        for child in children[:-1]:
-            ahead.append(ahead[-1] * self.F[child])
-        for child in reversed(children[1:]):
-            behind.append(behind[-1] * self.F[child])
-        return [a * b for a, b in zip(ahead, reversed(behind), strict=True)] if children else []
+        for block in blocks[:-1]:
+            ahead.append(ahead[-1] * self.solved[block].held)
+        for block in reversed(blocks[1:]):
+            behind.append(behind[-1] * self.solved[block].held)
+        return [a * b for a, b in zip(ahead, reversed(behind), strict=True)] if blocks else []
+
+    def _aside(self, name: str, block: Block[Quotient]) -> Node:
+        """What hangs on a coordinate besides a block."""
+        return self._ground(name).below * self._hanging(name, block)
 
     def _carried(self, end: str) -> Node:
         """Product along the path to ``end``, with all that hangs off it."""
-        result = self.program.leaf(1)
-        for branch in self.tree.path(end):
-            passed = self._sum(branch, lambda e: -e.near * e.far)
-            result = result * passed * self._hanging(branch.parent, branch.child)
+        result = self.beside
+        for block, far in self.tree.path(end):
+            result = result * self.solved[block].carried(far) * self._aside(block.top, block)
         return result
 
     def motion(self, end: str) -> Node:
@@ -185,56 +139,49 @@ class Recursion:
         return self._carried(end) * self.Q[end]
 
     def reading(self, row: SymbolRow) -> Node:
-        """Det D times row theta under a unit torque at the root; other trees do not move."""
+        """Det D times row theta under a unit torque at the root; what is not connected to it does not move."""
         row = {name: value for name, value in row.items() if name in self.Q}
-        twist = self._twist(row)
-        if twist is not None:
-            return twist
+        block = self._common(row)
+        if block is not None:
+            return self._carried(block.top) * self._aside(block.top, block) * self.solved[block].reading(row)
         total = self.program.leaf(0)
         for name, value in row.items():
             total = total + self.program.leaf(value) * self.motion(name)
         return total
 
-    def _twist(self, row: SymbolRow) -> Node | None:
-        """The reading along an edge, without a subtraction."""
-        if len(row) != 2:  # noqa: PLR2004
-            return None
-        for child in row:
-            branch = self.tree.above.get(child)
-            if branch and branch.parent in row:
-                a, b = row[branch.parent], row[child]
-                passed = self._sum(branch, lambda e, a=a, b=b: (a * e.far - b * e.near) * e.far)  # type: ignore[misc]
-                carried = self._carried(branch.parent) * self._hanging(branch.parent, child)
-                return carried * (self.program.leaf(a) * self.A[child] + passed * self.Q[child])
-        return None
+    def _common(self, row: SymbolRow) -> Block[Quotient] | None:
+        """The block in which all of several coordinates are."""
+        found = [self.tree.above[name] for name in row if name in self.tree.above] if len(row) > 1 else []
+        return next((block for block in found if block.covers(row)), None)
 
 
-def roots_of(graph: Graph, first: str = "") -> list[str]:
-    """One root for every tree of a forest; that of the tree with ``first`` is ``first``."""
-    left = dict.fromkeys([first, *graph.coordinates] if first else graph.coordinates)
-    roots = []
-    while left:
-        root = next(iter(left))
-        roots.append(root)
-        for name in orient(graph, root).order:
-            left.pop(name, None)
-    return roots
+def seen_from(root: str, network: Network[Stiffness], program: Program) -> Recursion:
+    """The recursion from a root, taken down once."""
+    key = (network, root)
+    if key not in program.memory:
+        program.memory[key] = Recursion(quotients(network, program), program, root)
+    found: Recursion = program.memory[key]
+    return found
 
 
-def determinant(graph: Graph, program: Program, first: str = "") -> Node:
-    """Det D of a forest."""
-    result = program.leaf(1)
-    for root in roots_of(graph, first):
-        result = result * recursion(graph, program, root).determinant
-    return result
+def quotients(network: Network[Stiffness], program: Program) -> Network[Quotient]:
+    """The network with parallel laws added up, its laws as steps of a program."""
+    if network not in program.memory:
+        members = (Member(member.row, quotient(member.law, program)) for member in added_up(network, reflected).members)
+        program.memory[network] = Network(network.coordinates, tuple(members))
+    found: Network[Quotient] = program.memory[network]
+    return found
 
 
-def bilinear(graph: Graph, program: Program, reading: SymbolRow, load: SymbolRow) -> Node:
-    """Reading^T adj(D) load of a forest."""
+def determinant(network: Network[Stiffness], program: Program, first: str = "") -> Node:
+    """Det D."""
+    root = first or next(iter(network.coordinates), "")
+    return seen_from(root, network, program).determinant if root else program.leaf(1)
+
+
+def bilinear(network: Network[Stiffness], program: Program, reading: SymbolRow, load: SymbolRow) -> Node:
+    """Reading^T adj(D) load."""
     total = program.leaf(0)
     for root, share in load.items():
-        part = recursion(graph, program, root).reading(reading)
-        for other in roots_of(graph, root)[1:]:
-            part = part * recursion(graph, program, other).determinant
-        total = total + program.leaf(share) * part
+        total = total + program.leaf(share) * seen_from(root, network, program).reading(reading)
     return total
