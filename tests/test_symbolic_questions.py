@@ -23,6 +23,20 @@ def shafts(count, inertia="consistent"):
     return tn.Drivetrain("shafts", elements, parameters, inputs={"T": {"torque": "n0"}})
 
 
+def planetary_sets(count):
+    elements, parameters = [tn.Inertia("first", node="n0", inertia="J")], {"J": 0.1}
+    for i in range(count):
+        sun, ring, carrier = f"n{i}", f"r{i}", f"n{i + 1}"
+        parameters |= {f"z_{i}": 2 + 0.3 * i, f"k_{i}": 1e3 * (i + 1)}
+        elements += [
+            tn.Planetary(f"p{i}", sun=sun, ring=ring, carrier=carrier, ratio=f"z_{i}", stiffness=f"k_{i}"),
+            tn.Inertia(f"ring_{i}", node=ring, inertia=0.3),
+            tn.Inertia(f"carrier_{i}", node=carrier, inertia=0.2),
+            tn.Spring(f"brake_{i}", nodes=(ring, "ground"), stiffness=900, damping=1),
+        ]
+    return tn.Drivetrain("sets", elements, parameters, inputs={"T": {"torque": "n0"}})
+
+
 def agree(model, output, input, **options):
     H = model.symbolic().transfer_function(output, input, **options)
     expected = model.frequency_response(output, input, F, **options).values
@@ -40,6 +54,11 @@ class TestLawsBetweenTheSameCoordinates:
             shafts(n).symbolic().transfer_function(f"n{n}", "T").program.operations for n in (10, 20, 40)
         )
         assert forty - twenty == 2 * (twenty - ten)
+
+    def test_operations_grow_in_proportion_to_compliant_planetary_sets(self):
+        three, six, twelve = (planetary_sets(n) for n in (3, 6, 12))
+        counts = [agree(model, f"n{n}", "T").program.operations for model, n in ((three, 3), (six, 6), (twelve, 12))]
+        assert counts[2] - counts[1] <= 2.1 * (counts[1] - counts[0])
 
     def test_gears_side_by_side_and_a_rigid_planetary_with_inertia_on_its_ring(self):
         elements = [
