@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from torsionnet.assembly.system import Assembly
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
+    from torsionnet.signals.recording import Recording
     from torsionnet.solve.grid import Adaptive
     from torsionnet.symbolics.system import SymbolicSystem
 
@@ -375,6 +376,42 @@ class Drivetrain:
         from torsionnet.solve.variants import frequency_responses
 
         return frequency_responses(self, output, input, frequencies, variants, excitation=excitation, method=method)
+
+    def simulate(self, outputs: Channels, inputs: Mapping[str, ArrayLike], sampling_rate: float) -> Recording:
+        """Motion over time under sampled torques, from rest.
+
+        Exact for torques that run straight from sample to sample, also for drivetrains that turn freely.
+
+        Parameters
+        ----------
+        outputs : str, Sensor or sequence of these
+            As for :meth:`frequency_response`.
+        inputs : mapping
+            Name of an input or node -> (n,) torques in N m. That on a node is called ``torque on NODE`` in the result.
+        sampling_rate : float
+            Hz.
+
+        Returns
+        -------
+        Recording
+            The inputs and the outputs, SI units.
+
+        Raises
+        ------
+        UsageError
+            Unknown names, lists of unlike length, frequency-dependent laws, or a reading that contains the rate of
+            change of an input.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> record = tn.load("dmf_rig").simulate(["theta_1", "T_T"], {"T_M": [0.0] + 4000 * [10.0]}, 1e3)
+        >>> record.names, round(float(record["T_T"].values[-1]), 6)
+        (('T_M', 'theta_1', 'T_T'), 10.0)
+        """
+        from torsionnet.solve.simulate import simulate
+
+        return simulate(self, outputs, inputs, sampling_rate)
 
     def modes(
         self,

@@ -55,9 +55,9 @@ def to_control(drivetrain: Drivetrain) -> control.StateSpace:
         raise UsageError(msg)
     assembly = drivetrain.assembly
     inputs = list(present.inputs.values())
-    system = _first_order(assembly, inputs)
+    system = first_order(assembly, inputs)
     readings = [functional(drivetrain, sensor, name) for name, sensor in present.sensors.items()]
-    rows = [_output(assembly, reading, inputs, system) for reading in readings]
+    rows = [output_rows(assembly, reading, inputs, system) for reading in readings]
     C, D = np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
     return control.StateSpace(
         system.A,
@@ -91,7 +91,14 @@ def active_channels(drivetrain: Drivetrain) -> Channels:
     return Channels(inputs, sensors)
 
 
-def _first_order(assembly: Assembly, inputs: Sequence[Input]) -> FirstOrder:
+def first_order(assembly: Assembly, inputs: Sequence[Input]) -> FirstOrder:
+    """States of an assembly under torques on nodes.
+
+    Raises
+    ------
+    UsageError
+        Frequency-dependent laws or an imposed angle.
+    """
     system = assembly.system
     if system.dynamic:
         names = ", ".join(sorted({assembly.owners[index] for index, _ in system.dynamic}))
@@ -140,10 +147,16 @@ def _condensed(
     return FirstOrder(A, B, X, U)
 
 
-def _output(
+def output_rows(
     assembly: Assembly, reading: Functional, inputs: Sequence[Input], system: FirstOrder
 ) -> tuple[FloatArray, FloatArray]:
-    """Rows of C and D; the coefficients of u' and u'' have to vanish."""
+    """Rows of C and D of a reading; the coefficients of u' and u'' have to vanish.
+
+    Raises
+    ------
+    UsageError
+        They do not.
+    """
     C = np.zeros(len(system.A))
     D = np.array([reading.direct.get(channel.of, 0.0) for channel in inputs])
     rates = np.zeros((2, len(inputs)))

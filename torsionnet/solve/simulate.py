@@ -1,0 +1,111 @@
+"""Motion over time under sampled torques, exact where these run straight from sample to sample.
+
+Each triangular block of the first-order system is stepped by its own matrix exponential, the last state first:
+
+    z[n+1] = exp(T h) z[n] + G_0 u[n] + G_1 u[n+1]
+
+which is a recursive filter for every state, its input the states after it. No step size, no iteration, no drift.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import linalg
+
+from torsionnet.assembly.functionals import Functional
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.channels import Input, Sensor
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import UsageError
+from torsionnet.signals.recording import Recording, Signal
+from torsionnet.solve.question import ask
+from torsionnet.solve.state_space import first_order, output_rows
+from torsionnet.solve.triangular import Block, blocks
+
+QUANTITIES = {"N*m": "torque", "rad": "angle", "rad/s": "velocity", "rad/s^2": "acceleration"}
+
+
+def simulate(
+    drivetrain: Drivetrain,
+    outputs: str | Sensor | Sequence[str | Sensor],
+    inputs: Mapping[str, ArrayLike],
+    sampling_rate: float,
+) -> Recording:
+    """See :meth:`torsionnet.Drivetrain.simulate`."""
+    torques = _torques(inputs)
+    asked = [outputs] if isinstance(outputs, str | Sensor) else list(outputs)
+    question = ask(drivetrain, asked, list(inputs), None)
+    if question.is_measured or any(source.quantity != "torque" for source in question.excitations):
+        msg = "a simulation is driven by torques: name inputs or nodes on which they act"
+        raise UsageError(msg)
+    motion = respond(drivetrain, question.outputs, question.excitations, torques, sampling_rate)
+    names = (name if name in drivetrain.inputs else f"torque on {name}" for name in inputs)
+    driven = (Signal(name, "torque", torque) for name, torque in zip(names, torques, strict=True))
+    read = (
+        Signal(reading.name, QUANTITIES[reading.unit], values)
+        for reading, values in zip(question.outputs, motion, strict=True)
+    )
+    notes = (f"simulated: {drivetrain.title}, at rest before the first sample",)
+    return Recording((*driven, *read), sampling_rate, title=drivetrain.title, notes=notes)
+
+
+def _torques(inputs: Mapping[str, ArrayLike]) -> FloatArray:
+    try:
+        torques = np.array([np.asarray(values, dtype=float) for values in inputs.values()])
+    except (TypeError, ValueError):
+        torques = np.array(np.nan)
+    if torques.ndim != 2 or not torques.size or not np.isfinite(torques).all():  # noqa: PLR2004
+        msg = "the torques of a simulation are lists of finite numbers in N m by input, all of one length"
+        raise UsageError(msg)
+    return torques
+
+
+def respond(
+    drivetrain: Drivetrain,
+    readings: Sequence[Functional],
+    excitations: Sequence[Input],
+    torques: FloatArray,
+    sampling_rate: float,
+) -> FloatArray:
+    """Readings (n_out, n) under torques (n_in, n) in N m."""
+    system = first_order(drivetrain.assembly, excitations)
+    rows = [output_rows(drivetrain.assembly, reading, excitations, system) for reading in readings]
+    C, D = np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
+    motion = D @ torques
+    for block in blocks(system.A, system.B, C):
+        motion += _stepped(block, torques, 1 / sampling_rate)
+    return np.asarray(motion)
+
+
+def _stepped(block: Block, torques: FloatArray, h: float) -> FloatArray:
+    """What one block adds to the outputs."""
+    from scipy.signal import lfilter
+
+    step, before, after = _first_order_hold(block, h)
+    outputs = np.zeros((len(block.C), torques.shape[1]))
+    known: dict[int, ComplexArray] = {}
+    for state in range(len(step) - 1, -1, -1):
+        drive = np.zeros(torques.shape[1], dtype=complex)
+        drive[1:] = before[state] @ torques[:, :-1] + after[state] @ torques[:, 1:]
+        for other, values in known.items():
+            drive[1:] += step[state, other] * values[:-1]
+        values = lfilter([1.0], [1.0, -step[state, state]], drive)
+        if not block.is_diagonal:
+            known[state] = values
+        for output, weight in enumerate(block.C[:, state]):
+            outputs[output] += weight.real * values.real - weight.imag * values.imag
+    return outputs
+
+
+def _first_order_hold(block: Block, h: float) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """exp(T h), G_0 and G_1 for a torque that runs straight from one sample to the next."""
+    n, n_in = block.B.shape
+    whole = np.zeros((n + 2 * n_in, n + 2 * n_in), dtype=complex)
+    whole[:n, :n], whole[:n, n : n + n_in] = block.T * h, block.B * h
+    whole[n : n + n_in, n + n_in :] = np.eye(n_in)
+    power = np.asarray(linalg.expm(whole), dtype=np.complex128)
+    after = power[:n, n + n_in :]
+    return power[:n, :n], power[:n, n : n + n_in] - after, after

@@ -1,0 +1,68 @@
+"""x' = A x + B u in parts that are easy to step exactly: triangular blocks without coupling between them.
+
+The states of rigid rotation, whose poles at zero are multiple and have no eigenvectors of their own, are a block by
+themselves. The rest is diagonal where its eigenvectors are well conditioned, with one of each conjugate pair only, and
+one triangular block where they are not (critical damping).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy import linalg
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+
+AT_REST = 1e-7
+"""Poles smaller than this share of the largest are taken together with those at zero."""
+CONDITION = 1e7
+"""Of the eigenvectors, up to which digits are not at risk."""
+
+
+@dataclass(frozen=True)
+class Block:
+    """z' = T z + B u with T upper triangular, and its share Re(C z) of the outputs."""
+
+    T: ComplexArray
+    B: ComplexArray
+    C: ComplexArray
+
+    @property
+    def is_diagonal(self) -> bool:
+        return not np.triu(self.T, 1).any()
+
+
+def blocks(A: FloatArray, B: FloatArray, C: FloatArray) -> list[Block]:
+    """Blocks whose outputs add up to those of the system (A (n, n), B (n, n_in), C (n_out, n))."""
+    if not len(A):
+        return []
+    balanced, (scale, _) = linalg.matrix_balance(A, permute=False, separate=True)
+    size = np.abs(linalg.eigvals(balanced)).max()
+    schur: Any = linalg.schur
+    T, Q, resting = schur(balanced, output="complex", sort=lambda pole: abs(pole) <= AT_REST * size)
+    inputs, outputs = Q.conj().T @ (B / scale[:, None]), (C * scale) @ Q
+    rest = slice(0, resting), slice(resting, None)
+    if 0 < resting < len(A):
+        across = linalg.solve_sylvester(T[rest[0], rest[0]], -T[rest[1], rest[1]], -T[rest[0], rest[1]])
+        inputs[rest[0]] -= across @ inputs[rest[1]]
+        outputs[:, rest[1]] += outputs[:, rest[0]] @ across
+    parts = [Block(T[part, part], inputs[part], outputs[:, part]) for part in rest if len(T[part])]
+    return [_diagonal(part) if number == len(parts) - 1 else part for number, part in enumerate(parts)]
+
+
+def _diagonal(block: Block) -> Block:
+    """The block in its eigenvectors, if these can be trusted."""
+    poles, vectors = np.linalg.eig(block.T)
+    if np.linalg.cond(vectors) > CONDITION:
+        return block
+    inputs: ComplexArray = np.asarray(np.linalg.solve(vectors, block.B), dtype=np.complex128)
+    outputs = block.C @ vectors
+    upper = poles.imag > AT_REST * np.abs(poles)
+    real = np.abs(poles.imag) <= AT_REST * np.abs(poles)
+    if 2 * upper.sum() + real.sum() != len(poles):
+        return Block(np.diag(poles).astype(complex), inputs, outputs)
+    kept = upper | real
+    weight = np.where(upper, 2.0, 1.0)[kept]
+    return Block(np.diag(poles[kept]).astype(complex), inputs[kept], outputs[:, kept] * weight)
