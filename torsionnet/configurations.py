@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from torsionnet.elements.fields import FieldError, plain_scalar
-from torsionnet.errors import Fault, UsageError, did_you_mean
+from torsionnet.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.expressions import Expression
 from torsionnet.operating_point import OperatingPoint, read_operating_point
 from torsionnet.parameters import read_value
@@ -160,3 +160,44 @@ def _parse_part(part: str, axes: Axes) -> tuple[str, str]:
 
 def _listed(names: Any) -> str:
     return ", ".join(str(name) for name in names) or "none"
+
+
+def read_overrides(
+    overrides: Mapping[str, Any], parameters: Mapping[str, Any], axes: Mapping[str, Any]
+) -> dict[str, Expression]:
+    """Values given by hand for some of the ``parameters``.
+
+    Raises
+    ------
+    UsageError
+        No such parameter.
+    ModelError
+        A value that cannot be read.
+    """
+    values = {}
+    for name, raw in overrides.items():
+        if name not in parameters:
+            axis = f'; configurations are chosen by text: configured("{name}={raw}")' if name in axes else ""
+            msg = f'no parameter is named "{name}"{axis or did_you_mean(name, parameters)}'
+            raise UsageError(msg)
+        try:
+            values[name] = read_value(raw)
+        except FieldError as error:
+            raise ModelError([error.fault.under("parameters", name)]) from None
+    return values
+
+
+def known_elements(names: Iterable[str] | str, elements: Mapping[str, Any]) -> list[str]:
+    """One name or several as a list.
+
+    Raises
+    ------
+    UsageError
+        No such element.
+    """
+    listed = [names] if isinstance(names, str) else list(names)
+    for name in listed:
+        if name not in elements:
+            msg = f'no element is named "{name}"{did_you_mean(str(name), elements)}'
+            raise UsageError(msg)
+    return listed

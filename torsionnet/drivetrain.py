@@ -11,14 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 from torsionnet.channels import Input, Sensor
 from torsionnet.checks import check_definition, check_variant, has_errors
-from torsionnet.configurations import Overlay, combinations, label, parse_choice
+from torsionnet.configurations import Overlay, combinations, known_elements, label, parse_choice, read_overrides
 from torsionnet.definition import Definition, all_nodes, collect_elements, define
 from torsionnet.elements import Element
-from torsionnet.elements.fields import FieldError
-from torsionnet.errors import Fault, ModelError, UsageError, did_you_mean
-from torsionnet.expressions import Expression
+from torsionnet.errors import Fault, ModelError
 from torsionnet.operating_point import OperatingPoint
-from torsionnet.parameters import Parameter, read_value, resolve
+from torsionnet.parameters import Parameter, resolve
 from torsionnet.speeds import mean_speeds, mean_torques, total_ratio
 
 if TYPE_CHECKING:
@@ -244,14 +242,14 @@ class Drivetrain:
         choice = dict(self._choice)
         if name:
             choice |= parse_choice(name, self._base.axes)
-        values = _read_overrides(overrides, self._base)
+        values = read_overrides(overrides, self._base.parameters, self._base.axes)
         return self._changed(choice, replace(self._changes, parameters={**self._changes.parameters, **values}))
 
     def switched(self, *, on: Iterable[str] = (), off: Iterable[str] = ()) -> Drivetrain:
         """A copy with elements switched on or off by name, whatever its configuration says."""
         states = dict.fromkeys(self._changes.on, True) | dict.fromkeys(self._changes.off, False)
-        states |= dict.fromkeys(_element_names(on, self._base), True)
-        states |= dict.fromkeys(_element_names(off, self._base), False)
+        states |= dict.fromkeys(known_elements(on, self._base.elements), True)
+        states |= dict.fromkeys(known_elements(off, self._base.elements), False)
         lists = {word: tuple(name for name in states if states[name] is (word == "on")) for word in ("on", "off")}
         return self._changed(self._choice, replace(self._changes, on=lists["on"], off=lists["off"]))
 
@@ -354,18 +352,6 @@ class Drivetrain:
         variants : mapping
             Parameter -> (n_variants,) values in SI; one value alone holds for all of them.
 
-        Returns
-        -------
-        FrequencyResponses
-            ``values`` of shape (n_variants, n_f, n_out, n_in); item ``i`` is the FrequencyResponse of variant ``i``.
-
-        Raises
-        ------
-        UsageError
-            No such parameter, or lists of unlike length.
-        ModelError
-            A value that is impossible.
-
         Examples
         --------
         >>> import torsionnet as tn
@@ -378,9 +364,7 @@ class Drivetrain:
         return frequency_responses(self, output, input, frequencies, variants, excitation=excitation, method=method)
 
     def simulate(self, outputs: Channels, inputs: Mapping[str, ArrayLike], sampling_rate: float) -> Recording:
-        """Motion over time under sampled torques, from rest.
-
-        Exact for torques that run straight from sample to sample, also for drivetrains that turn freely.
+        """Motion over time from rest, exact for torques that run straight from sample to sample.
 
         Parameters
         ----------
@@ -399,8 +383,7 @@ class Drivetrain:
         Raises
         ------
         UsageError
-            Unknown names, lists of unlike length, frequency-dependent laws, or a reading that contains the rate of
-            change of an input.
+            Unknown names, unlike lengths, frequency-dependent laws, or a reading with the rate of an input in it.
 
         Examples
         --------
@@ -511,26 +494,3 @@ def _refuse(faults: Iterable[Fault], title: str) -> None:
     errors = [fault for fault in faults if fault.severity == "error"]
     if errors and has_errors(errors):
         raise ModelError(errors, title if isinstance(title, str) and title else "the model")
-
-
-def _read_overrides(overrides: Mapping[str, Any], definition: Definition) -> dict[str, Expression]:
-    values = {}
-    for name, raw in overrides.items():
-        if name not in definition.parameters:
-            axis = f'; configurations are chosen by text: configured("{name}={raw}")' if name in definition.axes else ""
-            msg = f'no parameter is named "{name}"{axis or did_you_mean(name, definition.parameters)}'
-            raise UsageError(msg)
-        try:
-            values[name] = read_value(raw)
-        except FieldError as error:
-            raise ModelError([error.fault.under("parameters", name)]) from None
-    return values
-
-
-def _element_names(names: Iterable[str] | str, definition: Definition) -> list[str]:
-    listed = [names] if isinstance(names, str) else list(names)
-    for name in listed:
-        if name not in definition.elements:
-            msg = f'no element is named "{name}"{did_you_mean(str(name), definition.elements)}'
-            raise UsageError(msg)
-    return listed
