@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -135,10 +136,29 @@ def _irreducible(function: TransferFunction, index: int) -> list[tuple[list[Any]
     if count > MOST_TERMS or len(coefficients) < 3 or whole.has(sympy.I):  # noqa: PLR2004
         return [(coefficients, 1)]
     number, denominator = sympy.fraction(sympy.together(whole))
-    if sympy.count_ops(number) > MOST_OPERATIONS or len(number.free_symbols) > MOST_SYMBOLS:
+    if (
+        sympy.count_ops(number) > MOST_OPERATIONS
+        or len(number.free_symbols) > MOST_SYMBOLS
+        or not _factors_at_random(number)
+    ):
         return [(coefficients, 1)]
     content, found = sympy.factor_list(number, S)
     return [([content / denominator], 1), *((_coefficients(factor), power) for factor, power in found)]
+
+
+def _factors_at_random(polynomial: Any) -> bool:
+    """Whether it still has factors with random numbers for the parameters; if not, it is irreducible (Hilbert).
+
+    sympy may take hours to find that out of a polynomial in many symbols.
+    """
+    symbols = sorted(polynomial.free_symbols - {S}, key=str)
+    for seed in range(2):
+        draw = random.Random(seed)  # noqa: S311
+        chosen = {symbol: draw.randrange(10**3, 10**4) for symbol in symbols}
+        _, found = sympy.factor_list(polynomial.xreplace(chosen), S)
+        if sum(power for factor, power in found if factor != S) < 2:  # noqa: PLR2004
+            return False
+    return True
 
 
 def _coefficients(polynomial: Any) -> list[Any]:
