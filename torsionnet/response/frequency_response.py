@@ -122,6 +122,24 @@ class FrequencyResponse:
             coherence=None if self.coherence is None else self.coherence[pick],
         )
 
+    def between(self, start: float, stop: float) -> FrequencyResponse:
+        """Only the frequencies from ``start`` to ``stop`` Hz, both included.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> tn.load("dmf_rig").frequency_response("theta_1", "T_M", [1, 2, 3, 4]).between(2, 3).frequencies.tolist()
+        [2.0, 3.0]
+        """
+        kept = (self.frequencies >= start) & (self.frequencies <= stop)
+        return replace(
+            self,
+            frequencies=self.frequencies[kept],
+            values=self.values[kept],
+            conditioning=None if self.conditioning is None else self.conditioning[kept],
+            coherence=None if self.coherence is None else self.coherence[kept],
+        )
+
     def receptance(self) -> FrequencyResponse:
         """Angle per torque: every output of motion integrated or kept."""
         return self._of_order("rad")
