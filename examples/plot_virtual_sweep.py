@@ -26,8 +26,8 @@ record = record.with_signals(
 )
 
 # %%
-# Estimate with the settings of the source paper: decimated to 200 Hz, Hamming windows of 2 s, 80 % overlap, H2. The
-# angle gets small with frequency, until the encoder cannot resolve it: the dotted line is where it falls below four steps.
+# Estimate with the settings of the source paper: decimated to 200 Hz, Hamming windows of 2 s, 80 % overlap, H2.
+# The angle gets small with frequency, until the encoder cannot resolve it: below four steps at the dotted line.
 test = signals.estimate(record, "theta_1", "T_T", settings=signals.PAPER).between(0.5, 40)
 model = rig.frequency_response("theta_1", "T_T", test.frequencies)
 amplitude = 15 * np.abs(rig.frequency_response("theta_1", "T_M", test.frequencies).values[:, 0, 0])
