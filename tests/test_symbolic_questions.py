@@ -1,9 +1,13 @@
 """Transfer functions in symbols beyond one torque and a tree of single laws: each against the numbers."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
+import sympy
 
 import torsionnet as tn
+from torsionnet.symbolics.normalised import Factor
 from torsionnet.symbolics.shown import shown
 
 F = np.array([0.3, 2.0, 7.0, 19.0])
@@ -76,6 +80,34 @@ class TestLawsBetweenTheSameCoordinates:
             agree(model, output, "a")
 
 
+class TestContinuedFractionsOfShafts:
+    def test_a_shaft_is_a_spring_between_two_inertias(self):
+        s, rho, G, L, d, J = sympy.symbols("s rho G L d J")
+        shaft = tn.Shaft("s", nodes=("a", "b"), outer_diameter="d", length="L", **STEEL)
+        model = tn.Drivetrain(
+            "one",
+            [shaft, tn.Inertia("load", node="b", inertia="J")],
+            {"G": 80e9, "rho": 7850, "L": 2, "d": 0.05, "J": 3},
+        )
+        polar = sympy.pi * d**4 / 32
+        half, spring = rho * polar * L / 2, G * polar / L - rho * polar * L * s**2 / 6
+        expected = 1 / (half * s**2 + 1 / (1 / spring + 1 / ((J + half) * s**2)))
+        H = agree(model, "a", "a")
+        assert sympy.simplify(H.mechanical - expected) == 0
+        assert str(H.mechanical).count("G") == 1
+
+    def test_everything_appears_once(self):
+        text = str(shafts(15).symbolic().transfer_function("n0", "T").mechanical)
+        assert [text.count(f"/(32*L_{i})") for i in range(15)] == [1] * 15
+
+    def test_python_code_of_a_long_chain(self):
+        model = shafts(60)
+        space = {}
+        exec(model.symbolic().transfer_function("n60", "T").python_code(), space)
+        expected = model.frequency_response("n60", "T", F, method="dense").values[:, 0, 0]
+        assert space["transfer_function"](F) == pytest.approx(expected, rel=1e-8)
+
+
 class TestImposedAngles:
     @pytest.fixture
     def rig(self):
@@ -131,6 +163,20 @@ class TestMatrices:
         expected = model.frequency_response(outputs, measured, F, excitation=excitation)
         assert G.evaluate(F).values == pytest.approx(expected.values, rel=1e-9)
 
+    @pytest.mark.parametrize("excitation", [["T", "U"], ["T", "psi"], ["phi", "psi"], ["U", "phi"]])
+    def test_several_measured_inputs_and_imposed_angles(self, excitation):
+        nodes = ["left", "a", "b", "c", "right"]
+        elements = [tn.Inertia(f"j_{n}", node=n, inertia=f"J_{n}") for n in nodes]
+        for i, ends in enumerate(pairwise(nodes)):
+            elements.append(tn.Spring(f"k{i}", nodes=ends, stiffness=f"k_{i}", damping=0.3))
+        values = {f"J_{n}": 0.1 * i + 0.1 for i, n in enumerate(nodes)} | {f"k_{i}": 300.0 * (i + 1) for i in range(4)}
+        inputs = {"phi": {"angle": "left"}, "psi": {"angle": "right"}, "T": {"torque": "a"}, "U": {"torque": "c"}}
+        model = tn.Drivetrain("between", elements, values, inputs=inputs)
+        outputs, measured = ["b", "torque(k1)"], ["angle(a)", "torque(k2)"]
+        G = model.symbolic().transfer_matrix(outputs, measured, excitation)
+        expected = model.frequency_response(outputs, measured, F, excitation=excitation)
+        assert G.evaluate(F).values == pytest.approx(expected.values, rel=1e-10)
+
     def test_wrong_questions(self):
         S = shafts(4).symbolic()
         with pytest.raises(tn.UsageError, match="transfer_matrix takes several"):
@@ -139,6 +185,8 @@ class TestMatrices:
             S.transfer_matrix(["n1"], ["n0"])["n9", 0]
         with pytest.raises(tn.UsageError, match="do not tell the excitations apart"):
             S.transfer_matrix(["n1"], ["angle(n0)", "angle(n0)"], ["n0", "n1"])
+        with pytest.raises(tn.UsageError, match="at most 3 inputs are measured"):
+            S.transfer_matrix(["n1"], [f"angle(n{i})" for i in range(4)], [f"n{i}" for i in range(4)])
 
 
 class TestShown:
@@ -149,18 +197,38 @@ class TestShown:
         assert places == sorted(places)
 
     def test_factors_in_words(self):
-        text = str(tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T").normalised)
-        assert text.splitlines()[0] == "gain (k_1 + k_2)/(k_1*k_2)"
-        assert "denominator: 1 + s/omega_n with omega_n = k_1/c_1" in text
+        H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
+        lines = str(H.normalised).splitlines()
+        assert lines[0] == "gain (k_1 + k_2)/(k_1*k_2) = 0.0022491"
+        assert lines[3] == "denominator: 1 + s/omega_n with omega_n = k_1/c_1 = 133000 rad/s"
+        assert lines[2].endswith("= 55.012 rad/s, zeta = (c_2 + c_B)/(2*sqrt(I_2*k_2)) = 0.257121")
+        assert str(H.subs(k_1=sympy.Symbol("k"), c_1=0.2).normalised).splitlines()[3].endswith("omega_n = 5*k rad/s")
+
+    def test_damping_ratio_of_a_difference(self):
+        """Where a sign is not plain from the symbols, nothing may be taken out of the root."""
+        x, y = sympy.symbols("x y")
+        coefficients = (sympy.Integer(1), (x + 1) / (x - y), -5 / (x - y))
+        zeta = Factor(coefficients).zeta.xreplace({x: 1, y: 3})
+        assert sympy.simplify(zeta + 1 / (2 * sympy.sqrt(sympy.Rational(5, 2)))) == 0
 
     def test_short_functions_in_one_line_and_long_ones_not(self):
         short = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
         assert str(short) == f"theta_1/T_T = {short.mechanical}"
         assert "ask for .python_code()" in str(shafts(40).symbolic().transfer_function("n40", "T"))
 
-    def test_long_numbers_and_turned_sums(self):
-        import sympy
+    def test_expanded(self):
+        short = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T").expanded()
+        assert (repr(short), str(short)) == ("<Expanded: 14 terms>", str(short.expression))
+        assert str(shafts(3).symbolic().transfer_function("n3", "T").expanded()).startswith("<Expanded: ")
 
+    def test_loops_are_not_written_out_by_the_page(self):
+        H = planetary_sets(6).symbolic().transfer_function("n6", "T")
+        with pytest.raises(tn.UsageError, match='ask for "program"'):
+            H.to_latex()
+        assert H._repr_latex_() == f"$\\displaystyle {H.to_latex('program')}$"
+        assert shafts(40).symbolic().transfer_function("n40", "T")._repr_latex_() is None
+
+    def test_long_numbers_and_turned_sums(self):
         z, k = sympy.symbols("z k")
         assert str(shown((-z - 1) ** 2 * k)) == "k*(z + 1)**2"
         assert str(shown(sympy.Rational(112984829027616, 10**12) * k)) == "112.98483*k"
