@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -14,7 +15,6 @@ _NUMBERS = {
     ".": re.compile(_NUMBER.format(r"\."), re.IGNORECASE),
     ",": re.compile(_NUMBER.format(",").replace(",\\d*", ",\\d+"), re.IGNORECASE),
 }
-RUN = 2  # so many lines of numbers make the beginning of the data
 
 
 @dataclass(frozen=True)
@@ -70,9 +70,7 @@ def _score(dialect: Dialect, lines: Sequence[str]) -> tuple[int, bool, int, bool
 
 
 def data_start(dialect: Dialect, lines: Sequence[str]) -> int:
-    """Index of the first line of numbers that another follows (or the end); ``len(lines)`` where there is none."""
-    for first in range(len(lines)):
-        run = lines[first : first + RUN]
-        if all(dialect.is_data(line) for line in run) and len({len(dialect.cells(line)) for line in run}) == 1:
-            return first
-    return len(lines)
+    """Index of the first row of numbers as wide as most of them; ``len(lines)`` where there is none."""
+    widths = [len(dialect.cells(line)) if dialect.is_data(line) else 0 for line in lines]
+    usual = Counter(filter(None, widths)).most_common(1)
+    return widths.index(usual[0][0]) if usual else len(lines)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -68,3 +69,20 @@ def checked_names(recording: Recording, *, with_time: bool = False) -> None:
     if twice:
         msg = f"cannot write two channels of one name: {', '.join(twice)}"
         raise UsageError(msg)
+
+
+def plain_keys(names: Sequence[str], pattern: str, taken: Sequence[str] = (TIME,)) -> list[str]:
+    """Names without what ``pattern`` finds, each of them once, for formats that do not take every name.
+
+    >>> plain_keys(["T [1]", "T_1_", "time"], "[^A-Za-z0-9_]")
+    ['T__1_', 'T_1_', 'time_2']
+    """
+    keys: list[str] = []
+    for name in names:
+        plain = re.sub(pattern, "_", name.strip()) or "signal"
+        number, key = 1, plain
+        while key in keys or key in taken:
+            number += 1
+            key = f"{plain}_{number}"
+        keys.append(key)
+    return keys

@@ -17,7 +17,7 @@ from torsionnet.signals.files.dialect import Dialect, data_start, sniffed
 from torsionnet.signals.files.headings import Headings, headings
 from torsionnet.signals.files.rows import Rows
 from torsionnet.signals.files.source import Channel, Source
-from torsionnet.signals.files.stored import KEY, TIME, checked_names, stored, with_stored
+from torsionnet.signals.files.stored import KEY, TIME, checked_names, plain_keys, stored, with_stored
 from torsionnet.signals.recording import FloatArray, Recording
 
 SAMPLE, PIECE = 400, 20_000
@@ -123,9 +123,9 @@ def _check_lengths(rows: Rows, channels: Sequence[Channel], file: str) -> None:
 
 def write(recording: Recording, path: Path) -> None:
     """A CSV file: a description of the recording, headings with units, a column of time, all digits."""
-    checked_names(recording, with_time=True)
-    units = [f"{signal.name} [{signal.unit}]" if signal.unit else signal.name for signal in recording]
-    keys = [heading.partition(" [")[0] for heading in units]
+    checked_names(recording)
+    keys = plain_keys(recording.names, r"[^\w .:+-]| in ")
+    units = [f"{key} [{signal.unit}]" if signal.unit else key for key, signal in zip(keys, recording, strict=True)]
     with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as file:
         file.write(f"# {KEY}: {stored(recording, keys, with_time=True)}\n")
         file.write(",".join([f"{TIME} [s]", *units]) + "\n")
