@@ -60,4 +60,4 @@ def array_source(members: Iterable[Member], stored: str, title: str) -> Source:
 
 def _channel(member: Member, column: int, number: int) -> Channel:
     name = member.name if member.shape[1] == 1 else f"{member.name}_{column + 1}"
-    return Channel(name, number, member.unit, member.quantity, member.shape[0])
+    return Channel(name, number, member.unit, member.quantity or None, member.shape[0])

@@ -51,19 +51,19 @@ def choose(
     return choices, faults
 
 
-def _choice(
-    channel: Channel, given: str | None, unit: str, names: Sequence[str] | Mapping[str, str] | None
-) -> Choice:
+def _choice(channel: Channel, given: str | None, unit: str, names: Sequence[str] | Mapping[str, str] | None) -> Choice:
     name = names[channel.name] if isinstance(names, Mapping) else channel.name
-    quantity = given if given is not None else channel.quantity or quantity_of(unit)
+    quantity = next(known for known in (given, channel.quantity, quantity_of(unit)) if known is not None)
     if quantity and quantity not in QUANTITY_UNITS:
         msg = f'"{quantity}" is no quantity; expected {", ".join(QUANTITY_UNITS)}'
         raise UnitError(msg)
     if not quantity:
         if names is not None and given is None:
             raise UnitError(_unknown(unit, channel.name))
-        note = f'values as in the file{f" in {unit}" if unit else ""}: the quantity is not known'
-        return Choice(channel, name, notes=channel.notes or (note,))
+        if channel.quantity == "":
+            return Choice(channel, name, notes=channel.notes)
+        note = f"values as in the file{f' in {unit}' if unit else ''}: the quantity is not known"
+        return Choice(channel, name, notes=(*channel.notes, note))
     if not unit:
         note = f"no unit in the file: taken for {QUANTITY_UNITS[quantity]}"
         return Choice(channel, name, quantity, notes=(*channel.notes, note))

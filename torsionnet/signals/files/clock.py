@@ -27,14 +27,13 @@ class Clock:
 def time_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Fault]:
     """Faults of stamps that are no numbers or do not increase."""
     assert source.time is not None
-    column, faults = source.time.name, []
+    column = source.time.name
     broken = np.flatnonzero(~np.isfinite(stamps))
-    for row in broken[:MOST_FAULTS]:
-        faults.append(_fault(f"sample {first + row + 1} has no time stamp in {column}", source, first + row))
+    texts = {int(row): f"sample {first + row + 1} has no time stamp in {column}" for row in broken[:MOST_FAULTS]}
     for row in np.flatnonzero(np.diff(stamps) <= 0)[:MOST_FAULTS]:
         text = f"the time stamp {stamps[row + 1]:.9g} s follows {stamps[row]:.9g} s in {column}: time has to increase"
-        faults.append(_fault(text, source, first + row + 1))
-    return faults
+        texts[int(row) + 1] = text
+    return [_fault(text, source, first + row) for row, text in texts.items()]
 
 
 def _fault(text: str, source: Source, row: int) -> Fault:

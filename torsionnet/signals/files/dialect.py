@@ -42,7 +42,9 @@ class Dialect:
         return float(cell.replace(",", ".") if self.decimal == "," else cell)
 
     def __str__(self) -> str:
-        return f"cells between {_NAMES.get(self.separator, self.separator)}s, decimal {_NAMES.get(self.decimal, 'point')}"
+        return (
+            f"cells between {_NAMES.get(self.separator, self.separator)}s, decimal {_NAMES.get(self.decimal, 'point')}"
+        )
 
 
 def sniffed(lines: Sequence[str], separator: str | None = None, decimal: str | None = None) -> Dialect:
@@ -66,7 +68,12 @@ def _score(dialect: Dialect, lines: Sequence[str]) -> tuple[int, bool, int, bool
     like_heading = 0 < first < len(lines) and widths == {len(dialect.cells(lines[first - 1]))}
     even = len(widths) == 1
     # A heading of as many cells settles 1,5 (one number, or two); of what is left more columns are likelier.
-    return len(rows), like_heading or (even and first == 0), max(widths, default=0) if even else 0, dialect.separator != " "
+    return (
+        len(rows),
+        like_heading or (even and first == 0),
+        max(widths, default=0) if even else 0,
+        dialect.separator != " ",
+    )
 
 
 def data_start(dialect: Dialect, lines: Sequence[str]) -> int:

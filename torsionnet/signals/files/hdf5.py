@@ -47,7 +47,7 @@ def _is_channel(name: str, item: Any) -> bool:
 
 
 def _member(name: str, item: Any, turned: bool) -> Member:
-    rows, columns = (item.shape + (1, 1))[:2] if item.ndim else (1, 1)
+    rows, columns = (*item.shape, 1, 1)[:2] if item.ndim else (1, 1)
     if item.ndim == 0:
         return Member(name, (1, 1), lambda _first, _last: np.array([[float(item[()])]]))
     across = item.ndim == 2 and (turned or rows == 1)  # noqa: PLR2004

@@ -31,14 +31,10 @@ def opened(path: Path) -> Iterator[Source]:
         return
     from scipy.io import loadmat
 
-    with path.open("rb") as file:
-        content: dict[str, Any] = loadmat(file, squeeze_me=False, simplify_cells=False)
+    content: dict[str, Any] = loadmat(str(path), squeeze_me=False, simplify_cells=False)
     text = "".join(content.pop(KEY, np.array([""])).ravel()[:1])
     members = [
-        member
-        for name, value in content.items()
-        if not name.startswith("__")
-        for member in _members(name, value)
+        member for name, value in content.items() if not name.startswith("__") for member in _members(name, value)
     ]
     yield array_source(members, text, path.stem)
 
@@ -71,5 +67,5 @@ def write(recording: Recording, path: Path) -> None:
     content: dict[str, Any] = dict(zip(keys, (signal.values for signal in recording), strict=True))
     if recording.times is not None:
         content[TIME] = recording.times
-    with replacing(path) as temporary, temporary.open("wb") as file:
-        savemat(file, {**content, KEY: stored(recording, keys)}, oned_as="column", long_field_names=True)
+    with replacing(path) as temporary:
+        savemat(str(temporary), {**content, KEY: stored(recording, keys)}, oned_as="column", long_field_names=True)

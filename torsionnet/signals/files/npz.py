@@ -21,9 +21,8 @@ class _Stream:
     """Reads a one-dimensional member front to back."""
 
     def __init__(self, archive: zipfile.ZipFile, entry: str, dtype: np.dtype[Any], header: int) -> None:
-        self.open = lambda: archive.open(entry)
+        self.file, self.at = archive.open(entry), 0
         self.dtype, self.header = dtype, header
-        self.file, self.at = self.open(), 0
         self.file.read(header)
 
     def __call__(self, first: int, last: int) -> FloatArray:
@@ -65,9 +64,8 @@ def write(recording: Recording, path: Path) -> None:
     arrays: dict[str, Any] = {signal.name: signal.values for signal in recording}
     if recording.times is not None:
         arrays[TIME] = recording.times
-    with replacing(path) as temporary, temporary.open("wb") as file:
-        # Not np.savez: it takes names as keyword arguments, of which "file" is one of its own.
-        with zipfile.ZipFile(file, "w", allowZip64=True) as archive:
-            for name, values in [*arrays.items(), (KEY, np.array(stored(recording)))]:
-                with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
-                    np.lib.format.write_array(member, np.asanyarray(values), allow_pickle=False)
+    # Not np.savez: it takes names as keyword arguments, of which "file" is one of its own.
+    with replacing(path) as temporary, zipfile.ZipFile(temporary, "w", allowZip64=True) as archive:
+        for name, values in [*arrays.items(), (KEY, np.array(stored(recording)))]:
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, np.asanyarray(values), allow_pickle=False)

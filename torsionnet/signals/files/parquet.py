@@ -44,7 +44,7 @@ def _is_numeric(column: Any) -> bool:
 def _channel(column: Any, number: int, length: int, *, plain: bool) -> Channel:
     metadata = {key.decode(): value.decode() for key, value in (column.metadata or {}).items()}
     name, unit = (column.name, "") if plain else split_heading(column.name)
-    return Channel(name, number, metadata.get("unit", unit), metadata.get("quantity", ""), length)
+    return Channel(name, number, metadata.get("unit", unit), metadata.get("quantity") or None, length)
 
 
 def _blocks(file: Any, names: Sequence[str]) -> Any:

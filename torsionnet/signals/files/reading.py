@@ -20,7 +20,7 @@ def read_recording(
     units: Mapping[str, str] | None = None,
     **dialect: str,
 ) -> Recording:
-    """Read a recording; values are converted to SI, and what was assumed is in its notes.
+    r"""Read a recording; values are converted to SI, and what was assumed is in its notes.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ def read_recording(
     --------
     >>> import tempfile
     >>> path = Path(tempfile.mkdtemp(), "test.csv")
-    >>> _ = path.write_text("time;T_T [kNm]\\n0,0;1,0\\n0,1;2,5\\n")
+    >>> _ = path.write_text("time;T_T [kNm]\n0,0;1,0\n0,1;2,5\n")
     >>> record = read_recording(path)
     >>> record["T_T"].values.tolist(), record.sampling_rate
     ([1000.0, 2500.0], 10.0)

@@ -72,7 +72,7 @@ class Rows:
         return values
 
     def _one_by_one(self, lines: list[str]) -> FloatArray:
-        rows = []
+        rows: list[list[float]] = []
         for number, line in enumerate(lines, self.line):
             if line.strip():
                 cells = self.dialect.cells(line)

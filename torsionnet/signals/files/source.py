@@ -11,7 +11,9 @@ from torsionnet.errors import Position
 from torsionnet.signals.recording import FloatArray
 from torsionnet.units import DIMENSIONS, UnitError, parse_unit
 
-TIME_NAMES = frozenset({"t", "time", "times", "zeit", "tid", "temps", "timestamp", "timestamps", "time stamp", "x-time"})
+TIME_NAMES = frozenset(
+    {"t", "time", "times", "zeit", "tid", "temps", "timestamp", "timestamps", "time stamp", "x-time"}
+)
 RATE_NAMES = frozenset({"fs", "sampling_rate", "sample_rate", "samplerate", "samplingrate", "abtastrate"})
 
 Blocks = Callable[[Sequence[int], int], Iterator[list[FloatArray]]]
@@ -20,12 +22,15 @@ Reader = Callable[[int, int], FloatArray]
 
 @dataclass(frozen=True)
 class Channel:
-    """A channel as the file has it; ``column`` is what the source's ``blocks`` know it by."""
+    """A channel as the file has it; ``column`` is what the source's ``blocks`` know it by.
+
+    ``quantity`` is None where the file says nothing, empty where it says that none is known.
+    """
 
     name: str
     column: int
     unit: str = ""
-    quantity: str = ""
+    quantity: str | None = None
     length: int | None = None
     position: Position | None = None
     notes: tuple[str, ...] = ()

@@ -50,8 +50,13 @@ def with_stored(source: Source, text: str) -> Source:
 
 def _channel(source: Source, entry: dict[str, Any]) -> Channel:
     quantity = str(entry["quantity"])
-    changed = {"name": str(entry["name"]), "quantity": quantity, "unit": QUANTITY_UNITS.get(quantity, "")}
-    return replace(_named(source, entry["key"]), **changed, notes=tuple(map(str, entry["notes"])))
+    return replace(
+        _named(source, entry["key"]),
+        name=str(entry["name"]),
+        quantity=quantity,
+        unit=QUANTITY_UNITS.get(quantity, ""),
+        notes=tuple(map(str, entry["notes"])),
+    )
 
 
 def _named(source: Source, key: str) -> Channel:

@@ -50,7 +50,7 @@ def _rate_notes(waves: list[Any]) -> tuple[str, ...]:
 def _channel(item: Any, number: int, grouped: bool) -> Channel:
     name = f"{item.group_name}/{item.name}" if grouped else item.name
     unit = str(item.properties.get("unit_string", item.properties.get("NI_UnitDescription", "")))
-    return Channel(name, number, unit, str(item.properties.get("quantity", "")), len(item))
+    return Channel(name, number, unit, str(item.properties.get("quantity", "")) or None, len(item))
 
 
 def _reader(item: Any) -> Reader:

@@ -20,6 +20,11 @@ from torsionnet.signals.recording import Recording, Signal
 TIME_RESPONSE, TIME_AXIS, GENERAL = 1, 17, 1
 WIDTH = 80
 _EMPTY = ("", "NONE")
+_UNUSED = {
+    f"{axis}_{entry}": 0
+    for axis in ("abscissa", "ordinate", "orddenom", "z_axis")
+    for entry in ("spec_data_type", "len_unit_exp", "force_unit_exp", "temp_unit_exp")
+} | {"z_axis_value": 0.0, "orddenom_axis_units_lab": "NONE", "z_axis_axis_units_lab": "NONE"}
 
 
 @contextlib.contextmanager
@@ -72,7 +77,9 @@ def write(recording: Recording, path: Path) -> None:
     sets = [_dataset(recording, signal, number) for number, signal in enumerate(recording, 1)]
     with replacing(path) as temporary, warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        pyuff.UFF(str(temporary)).write_sets(sets, mode="overwrite")
+        temporary.unlink()  # pyuff would add to the empty file as if it had an end of a dataset
+        for item in sets:
+            pyuff.UFF(str(temporary)).write_sets(item, mode="add")
 
 
 def _dataset(recording: Recording, signal: Signal, number: int) -> dict[str, Any]:
@@ -81,7 +88,7 @@ def _dataset(recording: Recording, signal: Signal, number: int) -> dict[str, Any
     texts = {f"id{at}": " ".join(line.split())[:WIDTH] or "NONE" for at, line in enumerate(lines, 1)}
     even = recording.times is None
     return {
-        "type": 58, "binary": 1, "func_type": TIME_RESPONSE, **texts, "rsp_node": number, "rsp_dir": 0,
+        **_UNUSED, "type": 58, "binary": 1, "func_type": TIME_RESPONSE, **texts, "rsp_node": number, "rsp_dir": 0,
         "ref_node": 0, "ref_dir": 0, "ver_num": 0, "load_case_id": 0, "rsp_ent_name": "NONE", "ref_ent_name": "NONE",
         "data": np.asarray(signal.values), "x": recording.time, "abscissa_spacing": int(even),
         "abscissa_min": recording.start, "abscissa_inc": 1 / recording.sampling_rate if even else 0.0,
