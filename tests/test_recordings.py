@@ -85,15 +85,19 @@ class TestRoundTrip:
         np.testing.assert_array_equal(read_recording(path)["T"].values, np.arange(100))
 
     @pytest.mark.parametrize("ending", ENDINGS)
-    def test_failure_leaves_the_old_file(self, tmp_path, ending):
+    def test_failure_leaves_the_old_file(self, tmp_path, monkeypatch, ending):
         needs(ending)
+
+        def full(_target):
+            raise OSError("no space left")
+
         path = tmp_path / f"r{ending}"
         path.write_text("old")
-        broken = Recording((Signal("T", "torque", np.array(["x", "y"], dtype=object)),), 1.0)
-        with pytest.raises(Exception):  # noqa: B017, PT011 - each library has its own
-            write_recording(broken, path)
+        monkeypatch.setattr("torsionnet.atomic._permissions", full)
+        with pytest.raises(OSError, match="no space left"):
+            write_recording(recording(), path)
         assert path.read_text() == "old"
-        assert len(list(tmp_path.iterdir())) == 1
+        assert [file.name for file in tmp_path.iterdir()] == [path.name]
 
     def test_two_channels_of_one_name_are_refused(self, tmp_path):
         twice = Signal("T", "torque", np.zeros(3))
@@ -201,7 +205,7 @@ class TestFaultyFiles:
 
     def test_unit_of_another_quantity(self, tmp_path):
         path = write(tmp_path, "time,T [deg]\n0,1\n1,2\n")
-        with pytest.raises(ModelError, match='channels.T: error: "deg" is no unit of torque|is no unit of torque'):
+        with pytest.raises(ModelError, match='"deg" is no unit of torque; expected one like N'):
             read_recording(path, {"T": "torque"})
 
     def test_unequal_lengths_of_arrays(self, tmp_path):
@@ -224,7 +228,7 @@ class TestFaultyFiles:
             read_recording(path, sampling_rate=2.0)
 
     def test_unknown_ending_and_missing_file(self, tmp_path):
-        with pytest.raises(UsageError, match='did you mean ".tdms"'):
+        with pytest.raises(UsageError, match=r'did you mean "\.tdms"'):
             read_recording(tmp_path / "r.tdm")
         with pytest.raises(UsageError, match="there is no file"):
             read_recording(tmp_path / "r.csv")
@@ -359,14 +363,14 @@ class TestResampled:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("ending", "samples"), [(".npz", 6_000_000), (".h5", 6_000_000), (".tdms", 6_000_000), (".csv", 1_000_000)]
+    ("ending", "samples"), [(".npz", 6_500_000), (".h5", 6_500_000), (".tdms", 6_500_000), (".csv", 2_000_000)]
 )
 def test_blocks_of_a_large_file_take_little_memory(tmp_path, ending, samples):
     needs(ending)
     values = np.arange(samples, dtype=float)
     path = tmp_path / f"r{ending}"
     write_recording(Recording((Signal("a", "torque", values), Signal("b", "angle", -values)), 1e4), path)
-    assert path.stat().st_size > 40e6
+    assert path.stat().st_size > 50e6
     tracemalloc.start()
     total = sum(float(block["b"].values.sum()) for block in iter_blocks(path, 2.0))
     peak = tracemalloc.get_traced_memory()[1]

@@ -71,7 +71,7 @@ def leaps(values: FloatArray) -> NDArray[np.intp]:
         return np.empty(0, np.intp)
     quantum = float(np.min(moved))
     counts = np.rint(steps / quantum)
-    if np.max(np.abs(steps - counts * quantum)) > 0.01 * quantum:  # noqa: PLR2004
+    if np.max(np.abs(steps - counts * quantum)) > 0.01 * quantum:
         return np.empty(0, np.intp)
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(counts, 2, mode="reflect"), 5)
     others = windows[:, [0, 1, 3, 4]]

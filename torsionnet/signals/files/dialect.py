@@ -61,19 +61,15 @@ def sniffed(lines: Sequence[str], separator: str | None = None, decimal: str | N
     return max(candidates, key=lambda dialect: _score(dialect, lines))
 
 
-def _score(dialect: Dialect, lines: Sequence[str]) -> tuple[int, bool, int, bool]:
+def _score(dialect: Dialect, lines: Sequence[str]) -> tuple[int, int, int, bool]:
     first = data_start(dialect, lines)
-    rows = [line for line in lines[first:] if dialect.is_data(line)]
-    widths = {len(dialect.cells(line)) for line in rows}
-    like_heading = 0 < first < len(lines) and widths == {len(dialect.cells(lines[first - 1]))}
-    even = len(widths) == 1
-    # A heading of as many cells settles 1,5 (one number, or two); of what is left more columns are likelier.
-    return (
-        len(rows),
-        like_heading or (even and first == 0),
-        max(widths, default=0) if even else 0,
-        dialect.separator != " ",
-    )
+    if first == len(lines):
+        return 0, 0, 0, False
+    width = len(dialect.cells(lines[first]))
+    rows = sum(dialect.is_data(line) and len(dialect.cells(line)) == width for line in lines[first:])
+    # A heading of as many cells settles 1,5 (one number, or two), best one of several.
+    like_heading = first > 0 and width == len(dialect.cells(lines[first - 1])) and 3 * rows > len(lines) - first
+    return like_heading * (1 + (width > 1)), rows, width, dialect.separator != " "
 
 
 def data_start(dialect: Dialect, lines: Sequence[str]) -> int:

@@ -11,9 +11,7 @@ from torsionnet.errors import Position
 from torsionnet.signals.recording import FloatArray
 from torsionnet.units import DIMENSIONS, UnitError, parse_unit
 
-TIME_NAMES = frozenset(
-    {"t", "time", "times", "zeit", "tid", "temps", "timestamp", "timestamps", "time stamp", "x-time"}
-)
+TIME_NAMES = frozenset({"time", "times", "zeit", "tid", "temps", "timestamp", "timestamps", "time stamp", "x-time"})
 RATE_NAMES = frozenset({"fs", "sampling_rate", "sample_rate", "samplerate", "samplingrate", "abtastrate"})
 
 Blocks = Callable[[Sequence[int], int], Iterator[list[FloatArray]]]
@@ -68,7 +66,8 @@ class Source:
 def is_time(channel: Channel) -> bool:
     """Whether a channel holds time stamps: its unit is one of time, or it has none and a name for time."""
     if not channel.unit:
-        return channel.name.strip().casefold() in TIME_NAMES
+        name = channel.name.strip()
+        return name == "t" or name.casefold() in TIME_NAMES  # T is a torque
     try:
         return parse_unit(channel.unit).dimension == DIMENSIONS["time"]
     except UnitError:

@@ -22,7 +22,7 @@ GROUP, PIECE = "recording", 1 << 20
 def opened(path: Path) -> Iterator[Source]:
     """A TDMS file; rate and start are those of the waveform properties."""
     nptdms = needed("tdms")
-    with nptdms.TdmsFile.open(path) as file:
+    with path.open("rb") as stream, nptdms.TdmsFile.open(stream) as file:
         groups = file.groups()
         items = [channel for group in groups for channel in group.channels() if _is_numeric(channel)]
         channels = [_channel(item, number, len(groups) > 1) for number, item in enumerate(items)]
