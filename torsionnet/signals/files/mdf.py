@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import html
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -22,7 +23,7 @@ def opened(path: Path) -> Iterator[Source]:
     asammdf = needed("mdf")
     with asammdf.MDF(path) as file:
         signals = [signal for signal in file.iter_channels() if signal.samples.dtype.kind in "fiub"]
-        text = str(file.header.comment)
+        text = html.unescape(str(file.header.comment))  # it is wrapped in XML
         channels = [Channel(s.name, number, s.unit or "", length=len(s)) for number, s in enumerate(signals)]
         arrays = [np.asarray(signal.samples, dtype=float) for signal in signals]
         if signals:
