@@ -71,6 +71,8 @@ def _clock(
         return Clock(rate, source.start + done / rate)
     times = stamps[0] * _seconds(source)
     faults = time_faults(times, source, done) or rate_fault(times, wanted.sampling_rate)
+    if not faults and rate is None and len(times) == 1:
+        faults = [Fault("one sample does not tell the sampling rate; give sampling_rate= in Hz")]
     if faults:
         raise ModelError(faults, file)
     return clock_of(times, rate, stamped=source.stamped)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from torsionnet.errors import Fault, ModelError, TorsionnetError, UsageError
@@ -57,7 +58,8 @@ def read_recording(
     '"time" was taken for the time stamps'
     """
     wanted = Wanted(names, quantities or {}, units or {}, sampling_rate)
-    return next(_read(Path(path), wanted, None, dialect))
+    with contextlib.closing(_read(Path(path), wanted, None, dialect)) as found:
+        return next(found)
 
 
 def iter_blocks(
@@ -80,7 +82,9 @@ def iter_blocks(
     return _read(Path(path), Wanted(names, quantities or {}, units or {}, sampling_rate), seconds, dialect)
 
 
-def _read(path: Path, wanted: Wanted, seconds: float | None, dialect: dict[str, str]) -> Iterator[Recording]:
+def _read(
+    path: Path, wanted: Wanted, seconds: float | None, dialect: dict[str, str]
+) -> Generator[Recording, None, None]:
     label, module = format_of(path)
     if not path.is_file():
         msg = f'there is no file "{path}"'

@@ -27,12 +27,12 @@ class Rows:
     width: int
     line: int
     faults: list[Fault] = field(default_factory=list)
-    empty: int = 0
     read: int = 0
     filled: FloatArray = field(init=False)
+    empty: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
-        self.filled = np.zeros(self.width)
+        self.filled, self.empty = np.zeros(self.width), np.zeros(self.width)
 
     def blocks(self, columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
         """Blocks of ``count`` rows, or everything; raises :class:`ModelError` with all faults of a block."""
@@ -88,7 +88,7 @@ class Rows:
     def _value(self, cells: list[str], column: int, line: str, number: int, count: int) -> float:
         cell = cells[column]
         if not cell:
-            self.empty += 1
+            self.empty[column] += 1
             return float("nan")
         self.filled[column] = count
         if self.dialect.is_number(cell):

@@ -20,6 +20,7 @@ from torsionnet.signals.files.source import Channel, Source
 from torsionnet.signals.files.stored import KEY, TIME, checked_names, plain_keys, stored, with_stored
 from torsionnet.signals.recording import FloatArray, Recording
 
+_EMPTY = " empty cells are NaN"
 SAMPLE, PIECE = 400, 20_000
 _STORED = re.compile(rf"#\s*{KEY}:\s*(.*)")
 
@@ -101,8 +102,9 @@ def _source(
         for block in rows.blocks(columns, count):
             if not count:
                 _check_lengths(rows, [channels[column] for column in columns], path.name)
-            if rows.empty:
-                discovered[:] = [*discovered[:], f"{rows.empty} empty cells are NaN"]
+            empty = int(rows.empty[list(columns)].sum())
+            if empty:
+                discovered[:] = [*(note for note in discovered if not note.endswith(_EMPTY)), f"{empty}{_EMPTY}"]
             yield block
 
     return Source(
