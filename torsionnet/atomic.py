@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+from collections.abc import Iterator
 from pathlib import Path
 
 
@@ -17,18 +18,29 @@ def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
 
     A file that is replaced keeps its permissions; a link is followed, not replaced.
     """
+    with replacing(path) as temporary:
+        temporary.write_bytes(data)
+
+
+@contextlib.contextmanager
+def replacing(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """Give the path of an empty file beside ``path`` to be written; it takes the place of ``path`` at the end.
+
+    For libraries that write files themselves. It has the ending of ``path``, and goes if the writing fails.
+    """
     import tempfile  # loads random and shutil, which a program that only reads can do without
 
     target = Path(path).resolve()
-    handle, temporary = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name[:40]}.")
+    handle, name = tempfile.mkstemp(dir=target.parent, prefix=f".{target.name[:40]}.", suffix=target.suffix)
+    os.close(handle)
+    temporary = Path(name)
     try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(data)
-        Path(temporary).chmod(_permissions(target))
-        Path(temporary).replace(target)
+        yield temporary
+        temporary.chmod(_permissions(target))
+        temporary.replace(target)
     except BaseException:
         with contextlib.suppress(OSError):
-            Path(temporary).unlink()
+            temporary.unlink()
         raise
 
 

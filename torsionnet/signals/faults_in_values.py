@@ -1,0 +1,79 @@
+"""What can be seen in the values of one channel: stretches that are no numbers, flat tops, jumps."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.signals.recording import FloatArray
+
+Stretches = list[tuple[int, int]]
+TO_NEIGHBOURS = 5.0  # a quantised peak stays 4.8 times as long on its last step as on the one before
+SAME_JUMP = 0.05
+MOST_OF_THE_TIME = 0.5
+
+
+def stretches(where: NDArray[np.bool_]) -> Stretches:
+    """First and last index of every run of true.
+
+    >>> stretches(np.array([False, True, True, False, True]))
+    [(1, 2), (4, 4)]
+    """
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], where, [False]]).astype(np.int8)))
+    return [(int(first), int(last) - 1) for first, last in edges.reshape(-1, 2)]
+
+
+def flat_tops(values: FloatArray) -> Stretches:
+    """Stretches at the largest or smallest value that are too long for a smooth or a quantised peak.
+
+    Nothing at the ends of the record counts, nor a signal that is at its limits most of the time, like a switch.
+    """
+    finite = np.isfinite(values)
+    limits = (float(np.max(values[finite])), float(np.min(values[finite])))
+    if limits[0] == limits[1] or np.mean(np.isin(values, limits)) > MOST_OF_THE_TIME:
+        return []
+    runs = [run for limit in limits for run in stretches(values == limit)]
+    return sorted((first, last) for first, last in runs if _is_clipped(values, first, last))
+
+
+def _is_clipped(values: FloatArray, first: int, last: int) -> bool:
+    length = last - first + 1
+    if first == 0 or last == len(values) - 1:
+        return False
+    reach = int(length / TO_NEIGHBOURS) + 1
+    before, after = values[max(0, first - reach) : first][::-1], values[last + 1 : last + 1 + reach]
+    return length > TO_NEIGHBOURS * max(_run(before), _run(after), 1)
+
+
+def _run(values: FloatArray) -> int:
+    other = np.flatnonzero(values != values[0])
+    return int(other[0]) if len(other) else len(values)
+
+
+def wraps(values: FloatArray) -> tuple[NDArray[np.intp], float]:
+    """Samples before the jumps of an encoder that wraps around, and the size of the jumps."""
+    steps = np.diff(values)
+    reach = float(np.max(values) - np.min(values)) if len(values) else 0.0
+    jumps = np.flatnonzero(np.abs(steps) > max(0.8 * reach, 0.8 * np.pi)) if reach > 0 else np.empty(0, np.intp)
+    if not len(jumps) or len(jumps) == len(steps):
+        return np.empty(0, np.intp), 0.0
+    sizes, others = np.abs(steps[jumps]), np.abs(np.delete(steps, jumps))
+    size = float(np.median(sizes))
+    alike = np.all(np.abs(sizes - size) <= SAME_JUMP * size) and np.max(others) < size / 2
+    return (jumps, size) if alike else (np.empty(0, np.intp), 0.0)
+
+
+def leaps(values: FloatArray) -> NDArray[np.intp]:
+    """Samples before which a quantised angle goes on by two steps or more than around it."""
+    steps = np.diff(values)
+    moved = np.abs(steps[steps != 0])
+    if len(moved) < 10:  # noqa: PLR2004
+        return np.empty(0, np.intp)
+    quantum = float(np.min(moved))
+    counts = np.rint(steps / quantum)
+    if np.max(np.abs(steps - counts * quantum)) > 0.01 * quantum:
+        return np.empty(0, np.intp)
+    windows = np.lib.stride_tricks.sliding_window_view(np.pad(counts, 2, mode="reflect"), 5)
+    others = windows[:, [0, 1, 3, 4]]
+    calm = np.ptp(others, axis=1) <= 1
+    return np.flatnonzero(calm & (np.abs(counts - np.median(others, axis=1)) >= 2)) + 1  # noqa: PLR2004

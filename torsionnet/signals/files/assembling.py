@@ -1,0 +1,92 @@
+"""From an open file to recordings: channels chosen, units made SI, times understood, all faults together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from torsionnet.errors import Fault, ModelError
+from torsionnet.signals.files.choosing import Choice, choose, length_faults
+from torsionnet.signals.files.clock import Clock, clock_of, rate_fault, time_faults
+from torsionnet.signals.files.quantities import plain_unit
+from torsionnet.signals.files.source import Source
+from torsionnet.signals.recording import FloatArray, Recording, Signal
+from torsionnet.units import parse_unit
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What the caller says about a file."""
+
+    names: Sequence[str] | Mapping[str, str] | None = None
+    quantities: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    sampling_rate: float | None = None
+
+
+def recordings(source: Source, wanted: Wanted, file: str, seconds: float | None = None) -> Iterator[Recording]:
+    """Recordings of so many seconds one after the other, or one of everything; raises :class:`ModelError`."""
+    choices, faults = choose(source, wanted.names, wanted.quantities, wanted.units)
+    faults += length_faults(source, choices) + _rate_faults(source, wanted)
+    if faults:
+        raise ModelError(faults, file)
+    rate, done = wanted.sampling_rate or source.rate, 0
+    count = 0 if seconds is None else max(1, round(seconds * (rate or _first_rate(source))))
+    columns = [choice.channel.column for choice in choices]
+    stamps_of = [source.time.column] if source.time else []
+    for block in source.blocks([*columns, *stamps_of], count):
+        clock = _clock(source, wanted, block[len(columns) :], rate, done, file)
+        rate = rate or clock.rate
+        yield _recording(source, choices, block, clock, file)
+        done += len(block[0])
+    if not done:
+        raise ModelError([Fault("there are no samples in the file")], file)
+
+
+def _rate_faults(source: Source, wanted: Wanted) -> list[Fault]:
+    if source.time is not None or wanted.sampling_rate or source.rate:
+        return []
+    return [Fault("nothing in the file tells the sampling rate; give sampling_rate= in Hz")]
+
+
+def _first_rate(source: Source) -> float:
+    assert source.time is not None
+    stamps = next(source.blocks([source.time.column], 1000))[0]
+    span = float(stamps[-1] - stamps[0]) * _seconds(source)
+    return (len(stamps) - 1) / span if span > 0 else 1.0
+
+
+def _seconds(source: Source) -> float:
+    unit = source.time.unit if source.time else ""
+    return float(parse_unit(plain_unit(unit)).factor) if unit else 1.0
+
+
+def _clock(
+    source: Source, wanted: Wanted, stamps: Sequence[FloatArray], rate: float | None, done: int, file: str
+) -> Clock:
+    if not stamps:
+        assert rate is not None
+        return Clock(rate, source.start + done / rate)
+    times = stamps[0] * _seconds(source)
+    faults = time_faults(times, source, done) or rate_fault(times, wanted.sampling_rate)
+    if not faults and rate is None and len(times) == 1:
+        faults = [Fault("one sample does not tell the sampling rate; give sampling_rate= in Hz")]
+    if faults:
+        raise ModelError(faults, file)
+    return clock_of(times, rate, stamped=source.stamped)
+
+
+def _recording(
+    source: Source, choices: Sequence[Choice], block: Sequence[FloatArray], clock: Clock, file: str
+) -> Recording:
+    signals = tuple(_signal(choice, values) for choice, values in zip(choices, block, strict=False))
+    title = source.title or file
+    notes = dict.fromkeys([*source.notes, *source.discovered])
+    return Recording(signals, clock.rate, clock.start, clock.times, title, tuple(notes))
+
+
+def _signal(choice: Choice, values: FloatArray) -> Signal:
+    scaled = values if choice.factor == 1.0 else values * choice.factor
+    return Signal(choice.name, choice.quantity, np.asanyarray(scaled, dtype=float), choice.notes)

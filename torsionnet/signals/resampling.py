@@ -1,0 +1,72 @@
+"""Uniform samples from time stamps that are not uniform."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from torsionnet.errors import UsageError
+from torsionnet.signals.recording import FloatArray, Recording, Signal
+from torsionnet.signals.timing import gaps
+
+SLOWER = 0.99
+
+
+def resampled(recording: Recording, rate: float | None = None, *, bridge_gaps: bool = False) -> Recording:
+    """Uniform samples by cubic splines through those there are.
+
+    Parameters
+    ----------
+    recording : Recording
+    rate : float, optional
+        Hz, the mean rate if left out. Not lower than that: fewer samples need a filter against aliasing first.
+    bridge_gaps : bool
+        Draw the spline across gaps in the time stamps, which invents data there.
+
+    Raises
+    ------
+    UsageError
+        The rate is too low, values are not finite, or there are gaps.
+
+    Examples
+    --------
+    >>> times = np.array([0.0, 0.9, 2.1, 3.0])
+    >>> record = Recording((Signal("phi", "angle", 2 * times),), 1.0, times=times)
+    >>> resampled(record)["phi"].values.round(9).tolist()
+    [0.0, 2.0, 4.0, 6.0]
+    """
+    new = recording.sampling_rate if rate is None else rate
+    if recording.times is None and new == recording.sampling_rate:
+        return recording
+    _check(recording, new, bridge_gaps)
+    time = recording.time
+    count = int(np.floor((time[-1] - time[0]) * new + 1e-9)) + 1
+    even = np.minimum(time[0] + np.arange(count) / new, time[-1])
+    signals = tuple(_resampled(signal, time, even) for signal in recording)
+    note = f"resampled to {new:g} Hz by cubic splines"
+    return replace(recording, signals=signals, sampling_rate=new, start=float(time[0]), times=None).noted(note)
+
+
+def _resampled(signal: Signal, time: FloatArray, even: FloatArray) -> Signal:
+    from scipy.interpolate import CubicSpline
+
+    return replace(signal, values=np.asarray(CubicSpline(time, signal.values)(even), dtype=float))
+
+
+def _check(recording: Recording, rate: float, bridge_gaps: bool) -> None:
+    if not (np.isfinite(rate) and rate >= SLOWER * recording.sampling_rate):
+        msg = f"cannot resample {recording.sampling_rate:g} Hz to {rate:g} Hz: decimate with a filter instead"
+        raise UsageError(msg)
+    if len(recording) < 2 or not np.all(np.diff(recording.time) > 0):  # noqa: PLR2004
+        msg = "resampling needs at least two samples, and time stamps that increase"
+        raise UsageError(msg)
+    broken = [signal.name for signal in recording if not np.all(np.isfinite(signal.values))]
+    if broken:
+        msg = f"cannot resample {', '.join(broken)}: there are values that are no finite numbers"
+        raise UsageError(msg)
+    found = gaps(recording.time)
+    if len(found) and not bridge_gaps:
+        where = ", ".join(f"{recording.time[at]:.6g} s" for at in found[:3])
+        msg = f"cannot resample across {len(found)} gaps (after {where}); bridge_gaps=True does all the same"
+        raise UsageError(msg)
