@@ -76,6 +76,36 @@ class TestLawsBetweenTheSameCoordinates:
             agree(model, output, "a")
 
 
+class TestContinuedFractionsOfShafts:
+    def test_a_shaft_is_a_spring_between_two_inertias(self):
+        import sympy
+
+        s, rho, G, L, d, J = sympy.symbols("s rho G L d J")
+        shaft = tn.Shaft("s", nodes=("a", "b"), outer_diameter="d", length="L", **STEEL)
+        model = tn.Drivetrain(
+            "one",
+            [shaft, tn.Inertia("load", node="b", inertia="J")],
+            {"G": 80e9, "rho": 7850, "L": 2, "d": 0.05, "J": 3},
+        )
+        polar = sympy.pi * d**4 / 32
+        half, spring = rho * polar * L / 2, G * polar / L - rho * polar * L * s**2 / 6
+        expected = 1 / (half * s**2 + 1 / (1 / spring + 1 / ((J + half) * s**2)))
+        H = agree(model, "a", "a")
+        assert sympy.simplify(H.mechanical - expected) == 0
+        assert str(H.mechanical).count("G") == 1
+
+    def test_everything_appears_once(self):
+        text = str(shafts(15).symbolic().transfer_function("n0", "T").mechanical)
+        assert [text.count(f"/(32*L_{i})") for i in range(15)] == [1] * 15
+
+    def test_python_code_of_a_long_chain(self):
+        model = shafts(60)
+        space = {}
+        exec(model.symbolic().transfer_function("n60", "T").python_code(), space)
+        expected = model.frequency_response("n60", "T", F, method="dense").values[:, 0, 0]
+        assert space["transfer_function"](F) == pytest.approx(expected, rel=1e-8)
+
+
 class TestImposedAngles:
     @pytest.fixture
     def rig(self):
@@ -157,6 +187,13 @@ class TestShown:
         short = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
         assert str(short) == f"theta_1/T_T = {short.mechanical}"
         assert "ask for .python_code()" in str(shafts(40).symbolic().transfer_function("n40", "T"))
+
+    def test_loops_are_not_written_out_by_the_page(self):
+        H = planetary_sets(6).symbolic().transfer_function("n6", "T")
+        with pytest.raises(tn.UsageError, match='ask for "program"'):
+            H.to_latex()
+        assert H._repr_latex_() == f"$\\displaystyle {H.to_latex('program')}$"
+        assert shafts(40).symbolic().transfer_function("n40", "T")._repr_latex_() is None
 
     def test_long_numbers_and_turned_sums(self):
         import sympy

@@ -114,6 +114,28 @@ def terms_of(expression: Any) -> int:
     return len(sympy.Add.make_args(sympy.expand(expression)))
 
 
+class Length:
+    """How many leaves a nested expression has, those that appear again counted again."""
+
+    __slots__ = ("leaves",)
+
+    def __init__(self, leaves: int) -> None:
+        self.leaves = leaves
+
+    def __add__(self, other: Length) -> Length:
+        return Length(self.leaves + other.leaves)
+
+    __mul__ = __add__
+
+
+class Lengths:
+    """The algebra of :class:`Length`."""
+
+    def leaf(self, payload: Any) -> Length:
+        del payload
+        return Length(1)
+
+
 class Dual:
     """A value and its derivative."""
 

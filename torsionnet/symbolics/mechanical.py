@@ -6,19 +6,19 @@ Seen from the root, a branch with the edge y and Z_c behind it is as flexible as
 
 and a motion is handed on along the path by y/(y + Z_c). Where nothing but one branch hangs on a coordinate its
 receptance is that of the branch: ``theta_1/T_T = 1/(k_1 + c_1 s) + 1/(I_2 s^2 + (c_2 + c_B) s + k_2)``.
+
+A shaft with inertia of its own is written as a spring k + c s - J s^2/6 between two inertias J/2: the same dynamic
+stiffness, in which everything appears once.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
-from itertools import combinations
 from typing import Any
 
-import sympy
-
 from torsionnet.symbolics.blocks import Block, is_forest, orient
-from torsionnet.symbolics.network import Network, Stiffness, SymbolRow, added_up, reflected, vanishes
+from torsionnet.symbolics.network import ONE, Member, Network, Stiffness, SymbolRow, added_up, reflected, vanishes
 from torsionnet.symbolics.readings import Mechanism, Part
 
 
@@ -48,11 +48,11 @@ class Continued:
         """None stands for a coordinate nothing holds, and for a branch that holds nothing."""
         found = []
         for block in self.tree.below[name]:
-            (child,) = block.below
-            flexibility = Branch(block, self.element).flexibility(self.receptance[child])
-            if flexibility is not None:
-                self.flexibility[child] = flexibility
-                found.append(flexibility)
+            (child,), (member,) = block.below, block.members
+            if self.receptance[child] is not None:
+                series = self._one / self.element(member.law) + self._squared(member, child) * self.receptance[child]
+                self.flexibility[child] = series / self._squared(member, name)
+                found.append(self.flexibility[child])
         grounds = self.network.grounds.get(name, [])
         if not grounds and len(found) == 1:
             self.receptance[name] = found[0]
@@ -66,19 +66,30 @@ class Continued:
     def _one(self) -> Any:
         return self.element(1)
 
+    def _squared(self, member: Member[Stiffness], name: str) -> Any:
+        return self.element(member.row[name] ** 2)
+
     def motion(self, end: str) -> Any:
         """Motion at ``end`` over motion at the root."""
         result = self._one
         for block, far in self.tree.path(end):
-            result = result * Branch(block, self.element).handed_on(self.receptance[far])
+            result = result * self._handed_on(block, far)
         return result
+
+    def _handed_on(self, block: Block[Stiffness], far: str) -> Any:
+        (member,) = block.members
+        ratio = self.element(-member.row[block.top] / member.row[far])
+        if self.receptance[far] is None:
+            return ratio
+        y = self.element(member.law) * self._squared(member, far)
+        return ratio * (y / (y + self._one / self.receptance[far]))
 
     def reading(self, row: SymbolRow, law: Any = None) -> Any:
         """Row theta, times a law, over the motion at the root."""
         row = {name: value for name, value in row.items() if name in self.tree.below}
         for child in row if len(row) == 2 else ():  # noqa: PLR2004
             block = self.tree.above.get(child)
-            if block and block.top in row and len(block.members) == 1 and _parallel(row, block.members[0].row):
+            if block and block.top in row and _parallel(row, block.members[0].row):
                 return self._torque(block, row[block.top], law)
         total = self.element(0)
         for name, value in row.items():
@@ -103,64 +114,30 @@ def _parallel(row: SymbolRow, other: SymbolRow) -> bool:
     return vanishes(row[first] * other[second] - row[second] * other[first])
 
 
-@dataclass(frozen=True)
-class Branch:
-    """What a bundle and the receptance behind it are to its upper coordinate; see :mod:`torsionnet.symbolics.bundle`.
+def single_edges(network: Network[Stiffness]) -> Network[Stiffness]:
+    """The network with all that is between two coordinates as one edge, and laws to ground at both ends.
 
-    A single edge is in series with what is behind it. With inertia of its own a shaft answers
-
-        1/Z_branch = (1 + W_cc/Z_c) / (W_vv + W/Z_c)
-
-    with W_xz = sum y_e a_ex a_ez and W = sum y_e y_f (a_ev a_fc - a_fv a_ec)^2.
+    With the edge on the row (a_v, a_c) and t = b_v b_c / (a_v a_c), a law y on another row (b_v, b_c) adds t y to the
+    edge, and y (b_x^2 - t a_x^2) to ground at each end.
     """
+    first: dict[frozenset[str], SymbolRow] = {}
+    members = []
+    for member in added_up(network, reflected).members:
+        row = first.setdefault(frozenset(member.row), member.row)
+        if len(row) != 2 or row is member.row:  # noqa: PLR2004
+            members.append(member)
+            continue
+        v, c = row
+        share = member.row[v] * member.row[c] / (row[v] * row[c])
+        members.append(Member(row, _times(member.law, share)))
+        members += [Member({x: ONE}, _times(member.law, member.row[x] ** 2 - share * row[x] ** 2)) for x in row]
+    found = added_up(Network(network.coordinates, tuple(members)), reflected)
+    acting = (member for member in found.members if not all(map(vanishes, member.law.parts)))
+    return Network(network.coordinates, tuple(acting))
 
-    block: Block[Stiffness]
-    element: Callable[[Any], Any]
 
-    def flexibility(self, behind: Any) -> Any:
-        """Motion of the upper coordinate over the torque there, None where nothing is held."""
-        top, (child,) = self.block.top, self.block.below
-        if len(self.block.members) == 1:
-            ((near, far),) = self._rows
-            if behind is None:
-                return None
-            series = self.element(1) / self.element(self.block.members[0].law) + self.element(far**2) * behind
-            return series / self.element(near**2)
-        own, across = self._sum(child, child), self._across()
-        if behind is None:
-            return None if across is None else own / across
-        held = self._sum(top, top) if across is None else self._sum(top, top) + across * behind
-        return (self.element(1) + own * behind) / held
-
-    def handed_on(self, behind: Any) -> Any:
-        """Motion of the lower coordinate over that of the upper one."""
-        top, (child,) = self.block.top, self.block.below
-        if len(self.block.members) == 1:
-            ((near, far),) = self._rows
-            ratio = self.element(-near / far)
-            y = self.element(self.block.members[0].law) * self.element(far**2)
-            return ratio if behind is None else ratio * (y / (y + self.element(1) / behind))
-        held = self._sum(child, child)
-        return self.element(-1) * self._sum(top, child) / (held if behind is None else held + self.element(1) / behind)
-
-    @property
-    def _rows(self) -> list[tuple[Any, Any]]:
-        (child,) = self.block.below
-        return [(member.row[self.block.top], member.row[child]) for member in self.block.members]
-
-    def _sum(self, first: str, second: str) -> Any:
-        """Sum of y a_x a_z, one law with the coefficients collected."""
-        laws = [(member.law, member.row[first] * member.row[second]) for member in self.block.members]
-        parts = (sympy.Add(*(law.parts[i] * factor for law, factor in laws)) for i in range(3))
-        return self.element(Stiffness(*parts))
-
-    def _across(self) -> Any:
-        total = None
-        for (one, (a, b)), (other, (c, d)) in combinations(zip(self.block.members, self._rows, strict=True), 2):
-            if not vanishes(a * d - c * b):
-                both = self.element((a * d - c * b) ** 2) * self.element(one.law) * self.element(other.law)
-                total = both if total is None else total + both
-        return total
+def _times(law: Stiffness, factor: Any) -> Stiffness:
+    return Stiffness(*(part * factor for part in law.parts))
 
 
 def response(
@@ -176,7 +153,7 @@ def response(
         There are closed loops, or the torque acts on several coordinates.
     """
     found = mechanism.reduced([mechanism.row({node: 1})])
-    network, load = added_up(found.network, reflected), found.rows[0]
+    network, load = single_edges(found.network), found.rows[0]
     if len(load) != 1 or not is_forest(network):
         raise NoContinuedFractionError
     ((root, share),) = load.items()
@@ -214,7 +191,7 @@ def _arrival(network: Network[Stiffness], root: str, share: Any, read: Collectio
 def _handed_through(mechanism: Mechanism, rigid: int, tree: Continued, node: str, element: Callable[[Any], Any]) -> Any:
     """The torque a rigid connection hands on: what the side away from the root answers to its motion there."""
     found = mechanism.reduced([mechanism.row({node: 1})], rigid)
-    network, (load, row) = added_up(found.network, reflected), found.rows
+    network, (load, row) = single_edges(found.network), found.rows
     near = set(orient(network, next(iter(load))).order) if len(load) == 1 else set()
     away = [name for name in row if name not in near]
     if not is_forest(network) or len(away) != 1:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.errors import UsageError, did_you_mean
 from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.symbolics.algebras import Changed, Derivatives, Expressions
+from torsionnet.symbolics.algebras import Changed, Derivatives, Expressions, Lengths
 from torsionnet.symbolics.network import Stiffness
 from torsionnet.symbolics.program import Node, Program
 from torsionnet.symbolics.question import Asked
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 MOST_PRINTED = 60
 """Operations of a transfer function that is printed in one line."""
+MOST_LEAVES = 5000
+"""Elements and numbers of a nested expression that is written out."""
 
 FORMS = ("mechanical", "polynomial", "normalised", "program", "expanded")
 
@@ -95,12 +97,22 @@ class TransferFunction:
         return above / below
 
     @cached_property
-    def mechanical(self) -> Any:
-        """Continued fraction with the user's groups, a sympy expression; nested where there are closed loops."""
+    def nested_leaves(self) -> int:
+        """Elements and numbers of the nested form, those that appear again counted again."""
+        above, below = self.steps.run(Lengths(), [self.numerator, self.denominator])
+        return int(above.leaves + below.leaves)
+
+    @cached_property
+    def continued(self) -> Any:
+        """Continued fraction, a sympy expression; None where there are closed loops."""
         from torsionnet.symbolics.written import continued_expression
 
-        written = None if self.asked is None else continued_expression(self.asked)
-        return self.nested if written is None else written
+        return None if self.asked is None else continued_expression(self.asked)
+
+    @property
+    def mechanical(self) -> Any:
+        """Continued fraction with the user's groups, a sympy expression; nested where there are closed loops."""
+        return self.nested if self.continued is None else self.continued
 
     @cached_property
     def polynomial(self) -> Rational:
@@ -240,8 +252,17 @@ class TransferFunction:
 
         return to_latex(self, form)
 
-    def _repr_latex_(self) -> str:
-        return f"$\\displaystyle {self.to_latex()}$"
+    def _repr_latex_(self) -> str | None:
+        form = self._short_form
+        return f"$\\displaystyle {self.to_latex(form)}$" if form else None
+
+    @property
+    def _short_form(self) -> str:
+        """The form that is shown unasked; none for very long ones."""
+        operations = self.program.operations
+        if operations <= MOST_PRINTED and self.nested_leaves <= MOST_LEAVES:
+            return "mechanical"
+        return "program" if operations <= 10 * MOST_PRINTED else ""
 
     def __repr__(self) -> str:
         names = " / ".join(channel.name for channel in self.channels)
@@ -251,12 +272,11 @@ class TransferFunction:
     def __str__(self) -> str:
         """The mechanical form if it is short, else its straight-line program."""
         names = "/".join(channel.name for channel in self.channels)
-        operations = self.program.operations
-        if operations <= MOST_PRINTED:
+        if self._short_form == "mechanical":
             return f"{names} = {shown(self.mechanical)}"
-        if operations <= 10 * MOST_PRINTED:
+        if self._short_form == "program":
             return f"{names} = {self.program}"
-        return f"{names}: {operations} operations; print its .program, or ask for .python_code()"
+        return f"{names}: {self.program.operations} operations; print its .program, or ask for .python_code()"
 
 
 def _exact(value: Any) -> Any:
