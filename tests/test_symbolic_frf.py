@@ -16,7 +16,7 @@ from sympy import Rational, Symbol, simplify
 
 import torsionnet as tn
 from torsionnet.symbolics.blocks import orient
-from torsionnet.symbolics.charpoly import Expanded
+from torsionnet.symbolics.charpoly import ExpandedBlock
 from torsionnet.symbolics.loops import tied
 from torsionnet.symbolics.program import Program
 
@@ -124,7 +124,7 @@ class TestEveryFormIsTheNumericResponse:
         model = tn.Drivetrain("dense", elements, parameters, inputs={"T": {"torque": "a"}})
         H = model.symbolic().transfer_function("torque(g4)", "T")
         (block,) = orient(H.asked.mechanism.network, "a").below["a"]
-        assert isinstance(tied(block, {}, Program()), Expanded)
+        assert isinstance(tied(block, {}, Program()), ExpandedBlock)
         expected = model.frequency_response("torque(g4)", "T", F).values[:, 0, 0]
         assert_equal(H.evaluate(F).values[:, 0, 0], expected, "evaluate")
         assert_equal(run_code(H.python_code())(F), expected, "code")

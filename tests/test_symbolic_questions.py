@@ -1,5 +1,7 @@
 """Transfer functions in symbols beyond one torque and a tree of single laws: each against the numbers."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -161,6 +163,20 @@ class TestMatrices:
         expected = model.frequency_response(outputs, measured, F, excitation=excitation)
         assert G.evaluate(F).values == pytest.approx(expected.values, rel=1e-9)
 
+    @pytest.mark.parametrize("excitation", [["T", "U"], ["T", "psi"], ["phi", "psi"], ["U", "phi"]])
+    def test_several_measured_inputs_and_imposed_angles(self, excitation):
+        nodes = ["left", "a", "b", "c", "right"]
+        elements = [tn.Inertia(f"j_{n}", node=n, inertia=f"J_{n}") for n in nodes]
+        for i, ends in enumerate(pairwise(nodes)):
+            elements.append(tn.Spring(f"k{i}", nodes=ends, stiffness=f"k_{i}", damping=0.3))
+        values = {f"J_{n}": 0.1 * i + 0.1 for i, n in enumerate(nodes)} | {f"k_{i}": 300.0 * (i + 1) for i in range(4)}
+        inputs = {"phi": {"angle": "left"}, "psi": {"angle": "right"}, "T": {"torque": "a"}, "U": {"torque": "c"}}
+        model = tn.Drivetrain("between", elements, values, inputs=inputs)
+        outputs, measured = ["b", "torque(k1)"], ["angle(a)", "torque(k2)"]
+        G = model.symbolic().transfer_matrix(outputs, measured, excitation)
+        expected = model.frequency_response(outputs, measured, F, excitation=excitation)
+        assert G.evaluate(F).values == pytest.approx(expected.values, rel=1e-10)
+
     def test_wrong_questions(self):
         S = shafts(4).symbolic()
         with pytest.raises(tn.UsageError, match="transfer_matrix takes several"):
@@ -169,6 +185,8 @@ class TestMatrices:
             S.transfer_matrix(["n1"], ["n0"])["n9", 0]
         with pytest.raises(tn.UsageError, match="do not tell the excitations apart"):
             S.transfer_matrix(["n1"], ["angle(n0)", "angle(n0)"], ["n0", "n1"])
+        with pytest.raises(tn.UsageError, match="at most 3 inputs are measured"):
+            S.transfer_matrix(["n1"], [f"angle(n{i})" for i in range(4)], [f"n{i}" for i in range(4)])
 
 
 class TestShown:
@@ -187,6 +205,11 @@ class TestShown:
         short = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
         assert str(short) == f"theta_1/T_T = {short.mechanical}"
         assert "ask for .python_code()" in str(shafts(40).symbolic().transfer_function("n40", "T"))
+
+    def test_expanded(self):
+        short = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T").expanded()
+        assert (repr(short), str(short)) == ("<Expanded: 14 terms>", str(short.expression))
+        assert str(shafts(3).symbolic().transfer_function("n3", "T").expanded()).startswith("<Expanded: ")
 
     def test_loops_are_not_written_out_by_the_page(self):
         H = planetary_sets(6).symbolic().transfer_function("n6", "T")

@@ -21,7 +21,7 @@ MOST_COORDINATES = 12
 
 
 @dataclass(frozen=True, eq=False)
-class Expanded:
+class ExpandedBlock:
     """A block whose determinants are expanded in its laws.
 
     Raises

@@ -10,13 +10,17 @@ import sympy
 
 from torsionnet.errors import UsageError
 from torsionnet.symbolics.algebras import Terms
+from torsionnet.symbolics.shown import shown
 from torsionnet.symbolics.sparse import Monomials, Sparse, monomials_for
+
+MOST_PRINTED = 200
+"""Terms of a quotient that is printed."""
 
 if TYPE_CHECKING:
     from torsionnet.symbolics.transfer_function import TransferFunction
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Expanded:
     """Numerator and denominator without brackets; making sympy expressions of them takes longer than making them.
 
@@ -34,6 +38,12 @@ class Expanded:
     def terms(self) -> int:
         """How many there are."""
         return sum(sum(map(bool, part.terms.values())) for part in (self.numerator, self.denominator))
+
+    def __repr__(self) -> str:
+        return f"<Expanded: {self.terms} terms>"
+
+    def __str__(self) -> str:
+        return str(shown(self.expression)) if self.terms <= MOST_PRINTED else repr(self)
 
     @cached_property
     def expression(self) -> Any:

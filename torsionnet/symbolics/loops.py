@@ -15,7 +15,7 @@ from math import comb
 
 from torsionnet.symbolics.blocks import Block
 from torsionnet.symbolics.bundle import Quotient, sum_of_quotients
-from torsionnet.symbolics.charpoly import Expanded
+from torsionnet.symbolics.charpoly import ExpandedBlock
 from torsionnet.symbolics.network import ONE, Contraction, Member, Network, SymbolRow, added_up
 from torsionnet.symbolics.program import Node, Program
 from torsionnet.symbolics.tree import Recursion, Solved
@@ -29,7 +29,7 @@ def tied(block: Block[Quotient], hanging: Mapping[str, Quotient], program: Progr
     """A block of more than two coordinates with what hangs on it."""
     loops = loops_of(block)
     if loops > MOST_LOOPS or comb(len(block.members), loops) > MOST_FORESTS:
-        return Expanded(block, hanging, program)
+        return ExpandedBlock(block, hanging, program)
     return Split(block, hanging, program)
 
 

@@ -71,13 +71,13 @@ def resolve(
     reading = as_sensor(drivetrain, output) or Sensor("angle", str(output))
     channels = (channel(question.outputs[0]), channel(question.measured[0]))
     if not question.is_measured:
-        mechanism = mechanism_for(drivetrain, [reading], referred_to, memory)
+        mechanism = _mechanism(drivetrain, [reading], referred_to, memory)
         node = question.excitations[0].of
         return Asked(mechanism, parts_of(mechanism, reading), None, node, 1, channels, question.notes)
     sensor = as_sensor(drivetrain, input)
     if sensor is None:  # a measured input is a sensor
         raise TypeError
-    mechanism = mechanism_for(drivetrain, [reading, sensor], referred_to, memory)
+    mechanism = _mechanism(drivetrain, [reading, sensor], referred_to, memory)
     whole = _measured(reading, sensor, question, mechanism)
     _require_reached(whole, str(input), question.excitations[0])
     cut = find_cut(drivetrain, sensor, question.excitations)
@@ -91,10 +91,10 @@ def channel(reading: Functional) -> Channel:
     return Channel(reading.name, reading.unit)
 
 
-def mechanism_for(
+def _mechanism(
     drivetrain: Drivetrain,
     sensors: Sequence[Sensor],
-    referred_to: Sequence[str] = (),
+    referred_to: Sequence[str],
     memory: dict[tuple[int, ...], Mechanism] | None = None,
 ) -> Mechanism:
     """The mechanism in which the sensors can be read, from ``memory`` where it has been made before."""
@@ -132,7 +132,7 @@ def _of_cut(
     """What is left downstream of the cut; the measured torque is an excitation there."""
     node, sign = port_of(drivetrain.elements[sensor.of], sensor.at)
     rest = Drivetrain.from_definition(cut_definition(drivetrain.definition, cut.kept))
-    mechanism = mechanism_for(rest, [output], referred_to)
+    mechanism = _mechanism(rest, [output], referred_to)
     removed = ", ".join(name for name in drivetrain.elements if name not in cut.kept)
     notes = (*whole.notes, f"cut at {whole.channels[1].name}: independent of {removed}") if removed else whole.notes
     into = sign if sensor.of in cut.kept else -sign

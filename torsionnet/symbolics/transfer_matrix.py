@@ -1,8 +1,9 @@
 """Several outputs and inputs: a matrix of transfer functions from one program.
 
 For measured inputs m under as many excitations the matrix is Y_out Y_in^-1. The determinant of the drivetrain drops
-out, and by Cramer's rule the entry for output o and input i is the determinant of Y_in with its row i exchanged for
-that of the output, over the determinant of Y_in.
+out, and so does the strength of every excitation: an imposed angle is as good as the torque that makes it. By Cramer's
+rule the entry for output o and input i is the determinant of Y_in with its row i exchanged for that of the output, over
+the determinant of Y_in.
 """
 
 from __future__ import annotations
@@ -22,10 +23,11 @@ from torsionnet.errors import UsageError, did_you_mean
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.solve.question import Question, as_sensor, ask
 from torsionnet.symbolics.algebras import InPowersOfS
+from torsionnet.symbolics.imposed import at_rest, is_imposed
 from torsionnet.symbolics.numbers import surely_zero
 from torsionnet.symbolics.program import Node, Program
-from torsionnet.symbolics.question import channel, mechanism_for
-from torsionnet.symbolics.readings import parts_of
+from torsionnet.symbolics.question import channel
+from torsionnet.symbolics.readings import Mechanism, loose_constraints, parts_of
 from torsionnet.symbolics.transfer_function import TransferFunction
 
 Write: TypeAlias = Callable[[tuple[Channel, Channel], Node, Node, tuple[str, ...]], TransferFunction]
@@ -116,26 +118,34 @@ def over_measured(
     excitation: str | Sequence[str] | None,
     write: Write,
 ) -> TransferMatrix:
-    """Transfer functions against several measured inputs under as many torques.
+    """Transfer functions against several measured inputs under as many excitations.
 
     ``write`` makes a transfer function of channels, numerator and denominator.
 
     Raises
     ------
     UsageError
-        As for a frequency response; also with more than three measured inputs, or imposed angles as excitations.
+        As for a frequency response; also with more than three measured inputs.
     """
     question = ask(drivetrain, outputs, inputs, excitation)
-    if len(inputs) > MOST_MEASURED or any(source.quantity != "torque" for source in question.excitations):
-        msg = f"in symbols at most {MOST_MEASURED} inputs are measured at a time, and torques are the excitations"
+    if len(inputs) > MOST_MEASURED:
+        msg = f"in symbols at most {MOST_MEASURED} inputs are measured at a time"
         raise UsageError(msg)
     sensors = [as_sensor(drivetrain, entry) or Sensor("angle", str(entry)) for entry in (*outputs, *inputs)]
-    mechanism = mechanism_for(drivetrain, sensors)
-    readings = [
-        [mechanism.numerator(parts_of(mechanism, sensor), source.of) for source in question.excitations]
-        for sensor in sensors
-    ]
-    return _by_cramer(mechanism.program, readings, question, write)
+    program, mechanisms = Program(), dict[str, Mechanism]()
+    columns = []
+    for source in question.excitations:
+        driven = source.of if source.quantity == "angle" else ""
+        mechanism = mechanisms.get(driven) or _mechanism(drivetrain, driven, sensors, program)
+        mechanisms[driven] = mechanism
+        columns.append([mechanism.numerator(parts_of(mechanism, sensor), source.of) for sensor in sensors])
+    return _by_cramer(program, [list(row) for row in zip(*columns, strict=True)], question, write)
+
+
+def _mechanism(drivetrain: Drivetrain, driven: str, sensors: Sequence[Sensor], program: Program) -> Mechanism:
+    """The drivetrain with all imposed angles at rest, but that of ``driven``."""
+    system = at_rest(drivetrain, driven) if is_imposed(drivetrain) else drivetrain
+    return Mechanism(system, loose=loose_constraints(system, sensors), program=program)
 
 
 def _by_cramer(program: Program, readings: list[list[Node]], question: Question, write: Write) -> TransferMatrix:
