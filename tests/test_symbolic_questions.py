@@ -4,8 +4,10 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import sympy
 
 import torsionnet as tn
+from torsionnet.symbolics.normalised import Factor
 from torsionnet.symbolics.shown import shown
 
 F = np.array([0.3, 2.0, 7.0, 19.0])
@@ -80,8 +82,6 @@ class TestLawsBetweenTheSameCoordinates:
 
 class TestContinuedFractionsOfShafts:
     def test_a_shaft_is_a_spring_between_two_inertias(self):
-        import sympy
-
         s, rho, G, L, d, J = sympy.symbols("s rho G L d J")
         shaft = tn.Shaft("s", nodes=("a", "b"), outer_diameter="d", length="L", **STEEL)
         model = tn.Drivetrain(
@@ -197,9 +197,19 @@ class TestShown:
         assert places == sorted(places)
 
     def test_factors_in_words(self):
-        text = str(tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T").normalised)
-        assert text.splitlines()[0] == "gain (k_1 + k_2)/(k_1*k_2)"
-        assert "denominator: 1 + s/omega_n with omega_n = k_1/c_1" in text
+        H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
+        lines = str(H.normalised).splitlines()
+        assert lines[0] == "gain (k_1 + k_2)/(k_1*k_2) = 0.0022491"
+        assert lines[3] == "denominator: 1 + s/omega_n with omega_n = k_1/c_1 = 133000 rad/s"
+        assert lines[2].endswith("= 55.012 rad/s, zeta = (c_2 + c_B)/(2*sqrt(I_2*k_2)) = 0.257121")
+        assert str(H.subs(k_1=sympy.Symbol("k"), c_1=0.2).normalised).splitlines()[3].endswith("omega_n = 5*k rad/s")
+
+    def test_damping_ratio_of_a_difference(self):
+        """Where a sign is not plain from the symbols, nothing may be taken out of the root."""
+        x, y = sympy.symbols("x y")
+        coefficients = (sympy.Integer(1), (x + 1) / (x - y), -5 / (x - y))
+        zeta = Factor(coefficients).zeta.xreplace({x: 1, y: 3})
+        assert sympy.simplify(zeta + 1 / (2 * sympy.sqrt(sympy.Rational(5, 2)))) == 0
 
     def test_short_functions_in_one_line_and_long_ones_not(self):
         short = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
@@ -219,8 +229,6 @@ class TestShown:
         assert shafts(40).symbolic().transfer_function("n40", "T")._repr_latex_() is None
 
     def test_long_numbers_and_turned_sums(self):
-        import sympy
-
         z, k = sympy.symbols("z k")
         assert str(shown((-z - 1) ** 2 * k)) == "k*(z + 1)**2"
         assert str(shown(sympy.Rational(112984829027616, 10**12) * k)) == "112.98483*k"

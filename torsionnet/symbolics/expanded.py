@@ -13,7 +13,7 @@ from torsionnet.symbolics.algebras import Terms
 from torsionnet.symbolics.shown import shown
 from torsionnet.symbolics.sparse import Monomials, Sparse, monomials_for
 
-MOST_PRINTED = 200
+MOST_PRINTED = 100
 """Terms of a quotient that is printed."""
 
 if TYPE_CHECKING:

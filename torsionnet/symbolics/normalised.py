@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import random
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import sympy
@@ -53,32 +54,71 @@ class Factor:
         """Damping ratio, of second order."""
         if self.order != 2:  # noqa: PLR2004
             return None
-        return self.coefficients[1] / (2 * sympy.sqrt(self.coefficients[2]))
+        p_1, p_2 = (sympy.fraction(sympy.together(value)) for value in self.coefficients[1:])
+        p_0 = sympy.lcm(p_1[1], p_2[1])
+        if not _is_positive(p_0):
+            return self.coefficients[1] * self.omega_n / 2
+        first, second = (sympy.cancel(value * p_0) for value in self.coefficients[1:])
+        return first / (2 * sympy.sqrt(p_0 * second))
 
     @property
     def expression(self) -> Any:
         return in_s(self.coefficients) ** self.power
 
-    def __str__(self) -> str:
+    def text(self, values: Mapping[Any, Any]) -> str:
+        """The factor in words, with numbers beside the symbols."""
         power = f"({{}})**{self.power}" if self.power != 1 else "{}"
         if self.order == 1:
-            return f"{power.format('1 + s/omega_n')} with omega_n = {shown(self.omega_n)}"
+            return f"{power.format('1 + s/omega_n')} with omega_n = {_both(self.omega_n, values)} rad/s"
         if self.order == 2:  # noqa: PLR2004
             form = power.format("1 + 2*zeta*s/omega_n + s**2/omega_n**2")
-            return f"{form} with omega_n = {shown(self.omega_n)}, zeta = {shown(self.zeta)}"
+            return f"{form} with omega_n = {_both(self.omega_n, values)} rad/s, zeta = {_both(self.zeta, values)}"
         return power.format(
             polynomial_text(f"({shown(value)})" if n else "1" for n, value in enumerate(self.coefficients))
         )
 
 
+def _both(expression: Any, values: Mapping[Any, Any]) -> str:
+    """In symbols, and if all have values as a number."""
+    number = expression.xreplace(dict(values))
+    in_figures = f"{float(number):.6g}" if number.is_real and not number.free_symbols else ""
+    in_symbols = str(shown(expression)) if expression.free_symbols or not in_figures else ""
+    return " = ".join(part for part in (in_symbols, in_figures) if part)
+
+
+def _is_positive(expression: Any) -> bool:
+    """Whether it is for positive symbols."""
+    positive = {name: sympy.Dummy(positive=True) for name in expression.free_symbols}
+    return bool(expression.xreplace(positive).is_positive)
+
+
 @dataclass(frozen=True, repr=False)
 class Normalised:
-    """gain * s^power * product of numerator factors / product of denominator factors."""
+    """gain * s^power * product of numerator factors / product of denominator factors.
+
+    Attributes
+    ----------
+    gain : expression
+    power : int
+    numerator, denominator : tuple of Factor
+    values : dict
+        Symbol -> value, for the numbers beside the symbols.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T").normalised
+    >>> H.denominator[0].omega_n, H.denominator[0].zeta
+    (sqrt(k_2/I_2), (c_2 + c_B)/(2*sqrt(I_2*k_2)))
+    >>> print(H.denominator[1].text(H.values))
+    1 + s/omega_n with omega_n = k_1/c_1 = 133000 rad/s
+    """
 
     gain: Any
     power: int
     numerator: tuple[Factor, ...]
     denominator: tuple[Factor, ...]
+    values: Mapping[Any, Any] = field(default_factory=dict)
 
     @property
     def expression(self) -> Any:
@@ -88,11 +128,10 @@ class Normalised:
         return self.gain * S**self.power * above / below
 
     def __str__(self) -> str:
-        above = [("numerator", factor) for factor in self.numerator]
-        below = [("denominator", factor) for factor in self.denominator]
-        lines = [f"gain {shown(self.gain)}"]
+        lines = [f"gain {_both(self.gain, self.values)}"]
         lines += [f"s**{self.power}"] if self.power else []
-        return "\n".join([*lines, *(f"{place}: {factor}" for place, factor in above + below)])
+        lines += [f"numerator: {factor.text(self.values)}" for factor in self.numerator]
+        return "\n".join([*lines, *(f"denominator: {factor.text(self.values)}" for factor in self.denominator)])
 
     __repr__ = __str__
 
@@ -107,7 +146,8 @@ class Normalised:
 def normalised(function: TransferFunction) -> Normalised:
     """Factors as the recursion gives them, and those sympy finds in short polynomials."""
     above, below = (_factors(function, node) for node in (function.numerator, function.denominator))
-    return Normalised(factored(above[0] / below[0]), above[1] - below[1], above[2], below[2])
+    gain, power = factored(above[0] / below[0]), above[1] - below[1]
+    return Normalised(gain, power, above[2], below[2], function.values)
 
 
 def _factors(function: TransferFunction, node: Node) -> tuple[Any, int, tuple[Factor, ...]]:

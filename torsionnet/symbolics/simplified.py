@@ -88,7 +88,7 @@ class Simplified:
     def __str__(self) -> str:
         changes = "; ".join(self.changes) or "nothing could be left out"
         low, high = self.band
-        return f"{self.transfer_function.mechanical}\n{changes}\nerror {low:g} to {high:g} Hz: {self.errors}"
+        return f"{self.transfer_function}\n{changes}\nerror {low:g} to {high:g} Hz: {self.errors}"
 
 
 def simplified(
