@@ -3,9 +3,11 @@
 import random
 from fractions import Fraction
 
+import numpy as np
 import pytest
+import strategies
 import sympy
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import torsionnet as tn
@@ -199,3 +201,19 @@ def test_single_edges_are_the_same_stiffness(source, count):
         again.members.append(Member(member.row, Stiffness(sympy.Symbol(f"y_{len(again.members)}"))))
         again.values[again.members[-1].law.stiffness] = Fraction(int(value.p), int(value.q))
     assert again.matrix == expected
+
+
+WITH_BUNDLES = ("shaft", "shaft", "planetary", "compliant_gear", "gear_in_housing", "damped_spring", "differential")
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@given(strategies.blueprints(kinds=WITH_BUNDLES, size=3, heavy=True), strategies.frequencies, st.data())
+def test_shafts_and_gear_trains_against_mechanics_in_many_digits(blueprint, frequencies, data):
+    drivetrain, mechanics = blueprint.drivetrain(), blueprint.mechanics
+    moving = [node for node in drivetrain.nodes if mechanics.moves(node)]
+    ends = [data.draw(st.sampled_from(moving)) for _ in range(2)]
+    expected, sensitivity = mechanics.receptances(frequencies)
+    place = (slice(None), *strategies.matching(mechanics, ends))
+    H = drivetrain.symbolic().transfer_function(*ends)
+    found = H.evaluate(frequencies).values[:, 0, 0]
+    assert np.all(np.abs(found - expected[place]) <= 1e-10 * sensitivity[place])
