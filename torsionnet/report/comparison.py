@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -61,7 +63,9 @@ def comparison(
     4
     """
     first = (output or test.outputs[0].name, input or test.inputs[0].name)
-    test, model = (_nonzero(response.select(*first)) if x_log else response.select(*first) for response in (test, model))
+    test, model = (
+        _nonzero(response.select(*first)) if x_log else response.select(*first) for response in (test, model)
+    )
     apart = difference(test, model)
     rows = ["magnitude", "phase", *(["coherence"] if test.coherence is not None else []), "dB", "deg"]
     heights = {"magnitude": 3.0, "phase": 2.2, "coherence": 1.0, "dB": 1.2, "deg": 1.2}
@@ -107,7 +111,7 @@ def _is_usable(test: FrequencyResponse) -> NDArray[np.bool_]:
 
 def _reliable(test: FrequencyResponse) -> FloatArray:
     """Magnitudes that can be trusted."""
-    return test.magnitude[_is_usable(test) & _is_coherent(test), 0, 0]
+    return np.asarray(test.magnitude[_is_usable(test) & _is_coherent(test), 0, 0])
 
 
 def _responses(
@@ -134,7 +138,13 @@ def _responses(
 
 
 def _points(panel: Axes, f: FloatArray, values: FloatArray, good: NDArray[np.bool_], label: str) -> None:
-    look = {"color": TEST, "markersize": 3.0, "linestyle": "none", "marker": "o", "markeredgewidth": 0.7}
+    look: dict[str, Any] = {
+        "color": TEST,
+        "markersize": 3.0,
+        "linestyle": "none",
+        "marker": "o",
+        "markeredgewidth": 0.7,
+    }
     panel.plot(f, np.where(good, values, np.nan), label=label, **look)
     if not good.all():
         hollow = {**look, "markerfacecolor": "none", "alpha": 0.5}
@@ -160,7 +170,9 @@ def _dress(
     size.set_ylim(low, high)
     style.log_ticks(size.yaxis, low, high)
     unit = test.unit(conventions=conventions)
-    size.set_ylabel(f"|{test.outputs[0].name}/{test.inputs[0].name}| [{style.shown_unit(unit) if unit != '1' else '-'}]")
+    size.set_ylabel(
+        f"|{test.outputs[0].name}/{test.inputs[0].name}| [{style.shown_unit(unit) if unit != '1' else '-'}]"
+    )
     last.set_xlabel(f"frequency [{conventions.frequency}]")
     if x_log:
         last.set_xscale("log")

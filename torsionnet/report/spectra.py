@@ -67,9 +67,7 @@ def spectrogram(
     return figure
 
 
-def order_map(
-    seen: OrderMap, *, span: float = 60.0, conventions: Conventions = SI, title: str | None = None
-) -> Figure:
+def order_map(seen: OrderMap, *, span: float = 60.0, conventions: Conventions = SI, title: str | None = None) -> Figure:
     """Level over speed and order; a line along every order of the excitation.
 
     Parameters
@@ -127,9 +125,7 @@ def sweep_harmonics(found: Harmonics, *, conventions: Conventions = SI, title: s
     return figure
 
 
-def _map(
-    figure: Figure, axes: Axes, x: FloatArray, y: FloatArray, levels: FloatArray, span: float, label: str
-) -> None:
+def _map(figure: Figure, axes: Axes, x: FloatArray, y: FloatArray, levels: FloatArray, span: float, label: str) -> None:
     finite = levels[np.isfinite(levels)]
     top = float(finite.max()) if finite.size else 0.0
     shown: Any = axes.pcolormesh(
@@ -140,4 +136,4 @@ def _map(
     bar = figure.colorbar(shown, ax=axes, pad=0.02)
     bar.set_label(label, fontsize=style.FONT, color=style.INK)
     bar.ax.tick_params(labelsize=style.SMALL)
-    bar.outline.set_visible(False)  # type: ignore[operator]
+    bar.outline.set_visible(False)

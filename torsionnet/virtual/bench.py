@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -13,7 +14,7 @@ from torsionnet.bench import Plan
 from torsionnet.bench.checking import check_plan, sensor_of
 from torsionnet.channels import Sensor
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.errors import ModelError, UsageError
+from torsionnet.errors import ModelError, TorsionnetWarning, UsageError
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.virtual.exciting import Delivered, deliver
 from torsionnet.virtual.sensing import sensed
@@ -88,7 +89,10 @@ class Bench:
         """Every reading under the mean torque."""
         if not mean:
             return [0.0] * len(self.sensors)
-        static = self.drivetrain.frequency_response(list(self.sensors.values()), self.drive, [0.0]).values[0, :, 0]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", TorsionnetWarning)
+            response = self.drivetrain.frequency_response(list(self.sensors.values()), self.drive, [0.0])
+        static = response.values[0, :, 0]
         if not np.all(np.isfinite(static)):
             msg = f"a mean torque of {mean:g} N*m has no equilibrium: {self.drivetrain.title} is free to turn; lock it"
             raise UsageError(msg)

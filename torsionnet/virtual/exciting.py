@@ -32,7 +32,7 @@ def deliver(excitation: Excitation, exciter: Exciter, sampling_rate: float) -> D
     wanted = excitation.samples(sampling_rate)
     raised = compensated(wanted, exciter.bandwidth, sampling_rate) if exciter.compensated else wanted
     set_point, notes = _limited(raised, exciter)
-    followed = lagged(set_point, exciter.bandwidth, sampling_rate) if exciter.bandwidth else set_point
+    followed = lagged(set_point, exciter.bandwidth, sampling_rate, wanted[0]) if exciter.bandwidth else set_point
     torque = bent(followed, excitation, exciter.harmonics or {})
     return Delivered(set_point, torque, notes)
 
@@ -47,15 +47,14 @@ def compensated(wanted: FloatArray, bandwidth: float, sampling_rate: float) -> F
     return np.append(raised, wanted[-1:])
 
 
-def lagged(set_point: FloatArray, bandwidth: float, sampling_rate: float) -> FloatArray:
+def lagged(set_point: FloatArray, bandwidth: float, sampling_rate: float, rest: float) -> FloatArray:
     """Torque of a control loop of the first order, 3 dB down at ``bandwidth``, under a set-point held at each step.
 
-    It begins settled at the first value of the set-point.
+    It has long been at ``rest`` when the test begins.
     """
     from scipy.signal import lfilter
 
     a = _decay(bandwidth, sampling_rate)
-    rest = set_point[0]
     return np.asarray(rest + lfilter([0.0, 1 - a], [1.0, -a], set_point - rest))
 
 
@@ -73,8 +72,9 @@ def bent(torque: FloatArray, excitation: Excitation, shares: dict[int, float]) -
     share = (torque - excitation.mean) / excitation.amplitude
     coefficients = np.zeros(max(shares) + 1)
     coefficients[list(shares)] = list(shares.values())
-    added = chebyshev.chebval(share, coefficients)
-    return np.asarray(torque + excitation.amplitude * (added - added.mean()))
+    even = chebyshev.chebval(share, coefficients * (np.arange(len(coefficients)) % 2 == 0))
+    added = chebyshev.chebval(share, coefficients) - even.mean()
+    return np.asarray(torque + excitation.amplitude * added)
 
 
 def _limited(set_point: FloatArray, exciter: Exciter) -> tuple[FloatArray, tuple[str, ...]]:
