@@ -334,7 +334,7 @@ def as_json(data):
     return json.loads(json.dumps(data, default=lambda value: int(value) if value == int(value) else float(value)))
 
 
-def test_the_bench_of_a_file_fits_the_schema(tmp_path):
+def test_the_bench_of_a_file_fits_the_schema():
     jsonschema = pytest.importorskip("jsonschema")
     from torsionnet.files.located import compose
 

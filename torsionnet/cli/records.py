@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from torsionnet.cli.record_options import Reading
@@ -35,8 +36,7 @@ def load_record(
     record = read_recording(path, names=wanted, **reading.arguments)
     for note in record.notes:
         message("note", note)
-    if reading.resample:
-        record = resampled(record)
+    record = _even(record, reading, path)
     _refuse(check_recording(record, window), path)
     advance(record.duration)
     return record
@@ -48,10 +48,20 @@ def _checked_blocks(
     """A large record block by block; that a block is short is no fault of the record."""
     message("note", f"{path} is large: read in blocks of {BLOCK:g} s")
     for block in iter_blocks(path, BLOCK, names=names, **reading.arguments):
-        even = resampled(block) if reading.resample else block
+        even = _even(block, reading, path)
         _refuse([fault for fault in check_recording(even, window) if fault.path != ("channels",)], path)
         yield even
         advance(even.duration)
+
+
+def _even(record: Recording, reading: Reading, path: str) -> Recording:
+    if reading.resample:
+        return resampled(record)
+    if record.times is not None:
+        faults = [fault for fault in check_recording(record) if fault.path[:1] == ("time",)]
+        texts = [replace(fault, message=fault.message, severity="error", path=()) for fault in faults]
+        raise ModelError([*texts, Fault("the time stamps are not uniform: --resample makes them so")], path)
+    return record
 
 
 def _refuse(faults: Sequence[Fault], path: str) -> None:
@@ -63,7 +73,5 @@ def _refuse(faults: Sequence[Fault], path: str) -> None:
 
 def _named(fault: Fault) -> Fault:
     """The fault with the channel in its message, which has no place in a file."""
-    from dataclasses import replace
-
     where = fault.path[-1] if len(fault.path) > 1 else ""
     return replace(fault, message=f"{where}: {fault.message}" if where else fault.message, path=())
