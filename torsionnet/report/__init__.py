@@ -1,6 +1,7 @@
 """Pictures of drivetrains and results. Each function returns a matplotlib figure and shows or writes nothing."""
 
 from torsionnet.report.bode import bode
+from torsionnet.report.coherence import coherence
 from torsionnet.report.comparison import comparison
 from torsionnet.report.histories import time_histories
 from torsionnet.report.save import save
@@ -10,6 +11,7 @@ from torsionnet.report.spectra import order_map, spectrogram, sweep_harmonics
 
 __all__ = [
     "bode",
+    "coherence",
     "comparison",
     "mode_shapes",
     "order_map",

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from torsionnet.errors import UsageError
 from torsionnet.report import style
 from torsionnet.response import SI, Conventions, FrequencyResponse
+from torsionnet.signals.advice import LEAST_COHERENCE
 
 POOR = 1e-10
 """Conditioning of a measured input below which a response cannot be trusted."""
@@ -37,6 +38,11 @@ class Curve:
     coherence: FloatArray | None
     poor: NDArray[np.bool_]
     usable_up_to: float = math.inf
+
+    @property
+    def is_meant(self) -> NDArray[np.bool_]:
+        """Where it can be used, or is coherent at least: the picture makes room for that."""
+        return self.is_usable if self.coherence is None else self.is_usable | (self.coherence >= LEAST_COHERENCE)
 
     @property
     def is_usable(self) -> NDArray[np.bool_]:
@@ -224,13 +230,23 @@ def _draw(
             for panel in axes:
                 panel.axvspan(low, high, color=style.FAINT, alpha=0.7, linewidth=0, zorder=0.5)
     # Noise beyond the resolution of a sensor may run off the picture; it sets no limits.
-    phases = [curve.phase[np.isfinite(curve.phase) & curve.is_usable] for curve in curves]
+    phases = [curve.phase[np.isfinite(curve.phase) & curve.is_meant] for curve in curves]
     every = np.concatenate(phases)
+    if not all(curve.is_meant.all() for curve in curves):
+        sizes = np.concatenate([curve.magnitude[curve.is_meant] for curve in curves])
+        _make_room(axes[0], sizes[np.isfinite(sizes)], decibels=decibels, conventions=conventions)
     axes[1].set_ylabel("phase [deg]")
     style.phase_ticks(axes[1], *((every.min(), every.max()) if every.size else (-HALF_TURN, 0.0)))
     if "coherence" in panels:
         axes[2].set_ylabel("coherence [-]")
         axes[2].set_ylim(0, 1.05)
+
+
+def _make_room(panel: Axes, sizes: FloatArray, *, decibels: bool, conventions: Conventions) -> None:
+    if sizes.size:
+        low, high = 0.6 * float(sizes.min()), 1.7 * float(sizes.max())
+        reference = conventions.db_reference
+        panel.set_ylim(*(20 * np.log10(np.array([low, high]) / reference) if decibels else (low, high)))
 
 
 def _line(panel: Axes, curve: Curve, data: FloatArray, look: dict[str, Any]) -> None:
@@ -296,6 +312,7 @@ def _legend(figure: Figure, axes: Axes, curves: Sequence[Curve]) -> None:
         handles.append(Line2D([], [], color=style.MUTED, linewidth=0.8, alpha=0.5))
         names.append("faint: motion too small for its sensor, or beyond decimation")
     if handles:
-        columns = min(len(names), 5 if max(map(len, names)) < SHORT_LABEL else 2)
+        is_short = all(len(curve.label) < SHORT_LABEL for curve in curves)
+        columns = min(len(names), 5 if is_short else 2)
         look = {"frameon": False, "fontsize": style.SMALL, "handlelength": 3}
         figure.legend(handles, names, loc="outside lower center", ncols=columns, **look)

@@ -129,7 +129,14 @@ def _map(figure: Figure, axes: Axes, x: FloatArray, y: FloatArray, levels: Float
     finite = levels[np.isfinite(levels)]
     top = float(finite.max()) if finite.size else 0.0
     shown: Any = axes.pcolormesh(
-        x, y, levels, cmap=COLOURS, vmin=top - span, vmax=top, shading="nearest", rasterized=True
+        x,
+        y,
+        np.maximum(levels, top - span),
+        cmap=COLOURS,
+        vmin=top - span,
+        vmax=top,
+        shading="nearest",
+        rasterized=True,
     )
     style.dress(axes)
     axes.grid(visible=False)
