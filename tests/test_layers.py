@@ -15,6 +15,7 @@ LAYERS = (  # top to bottom: first name below torsionnet
     {"cli", "demo", "__main__"},
     {"report"},
     {"identify", "virtual"},
+    {"sensitivity"},
     {"solve", "symbolics"},
     {"assembly"},
     {

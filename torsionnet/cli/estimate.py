@@ -99,7 +99,7 @@ def peak_table(response: FrequencyResponse, conventions: Conventions) -> Table:
         Column("unit"),
         Column("at"),
         Column("frequency", "Hz", 5),
-        Column("magnitude"),
+        Column("magnitude", digits=4),
         Column("phase", "deg", 4),
         Column("coherence", "", 3),
     )
