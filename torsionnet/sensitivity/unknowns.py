@@ -76,8 +76,8 @@ def unknowns(drivetrain: Drivetrain, names: Sequence[str]) -> Unknowns:
     Examples
     --------
     >>> import torsionnet as tn
-    >>> unknowns(tn.load("dmf_rig"), ["c_2", "flywheel.inertia"]).start
-    (4.0, 0.152)
+    >>> unknowns(tn.load("dmf_rig"), ["c_2", "k_2"]).start
+    (4.0, 460.0)
     """
     definition = drivetrain.definition
     parameters, start = [], []
