@@ -11,8 +11,9 @@ matrix is symmetric: the same factors serve readings and loads.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ import numpy as np
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.elements import Row, Values
 from torsionnet.elements.tables import StiffnessTable
+from torsionnet.elimination import exact, reduce_rows
 from torsionnet.errors import UsageError
 from torsionnet.kinematics import OwnedPart, constraints_of, imposed_rows, owned_parts
 from torsionnet.sensitivity.dual import DUALS, gradient_of
@@ -40,6 +42,10 @@ class Rows:
 
     values: FloatArray
     slopes: FloatArray
+
+    def on(self, T: FloatArray) -> Rows:
+        """The rows over q, where theta = T q."""
+        return Rows(self.values @ T, np.einsum("rnp,nq->rqp", self.slopes, T))
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,19 +81,40 @@ class Augmented:
             kappa[:, law] += table.kappa(omega)
         return kappa
 
-    def kappa_slopes(self, weights: ComplexArray, omega: FloatArray) -> ComplexArray:
-        """Sum over the laws of weights (n_f, n_laws) times the derivatives of kappa, (n_f, n_p)."""
-        w = omega[:, None]
-        found = weights @ (self.stiffness.slopes + 1j * self.hysteretic.slopes)
-        found -= w**2 * (weights @ self.inertia.slopes)
-        return np.asarray(found + 1j * w * (weights @ self.damping.slopes))
+    @cached_property
+    def varied(self) -> tuple[int, ...]:
+        """Laws in which a parameter sits."""
+        slopes = (self.inertia.slopes, self.damping.slopes, self.stiffness.slopes, self.hysteretic.slopes)
+        moved = np.any([slope.any(axis=1) for slope in slopes], axis=0) | self.laws.slopes.any(axis=(1, 2))
+        return tuple(int(law) for law in np.flatnonzero(moved))
+
+    def kappa_slopes(self, law: int, omega: FloatArray) -> Iterator[tuple[int, ComplexArray]]:
+        """Derivative of the dynamic stiffness of one law, (n_f,), to every parameter that it depends on."""
+        slopes = (self.stiffness.slopes[law], self.inertia.slopes[law])
+        losses = (self.hysteretic.slopes[law], self.damping.slopes[law])
+        for p in np.flatnonzero(np.any([*slopes, *losses], axis=0)):
+            real = slopes[0][p] - omega**2 * slopes[1][p]
+            yield int(p), np.asarray(real + 1j * (losses[0][p] + omega * losses[1][p]))
+
+    def on(self, T: FloatArray, conditions: Sequence[int]) -> Augmented:
+        """The same with angles theta = T q, and only these conditions: T satisfies the others."""
+        return replace(
+            self,
+            laws=self.laws.on(T),
+            conditions=Rows(self.conditions.values[conditions], self.conditions.slopes[conditions]).on(T),
+            condition_owners=tuple(self.condition_owners[index] for index in conditions),
+        )
 
     def matrix(self, kappa: ComplexArray, scale: float) -> ComplexArray:
         """The matrix (n_f, n, n) at dynamic stiffnesses (n_f, n_laws); conditions times ``scale``."""
-        a, A = self.laws.values, scale * self.conditions.values
-        n_nodes, n = a.shape[1], a.shape[1] + len(A)
+        A = scale * self.conditions.values
+        n_nodes = self.laws.values.shape[1]
+        n = n_nodes + len(A)
         matrix = np.zeros((len(kappa), n, n), dtype=complex)
-        matrix[:, :n_nodes, :n_nodes] = (a.T[None] * kappa[:, None, :]) @ a
+        for law, row in enumerate(self.laws.values):  # a few entries each: quicker than products of matrices
+            for i in np.flatnonzero(row):
+                for j in np.flatnonzero(row):
+                    matrix[:, i, j] += kappa[:, law] * (row[i] * row[j])
         matrix[:, :n_nodes, n_nodes:] = A.T
         matrix[:, n_nodes:, :n_nodes] = A
         return matrix
@@ -143,3 +170,27 @@ def _rows(rows: Sequence[Mapping[str, Any]], place: Mapping[str, int], count: in
 def _coefficients(numbers: Sequence[Any], count: int) -> Coefficients:
     slopes = np.array([gradient_of(number, count) for number in numbers]).reshape(len(numbers), count)
     return Coefficients(np.array([float(number) for number in numbers]), slopes)
+
+
+def free_motion(system: Augmented, nodes: Sequence[str], needed: Collection[str]) -> tuple[FloatArray, list[int]]:
+    """T with theta = T q for the conditions that no parameter moves and no reading needs, and the other conditions.
+
+    ``needed`` are owners of conditions whose torque is read, or whose right-hand side is driven.
+    """
+    moving = system.conditions.slopes.any(axis=(1, 2))
+    kept = [i for i, owner in enumerate(system.condition_owners) if moving[i] or owner in needed]
+    solved = [i for i in range(len(system.condition_owners)) if i not in kept]
+    rows = [
+        {nodes[j]: exact(float(system.conditions.values[i, j])) for j in np.flatnonzero(system.conditions.values[i])}
+        for i in solved
+    ]
+    order = {node: index for index, node in enumerate(nodes)}
+    reduction = reduce_rows(rows, order)
+    free = [node for node in nodes if node not in reduction.solved]
+    T = np.zeros((len(nodes), len(free)))
+    for column, name in enumerate(free):
+        T[order[name], column] = 1.0
+    for name, row in reduction.solved.items():
+        for other, coefficient in row.items():
+            T[order[name], free.index(other)] = float(coefficient)
+    return T, kept

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,8 +14,8 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.channels import Input, Sensor
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import SolveError, UsageError
-from torsionnet.sensitivity.augmented import Augmented, augmented
-from torsionnet.sensitivity.readings import Reading, reading, rows_of
+from torsionnet.sensitivity.augmented import Augmented, augmented, free_motion
+from torsionnet.sensitivity.readings import Reading, condition_owner, reading, rows_of
 from torsionnet.sensitivity.unknowns import Unknowns, unknowns
 from torsionnet.solve.question import Question, as_sensor, ask
 
@@ -65,6 +66,13 @@ class ParametricResponse:
     def _nodes(self) -> tuple[str, ...]:
         return self.drivetrain.assembly.kinematics.nodes
 
+    @cached_property
+    def _motion(self) -> tuple[FloatArray, list[int]]:
+        """What is solved once for all values."""
+        system = augmented(self.unknowns, self.unknowns.start, self._nodes, self._redundant)
+        driven = {f"input:{name}" for name in self.drivetrain.inputs}
+        return free_motion(system, self._nodes, driven | {condition_owner(sensor) for sensor in self.sensors})
+
     def at(self, values: Sequence[float] | FloatArray) -> Evaluation:
         """Transfer functions and derivatives for these values of the parameters.
 
@@ -76,11 +84,12 @@ class ParametricResponse:
             A derived parameter cannot be calculated.
         """
         numbers = [float(value) for value in values]
-        system = augmented(self.unknowns, numbers, self._nodes, self._redundant)
+        whole = augmented(self.unknowns, numbers, self._nodes, self._redundant)
         known, elements = self.unknowns.values(numbers), dict(self.unknowns.definition.elements)
-        readings = [reading(sensor, elements, system, self._nodes, known) for sensor in self.sensors]
-        omega = 2 * np.pi * self.frequencies
-        n = len(self._nodes) + len(system.condition_owners)
+        T, kept = self._motion
+        readings = [reading(sensor, elements, whole, self._nodes, known).on(T, kept) for sensor in self.sensors]
+        system, omega = whole.on(T, kept), 2 * np.pi * self.frequencies
+        n = T.shape[1] + len(kept)
         block = max(1, BLOCK_BYTES // (16 * n * n))
         parts = [self._block(system, readings, omega[start : start + block]) for start in range(0, len(omega), block)]
         y, dy = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
@@ -98,7 +107,7 @@ class ParametricResponse:
         kappa = system.kappa(omega)
         scale = float(np.median(np.abs(kappa[np.abs(kappa) > 0]))) if np.any(kappa) else 1.0
         rows, loads = rows_of(readings, system, kappa, omega), self._loads(system)
-        n_nodes = len(self._nodes)
+        n_nodes = system.laws.values.shape[1]
         right = np.concatenate([np.broadcast_to(loads, (len(omega), *loads.shape)), rows.transpose(0, 2, 1)], axis=2)
         scaled = right.copy()
         scaled[:, n_nodes:] *= scale
@@ -113,13 +122,15 @@ class ParametricResponse:
         return rows @ x, _derivatives(system, readings, omega, kappa, x, z)
 
     def _loads(self, system: Augmented) -> ComplexArray:
-        loads = np.zeros((len(self._nodes) + len(system.condition_owners), len(self.loads)), dtype=complex)
+        T, kept = self._motion
+        n_q = T.shape[1]
+        loads = np.zeros((n_q + len(kept), len(self.loads)), dtype=complex)
         names = {channel: name for name, channel in self.drivetrain.inputs.items()}
         for column, load in enumerate(self.loads):
             if load.quantity == "torque":
-                loads[self._nodes.index(load.of), column] = 1.0
+                loads[:n_q, column] = T[self._nodes.index(load.of)]
             else:
-                loads[len(self._nodes) + system.condition_owners.index(f"input:{names[load]}"), column] = 1.0
+                loads[n_q + system.condition_owners.index(f"input:{names[load]}"), column] = 1.0
         return loads
 
     def _quotient(self, y: ComplexArray, dy: ComplexArray) -> Evaluation:
@@ -145,42 +156,61 @@ def _derivatives(
     z: ComplexArray,
 ) -> ComplexArray:
     """Of y = c . x: dy = dc . x - z . dD x for every reading and load, (n_f, n_readings, n_loads, n_p)."""
-    n_nodes, count = system.laws.values.shape[1], system.inertia.slopes.shape[1]
-    found = np.zeros((len(omega), len(readings), x.shape[2], count), dtype=complex)
-    rows, moving = system.laws.values, _moving(system.laws.slopes)
-    conditions = _moving(system.conditions.slopes)
-    theta, lam = x[:, :n_nodes], x[:, n_nodes:]
-    for load in range(x.shape[2]):
-        u = theta[:, :, load] @ rows.T
-        du = np.einsum("fn,lnp->flp", theta[:, :, load], system.laws.slopes[moving])
-        for number, one in enumerate(readings):
-            v, w = z[:, :n_nodes, number] @ rows.T, z[:, :n_nodes, number]
-            dv = np.einsum("fn,lnp->flp", w, system.laws.slopes[moving])
-            total = -system.kappa_slopes(v * u, omega)
-            total -= np.einsum("fl,flp->fp", kappa[:, moving] * v[:, moving], du)
-            total -= np.einsum("fl,flp->fp", kappa[:, moving] * u[:, moving], dv)
-            dA = system.conditions.slopes[conditions]
-            total -= np.einsum("fc,cnp,fn->fp", z[:, n_nodes:, number][:, conditions], dA, theta[:, :, load])
-            total -= np.einsum("fc,cnp,fn->fp", lam[:, :, load][:, conditions], dA, w)
-            found[:, number, load] = total + _own(system, one, omega, kappa, theta[:, :, load], lam[:, :, load], u)
-    return found
+    count, n_q = system.inertia.slopes.shape[1], system.laws.values.shape[1]
+    found = np.zeros((count, len(readings), x.shape[2], len(omega)), dtype=complex)
+    laws = sorted({*system.varied, *(int(law) for one in readings for law in np.flatnonzero(one.laws))})
+    slopes = {law: list(system.kappa_slopes(law, omega)) for law in laws}
+    for load, number in product(range(x.shape[2]), range(len(readings))):
+        motion, adjoint, one = x[:, :, load], z[:, :, number], readings[number]
+        total = found[:, number, load]
+        for law in laws:
+            _law(total, system, law, slopes[law], kappa[:, law], motion[:, :n_q], adjoint[:, :n_q], one)
+        _conditions(total, system, motion, adjoint)
+        for p in range(count):
+            total[p] += (1j * omega) ** one.power * combined(motion[:, :n_q], one.motion_slopes[:, p])
+            total[p] += combined(motion[:, n_q:], one.condition_slopes[:, p])
+            for law in np.flatnonzero(one.law_slopes[:, p]):
+                gamma = combined(motion[:, :n_q], system.laws.values[law])
+                total[p] += one.law_slopes[law, p] * kappa[:, law] * gamma
+    return np.asarray(found.transpose(3, 1, 2, 0))
 
 
-def _own(
+def _law(
+    total: ComplexArray,
     system: Augmented,
-    one: Reading,
-    omega: FloatArray,
+    law: int,
+    slopes: Sequence[tuple[int, ComplexArray]],
     kappa: ComplexArray,
-    theta: ComplexArray,
-    lam: ComplexArray,
-    u: ComplexArray,
-) -> ComplexArray:
-    """What the reading itself has of the parameters, (n_f, n_p)."""
-    own = (1j * omega[:, None]) ** one.power * (theta @ one.motion_slopes) + lam @ one.condition_slopes
-    if one.laws.any() or one.law_slopes.any():
-        own = own + (kappa * u) @ one.law_slopes + system.kappa_slopes(u * one.laws, omega)
-        own = own + np.einsum("fl,lnp,fn->fp", kappa * one.laws, system.laws.slopes, theta)
-    return np.asarray(own)
+    motion: ComplexArray,
+    adjoint: ComplexArray,
+    one: Reading,
+) -> None:
+    """What one law adds to the derivatives (n_p, n_f): in the equations, and where the reading is its torque."""
+    row, factor = system.laws.values[law], one.laws[law]
+    u, v = combined(motion, row), combined(adjoint, row)
+    for p, slope in slopes:
+        total[p] += slope * u * (factor - v)
+    for p in np.flatnonzero(system.laws.slopes[law].any(axis=0)):
+        moved = system.laws.slopes[law][:, p]
+        total[p] += kappa * (combined(motion, moved) * (factor - v) - u * combined(adjoint, moved))
+
+
+def _conditions(total: ComplexArray, system: Augmented, motion: ComplexArray, adjoint: ComplexArray) -> None:
+    """What ratios in rigid conditions add to the derivatives (n_p, n_f)."""
+    n_q = system.laws.values.shape[1]
+    for number in _moving(system.conditions.slopes):
+        for p in np.flatnonzero(system.conditions.slopes[number].any(axis=0)):
+            moved = system.conditions.slopes[number][:, p]
+            total[p] -= adjoint[:, n_q + number] * combined(motion[:, :n_q], moved)
+            total[p] -= motion[:, n_q + number] * combined(adjoint[:, :n_q], moved)
+
+
+def combined(columns: ComplexArray, weights: FloatArray) -> ComplexArray:
+    """Columns (n_f, n) times weights (n,); most of these are 0."""
+    total = np.zeros(len(columns), dtype=complex)
+    for index in np.flatnonzero(weights):
+        total += weights[index] * columns[:, index]
+    return total
 
 
 def _moving(slopes: FloatArray) -> NDArray[np.intp]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -32,6 +32,16 @@ class Reading:
     law_slopes: FloatArray
     conditions: FloatArray
     condition_slopes: FloatArray
+
+    def on(self, T: FloatArray, conditions: Sequence[int]) -> Reading:
+        """The same over q with theta = T q; see :meth:`Augmented.on`."""
+        return replace(
+            self,
+            motion=self.motion @ T,
+            motion_slopes=T.T @ self.motion_slopes,
+            conditions=self.conditions[conditions],
+            condition_slopes=self.condition_slopes[conditions],
+        )
 
 
 def reading(
@@ -66,6 +76,11 @@ class _Parts:
         self.conditions, self.condition_slopes = np.zeros(n_conditions), np.zeros((n_conditions, count))
 
 
+def condition_owner(sensor: Sensor) -> str:
+    """The element whose conditions a sensor may read, or the empty string."""
+    return sensor.of if sensor.quantity == "torque" else ""
+
+
 def _torque(new: _Parts, sensor: Sensor, element: Element, system: Augmented, nodes: Sequence[str]) -> None:
     """Everything of the element that acts on the node of the port."""
     node, sign = port_of(element, sensor.at)
@@ -85,7 +100,8 @@ def rows_of(readings: Sequence[Reading], system: Augmented, kappa: ComplexArray,
     rows = np.zeros((len(omega), len(readings), n_nodes + len(system.condition_owners)), dtype=complex)
     for number, one in enumerate(readings):
         rows[:, number, :n_nodes] = (1j * omega[:, None]) ** one.power * one.motion
-        if one.laws.any():
-            rows[:, number, :n_nodes] += (kappa * one.laws) @ system.laws.values
+        for law in np.flatnonzero(one.laws):
+            for column in np.flatnonzero(system.laws.values[law]):
+                rows[:, number, column] += kappa[:, law] * (one.laws[law] * system.laws.values[law, column])
         rows[:, number, n_nodes:] = one.conditions
     return rows
