@@ -25,7 +25,7 @@ _HOMES = {
     "Drivetrain": "drivetrain",
     "Element": "elements",
     "Fault": "errors",
-    "Fit": "identify",
+    "Fit": "identification",
     "FrequencyResponse": "response",
     "FrequencyResponses": "response",
     "Gear": "elements",
@@ -33,7 +33,7 @@ _HOMES = {
     "Inertia": "elements",
     "Input": "channels",
     "Lock": "elements",
-    "Measurement": "identify",
+    "Measurement": "identification",
     "MissingExtraError": "errors",
     "ModelError": "errors",
     "Modes": "response",
@@ -48,11 +48,11 @@ _HOMES = {
     "TabulatedSpring": "elements",
     "TorsionnetError": "errors",
     "TorsionnetWarning": "errors",
-    "Unknown": "identify",
+    "Unknown": "identification",
     "UsageError": "errors",
     "convert_damping": "damping",
     "library_models": "files",
-    "identify": "identify",
+    "identify": "identification",
     "library_benches": "files",
     "load": "files",
     "load_bench": "virtual",
@@ -92,7 +92,7 @@ if TYPE_CHECKING:
         UsageError,
     )
     from torsionnet.files import library_benches, library_models, load, loads
-    from torsionnet.identify import Fit, Measurement, Unknown, identify
+    from torsionnet.identification import Fit, Measurement, Unknown, identify
     from torsionnet.operating_point import OperatingPoint
     from torsionnet.parameters import Parameter
     from torsionnet.response import Conventions, FrequencyResponse, FrequencyResponses, Modes

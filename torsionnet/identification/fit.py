@@ -10,8 +10,8 @@ import numpy as np
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
-from torsionnet.identify.problem import Problem
-from torsionnet.identify.words import verdicts
+from torsionnet.identification.problem import Problem
+from torsionnet.identification.words import verdicts
 from torsionnet.response import Column, Table
 
 SINGULAR = 1e-9
@@ -93,7 +93,7 @@ class Fit:
 
         Unlike :meth:`intervals` it may be asymmetric; an end is infinite, or at a bound, where the data set none.
         """
-        from torsionnet.identify.profile import profile_interval
+        from torsionnet.identification.profile import profile_interval
 
         return profile_interval(self, name, level)
 
@@ -126,7 +126,7 @@ class Fit:
 
     def to_yaml(self, path: str | None = None) -> str:
         """The result as YAML text, also written to ``path``; :func:`load_fit` reads it."""
-        from torsionnet.identify.saving import dump_fit
+        from torsionnet.identification.saving import dump_fit
 
         return dump_fit(self, path)
 

@@ -15,8 +15,8 @@ from scipy import linalg
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
-from torsionnet.identify.measurement import Measurement
-from torsionnet.identify.operator import WindowedEstimate, windowed_estimate
+from torsionnet.identification.measurement import Measurement
+from torsionnet.identification.operator import WindowedEstimate, windowed_estimate
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.frequency_response import Channel
 from torsionnet.sensitivity import ParametricResponse, parametric_response

@@ -12,7 +12,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.errors import UsageError, did_you_mean
 
 if TYPE_CHECKING:
-    from torsionnet.identify.fit import Fit
+    from torsionnet.identification.fit import Fit
 
 DOUBLINGS = 12
 

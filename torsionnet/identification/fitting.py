@@ -11,10 +11,10 @@ from scipy.optimize import OptimizeResult, least_squares
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import SolveError, UsageError, did_you_mean
-from torsionnet.identify.fit import Fit, make_fit
-from torsionnet.identify.measurement import Measurement
-from torsionnet.identify.problem import Problem, make_problem
-from torsionnet.identify.unknown import Unknown, read_unknowns
+from torsionnet.identification.fit import Fit, make_fit
+from torsionnet.identification.measurement import Measurement
+from torsionnet.identification.problem import Problem, make_problem
+from torsionnet.identification.unknown import Unknown, read_unknowns
 
 Loss: TypeAlias = Literal["linear", "soft_l1", "huber", "cauchy"]
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")

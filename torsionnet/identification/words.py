@@ -8,7 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.identify.problem import Problem
+from torsionnet.identification.problem import Problem
 
 ALIKE = 0.95
 VAGUE = 0.3

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
-from torsionnet.identify.blocks import Block, RecordBlock, make_block
-from torsionnet.identify.measurement import Measurement
-from torsionnet.identify.unknown import Unknown
+from torsionnet.identification.blocks import Block, RecordBlock, make_block
+from torsionnet.identification.measurement import Measurement
+from torsionnet.identification.unknown import Unknown
 
 EXTRAS = {"delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (0.0, np.inf), "1")}
 
