@@ -1,16 +1,18 @@
-"""Residuals of one measurement, whitened, with exact derivatives.
+"""Residuals of one measurement, weighted, with exact derivatives.
 
-Complex lines become real vectors [Re, Im]. Whitened means: divided by what noise alone would do to them, correlation
-between the lines of overlapping windows included, so that all measurements of a fit weigh as they should.
+Complex lines become real vectors [Re, Im], divided by what noise alone would do to them. Lines next to each other share
+noise, since windows smear it: weights do not use that (the noise of an encoder is not quite what theory says), but the
+uncertainties of a fit do.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
-from scipy import linalg
+from scipy.optimize import nnls
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.drivetrain import Drivetrain
@@ -24,8 +26,8 @@ from torsionnet.signals.estimators import estimate
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import PAPER, Welch
 
-LEAST_EIGENVALUE = 1e-10
 LOWEST_COHERENCE, HIGHEST_COHERENCE = 1e-3, 1 - 1e-6
+SOURCE_ROUNDS = 5
 FAST = 1000.0
 """Hz; records above are decimated unless the settings say otherwise."""
 
@@ -55,14 +57,21 @@ class Block(ABC):
     def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         """What the model says (n_b,), and its derivatives (n_b, n)."""
 
+    @property
     @abstractmethod
-    def whiten(self, parts: FloatArray) -> FloatArray:
-        """Vectors (2 n_b, ...) of real and imaginary parts in units of their noise."""
+    def deviations(self) -> FloatArray:
+        """Standard deviation of real and imaginary parts that noise alone makes, (2 n_b,)."""
+
+    @property
+    def correlation(self) -> FloatArray:
+        """Of the weighted residuals, (2 n_b, 2 n_b)."""
+        return np.eye(2 * len(self.frequencies))
 
     def residuals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Whitened model minus test (2 n_b,), and derivatives (2 n_b, n)."""
+        """Weighted model minus test (2 n_b,), and derivatives (2 n_b, n)."""
         predicted, slopes = self.predicted(values)
-        return self.whiten(_parts(predicted - self.measured)), self.whiten(_parts(slopes))
+        size = self.deviations
+        return _parts(predicted - self.measured) / size, _parts(slopes) / size[:, None]
 
     @property
     def extra(self) -> tuple[str, ...]:
@@ -99,7 +108,6 @@ class RecordBlock(Block):
 
     def __post_init__(self) -> None:
         self.noise = np.ones(len(self.frequencies))
-        self._factor()
 
     @property
     def frequencies(self) -> FloatArray:
@@ -114,22 +122,31 @@ class RecordBlock(Block):
         estimate_of = self.windowed.predicted(np.column_stack([G, slopes]))[self.kept]
         return estimate_of[:, 0], estimate_of[:, 1:]
 
-    def whiten(self, parts: FloatArray) -> FloatArray:
-        return np.asarray(linalg.solve_triangular(self._cholesky, parts, lower=True))
+    @property
+    def deviations(self) -> FloatArray:
+        return np.asarray(np.sqrt(np.diag(self._covariance)))
+
+    @property
+    def correlation(self) -> FloatArray:
+        size = self.deviations
+        return np.asarray(self._covariance / np.outer(size, size))
 
     def learn_noise(self, values: FloatArray) -> None:
         """Take what the model leaves unexplained in the output as the noise's spectrum."""
         G, _ = self._distorted(values, self.windowed.fine)
-        self.noise = np.maximum(self.windowed.unexplained(G)[self.kept], np.finfo(float).tiny)
-        self._factor()
+        self.noise = two_sources(self.windowed.unexplained(G)[self.kept], np.abs(self.measured) ** 2)
 
-    def _factor(self) -> None:
+    @property
+    def _covariance(self) -> FloatArray:
+        """Of the lines compared, for noise as strong as learnt."""
+        size = np.sqrt(np.tile(self.noise, 2))
+        return np.asarray(self._white * np.outer(size, size))
+
+    @cached_property
+    def _white(self) -> FloatArray:
         lines = np.flatnonzero(self.kept)
         both = np.concatenate([lines, len(self.windowed.frequencies) + lines])
-        size = np.sqrt(np.tile(self.noise, 2))
-        covariance = self.windowed.covariance[np.ix_(both, both)] * np.outer(size, size)
-        floor = LEAST_EIGENVALUE * float(np.max(np.diag(covariance)))
-        self._cholesky = np.linalg.cholesky(covariance + floor * np.eye(len(covariance)))
+        return np.asarray(self.windowed.covariance[np.ix_(both, both)])
 
 
 @dataclass(eq=False)
@@ -165,9 +182,28 @@ class ResponseBlock(Block):
         size = np.sqrt(self.noise) / np.abs(self.measured)
         return _parts(ratio / size), _parts(relative / size[:, None])
 
-    def whiten(self, parts: FloatArray) -> FloatArray:
-        size = np.tile(np.sqrt(self.noise), 2)
-        return np.asarray((parts.T / size).T)
+    @property
+    def deviations(self) -> FloatArray:
+        return np.tile(np.sqrt(self.noise), 2)
+
+
+def two_sources(level: FloatArray, gain: FloatArray) -> FloatArray:
+    """The noise of a sensor on the output, and of one on the input seen through the response, that fit a level best.
+
+    One number each for all lines: the level of a single line rests on the few windows in which the sweep passes it,
+    and weights made of that alone would favour lines that happen to agree.
+
+    >>> two_sources(np.array([1.2, 2.8, 5.1]), np.array([0.0, 1.0, 2.0])).round(1).tolist()
+    [1.2, 3.0, 4.8]
+    """
+    tiny = np.finfo(float).tiny
+    found = np.maximum(level, tiny)
+    for _ in range(SOURCE_ROUNDS):
+        rows = np.column_stack([np.ones_like(gain), gain]) / found[:, None]
+        scale = np.maximum(rows.max(axis=0), tiny)
+        shares, _ = nnls(rows / scale, level / found)
+        found = np.maximum((np.column_stack([np.ones_like(gain), gain]) / scale) @ shares, tiny)
+    return np.asarray(found)
 
 
 def make_block(model: Drivetrain, measurement: Measurement, parameters: tuple[str, ...], form: str) -> Block:

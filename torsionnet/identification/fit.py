@@ -31,7 +31,7 @@ class Compared:
     deviation : (n,) array
         Standard deviation of a line that its noise makes, SI.
     misfit : float
-        RMS of the whitened residuals: 1 where the model explains all but noise.
+        RMS of the weighted residuals: 1 where the model explains all but noise.
     unit : str
     """
 
@@ -55,8 +55,9 @@ class Fit:
     correlation : (n, n) array
         In the order of ``values``.
     chi_squared : float
-        Sum of the squared whitened residuals, priors included.
+        Sum of the squared weighted residuals, priors included.
     degrees_of_freedom : int
+        Independent values that the residuals are worth, less the parameters.
     comparisons : tuple of Compared
     verdicts : tuple of str
         Which values can be trusted, in words.
@@ -136,14 +137,19 @@ class Fit:
 
 
 def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str) -> Fit:
-    """Uncertainties and comparisons at the optimum."""
+    """Uncertainties and comparisons at the optimum.
+
+    The covariance is that of weighted least squares under correlated noise, A J^T R J A with A = (J^T J)^-1 and the
+    correlation R of the residuals, times the reduced chi squared.
+    """
     residuals, slopes = problem.both(values)
-    chi_squared, free = float(residuals @ residuals), len(residuals) - len(values)
+    free = effective_count(problem.correlation) - len(values)
+    factor = float(residuals @ residuals) / max(len(residuals) - len(values), 1)
     scale = 1 / np.linalg.norm(slopes, axis=0)
-    _, sizes, turned = np.linalg.svd(slopes * scale, full_matrices=False)
+    left, sizes, turned = np.linalg.svd(slopes * scale, full_matrices=False)
     lost = sizes < SINGULAR * sizes[0]
-    inverse = (turned.T / np.where(lost, np.inf, sizes) ** 2) @ turned
-    factor = chi_squared / max(free, 1)
+    backward = (turned.T / np.where(lost, np.inf, sizes)) @ left.T
+    inverse = backward @ problem.correlation @ backward.T
     covariance = factor * inverse * np.outer(scale, scale)
     undetermined = (np.abs(turned[lost]) > np.sqrt(SINGULAR)).any(axis=0)
     errors = np.where(undetermined, np.inf, np.sqrt(np.diag(covariance)))
@@ -153,8 +159,8 @@ def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str)
         values=dict(zip(names, values.tolist(), strict=True)),
         standard_errors=dict(zip(names, errors.tolist(), strict=True)),
         correlation=correlation,
-        chi_squared=chi_squared,
-        degrees_of_freedom=free,
+        chi_squared=float(residuals @ residuals),
+        degrees_of_freedom=max(int(free), 1),
         comparisons=tuple(_compared(problem, number, values) for number in range(len(problem.blocks))),
         verdicts=verdicts(problem, values, errors, correlation, turned[lost]),
         notes=_notes(problem, loss, factor),
@@ -162,6 +168,15 @@ def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str)
         title=f"Fit of {model.name}",
         problem=problem,
     )
+
+
+def effective_count(correlation: FloatArray) -> float:
+    """Number of independent values that so many correlated ones are worth.
+
+    >>> effective_count(np.eye(4)), round(effective_count(np.array([[1, 0.5], [0.5, 1]])), 6)
+    (4.0, 1.6)
+    """
+    return float(len(correlation) ** 2 / np.sum(correlation**2))
 
 
 def _correlation(inverse: FloatArray, lost: FloatArray) -> FloatArray:
@@ -178,14 +193,13 @@ def _compared(problem: Problem, number: int, values: FloatArray) -> Compared:
     block, place = problem.blocks[number], problem.places[number]
     predicted, _ = block.predicted(values[place])
     residual, _ = block.residuals(values[place])
-    count = len(block.frequencies)
-    spread = np.abs(np.diag(block.whiten(np.eye(2 * count))))
+    count, size = len(block.frequencies), block.deviations
     return Compared(
         name=block.measurement.label,
         frequencies=block.frequencies,
         measured=block.measured,
         fitted=predicted,
-        deviation=np.sqrt(1 / spread[:count] ** 2 + 1 / spread[count:] ** 2) / np.sqrt(2),
+        deviation=np.hypot(size[:count], size[count:]) / np.sqrt(2),
         misfit=float(np.sqrt(np.mean(residual**2))),
         unit=_response_unit(block.response.question.outputs[0].unit, block.response.question.measured[0].unit),
     )

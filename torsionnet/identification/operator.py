@@ -76,8 +76,7 @@ class WindowedEstimate:
             np.abs(_segments(values, self.settings, self.record.sampling_rate)[self.first_segment :] @ rows.T) ** 2
             for values in (rest, x)
         )
-        level = (noise * drive).sum(axis=0) / drive.sum(axis=0) / (np.abs(rows) ** 2).sum(axis=1)
-        return _smoothed(level)
+        return np.asarray((noise * drive).sum(axis=0) / drive.sum(axis=0) / (np.abs(rows) ** 2).sum(axis=1))
 
 
 def windowed_estimate(
@@ -129,14 +128,6 @@ def windowed_estimate(
         settings=replace(settings, decimation=1),
         first_segment=first,
     )
-
-
-def _smoothed(level: FloatArray, reach: int = 3) -> FloatArray:
-    """Geometric mean with so many lines on either side: each one rests on few independent segments."""
-    logs = np.log(np.maximum(level, np.finfo(float).tiny))
-    width = min(reach, (len(logs) - 1) // 2)
-    padded = np.pad(logs, width, mode="reflect") if width else logs
-    return np.exp(np.convolve(padded, np.full(2 * width + 1, 1 / (2 * width + 1)), mode="valid"))
 
 
 def _lines_in(band: tuple[float, float], settings: Welch, rate: float) -> NDArray[np.intp]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import linalg
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
@@ -46,7 +47,7 @@ class Problem:
         return self.both(values)[1]
 
     def both(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Whitened residuals of all measurements and priors, and their derivatives; the last ones are kept."""
+        """Weighted residuals of all measurements and priors, and their derivatives; the last ones are kept."""
         key = values.tobytes()
         if self._known is not None and self._known[0] == key:
             return self._known[1]
@@ -72,6 +73,11 @@ class Problem:
             if isinstance(block, RecordBlock):
                 block.learn_noise(values[place])
         self._known = None
+
+    @property
+    def correlation(self) -> FloatArray:
+        """Of all weighted residuals: measurements and priors are independent of each other."""
+        return linalg.block_diag(*(block.correlation for block in self.blocks), np.eye(len(self.priors)))
 
     @property
     def lines(self) -> int:

@@ -34,10 +34,16 @@ class _Profile:
         assert fit.problem is not None
         self.problem, self.index = fit.problem, list(fit.values).index(name)
         self.best = np.array(list(fit.values.values()))
-        free = max(fit.degrees_of_freedom, 1)
-        self.allowed = fit.chi_squared * (1 + float(stats.f.ppf(level, 1, free)) / free)
+        residuals, slopes = self.problem.both(self.best)
+        factor = fit.chi_squared / max(len(residuals) - len(self.best), 1)
         error = fit.standard_errors[name]
-        self.step = error if np.isfinite(error) and error > 0 else 0.1 * abs(self.best[self.index]) or 1.0
+        known = np.isfinite(error) and error > 0
+        self.step = error if known else 0.1 * abs(self.best[self.index]) or 1.0
+        # Correlated noise widens a standard error; the rise of chi squared allowed is widened alike.
+        naive = np.sqrt(factor * np.linalg.pinv(slopes.T @ slopes)[self.index, self.index])
+        wider = (error / naive) ** 2 if known and naive > 0 else 1.0
+        rise = factor * wider * float(stats.f.ppf(level, 1, fit.degrees_of_freedom))
+        self.allowed = fit.chi_squared + rise
 
     def end(self, sign: int) -> float:
         bound = float((self.problem.lower if sign < 0 else self.problem.upper)[self.index])
