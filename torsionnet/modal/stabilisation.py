@@ -1,0 +1,190 @@
+"""Poles over the order of the fit: those of the structure stay, those of the noise wander."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.errors import SolveError
+from torsionnet.modal.criteria import mac
+from torsionnet.modal.fraction import largest_order, poles_of_order
+from torsionnet.modal.lines import ComplexArray, FloatArray, Lines, lines_of
+from torsionnet.modal.poles import damping_ratios, natural_frequencies
+from torsionnet.modal.residues import expand
+from torsionnet.modal.settings import Criteria, Settings
+from torsionnet.response import SI, Column, Conventions, FrequencyResponse, Table
+
+
+@dataclass(frozen=True, eq=False)
+class Order:
+    """Stable poles of one order of the fit.
+
+    Attributes
+    ----------
+    order : int
+        Degree of the polynomials.
+    poles : (n,) complex array
+        rad/s, one of each conjugate pair.
+    participations : (n, n_in) complex array
+    residues : (n, n_out * n_in) complex array
+        Each transfer function divided by its root mean square.
+    before : (n,) int array
+        The nearest pole of the order before; -1 if there is none.
+    frequency, damping, shape : (n,) bool arrays
+        Whether that pole is the same by each criterion.
+    left : (n_f, n_out, n_in) complex array
+        What the fit leaves over, weighted.
+    """
+
+    order: int
+    poles: ComplexArray
+    participations: ComplexArray
+    residues: ComplexArray
+    before: NDArray[np.int_]
+    frequency: NDArray[np.bool_]
+    damping: NDArray[np.bool_]
+    shape: NDArray[np.bool_]
+    left: ComplexArray = field(repr=False)
+
+    @property
+    def stable(self) -> NDArray[np.bool_]:
+        """Same frequency, damping and shape as at the order before."""
+        return np.asarray(self.frequency & self.damping & self.shape)
+
+
+@dataclass(frozen=True, eq=False)
+class Stabilisation:
+    """Stabilisation diagram.
+
+    Attributes
+    ----------
+    response : FrequencyResponse
+    settings : Settings
+    orders : tuple of Order
+    """
+
+    response: FrequencyResponse
+    settings: Settings
+    orders: tuple[Order, ...]
+    lines: Lines = field(repr=False)
+
+    def at(self, order: int) -> Order:
+        """The poles of one order."""
+        return self.orders[order - 1]
+
+    def table(self, conventions: Conventions = SI) -> Table:
+        """One row per pole and order, with what stayed since the order before."""
+        columns = (
+            Column("order"),
+            Column("natural frequency |lambda|/2pi", conventions.frequency),
+            Column("damping ratio", "1"),
+            Column("stable in"),
+        )
+        rows = []
+        for order in self.orders:
+            numbers = zip(natural_frequencies(order.poles), damping_ratios(order.poles), strict=True)
+            for place, (frequency, damping) in enumerate(numbers):
+                words = [name for name in ("frequency", "damping", "shape") if getattr(order, name)[place]]
+                row = (order.order, float(frequency * conventions.frequency_scale), float(damping), ", ".join(words))
+                rows.append(row)
+        limits = self.settings.criteria
+        note = (
+            f"stable: changed by at most {limits.frequency:.2%} in frequency and {limits.damping:.2%} in damping, "
+            f"MAC of the residues at least {limits.shape:g}"
+        )
+        return Table(f"{self.response.title}: stabilisation", columns, tuple(rows), (note,))
+
+    def __repr__(self) -> str:
+        stable = sum(int(order.stable.sum()) for order in self.orders)
+        total = sum(len(order.poles) for order in self.orders)
+        return f"<Stabilisation: orders 1 to {len(self.orders)}, {stable} of {total} poles stable>"
+
+
+def stabilisation(response: FrequencyResponse, settings: Settings | None = None) -> Stabilisation:
+    """Poles of all orders up to the highest, and which of them stay from one order to the next.
+
+    Parameters
+    ----------
+    response : FrequencyResponse
+        One or several transfer functions of one test: they share their poles.
+    settings : Settings, optional
+
+    Raises
+    ------
+    UsageError
+        There are too few frequencies, or channels that no modes are fitted to.
+    SolveError
+        No order has a stable pole.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.load("amt_rig").configured("II")
+    >>> diagram = stabilisation(rig.frequency_response("theta_1", "T_T", np.arange(0.5, 30, 0.1)))
+    >>> diagram.at(4).poles.round(3).tolist()
+    [(-6.07+24.035j), (-38.561+76.597j)]
+    """
+    chosen = settings or Settings()
+    lines = lines_of(response, chosen)
+    orders: list[Order] = []
+    for order in range(1, min(chosen.order, largest_order(lines, chosen)) + 1):
+        poles, rows = poles_of_order(lines, order, chosen)
+        orders.append(_compared(lines, chosen, order, (poles, rows), orders[-1] if orders else None))
+    if not any(len(order.poles) for order in orders):
+        msg = (
+            "no order gives a stable pole: the responses look like noise, or like motion ~ exp(-j omega t); "
+            "check the sign of the phase"
+        )
+        raise SolveError(msg)
+    return Stabilisation(response, chosen, tuple(orders), lines)
+
+
+def _compared(
+    lines: Lines, settings: Settings, order: int, found: tuple[ComplexArray, ComplexArray], before: Order | None
+) -> Order:
+    poles, rows = found
+    expansion = expand(lines, poles, settings, rows)
+    residues = (expansion.residues * lines.balance).reshape(len(poles), -1)
+    left = lines.weights * (lines.values - expansion.values(lines.s, lines.powers))
+    places, same = _same(poles, residues, before, settings.criteria)
+    return Order(order, poles, rows, residues, places, *same, left)
+
+
+def _same(
+    poles: ComplexArray, residues: ComplexArray, before: Order | None, criteria: Criteria
+) -> tuple[NDArray[np.int_], tuple[NDArray[np.bool_], ...]]:
+    """The partner of each pole at the order before, and whether it is the same in frequency, damping and shape.
+
+    The partner is the nearest pole; of several as near (repeated poles) the one with the likest shape.
+    """
+    count = len(poles)
+    if before is None or not len(before.poles) or not count:
+        nothing = np.zeros(count, dtype=bool)
+        return np.full(count, -1), (nothing, nothing, nothing)
+    alike = np.nan_to_num(mac(residues.T, before.residues.T))
+    apart = np.abs(poles[:, None] - before.poles) / np.abs(poles)[:, None]
+    places = np.argmin(apart + criteria.frequency * (1 - alike), axis=1)
+    old = before.poles[places]
+    frequency = np.abs(np.abs(old) / np.abs(poles) - 1) <= criteria.frequency
+    damping = np.abs(damping_ratios(old) / damping_ratios(poles) - 1) <= criteria.damping
+    return places, (frequency, damping, alike[np.arange(count), places] >= criteria.shape)
+
+
+def information(diagram: Stabilisation) -> FloatArray:
+    """Schwarz's criterion (BIC) of every order, (n_orders,): the least is worth its unknowns.
+
+    Noise that is alike at neighbouring lines, as a window leaves it, counts as fewer lines.
+    """
+    lines = diagram.lines
+    count, pairs = len(lines.s), lines.values.shape[1] * lines.values.shape[2]
+    floor = 1e-18 * np.mean(np.abs(lines.weights * lines.values) ** 2, axis=0)
+    squares = [np.maximum(np.mean(np.abs(order.left) ** 2, axis=0), floor) for order in diagram.orders]
+    logarithms = np.array([np.log(square).sum() for square in squares])
+    best = diagram.orders[int(logarithms.argmin())].left
+    along = np.sum(best[1:] * best[:-1].conj()).real / max(float(np.sum(np.abs(best) ** 2)), np.finfo(float).tiny)
+    alike = float(np.clip(along, 0, 0.95))
+    equations = 2 * count * (1 - alike) / (1 + alike)
+    unknowns = np.array([order.order * (lines.values.shape[2] + pairs) for order in diagram.orders])
+    return np.asarray(equations * logarithms + unknowns * np.log(max(2.0, equations * pairs)))
