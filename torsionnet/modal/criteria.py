@@ -31,7 +31,7 @@ def mac(first: ArrayLike, second: ArrayLike) -> FloatArray:
 
     Examples
     --------
-    >>> mac([[1, 1], [1, -1]], [1, 1j]).tolist()
+    >>> mac([[1, 1], [1, -1]], [1, 1j]).round(12).tolist()
     [[0.5], [0.5]]
     """
     a, b = _pair(first, second)

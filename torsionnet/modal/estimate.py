@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from torsionnet.errors import UsageError, did_you_mean
 from torsionnet.modal import poles as pole_numbers
 from torsionnet.modal.criteria import mpc
-from torsionnet.modal.lines import ComplexArray, FloatArray, powers_of
+from torsionnet.modal.lines import ComplexArray, FloatArray, Lines, powers_of
 from torsionnet.modal.residues import Expansion
 from torsionnet.response import SI, Channel, Column, Conventions, FrequencyResponse, Table
 
@@ -188,3 +188,34 @@ class ModalEstimate:
 
     def _repr_html_(self) -> str:
         return self.table().to_html()
+
+
+def assembled(
+    response: FrequencyResponse,
+    lines: Lines,
+    expansion: Expansion,
+    notes: tuple[str, ...],
+    errors: tuple[FloatArray, FloatArray] | None = None,
+    method: str = "",
+) -> ModalEstimate:
+    """The result that an expansion over the lines of a response gives."""
+    modes = range(len(expansion.poles))
+    factor = lines.s[:, None, None] ** lines.powers * lines.balance
+    shares = [np.sqrt(np.mean(np.abs(expansion.term(mode, lines.s) * factor) ** 2)) for mode in modes]
+    left = lines.values - expansion.values(lines.s, lines.powers)
+    unknown = np.full(len(modes), np.nan)
+    return ModalEstimate(
+        expansion.poles,
+        expansion.residues,
+        expansion.lower,
+        expansion.upper,
+        response.outputs,
+        response.inputs,
+        np.asarray(np.abs(lines.s) / (2 * np.pi)),
+        np.array(shares),
+        np.sqrt(np.mean(np.abs(left) ** 2, axis=0)) * lines.balance,
+        *(errors or (unknown, unknown)),
+        method,
+        response.title,
+        notes,
+    )

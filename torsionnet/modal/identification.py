@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.modal.estimate import ModalEstimate
-from torsionnet.modal.lines import ComplexArray, FloatArray, Lines, lines_of
+from torsionnet.modal.estimate import ModalEstimate, assembled
+from torsionnet.modal.lines import ComplexArray, Lines, lines_of
 from torsionnet.modal.poles import as_poles
 from torsionnet.modal.refinement import refine
 from torsionnet.modal.remarks import about_fit
-from torsionnet.modal.residues import Expansion, expand
+from torsionnet.modal.residues import expand
 from torsionnet.modal.selection import Selected, Selection, select
 from torsionnet.modal.settings import Settings
 from torsionnet.modal.stabilisation import Stabilisation, stabilisation
@@ -115,7 +115,7 @@ def _fitted(
         if not better.settled:
             notes.append("warning: the refinement did not settle; fewer poles or a narrower band may help")
     expansion = expand(lines, poles, settings, chosen.participations if together else None)
-    return _result(response, lines, expansion, errors, tuple(notes))
+    return assembled(response, lines, expansion, tuple(notes), errors)
 
 
 def _any_close(poles: ComplexArray) -> bool:
@@ -123,31 +123,3 @@ def _any_close(poles: ComplexArray) -> bool:
     limit = CLOSE * (np.abs(poles.real)[:, None] + np.abs(poles.real))
     np.fill_diagonal(apart, np.inf)
     return bool((apart < limit).any())
-
-
-def _result(
-    response: FrequencyResponse,
-    lines: Lines,
-    expansion: Expansion,
-    errors: tuple[FloatArray, ...],
-    notes: tuple[str, ...],
-) -> ModalEstimate:
-    factor = lines.s[:, None, None] ** lines.powers * lines.balance
-    shares = [np.sqrt(np.mean(np.abs(expansion.term(mode, lines.s) * factor) ** 2)) for mode in range(len(expansion.poles))]
-    left = lines.values - expansion.values(lines.s, lines.powers)
-    return ModalEstimate(
-        expansion.poles,
-        expansion.residues,
-        expansion.lower,
-        expansion.upper,
-        response.outputs,
-        response.inputs,
-        np.asarray(np.abs(lines.s) / (2 * np.pi)),
-        np.array(shares),
-        np.sqrt(np.mean(np.abs(left) ** 2, axis=0)) * lines.balance,
-        errors[0],
-        errors[1],
-        "",
-        response.title,
-        notes,
-    )

@@ -49,7 +49,7 @@ def refine(lines: Lines, poles: ComplexArray, settings: Settings) -> Refined:
     for _ in range(ROUNDS):
         problem = Projection(scaled, sizes, settings)
         found = scipy.optimize.least_squares(
-            problem.left, np.log(start), problem.slopes, method="lm", xtol=1e-13, ftol=1e-14, gtol=1e-14
+            problem.left, np.log(np.maximum(start, EXACT)), problem.slopes, method="lm", xtol=1e-13, ftol=1e-14, gtol=1e-14
         )
         start = np.exp(found.x)
         left = problem.complex_left(found.x)

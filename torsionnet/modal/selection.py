@@ -9,10 +9,10 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from torsionnet.errors import SolveError, UsageError
-from torsionnet.modal.criteria import mac
 from torsionnet.modal.lines import ComplexArray
 from torsionnet.modal.poles import damping_ratios, natural_frequencies
-from torsionnet.modal.stabilisation import Stabilisation, information
+from torsionnet.modal.information import best_order, worth_keeping
+from torsionnet.modal.stabilisation import Stabilisation
 
 Selection: TypeAlias = Literal["order", "clusters"] | int | Sequence[tuple[int, float]]
 
@@ -48,12 +48,12 @@ def select(diagram: Stabilisation, selection: Selection) -> Selected:
     """See :func:`torsionnet.modal.identify_modes`."""
     if selection == "clusters":
         places = clusters(diagram)
-        rule = f"stable over at least {diagram.settings.criteria.least_orders} orders in a row"
+        rule = f"stable over at least {diagram.settings.criteria.enough(len(diagram.orders))} orders in a row"
         if not places:
             msg = f"no pole is {rule}; look at the stabilisation diagram and choose by hand"
             raise SolveError(msg)
     elif selection == "order" or isinstance(selection, int):
-        index = int(information(diagram).argmin()) if selection == "order" else _order(diagram, selection) - 1
+        index = best_order(diagram.lines, [order.left for order in diagram.orders]) if selection == "order" else _order(diagram, selection) - 1
         places = [(index, pole) for pole in range(len(diagram.orders[index].poles))]
         rule = f"all of order {index + 1}" + (", which is worth its unknowns (BIC)" if selection == "order" else "")
         if not places:
@@ -65,30 +65,47 @@ def select(diagram: Stabilisation, selection: Selection) -> Selected:
     else:
         places = list(dict.fromkeys(_by_hand(diagram, selection)))
         rule = "chosen by hand"
-    return _collected(diagram, places, rule)
+    return _collected(diagram, places, rule, automatic=selection in ("order", "clusters"))
 
 
 def clusters(diagram: Stabilisation) -> list[Place]:
     """One pole of each chain of poles that stay in frequency, damping and shape over enough orders within the band.
 
-    A chain takes each pole to its partner at the order before. Of two chains with the same pole at an order only the
-    longer counts. The pole nearest to the median of a chain stands for it.
+    A chain takes each pole to its partner at the order before, the longest chains first. The pole nearest to the median
+    of a chain stands for it. A chain of the same frequency and damping as another is a mode of its own only if both
+    are there at one order.
     """
     low, high = np.abs(diagram.lines.s[[0, -1]])
+    enough = diagram.settings.criteria.enough(len(diagram.orders))
     taken: set[Place] = set()
-    found: list[Place] = []
-    chains = sorted(_chains(diagram), key=len, reverse=True)
-    for chain in chains:
+    found: list[tuple[Place, list[Place]]] = []
+    for chain in sorted(_chains(diagram), key=len, reverse=True):
         own = [place for place in chain if place not in taken]
-        if len(own) < diagram.settings.criteria.least_orders:
+        if len(own) < enough:
             continue
         taken.update(own)
-        values = np.array([diagram.orders[index].poles[pole] for index, pole in own])
-        middle = np.median(values.real) + 1j * np.median(values.imag)
-        place = own[int(np.abs(values - middle).argmin())]
-        if low <= abs(middle) <= high and not any(_is_same(diagram, place, other) for other in found):
-            found.append(place)
-    return found
+        place = _middle(diagram, own)
+        like = [(other, others) for other, others in found if _is_same(diagram, place, other)]
+        if like:
+            shared = {index for index, _ in own} & set.intersection(*({index for index, _ in o} for _, o in like))
+            if not shared:
+                continue
+            # At one order the shapes of a repeated pole are independent.
+            index = min(shared, key=lambda number: abs(number - like[0][0][0]))
+            place = next(at for at in own if at[0] == index)
+        if low <= abs(_pole(diagram, place)) <= high:
+            found.append((place, own))
+    return [place for place, _ in found]
+
+
+def _pole(diagram: Stabilisation, place: Place) -> complex:
+    return complex(diagram.orders[place[0]].poles[place[1]])
+
+
+def _middle(diagram: Stabilisation, chain: list[Place]) -> Place:
+    values = np.array([_pole(diagram, place) for place in chain])
+    middle = np.median(values.real) + 1j * np.median(values.imag)
+    return chain[int(np.abs(values - middle).argmin())]
 
 
 def _chains(diagram: Stabilisation) -> Iterator[list[Place]]:
@@ -102,15 +119,12 @@ def _chains(diagram: Stabilisation) -> Iterator[list[Place]]:
 
 
 def _is_same(diagram: Stabilisation, first: Place, second: Place) -> bool:
-    """Whether two poles agree in frequency, damping and shape."""
+    """Whether two poles agree in frequency and damping."""
     criteria = diagram.settings.criteria
-    orders = [diagram.orders[index] for index, _ in (first, second)]
-    a, b = (order.poles[place[1]] for order, place in zip(orders, (first, second), strict=True))
-    p, q = (order.residues[place[1]] for order, place in zip(orders, (first, second), strict=True))
+    a, b = _pole(diagram, first), _pole(diagram, second)
     return bool(
         abs(abs(a) / abs(b) - 1) <= criteria.frequency
         and abs(damping_ratios(a) / damping_ratios(b) - 1) <= criteria.damping
-        and mac(p, q)[0, 0] >= criteria.shape
     )
 
 
@@ -144,11 +158,13 @@ def _by_hand(diagram: Stabilisation, picks: Sequence[tuple[int, float]]) -> Iter
         yield index, nearest
 
 
-def _collected(diagram: Stabilisation, places: list[Place], rule: str) -> Selected:
+def _collected(diagram: Stabilisation, places: list[Place], rule: str, *, automatic: bool) -> Selected:
+    """The poles at these places; of those that a rule has found only what is worth its unknowns."""
     places = sorted(places, key=lambda place: abs(diagram.orders[place[0]].poles[place[1]]))
     poles = np.array([diagram.orders[index].poles[pole] for index, pole in places])
     rows = np.array([diagram.orders[index].participations[pole] for index, pole in places])
-    return Selected(poles, rows, tuple(_seen(diagram, place) for place in places), rule)
+    kept = worth_keeping(diagram.lines, poles, rows, diagram.settings) if automatic else list(range(len(places)))
+    return Selected(poles[kept], rows[kept], tuple(_seen(diagram, places[number]) for number in kept), rule)
 
 
 def _seen(diagram: Stabilisation, place: Place) -> int:

@@ -26,13 +26,13 @@ class Criteria:
     shape : float
         Least MAC of the residues.
     least_orders : int
-        So many orders in a row make a cluster.
+        So many orders in a row make a cluster; by default a tenth of the orders of the diagram, at least 4.
     """
 
     frequency: float = 0.01
     damping: float = 0.05
     shape: float = 0.98
-    least_orders: int = 4
+    least_orders: int | None = None
 
     def __post_init__(self) -> None:
         for name in ("frequency", "damping", "shape"):
@@ -40,9 +40,13 @@ class Criteria:
             if not (math.isfinite(value) and 0 < value <= 1):
                 msg = f"the criterion for {name} must be a fraction above 0 and up to 1, got {value}"
                 raise UsageError(msg)
-        if self.least_orders < 2:  # noqa: PLR2004
+        if self.least_orders is not None and self.least_orders < 2:  # noqa: PLR2004
             msg = f"a cluster needs the poles of at least 2 orders, got least_orders={self.least_orders}"
             raise UsageError(msg)
+
+    def enough(self, orders: int) -> int:
+        """Orders in a row that make a cluster in a diagram of so many."""
+        return max(4, orders // 10) if self.least_orders is None else self.least_orders
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.errors import SolveError
-from torsionnet.modal.criteria import mac
-from torsionnet.modal.fraction import largest_order, poles_of_order
-from torsionnet.modal.lines import ComplexArray, FloatArray, Lines, lines_of
+from torsionnet.modal.fraction import largest_order, poles_of_orders
+from torsionnet.modal.lines import ComplexArray, Lines, lines_of
 from torsionnet.modal.poles import damping_ratios, natural_frequencies
 from torsionnet.modal.residues import expand
 from torsionnet.modal.settings import Criteria, Settings
@@ -31,7 +30,7 @@ class Order:
     residues : (n, n_out * n_in) complex array
         Each transfer function divided by its root mean square.
     before : (n,) int array
-        The nearest pole of the order before; -1 if there is none.
+        Its partner at the order before; -1 if there is none.
     frequency, damping, shape : (n,) bool arrays
         Whether that pole is the same by each criterion.
     left : (n_f, n_out, n_in) complex array
@@ -129,9 +128,9 @@ def stabilisation(response: FrequencyResponse, settings: Settings | None = None)
     chosen = settings or Settings()
     lines = lines_of(response, chosen)
     orders: list[Order] = []
-    for order in range(1, min(chosen.order, largest_order(lines, chosen)) + 1):
-        poles, rows = poles_of_order(lines, order, chosen)
-        orders.append(_compared(lines, chosen, order, (poles, rows), orders[-1] if orders else None))
+    highest = min(chosen.order, largest_order(lines, chosen))
+    for order, found in enumerate(poles_of_orders(lines, highest, chosen), start=1):
+        orders.append(_compared(lines, chosen, order, found, orders[-1] if orders else None))
     if not any(len(order.poles) for order in orders):
         msg = (
             "no order gives a stable pole: the responses look like noise, or like motion ~ exp(-j omega t); "
@@ -146,7 +145,7 @@ def _compared(
 ) -> Order:
     poles, rows = found
     expansion = expand(lines, poles, settings, rows)
-    residues = (expansion.residues * lines.balance).reshape(len(poles), -1)
+    residues = (expansion.residues * lines.balance).reshape(len(poles), lines.balance.size)
     left = lines.weights * (lines.values - expansion.values(lines.s, lines.powers))
     places, same = _same(poles, residues, before, settings.criteria)
     return Order(order, poles, rows, residues, places, *same, left)
@@ -157,34 +156,33 @@ def _same(
 ) -> tuple[NDArray[np.int_], tuple[NDArray[np.bool_], ...]]:
     """The partner of each pole at the order before, and whether it is the same in frequency, damping and shape.
 
-    The partner is the nearest pole; of several as near (repeated poles) the one with the likest shape.
+    Partners are the pairs of poles with the least sum of distances. Modes of one pole have any combination of their
+    shapes: the shape is compared with all those of poles that are the same in frequency and damping.
     """
+    from scipy.optimize import linear_sum_assignment
+
     count = len(poles)
+    places, same = np.full(count, -1), np.zeros((3, count), dtype=bool)
     if before is None or not len(before.poles) or not count:
-        nothing = np.zeros(count, dtype=bool)
-        return np.full(count, -1), (nothing, nothing, nothing)
-    alike = np.nan_to_num(mac(residues.T, before.residues.T))
+        return places, tuple(same)
     apart = np.abs(poles[:, None] - before.poles) / np.abs(poles)[:, None]
-    places = np.argmin(apart + criteria.frequency * (1 - alike), axis=1)
-    old = before.poles[places]
-    frequency = np.abs(np.abs(old) / np.abs(poles) - 1) <= criteria.frequency
-    damping = np.abs(damping_ratios(old) / damping_ratios(poles) - 1) <= criteria.damping
-    return places, (frequency, damping, alike[np.arange(count), places] >= criteria.shape)
+    rows, columns = linear_sum_assignment(apart / (apart + criteria.frequency))
+    places[rows] = columns
+    frequency = np.abs(np.abs(before.poles) / np.abs(poles)[:, None] - 1) <= criteria.frequency
+    damping = np.abs(damping_ratios(before.poles) / damping_ratios(poles)[:, None] - 1) <= criteria.damping
+    same[:2, rows] = frequency[rows, columns], damping[rows, columns]
+    for pole in np.flatnonzero(same[0] & same[1]):
+        partners = before.residues[frequency[pole] & damping[pole]]
+        same[2, pole] = _within(residues[pole], partners) >= criteria.shape
+    alone = np.flatnonzero(~(same[0] & same[1]) & (places >= 0))
+    same[2, alone] = [_within(residues[pole], before.residues[places[pole]][None]) >= criteria.shape for pole in alone]
+    return places, tuple(same)
 
 
-def information(diagram: Stabilisation) -> FloatArray:
-    """Schwarz's criterion (BIC) of every order, (n_orders,): the least is worth its unknowns.
-
-    Noise that is alike at neighbouring lines, as a window leaves it, counts as fewer lines.
-    """
-    lines = diagram.lines
-    count, pairs = len(lines.s), lines.values.shape[1] * lines.values.shape[2]
-    floor = 1e-18 * np.mean(np.abs(lines.weights * lines.values) ** 2, axis=0)
-    squares = [np.maximum(np.mean(np.abs(order.left) ** 2, axis=0), floor) for order in diagram.orders]
-    logarithms = np.array([np.log(square).sum() for square in squares])
-    best = diagram.orders[int(logarithms.argmin())].left
-    along = np.sum(best[1:] * best[:-1].conj()).real / max(float(np.sum(np.abs(best) ** 2)), np.finfo(float).tiny)
-    alike = float(np.clip(along, 0, 0.95))
-    equations = 2 * count * (1 - alike) / (1 + alike)
-    unknowns = np.array([order.order * (lines.values.shape[2] + pairs) for order in diagram.orders])
-    return np.asarray(equations * logarithms + unknowns * np.log(max(2.0, equations * pairs)))
+def _within(shape: ComplexArray, others: ComplexArray) -> float:
+    """MAC of a shape with the combination of others that is likest."""
+    length = float(np.linalg.norm(shape))
+    if not length or not others.any():
+        return 0.0
+    basis = np.linalg.svd(others.T / np.linalg.norm(others), full_matrices=False)[0]
+    return float(np.linalg.norm(basis.conj().T @ shape) ** 2 / length**2)
