@@ -88,11 +88,11 @@ def circle_fit(
     """Fit a circle to the lines around one resonance.
 
     One viscous mode draws an exact circle in its mobility, a hysteretic one in its receptance; other modes move it as
-    long as their share hardly changes over the lines taken. The response is integrated or differentiated as needed, and
-    each point weighs as much as its line did in the response given. Seen from the centre, the angle of the points
-    follows ``2 atan((omega_r / omega - omega / omega_r) / 2 zeta)``, or ``2 atan((1 - (omega / omega_r)^2) / eta)``: its
-    least squares give the resonance, and each pair of points around it a damping ratio. With much damping a stiffness in series is enough to bend the circle:
-    here it reads 25.5 % where the pole has 25.7 %.
+    long as their share hardly changes over the lines taken. The response is integrated or differentiated as needed,
+    and each point weighs as much as its line did in the response given. Seen from the centre, the angle of the points
+    follows ``2 atan((omega_r / omega - omega / omega_r) / 2 zeta)``, or ``2 atan((1 - (omega / omega_r)^2) / eta)``:
+    its least squares give the resonance, and each pair of points around it a damping ratio. With much damping even a
+    stiffness in series bends the circle: the example reads 25.5 % where the pole has 25.7 %.
 
     Parameters
     ----------
@@ -284,8 +284,8 @@ def _remarks(fit: CircleFit) -> Iterator[str]:
     half = np.sum(np.abs(fit.frequencies / fit.natural_frequency - 1) < fit.damping_ratio)
     if half < LEAST_LINES:
         yield (
-            f"warning: only {half} lines within the half-power bandwidth at {fit.natural_frequency:.4g} Hz: if a window "
-            "was used, the damping reads high"
+            f"warning: only {half} lines within the half-power bandwidth at {fit.natural_frequency:.4g} Hz: if a "
+            "window was used, the damping reads high"
         )
     if fit.residual > POOR_CIRCLE:
         yield f"warning: the points lie {fit.residual:.1%} of the radius off the circle: noise, or not one mode alone"

@@ -204,6 +204,7 @@ def assembled(
     shares = [np.sqrt(np.mean(np.abs(expansion.term(mode, lines.s) * factor) ** 2)) for mode in modes]
     left = lines.values - expansion.values(lines.s, lines.powers)
     unknown = np.full(len(modes), np.nan)
+    frequency_errors, damping_errors = errors or (unknown, unknown)
     return ModalEstimate(
         expansion.poles,
         expansion.residues,
@@ -214,7 +215,8 @@ def assembled(
         np.asarray(np.abs(lines.s) / (2 * np.pi)),
         np.array(shares),
         np.sqrt(np.mean(np.abs(left) ** 2, axis=0)) * lines.balance,
-        *(errors or (unknown, unknown)),
+        frequency_errors,
+        damping_errors,
         method,
         response.title,
         notes,

@@ -22,9 +22,7 @@ LEAST_DENOMINATOR = 1e-12
 NEAR_NYQUIST = 0.999
 
 
-def poles_of_orders(
-    lines: Lines, highest: int, settings: Settings
-) -> Iterator[tuple[ComplexArray, ComplexArray]]:
+def poles_of_orders(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[ComplexArray, ComplexArray]]:
     """Stable poles of the fit of each order from 1 up, and how they take part in the inputs.
 
     Yields
@@ -43,7 +41,7 @@ def largest_order(lines: Lines, settings: Settings) -> int:
     """Order at which the unknowns of one output become as many as its equations."""
     extra = 1 + 2 * settings.has_lower
     inputs = lines.values.shape[2]
-    return max(0, (2 * len(lines.s) - extra - inputs) // (1 + inputs) - 1)
+    return int(max(0, (2 * len(lines.s) - extra - inputs) // (1 + inputs) - 1))
 
 
 def _rational(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[ComplexArray, ComplexArray]]:
@@ -101,7 +99,7 @@ def _lscf(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[Comp
     family = powers(np.exp(lines.s * interval), highest)
     inputs = lines.values.shape[2]
     triangles = [
-        np.linalg.qr(_equations(weight[:, None] * family.values, weight, values, family), mode="r")
+        _triangle(_equations(weight[:, None] * family.values, weight, values, family))
         for values, weight in _outputs(lines, measured=True)
     ]
     for order in range(1, highest + 1):
@@ -134,4 +132,8 @@ def _equations(numerator: ComplexArray, weight: FloatArray, values: ComplexArray
 
 def _eliminated(equations: FloatArray, numerators: int) -> FloatArray:
     """Equations in the denominator alone."""
-    return np.asarray(np.linalg.qr(equations, mode="r")[numerators:, numerators:])
+    return _triangle(equations)[numerators:, numerators:]
+
+
+def _triangle(equations: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.qr(equations, mode="r"))

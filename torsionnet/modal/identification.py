@@ -69,11 +69,15 @@ def identify_modes(
     True
     """
     diagram = measured if isinstance(measured, Stabilisation) else stabilisation(measured, settings)
-    rule: Selection = ("order" if diagram.settings.method == "rational" else "clusters") if selection is None else selection
+    rule: Selection = (
+        ("order" if diagram.settings.method == "rational" else "clusters") if selection is None else selection
+    )
     chosen = select(diagram, rule)
     estimate = _fitted(diagram.response, diagram.lines, diagram.settings, chosen, refined=refined)
     title = f"{METHODS[diagram.settings.method]}, {chosen.rule}"
-    return replace(estimate, method=title, notes=(*estimate.notes, *about_fit(estimate, chosen.seen, len(diagram.orders))))
+    return replace(
+        estimate, method=title, notes=(*estimate.notes, *about_fit(estimate, chosen.seen, len(diagram.orders)))
+    )
 
 
 def fit_poles(

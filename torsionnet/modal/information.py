@@ -45,9 +45,7 @@ class Judge:
         return float(equations * np.log(squares).sum() + unknowns * np.log(max(2, equations * squares.size)))
 
 
-def worth_keeping(
-    lines: Lines, poles: ComplexArray, rows: ComplexArray, settings: Settings
-) -> list[int]:
+def worth_keeping(lines: Lines, poles: ComplexArray, rows: ComplexArray, settings: Settings) -> list[int]:
     """Places of the poles that stay when the least useful is dropped as long as that lowers the criterion."""
     kept = list(range(len(poles)))
     left = _left(lines, poles, rows, settings)
@@ -57,7 +55,9 @@ def worth_keeping(
         trials = []
         for place in kept:
             rest = [other for other in kept if other != place]
-            trials.append((judge.criterion(_left(lines, poles[rest], rows[rest], settings), _count(poles[rest])), place))
+            trials.append(
+                (judge.criterion(_left(lines, poles[rest], rows[rest], settings), _count(poles[rest])), place)
+            )
         least, place = min(trials)
         if least >= best:
             break

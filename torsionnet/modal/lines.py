@@ -97,7 +97,8 @@ def lines_of(response: FrequencyResponse, settings: Settings) -> Lines:
         msg = f"{', '.join(dead)} is zero at every frequency; leave it out"
         raise UsageError(msg)
     coherence = None if chosen.coherence is None else chosen.coherence[usable]
-    return Lines(2j * np.pi * chosen.frequencies[usable], values, powers, _weights(values, coherence, settings))
+    s = np.asarray(2j * np.pi * chosen.frequencies[usable], dtype=np.complex128)
+    return Lines(s, values, powers, _weights(values, coherence, settings))
 
 
 def _weights(values: ComplexArray, coherence: FloatArray | None, settings: Settings) -> FloatArray:

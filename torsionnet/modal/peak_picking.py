@@ -155,7 +155,7 @@ def _remarks(peak: Peak, frequencies: FloatArray) -> Iterator[str]:
         )
     if np.isnan(peak.edges).any():
         side = "below" if np.isnan(peak.edges[0]) else "above"
-        yield f"warning: the peak at {f:.4g} Hz has no half-power point {side} it; its damping is read from the other side"
+        yield f"warning: the peak at {f:.4g} Hz has no half-power point {side} it; damping is read from the other side"
         return
     width, spacing = peak.edges[1] - peak.edges[0], line_spacing(frequencies, f)
     if width < LEAST_LINES * spacing:

@@ -31,7 +31,7 @@ class Projection:
         """Coefficients, residues and residual terms."""
         pairs = self.lines.values.shape[1] * self.lines.values.shape[2]
         ends = self.settings.has_lower + self.settings.has_upper
-        return sum(self.sizes) * (1 + pairs) + ends * pairs
+        return int(sum(self.sizes) * (1 + pairs) + ends * pairs)
 
     def left(self, logarithms: FloatArray) -> FloatArray:
         """Real parts of all transfer functions, then imaginary parts, pair after pair."""

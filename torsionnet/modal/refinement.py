@@ -1,8 +1,8 @@
 """Poles to the least weighted squares of the transfer functions themselves, with standard errors.
 
-The linear fits minimise squares of an equation, which noise biases. Here the squares of ``H - model`` are minimised over
-the poles, with the residues eliminated (variable projection; Golub and Pereyra 1973, Kaufman 1975). An oscillatory mode
-is ``s^2 + b s + c``: as b grows it becomes two real poles without a step.
+The linear fits minimise squares of an equation, which noise biases. Here the squares of ``H - model`` are minimised
+over the poles, with the residues eliminated (variable projection; Golub and Pereyra 1973, Kaufman 1975). An
+oscillatory mode is ``s^2 + b s + c``: as b grows it becomes two real poles without a step.
 """
 
 from __future__ import annotations
@@ -49,7 +49,13 @@ def refine(lines: Lines, poles: ComplexArray, settings: Settings) -> Refined:
     for _ in range(ROUNDS):
         problem = Projection(scaled, sizes, settings)
         found = scipy.optimize.least_squares(
-            problem.left, np.log(np.maximum(start, EXACT)), problem.slopes, method="lm", xtol=1e-13, ftol=1e-14, gtol=1e-14
+            problem.left,
+            np.log(np.maximum(start, EXACT)),
+            problem.slopes,
+            method="lm",
+            xtol=1e-13,
+            ftol=1e-14,
+            gtol=1e-14,
         )
         start = np.exp(found.x)
         left = problem.complex_left(found.x)
@@ -67,7 +73,7 @@ def factors_of(poles: ComplexArray) -> tuple[tuple[int, ...], FloatArray]:
 
     (b, c) of each conjugate pair, real poles two by two, and (a,) of s + a for one that is left.
     """
-    factors = [(-2 * pole.real, abs(pole) ** 2) for pole in poles if pole.imag != 0]
+    factors: list[tuple[float, ...]] = [(-2 * pole.real, abs(pole) ** 2) for pole in poles if pole.imag != 0]
     real = sorted(-pole.real for pole in poles if pole.imag == 0)
     factors += [(a + b, a * b) for a, b in zip(real[::2], real[1::2], strict=False)]
     if len(real) % 2:
@@ -116,5 +122,7 @@ def _errors(poles: ComplexArray, slopes: ComplexArray, covariance: FloatArray) -
     size = np.abs(poles)[:, None]
     along = (poles.conj()[:, None] * slopes).real / size
     damping = -slopes.real / size + poles.real[:, None] * along / size**2
-    first, second = (np.sqrt(np.maximum(np.einsum("np,pq,nq->n", part, covariance, part), 0)) for part in (along, damping))
+    first, second = (
+        np.sqrt(np.maximum(np.einsum("np,pq,nq->n", part, covariance, part), 0)) for part in (along, damping)
+    )
     return first, second

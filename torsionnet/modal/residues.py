@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.modal.lines import ComplexArray, FloatArray, Lines
 from torsionnet.modal.settings import Settings
@@ -27,7 +28,7 @@ class Expansion:
     lower: FloatArray
     upper: FloatArray
 
-    def values(self, s: ComplexArray, powers: FloatArray) -> ComplexArray:
+    def values(self, s: ComplexArray, powers: NDArray[np.int_]) -> ComplexArray:
         """Transfer functions at s, (n_f, n_out, n_in); ``powers`` (n_out, n_in) as in :class:`Lines`."""
         total = sum((self.term(mode, s) for mode in range(len(self.poles))), start=np.zeros(1))
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -68,7 +69,9 @@ def expand(lines: Lines, poles: ComplexArray, settings: Settings, rows: ComplexA
     for o in range(outputs):
         if rows is None or inputs == 1:
             for i in range(inputs):
-                residues[:, o, i], ends[:, o, i : i + 1] = _solve(lines, o, [i], poles, np.ones((len(poles), 1)), settings)
+                residues[:, o, i], ends[:, o, i : i + 1] = _solve(
+                    lines, o, [i], poles, np.ones((len(poles), 1), dtype=complex), settings
+                )
         else:
             scaled = rows / np.abs(rows).max(axis=1, keepdims=True)
             shape, ends[:, o] = _solve(lines, o, list(range(inputs)), poles, scaled, settings)
@@ -81,7 +84,10 @@ def _solve(
     lines: Lines, output: int, inputs: list[int], poles: ComplexArray, rows: ComplexArray, settings: Settings
 ) -> tuple[ComplexArray, FloatArray]:
     """Shape (n,) at one output and its residual terms (2, n_in)."""
-    blocks = [_columns(lines, output, i, poles, rows[:, place], settings, place, len(inputs)) for place, i in enumerate(inputs)]
+    blocks = [
+        _columns(lines, output, i, poles, rows[:, place], settings, place, len(inputs))
+        for place, i in enumerate(inputs)
+    ]
     weighted = [lines.weights[:, output, i] * lines.values[:, output, i] for i in inputs]
     design, wanted = np.vstack(blocks), np.concatenate(weighted)
     real = np.vstack([design.real, design.imag])

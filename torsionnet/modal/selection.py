@@ -9,9 +9,9 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from torsionnet.errors import SolveError, UsageError
+from torsionnet.modal.information import best_order, worth_keeping
 from torsionnet.modal.lines import ComplexArray
 from torsionnet.modal.poles import damping_ratios, natural_frequencies
-from torsionnet.modal.information import best_order, worth_keeping
 from torsionnet.modal.stabilisation import Stabilisation
 
 Selection: TypeAlias = Literal["order", "clusters"] | int | Sequence[tuple[int, float]]
@@ -53,7 +53,11 @@ def select(diagram: Stabilisation, selection: Selection) -> Selected:
             msg = f"no pole is {rule}; look at the stabilisation diagram and choose by hand"
             raise SolveError(msg)
     elif selection == "order" or isinstance(selection, int):
-        index = best_order(diagram.lines, [order.left for order in diagram.orders]) if selection == "order" else _order(diagram, selection) - 1
+        index = (
+            best_order(diagram.lines, [order.left for order in diagram.orders])
+            if selection == "order"
+            else _order(diagram, selection) - 1
+        )
         places = [(index, pole) for pole in range(len(diagram.orders[index].poles))]
         rule = f"all of order {index + 1}" + (", which is worth its unknowns (BIC)" if selection == "order" else "")
         if not places:
@@ -85,17 +89,27 @@ def clusters(diagram: Stabilisation) -> list[Place]:
             continue
         taken.update(own)
         place = _middle(diagram, own)
-        like = [(other, others) for other, others in found if _is_same(diagram, place, other)]
+        like = [number for number, (other, _) in enumerate(found) if _is_same(diagram, place, other)]
         if like:
-            shared = {index for index, _ in own} & set.intersection(*({index for index, _ in o} for _, o in like))
+            # At one order the shapes of a repeated pole are independent, between orders they are not.
+            shared = set[int].intersection(*(_orders(chain) for chain in [own, *(found[number][1] for number in like)]))
             if not shared:
                 continue
-            # At one order the shapes of a repeated pole are independent.
-            index = min(shared, key=lambda number: abs(number - like[0][0][0]))
-            place = next(at for at in own if at[0] == index)
+            last = max(shared)
+            place = _at(own, last)
+            for number in like:
+                found[number] = _at(found[number][1], last), found[number][1]
         if low <= abs(_pole(diagram, place)) <= high:
             found.append((place, own))
     return [place for place, _ in found]
+
+
+def _orders(chain: list[Place]) -> set[int]:
+    return {index for index, _ in chain}
+
+
+def _at(chain: list[Place], index: int) -> Place:
+    return next(place for place in chain if place[0] == index)
 
 
 def _pole(diagram: Stabilisation, place: Place) -> complex:

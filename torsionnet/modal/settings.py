@@ -24,7 +24,7 @@ class Criteria:
     frequency, damping : float
         Largest relative change of ``|lambda|`` and of the damping ratio.
     shape : float
-        Least MAC of the residues.
+        Least MAC of the shapes.
     least_orders : int
         So many orders in a row make a cluster; by default a tenth of the orders of the diagram, at least 4.
     """

@@ -27,8 +27,9 @@ class Order:
     poles : (n,) complex array
         rad/s, one of each conjugate pair.
     participations : (n, n_in) complex array
-    residues : (n, n_out * n_in) complex array
-        Each transfer function divided by its root mean square.
+    shapes : (n, n_out) complex array
+        Residues of the input in which a mode takes part most, each transfer function divided by its root mean square;
+        of a single output those of all inputs.
     before : (n,) int array
         Its partner at the order before; -1 if there is none.
     frequency, damping, shape : (n,) bool arrays
@@ -40,7 +41,7 @@ class Order:
     order: int
     poles: ComplexArray
     participations: ComplexArray
-    residues: ComplexArray
+    shapes: ComplexArray
     before: NDArray[np.int_]
     frequency: NDArray[np.bool_]
     damping: NDArray[np.bool_]
@@ -91,7 +92,7 @@ class Stabilisation:
         limits = self.settings.criteria
         note = (
             f"stable: changed by at most {limits.frequency:.2%} in frequency and {limits.damping:.2%} in damping, "
-            f"MAC of the residues at least {limits.shape:g}"
+            f"MAC of the shapes at least {limits.shape:g}"
         )
         return Table(f"{self.response.title}: stabilisation", columns, tuple(rows), (note,))
 
@@ -145,15 +146,23 @@ def _compared(
 ) -> Order:
     poles, rows = found
     expansion = expand(lines, poles, settings, rows)
-    residues = (expansion.residues * lines.balance).reshape(len(poles), lines.balance.size)
+    shapes = _shapes(expansion.residues * lines.balance)
     left = lines.weights * (lines.values - expansion.values(lines.s, lines.powers))
-    places, same = _same(poles, residues, before, settings.criteria)
-    return Order(order, poles, rows, residues, places, *same, left)
+    places, (frequency, damping, shape) = _same(poles, shapes, before, settings.criteria)
+    return Order(order, poles, rows, shapes, places, frequency, damping, shape, left)
+
+
+def _shapes(residues: ComplexArray) -> ComplexArray:
+    count, outputs, _ = residues.shape
+    if outputs == 1:
+        return residues[:, 0]
+    most = np.linalg.norm(residues, axis=1).argmax(axis=1)
+    return np.asarray(residues[np.arange(count), :, most])
 
 
 def _same(
-    poles: ComplexArray, residues: ComplexArray, before: Order | None, criteria: Criteria
-) -> tuple[NDArray[np.int_], tuple[NDArray[np.bool_], ...]]:
+    poles: ComplexArray, shapes: ComplexArray, before: Order | None, criteria: Criteria
+) -> tuple[NDArray[np.int_], tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]]:
     """The partner of each pole at the order before, and whether it is the same in frequency, damping and shape.
 
     Partners are the pairs of poles with the least sum of distances. Modes of one pole have any combination of their
@@ -162,9 +171,10 @@ def _same(
     from scipy.optimize import linear_sum_assignment
 
     count = len(poles)
-    places, same = np.full(count, -1), np.zeros((3, count), dtype=bool)
+    places: NDArray[np.int_] = np.full(count, -1)
+    same = np.zeros((3, count), dtype=bool)
     if before is None or not len(before.poles) or not count:
-        return places, tuple(same)
+        return places, (same[0], same[1], same[2])
     apart = np.abs(poles[:, None] - before.poles) / np.abs(poles)[:, None]
     rows, columns = linear_sum_assignment(apart / (apart + criteria.frequency))
     places[rows] = columns
@@ -172,11 +182,11 @@ def _same(
     damping = np.abs(damping_ratios(before.poles) / damping_ratios(poles)[:, None] - 1) <= criteria.damping
     same[:2, rows] = frequency[rows, columns], damping[rows, columns]
     for pole in np.flatnonzero(same[0] & same[1]):
-        partners = before.residues[frequency[pole] & damping[pole]]
-        same[2, pole] = _within(residues[pole], partners) >= criteria.shape
+        partners = before.shapes[frequency[pole] & damping[pole]]
+        same[2, pole] = _within(shapes[pole], partners) >= criteria.shape
     alone = np.flatnonzero(~(same[0] & same[1]) & (places >= 0))
-    same[2, alone] = [_within(residues[pole], before.residues[places[pole]][None]) >= criteria.shape for pole in alone]
-    return places, tuple(same)
+    same[2, alone] = [_within(shapes[pole], before.shapes[places[pole]][None]) >= criteria.shape for pole in alone]
+    return places, (same[0], same[1], same[2])
 
 
 def _within(shape: ComplexArray, others: ComplexArray) -> float:
