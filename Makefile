@@ -11,13 +11,16 @@ PIP := $(RUN) -m pip --disable-pip-version-check
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test lint format types docs bench clean
+.PHONY: help demo figures test lint format types docs bench clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' Makefile
 
 demo: $(VENV)/.installed  ## tables on the screen, plots in out/
 	$(RUN) -m torsionnet.demo
+
+figures: $(VENV)/.installed  ## only the figures of the virtual test bench, in out/
+	$(RUN) -m torsionnet.demo.figures
 
 test: $(VENV)/.group-test  ## all tests and docstring examples, on all cores
 	$(RUN) -m pytest -n auto $(ARGS)

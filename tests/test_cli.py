@@ -114,7 +114,7 @@ def test_library_lists_every_model_with_its_source():
 
 def test_schema_on_stdout_and_in_a_file(tmp_path):
     text = run("schema").stdout
-    assert json.loads(text)["required"] == ["torsionnet", "elements"]
+    assert json.loads(text)["required"] == ["torsionnet"]
     result = run("schema", "-o", tmp_path / "schema.json")
     assert result.stdout == ""
     assert "wrote: " in result.stderr

@@ -7,6 +7,16 @@ import pytest
 
 from torsionnet import demo
 
+FIGURES = [
+    "fig_02_time_histories.png",
+    "fig_03_spectrogram_torque.png",
+    "fig_04_spectrogram_angle.png",
+    "fig_05_dmf_estimate.png",
+    "fig_06_amt_estimates.png",
+    "fig_07_amt_coherence.png",
+    "fig_11_dmf_test_and_model.png",
+    "fig_12_amt_II_test_and_model.png",
+]
 SLUGS = ["dmf", "amt_II", "amt_III", "amt_IV", "amt_V", "amt_V_c_O_360"]
 
 
@@ -38,9 +48,10 @@ def test_writes_the_figures_schematics_and_curves(shown):
         "dmf_schematic.svg",
         "amt_schematic.svg",
         *(f"{slug}_theta_1_{against}.csv" for slug in SLUGS for against in ("T_T", "T_M")),
+        *FIGURES,
     }
     assert all(str(folder / name) in text for name in names)
-    for name in ("dmf_theta1_TM_and_TT.png", "amt_gears.png"):
+    for name in ("dmf_theta1_TM_and_TT.png", "amt_gears.png", *FIGURES):
         data = (folder / name).read_bytes()
         assert data.startswith(b"\x89PNG")
         assert len(data) > 20_000
@@ -112,3 +123,18 @@ def test_curves_are_in_degrees_over_the_papers_range(shown):
     frequencies = [float(entry["frequency [Hz]"]) for entry in rows]
     assert (frequencies[0], frequencies[-1]) == pytest.approx((0.3, 40))
     assert max(float(entry["|theta_1/T_T| [deg/(N*m)]"]) for entry in rows) == pytest.approx(0.8661, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("case", "limit", "peak"),
+    [("DMF", 10.5, 8.0), ("AMT II", 8.2, 3.7), ("AMT III", 8.9, 5.0), ("AMT IV", 9.6, 6.0), ("AMT V", 10.0, 6.7)],
+)
+def test_virtual_bench_agrees_with_the_model_where_the_encoder_resolves_it(shown, case, limit, peak):
+    text, _ = shown
+    lines = text[text.index("Virtual bench against model") :].splitlines()
+    line = next(line for line in lines if re.match(rf"{case}  +\d[\d.]+  +\d[\d.]*  +\d", line))
+    usable, found, decibels, degrees = map(float, re.split(r"  +", line)[1:])
+    assert usable == pytest.approx(limit, abs=0.3)
+    assert found == pytest.approx(peak, abs=0.5)
+    assert decibels < 0.6
+    assert degrees < 6

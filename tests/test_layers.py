@@ -14,10 +14,11 @@ PACKAGE = Path(__file__).parents[1] / "torsionnet"
 LAYERS = (  # top to bottom: first name below torsionnet
     {"cli", "demo", "__main__"},
     {"report"},
-    {"identify"},
+    {"identify", "virtual"},
     {"solve", "symbolics"},
     {"assembly"},
     {
+        "bench",
         "drivetrain",
         "files",
         "checks",

@@ -18,6 +18,7 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "Adaptive": "solve.grid",
+    "Bench": "virtual",
     "Conventions": "response",
     "Damper": "elements",
     "Differential": "elements",
@@ -48,16 +49,18 @@ _HOMES = {
     "UsageError": "errors",
     "convert_damping": "damping",
     "library_models": "files",
+    "library_benches": "files",
     "load": "files",
+    "load_bench": "virtual",
     "loads": "files",
 }
 
-_PACKAGES = ("modal", "report", "signals", "units")
+_PACKAGES = ("bench", "modal", "report", "signals", "units")
 
 __all__ = ["__version__", *_HOMES, *_PACKAGES]  # noqa: PLE0604
 
 if TYPE_CHECKING:
-    from torsionnet import modal, report, signals, units
+    from torsionnet import bench, modal, report, signals, units
     from torsionnet.channels import Input, Sensor
     from torsionnet.damping import convert_damping
     from torsionnet.drivetrain import Drivetrain
@@ -84,11 +87,12 @@ if TYPE_CHECKING:
         TorsionnetWarning,
         UsageError,
     )
-    from torsionnet.files import library_models, load, loads
+    from torsionnet.files import library_benches, library_models, load, loads
     from torsionnet.operating_point import OperatingPoint
     from torsionnet.parameters import Parameter
     from torsionnet.response import Conventions, FrequencyResponse, FrequencyResponses, Modes
     from torsionnet.solve.grid import Adaptive
+    from torsionnet.virtual import Bench, load_bench
 
 
 def __getattr__(name: str) -> object:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from torsionnet.channels import Input, Sensor, read_channels
 from torsionnet.configurations import Overlay, read_configurations
@@ -14,9 +14,12 @@ from torsionnet.errors import Fault, ModelError, Path, did_you_mean, unknown_key
 from torsionnet.operating_point import OperatingPoint, read_operating_point
 from torsionnet.parameters import Parameter, read_parameters
 
+if TYPE_CHECKING:
+    from torsionnet.bench import Plan
+
 VERSION = 1
 TEXTS = ("name", "source", "description")
-TABLES = ("parameters", "elements", "inputs", "sensors", "configurations", "operating_point")
+TABLES = ("parameters", "elements", "inputs", "sensors", "configurations", "operating_point", "bench")
 KEYS = ("torsionnet", *TEXTS, *TABLES)
 
 
@@ -33,6 +36,7 @@ class Definition:
     operating_point: OperatingPoint = field(default_factory=OperatingPoint)
     source: str = ""
     description: str = ""
+    bench: Plan | None = None
 
     @property
     def active(self) -> tuple[Element, ...]:
@@ -67,6 +71,8 @@ class Definition:
             }
         if self.operating_point:
             data["operating_point"] = self.operating_point.to_data()
+        if self.bench:
+            data["bench"] = self.bench.to_data()
         return data
 
 
@@ -91,6 +97,7 @@ def define(
     operating_point: Any = None,
     source: Any = "",
     description: Any = "",
+    bench: Any = None,
 ) -> tuple[Definition, list[Fault]]:
     """Type the content of a model; the definition holds what could be read, the faults say what could not."""
     faults: list[Fault] = []
@@ -113,8 +120,18 @@ def define(
     faults += found
     point, found = read_operating_point(operating_point)
     faults += found
+    plan, found = _read_bench(bench)
+    faults += found
     texts = {key: text if isinstance(text, str) else "" for key, text in texts.items()}
-    return Definition(elements=elements, axes=axes, operating_point=point, **tables, **texts), faults
+    return Definition(elements=elements, axes=axes, operating_point=point, bench=plan, **tables, **texts), faults
+
+
+def _read_bench(raw: Any) -> tuple[Plan | None, list[Fault]]:
+    if raw is None:
+        return None, []
+    from torsionnet.bench.plan import read_plan  # loads numpy, which most models can do without
+
+    return read_plan(raw)
 
 
 def collect_elements(elements: Iterable[Element]) -> tuple[dict[str, Element], list[Fault]]:

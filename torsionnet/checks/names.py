@@ -183,6 +183,15 @@ def dead_ends(definition: Definition) -> list[Fault]:
     return faults
 
 
+def unfit_bench(definition: Definition) -> list[Fault]:
+    """A test that names what the model does not have, or gives it wrong units."""
+    if definition.bench is None:
+        return []
+    from torsionnet.bench.checking import check_plan
+
+    return check_plan(definition.bench, definition)
+
+
 CHECKS = (
     undefined_parameters,
     unknown_nodes,
@@ -192,4 +201,5 @@ CHECKS = (
     unused_parameters,
     hidden_names,
     dead_ends,
+    unfit_bench,
 )

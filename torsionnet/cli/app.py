@@ -17,6 +17,10 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "show": "Elements, parameters, equations of motion, matrices, schematic.",
     "modes": "Natural frequencies, damping ratios, mode shapes, energy shares.",
     "frf": "Frequency responses between sensors, inputs and nodes.",
+    "bench": "Run a test on a model instead of a rig, and write the record.",
+    "estimate": "Frequency responses and coherence from a record of signals.",
+    "compare": "A record against a model.",
+    "spectrogram": "Level over time and frequency of a record.",
     "schema": "JSON Schema of model files, for editors.",
 }
 VERSION = str(importlib.import_module("torsionnet").__version__)  # the package itself is above every layer

@@ -457,7 +457,7 @@ def spec_of(declared: Field[Any]) -> Spec:
     return spec
 
 
-def entry(spec: Spec, default: Any = MISSING, *, kw_only: bool = False) -> Any:
+def entry(spec: Spec, default: Any = MISSING, *, kw_only: Any = MISSING) -> Any:
     """Dataclass field described by ``spec``; without ``default`` it must be given."""
     if default is MISSING:
         return field(metadata={"spec": spec}, kw_only=kw_only)

@@ -10,13 +10,13 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.files.library import library_entry, library_models
+from torsionnet.files.library import library_benches, library_entry, library_models
 from torsionnet.files.reader import load, loads, read_file
 
 if TYPE_CHECKING:
     from torsionnet.definition import Definition
 
-__all__ = ["dump", "json_schema", "library_entry", "library_models", "load", "loads", "read_file"]
+__all__ = ["dump", "json_schema", "library_benches", "library_entry", "library_models", "load", "loads", "read_file"]
 
 
 def dump(definition: Definition, path: str | os.PathLike[str] | None = None) -> str:

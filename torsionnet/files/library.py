@@ -28,6 +28,17 @@ def library_models() -> dict[str, Path]:
     return {path.stem: path for path in sorted(library_folder().glob("*.yaml"))}
 
 
+def library_benches() -> dict[str, Path]:
+    """Name and file of every test bench in the library, by name.
+
+    Examples
+    --------
+    >>> list(library_benches())
+    ['amt_bench', 'dmf_bench']
+    """
+    return {path.stem: path for path in sorted((library_folder() / "benches").glob("*.yaml"))}
+
+
 def library_entry(path: Path) -> tuple[str, str]:
     """The texts after ``name:`` and ``source:`` in the head of a model file, without reading the rest."""
     found = {"name": "", "source": ""}

@@ -10,6 +10,7 @@ import json
 from dataclasses import MISSING, Field
 from typing import Any
 
+from torsionnet.bench.schema import definitions as bench_definitions
 from torsionnet.channels import INPUT_QUANTITIES, SENSOR_QUANTITIES
 from torsionnet.definition import VERSION
 from torsionnet.elements import ELEMENT_TYPES, Element
@@ -28,10 +29,11 @@ def json_schema() -> Schema:
     return {
         "$schema": DRAFT,
         "title": "torsionnet model",
-        "description": "A lumped-parameter torsional model of a drivetrain.",
+        "description": "A lumped-parameter torsional model of a drivetrain, or a test bench that names its model.",
         "type": "object",
         "properties": _entries(),
-        "required": ["torsionnet", "elements"],
+        "required": ["torsionnet"],
+        "oneOf": [{"required": ["elements"]}, {"required": ["model", "bench"]}],
         "additionalProperties": False,
         "$defs": {
             "scalar": SCALAR,
@@ -43,6 +45,7 @@ def json_schema() -> Schema:
             "operating_point": _operating_point(),
             "alternative": _alternative(),
             "axis": _table("alternative", "the alternatives on this axis, by name"),
+            **bench_definitions(),
         },
     }
 
@@ -85,6 +88,9 @@ def _entries() -> Schema:
             **_ref("operating_point"),
             "description": "mean speeds and torques the model is linear about",
         },
+        "bench": _ref("bench"),
+        "model": _text("of a file with a bench and no elements: name of a library model, or path of a model file"),
+        "configuration": _text("of a file with a bench and no elements: configuration in which the model is tested"),
     }
 
 

@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from torsionnet.errors import UsageError
 from torsionnet.report import style
 from torsionnet.response import SI, Conventions, FrequencyResponse
+from torsionnet.signals.advice import LEAST_COHERENCE
 
 POOR = 1e-10
 """Conditioning of a measured input below which a response cannot be trusted."""
@@ -33,6 +37,16 @@ class Curve:
     phase: FloatArray
     coherence: FloatArray | None
     poor: NDArray[np.bool_]
+    usable_up_to: float = math.inf
+
+    @property
+    def is_meant(self) -> NDArray[np.bool_]:
+        """Where it can be used, or is coherent at least: the picture makes room for that."""
+        return self.is_usable if self.coherence is None else self.is_usable | (self.coherence >= LEAST_COHERENCE)
+
+    @property
+    def is_usable(self) -> NDArray[np.bool_]:
+        return np.asarray(self.frequency <= self.usable_up_to)
 
 
 def bode(
@@ -156,9 +170,14 @@ def _curves(response: FrequencyResponse, label: str, conventions: Conventions, *
                     unwrapped(values),
                     None if response.coherence is None else response.coherence[shown, o, i],
                     poor[shown],
+                    _limit(response) * conventions.frequency_scale,
                 )
             )
     return curves
+
+
+def _limit(response: FrequencyResponse) -> float:
+    return math.inf if response.usable_up_to is None else response.usable_up_to
 
 
 def unwrapped(values: NDArray[np.complex128]) -> FloatArray:
@@ -206,18 +225,38 @@ def _draw(
         size = 20 * np.log10(curve.magnitude / conventions.db_reference) if decibels else curve.magnitude
         for panel, data in zip(axes, (size, curve.phase, curve.coherence), strict=False):
             if data is not None:
-                marker = "." if np.count_nonzero(np.isfinite(data)) == 1 else ""
-                panel.plot(curve.frequency, data, label=curve.label, marker=marker, **look)
+                _line(panel, curve, data, look)
         for low, high in _stretches(curve):
             for panel in axes:
                 panel.axvspan(low, high, color=style.FAINT, alpha=0.7, linewidth=0, zorder=0.5)
-    phases = [curve.phase[np.isfinite(curve.phase)] for curve in curves]
+    # Noise beyond the resolution of a sensor may run off the picture; it sets no limits.
+    phases = [curve.phase[np.isfinite(curve.phase) & curve.is_meant] for curve in curves]
     every = np.concatenate(phases)
+    if not all(curve.is_meant.all() for curve in curves):
+        sizes = np.concatenate([curve.magnitude[curve.is_meant] for curve in curves])
+        _make_room(axes[0], sizes[np.isfinite(sizes)], decibels=decibels, conventions=conventions)
     axes[1].set_ylabel("phase [deg]")
     style.phase_ticks(axes[1], *((every.min(), every.max()) if every.size else (-HALF_TURN, 0.0)))
     if "coherence" in panels:
         axes[2].set_ylabel("coherence [-]")
         axes[2].set_ylim(0, 1.05)
+
+
+def _make_room(panel: Axes, sizes: FloatArray, *, decibels: bool, conventions: Conventions) -> None:
+    if sizes.size:
+        low, high = 0.6 * float(sizes.min()), 1.7 * float(sizes.max())
+        reference = conventions.db_reference
+        panel.set_ylim(*(20 * np.log10(np.array([low, high]) / reference) if decibels else (low, high)))
+
+
+def _line(panel: Axes, curve: Curve, data: FloatArray, look: dict[str, Any]) -> None:
+    """The curve, faint where it cannot be used."""
+    marker = "." if np.count_nonzero(np.isfinite(data)) == 1 else ""
+    panel.plot(curve.frequency, np.where(curve.is_usable, data, np.nan), label=curve.label, marker=marker, **look)
+    if not curve.is_usable.all():
+        first = max(int(np.argmin(curve.is_usable)) - 1, 0)
+        faint = {**look, "linewidth": 0.8, "alpha": 0.35}
+        panel.plot(curve.frequency[first:], data[first:], **faint)
 
 
 def _stretches(curve: Curve) -> list[tuple[float, float]]:
@@ -269,7 +308,11 @@ def _legend(figure: Figure, axes: Axes, curves: Sequence[Curve]) -> None:
     if any(curve.poor.any() for curve in curves):
         handles.append(Patch(color=style.FAINT))
         names.append("measured input nearly zero: not to be trusted")
+    if not all(curve.is_usable.all() for curve in curves):
+        handles.append(Line2D([], [], color=style.MUTED, linewidth=0.8, alpha=0.5))
+        names.append("faint: motion too small for its sensor, or beyond decimation")
     if handles:
-        columns = min(len(names), 5 if max(map(len, names)) < SHORT_LABEL else 2)
+        is_short = all(len(curve.label) < SHORT_LABEL for curve in curves)
+        columns = min(len(names), 5 if is_short else 2)
         look = {"frameon": False, "fontsize": style.SMALL, "handlelength": 3}
         figure.legend(handles, names, loc="outside lower center", ncols=columns, **look)

@@ -52,6 +52,8 @@ class FrequencyResponse:
         Of an estimate.
     notes : tuple of str
         Provenance and remarks.
+    usable_up_to : float, optional
+        Hz; of an estimate: above, the motion was too small for the steps of its sensor, or folds in decimation.
     """
 
     frequencies: FloatArray
@@ -62,6 +64,7 @@ class FrequencyResponse:
     conditioning: FloatArray | None = None
     coherence: FloatArray | None = None
     notes: tuple[str, ...] = ()
+    usable_up_to: float | None = None
 
     @property
     def magnitude(self) -> FloatArray:

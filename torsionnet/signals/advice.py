@@ -21,6 +21,8 @@ def peaks(magnitude: FloatArray) -> list[int]:
     """Places of the peaks that stand out by 3 dB and are at most 20 dB below the highest."""
     from scipy.signal import find_peaks
 
+    if not magnitude.size:
+        return []
     with np.errstate(divide="ignore", invalid="ignore"):
         level = 20 * np.log10(np.nan_to_num(magnitude))
     level = np.maximum(level, level.max() - 200)
@@ -52,9 +54,12 @@ def remarks(response: FrequencyResponse, bin_width: float, *, judge_coherence: b
     """Warnings about the peaks of an estimate whose bins are ``bin_width`` Hz wide.
 
     A peak narrower than three bins is widened by the window, which reads as too much damping. Ordinary coherence is
-    low for reasons other than noise where there are several inputs: then it is not to be judged.
+    low for reasons other than noise where there are several inputs: then it is not to be judged. Nothing is said of
+    peaks above the frequency up to which the response can be used.
     """
     found: list[str] = []
+    if response.usable_up_to is not None:
+        response = response.between(0, response.usable_up_to)
     for o, output in enumerate(response.outputs):
         for i, into in enumerate(response.inputs):
             coherence = response.coherence[:, o, i] if response.coherence is not None and judge_coherence else None

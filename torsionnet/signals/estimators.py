@@ -13,7 +13,8 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.signals import transfer_matrices
 from torsionnet.signals.advice import remarks
 from torsionnet.signals.blocks import Recordings
-from torsionnet.signals.recording import FloatArray
+from torsionnet.signals.recording import FloatArray, Recording
+from torsionnet.signals.resolution import Watch, limited
 from torsionnet.signals.spectra import cross_spectra
 from torsionnet.signals.spectral_matrix import ComplexArray, CrossSpectra
 from torsionnet.signals.welch import Welch
@@ -64,7 +65,8 @@ def estimate(
     ('rad/(N*m)', 0.01, 1.0)
     """
     outputs, inputs = _listed(output), _listed(input)
-    spectra = _spectra(measured, (*outputs, *inputs), settings)
+    watch = Watch(outputs, inputs[0], (settings or Welch()).seconds) if inputs else None
+    spectra = _spectra(measured, (*outputs, *inputs), settings, watch)
     chosen = _check(estimator or spectra.settings.estimator, outputs, inputs, noise_ratio)
     s_xx, s_xy = spectra.between(inputs, inputs), spectra.between(inputs, outputs)
     s_yy = spectra.between(outputs, outputs)
@@ -77,6 +79,7 @@ def estimate(
         coherence=transfer_matrices.ordinary_coherence(s_xx, s_xy, s_yy),
         notes=(*spectra.notes, _provenance(chosen, spectra, noise_ratio)),
     )
+    response = limited(response, watch, spectra.settings.decimation) if watch else response
     found = remarks(response, 1 / spectra.settings.seconds, judge_coherence=len(inputs) == 1)
     return replace(response, notes=(*response.notes, *_doubts(spectra, s_xx), *found))
 
@@ -93,9 +96,13 @@ def _listed(names: Names) -> tuple[str, ...]:
     return (names,) if isinstance(names, str) else tuple(names)
 
 
-def _spectra(measured: Recordings | CrossSpectra, names: tuple[str, ...], settings: Welch | None) -> CrossSpectra:
+def _spectra(
+    measured: Recordings | CrossSpectra, names: tuple[str, ...], settings: Welch | None, watch: Watch | None
+) -> CrossSpectra:
     if not isinstance(measured, CrossSpectra):
-        return cross_spectra(measured, settings, names)
+        blocks = (measured,) if isinstance(measured, Recording) else measured
+        chosen = (block.select(dict.fromkeys(names)) for block in blocks)
+        return cross_spectra(watch.passing(chosen) if watch else chosen, settings)
     if settings is not None:
         msg = "spectra are averaged already; settings can only be given for a recording"
         raise UsageError(msg)

@@ -10,6 +10,7 @@ from torsionnet.signals.recording import FloatArray
 Stretches = list[tuple[int, int]]
 TO_NEIGHBOURS = 5.0  # a quantised peak stays 4.8 times as long on its last step as on the one before
 SAME_JUMP = 0.05
+LEAP = 3
 MOST_OF_THE_TIME = 0.5
 
 
@@ -64,7 +65,7 @@ def wraps(values: FloatArray) -> tuple[NDArray[np.intp], float]:
 
 
 def leaps(values: FloatArray) -> NDArray[np.intp]:
-    """Samples before which a quantised angle goes on by two steps or more than around it."""
+    """Samples before which a quantised angle goes on by three steps or more than around it."""
     steps = np.diff(values)
     moved = np.abs(steps[steps != 0])
     if len(moved) < 10:  # noqa: PLR2004
@@ -76,4 +77,5 @@ def leaps(values: FloatArray) -> NDArray[np.intp]:
     windows = np.lib.stride_tricks.sliding_window_view(np.pad(counts, 2, mode="reflect"), 5)
     others = windows[:, [0, 1, 3, 4]]
     calm = np.ptp(others, axis=1) <= 1
-    return np.flatnonzero(calm & (np.abs(counts - np.median(others, axis=1)) >= 2)) + 1  # noqa: PLR2004
+    # Two steps more can be rounding of a speed that passes its peak.
+    return np.flatnonzero(calm & (np.abs(counts - np.median(others, axis=1)) >= LEAP)) + 1

@@ -6,9 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.errors import UsageError
+from torsionnet.errors import UsageError, did_you_mean
 from torsionnet.signals.detrending import Trend, check_trend
 from torsionnet.signals.recording import FloatArray
+
+WINDOWS = ("hamming", "hann", "boxcar", "blackman", "blackmanharris", "flattop", "bartlett")
+"""Those that are often asked for; scipy has more."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +63,11 @@ class Welch:
         """Window over one segment."""
         from scipy.signal import get_window
 
-        return np.asarray(get_window(self.window, self.samples(sampling_rate)), dtype=np.float64)
+        try:
+            return np.asarray(get_window(self.window, self.samples(sampling_rate)), dtype=np.float64)
+        except ValueError:
+            msg = f'no window is named "{self.window}"{did_you_mean(self.window, WINDOWS)}; e.g. {", ".join(WINDOWS)}'
+            raise UsageError(msg) from None
 
     def __str__(self) -> str:
         return f"Welch, {self.window} {self.seconds:g} s, overlap {self.overlap:.0%}, detrend {self.detrend}"

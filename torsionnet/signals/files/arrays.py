@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.signals.files.source import RATE_NAMES, Channel, Reader, Source, sliced
+from torsionnet.signals.files.source import names_a_rate, Channel, Reader, Source, sliced
 from torsionnet.signals.files.stored import with_stored
 from torsionnet.signals.recording import FloatArray
 
@@ -44,9 +44,10 @@ def array_source(members: Iterable[Member], stored: str, title: str) -> Source:
     channels, readers, notes, rate = list[Channel](), list[Reader](), list[str](), None
     for member in members:
         if member.shape == (1, 1) and not stored:
-            is_rate = member.name.casefold() in RATE_NAMES
+            is_rate = names_a_rate(member.name)
             rate = float(member.read(0, 1).ravel()[0]) if is_rate else rate
-            notes.append(f"{member.name} was taken for the {'sampling rate' if is_rate else 'no channel: one number'}")
+            what = "was taken for the sampling rate" if is_rate else "is a single number, no channel"
+            notes.append(f"{member.name} {what}")
         elif member.shape[1] > MOST_COLUMNS:
             notes.append(f"{member.name} was left out: {member.shape[0]} by {member.shape[1]} numbers are no channels")
         else:

@@ -74,6 +74,12 @@ def is_time(channel: Channel) -> bool:
         return False
 
 
+def names_a_rate(name: str) -> bool:
+    """Whether a single number of this name is the sampling rate: ``fs``, ``Sample_Rate``, ``Time_Sample_Rate``."""
+    folded = name.casefold()
+    return folded in RATE_NAMES or any(folded.endswith(f"_{known}") for known in RATE_NAMES if known != "fs")
+
+
 def sliced(readers: Sequence[Reader], lengths: Sequence[int]) -> Blocks:
     """Blocks of channels of which each can be read from one sample to another."""
 

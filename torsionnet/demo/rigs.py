@@ -1,8 +1,7 @@
-"""Both rigs of Galvagno et al. (2015): modes, comparison with the paper, plots. ``python -m torsionnet.demo``."""
+"""Both rigs of Galvagno et al. (2015): modes, comparison with the paper, plots."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -163,10 +162,8 @@ def write_files(cases: list[Rig], folder: Path) -> Iterator[Path]:
         yield path
 
 
-def main(arguments: list[str] | None = None) -> int:
-    given = sys.argv[1:] if arguments is None else arguments
-    folder = Path(given[0] if given else "out")
-    folder.mkdir(parents=True, exist_ok=True)
+def show(folder: Path) -> None:
+    """Tables on the screen, plots and curves in the folder."""
     cases = rigs()
     for rig in cases:
         print_table(on_screen(rig.drivetrain.modes().table()))
@@ -177,8 +174,3 @@ def main(arguments: list[str] | None = None) -> int:
     print(REMARKS)
     print()
     print("Wrote", *(str(path) for path in write_files(cases, folder)), sep="\n  ")
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,0 +1,177 @@
+"""``torsionnet compare``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from torsionnet.cli.options import csv_option, json_option, model_options, plot_option
+from torsionnet.cli.record_options import Averaging, Reading, averaging_options, record_options
+from torsionnet.cli.terminal import print_json, print_table, wrote
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.response import Conventions, FrequencyResponse, Table
+
+
+@click.command("compare")
+@record_options
+@model_options
+@click.option("--output", metavar="NAME", required=True, help="Channel of the record, and sensor of the model.")
+@click.option("--input", "into", metavar="NAME", required=True, help="Channel of the record, and input or sensor.")
+@click.option("--model-output", metavar="NAME", help="Sensor of the model, if it has another name there.")
+@click.option("--model-input", metavar="NAME", help="Input or sensor of the model, if it has another name there.")
+@click.option("--excitation", metavar="INPUT", help="What drives the model, if it has several inputs.")
+@averaging_options
+@click.option("--from", "start", type=float, default=0.0, help="Lowest frequency in Hz.")
+@click.option("--to", "stop", type=float, help="Highest frequency in Hz.")
+@click.option("--angle", type=click.Choice(["rad", "deg"]), default="rad", show_default=True, help="Unit of angles.")
+@json_option
+@csv_option
+@plot_option("test over model, with their differences")
+def command(
+    record: str,
+    reading: Reading,
+    model: str,
+    configurations: tuple[str, ...],
+    settings: tuple[tuple[str, str], ...],
+    output: str,
+    into: str,
+    model_output: str | None,
+    model_input: str | None,
+    excitation: str | None,
+    averaging: Averaging,
+    start: float,
+    stop: float | None,
+    angle: str,
+    as_json: bool,
+    csv_file: str | None,
+    plot_file: str | None,
+) -> None:
+    """A record against a model: both responses, how far they are apart, and where the test can be trusted.
+
+    \b
+    torsionnet bench amt_bench -c V -o gear_V.npz
+    torsionnet compare gear_V.npz amt_rig -c V --output theta_1 --input T_T --preset paper --to 40 --plot V.png
+    """  # noqa: D301
+    from torsionnet.cli.cases import load_cases
+    from torsionnet.cli.estimate import estimated
+    from torsionnet.response import Conventions
+
+    if len(configurations) > 1 or "all" in configurations:
+        msg = "a record is of one configuration: name one with -c"
+        raise click.UsageError(msg)
+    case = load_cases(model, configurations, settings)[0]
+    test = estimated(record, reading, (output,), (into,), averaging, start, stop)
+    calculated = _calculated(case.drivetrain, test, model_output or output, model_input or into, excitation)
+    conventions = Conventions(angle=angle)
+    if as_json:
+        print_json(_as_data(test, calculated, conventions))
+    else:
+        print_table(summary(test, calculated, conventions))
+    if csv_file:
+        _full(test, calculated, conventions).to_csv(csv_file)
+        wrote(csv_file)
+    if plot_file:
+        from torsionnet import report
+
+        report.save(report.comparison(test, calculated, conventions=conventions), plot_file)
+        wrote(plot_file)
+
+
+def _calculated(
+    drivetrain: Drivetrain, test: FrequencyResponse, output: str, into: str, excitation: str | None
+) -> FrequencyResponse:
+    """The model's response at the frequencies of the test, under the names of the test."""
+    from dataclasses import replace
+
+    found = drivetrain.frequency_response(output, into, test.frequencies, excitation=excitation)
+    same = [
+        tuple(replace(channel, name=other.name) for channel, other in zip(mine, theirs, strict=True))
+        for mine, theirs in ((found.outputs, test.outputs), (found.inputs, test.inputs))
+    ]
+    return replace(found, outputs=same[0], inputs=same[1])
+
+
+def summary(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> Table:
+    """Highest peaks, largest differences and FRAC where the test can be trusted."""
+    import numpy as np
+
+    from torsionnet.response import Column, Table
+    from torsionnet.signals.advice import LEAST_COHERENCE
+    from torsionnet.signals.comparison import difference, frac
+
+    limit = test.usable_up_to if test.usable_up_to is not None else float(test.frequencies[-1])
+    good = test.frequencies <= limit
+    if test.coherence is not None:
+        good &= test.coherence[:, 0, 0] >= LEAST_COHERENCE
+    if not good.any():
+        return Table(model.title, (Column("nothing can be compared"),), (), ("no frequency at which the test is good",))
+    picked = [_picked(response, good) for response in (test, model)]
+    apart = difference(*picked)
+    f, decibels, degrees = picked[0].frequencies, apart.decibels[:, 0, 0], apart.degrees[:, 0, 0]
+    unit, scale = test.unit(conventions=conventions), test.scale(conventions)
+    peaks = [(one.frequencies[k := int(np.argmax(one.magnitude[:, 0, 0]))], one.magnitude[k, 0, 0]) for one in picked]
+    rows: list[tuple[Any, ...]] = [
+        ("largest response of the test", float(peaks[0][0]), float(peaks[0][1] * scale), unit),
+        ("largest response of the model", float(peaks[1][0]), float(peaks[1][1] * scale), unit),
+    ]
+    for what, values, name in (("magnitude", decibels, "dB"), ("phase", degrees, "deg")):
+        worst = int(np.abs(values).argmax())
+        rows.append((f"largest difference in {what}", float(f[worst]), float(values[worst]), name))
+        rows.append((f"RMS difference in {what}", None, float(np.sqrt(np.mean(values**2))), name))
+    rows.append(("FRAC", None, float(frac(*picked)[0, 0]), "1"))
+    columns = (Column("test against model"), Column("at", "Hz", 4), Column("value", "", 4), Column("unit"))
+    span = f"over {len(f)} lines from {f[0]:g} to {f[-1]:g} Hz with coherence of {LEAST_COHERENCE:g} or more"
+    usable = f"the test can be used up to {limit:.4g} Hz" if test.usable_up_to is not None else ""
+    notes = tuple(filter(None, (span, usable, "differences are test - model; positive degrees: the test leads")))
+    return Table(f"{model.title}: {test.outputs[0].name}/{test.inputs[0].name}", columns, tuple(rows), notes)
+
+
+def _picked(response: FrequencyResponse, good: Any) -> FrequencyResponse:
+    from dataclasses import replace
+
+    return replace(
+        response,
+        frequencies=response.frequencies[good],
+        values=response.values[good],
+        coherence=None,
+        conditioning=None,
+    )
+
+
+def _full(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> Table:
+    """Every frequency: test, model, coherence, differences."""
+    from torsionnet.response import Column, Table
+    from torsionnet.signals.comparison import difference
+
+    apart, unit, scale = difference(test, model), test.unit(conventions=conventions), test.scale(conventions)
+    data = {
+        ("frequency", "Hz"): test.frequencies,
+        ("|test|", unit): test.magnitude[:, 0, 0] * scale,
+        ("phase test", "deg"): test.phase[:, 0, 0],
+        ("|model|", unit): model.magnitude[:, 0, 0] * scale,
+        ("phase model", "deg"): model.phase[:, 0, 0],
+        ("difference", "dB"): apart.decibels[:, 0, 0],
+        ("difference of phase", "deg"): apart.degrees[:, 0, 0],
+    }
+    if test.coherence is not None:
+        data[("coherence", "1")] = test.coherence[:, 0, 0]
+    rows = tuple(tuple(map(float, row)) for row in zip(*data.values(), strict=True))
+    return Table(model.title, tuple(Column(*key) for key in data), rows, test.notes)
+
+
+def _as_data(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> dict[str, Any]:
+    from torsionnet.cli.estimate import as_data
+    from torsionnet.signals.comparison import difference
+
+    apart, table = difference(test, model), summary(test, model, conventions)
+    return {
+        "test": as_data(test, conventions),
+        "model": as_data(model, conventions),
+        "difference_dB": apart.decibels[:, 0, 0].tolist(),
+        "difference_deg": apart.degrees[:, 0, 0].tolist(),
+        "summary": [dict(zip(("what", "at_Hz", "value", "unit"), row, strict=True)) for row in table.rows],
+        "notes": list(table.notes),
+    }

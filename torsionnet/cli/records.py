@@ -1,0 +1,77 @@
+"""Recordings for the commands: read, checked, in blocks where they are large."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from torsionnet.cli.record_options import Reading
+from torsionnet.cli.terminal import message, tell
+from torsionnet.errors import Fault, ModelError
+from torsionnet.signals.blocks import Recordings
+from torsionnet.signals.checks import check_recording
+from torsionnet.signals.files import iter_blocks, read_recording
+from torsionnet.signals.recording import Recording
+from torsionnet.signals.resampling import resampled
+
+LARGE = 300_000_000
+"""Bytes; a larger file is read in blocks."""
+BLOCK = 60.0
+
+
+def load_record(
+    path: str, reading: Reading, names: Sequence[str] | None, window: float, advance: Callable[[float], None]
+) -> Recordings:
+    """The channels named of a record that is fit to be processed; what is doubtful goes to stderr.
+
+    Raises
+    ------
+    ModelError
+        The record is faulty; all faults are listed.
+    """
+    wanted = None if names is None else list(dict.fromkeys(names))
+    if Path(path).is_file() and Path(path).stat().st_size > LARGE:
+        return _checked_blocks(path, reading, wanted, window, advance)
+    record = read_recording(path, names=wanted, **reading.arguments)
+    for note in record.notes:
+        message("note", note)
+    record = _even(record, reading, path)
+    _refuse(check_recording(record, window), path)
+    advance(record.duration)
+    return record
+
+
+def _checked_blocks(
+    path: str, reading: Reading, names: Sequence[str] | None, window: float, advance: Callable[[float], None]
+) -> Iterator[Recording]:
+    """A large record block by block; that a block is short is no fault of the record."""
+    message("note", f"{path} is large: read in blocks of {BLOCK:g} s")
+    for block in iter_blocks(path, BLOCK, names=names, **reading.arguments):
+        even = _even(block, reading, path)
+        _refuse([fault for fault in check_recording(even, window) if fault.path != ("channels",)], path)
+        yield even
+        advance(even.duration)
+
+
+def _even(record: Recording, reading: Reading, path: str) -> Recording:
+    if reading.resample:
+        return resampled(record)
+    if record.times is not None:
+        faults = [fault for fault in check_recording(record) if fault.path[:1] == ("time",)]
+        texts = [replace(fault, message=fault.message, severity="error", path=()) for fault in faults]
+        raise ModelError([*texts, Fault("the time stamps are not uniform: --resample makes them so")], path)
+    return record
+
+
+def _refuse(faults: Sequence[Fault], path: str) -> None:
+    errors = [fault for fault in faults if fault.severity == "error"]
+    if errors:
+        raise ModelError([_named(fault) for fault in errors], path)
+    tell(_named(fault) for fault in faults)
+
+
+def _named(fault: Fault) -> Fault:
+    """The fault with the channel in its message, which has no place in a file."""
+    where = fault.path[-1] if len(fault.path) > 1 else ""
+    return replace(fault, message=f"{where}: {fault.message}" if where else fault.message, path=())

@@ -1,0 +1,21 @@
+"""The main job on both rigs of Galvagno et al. (2015). ``python -m torsionnet.demo [FOLDER]``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+
+def main(arguments: list[str] | None = None) -> int:
+    from torsionnet.demo import figures, rigs
+
+    given = sys.argv[1:] if arguments is None else arguments
+    folder = Path(given[0] if given else "out")
+    folder.mkdir(parents=True, exist_ok=True)
+    rigs.show(folder)
+    print()
+    figures.show(folder)
+    return 0
+
+
+__all__ = ["main"]

@@ -1,0 +1,155 @@
+"""Up to which frequency of a sweep a sensor with steps resolves the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.signals.advice import resolution_limit
+from torsionnet.signals.decimation import USABLE
+from torsionnet.signals.recording import FloatArray, Recording
+
+ENOUGH, LOST = 4.0, 0.5
+"""Steps per amplitude at which the quantiser's error is a few percent, and below which a change may go unseen."""
+WHOLE = 0.01
+FEWEST_STEPS = 3
+SWEPT = 0.5
+"""Share of the input's power that lies in one line and its neighbours while a sine is swept."""
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """What the steps of a sensor do to a sweep.
+
+    Attributes
+    ----------
+    step : float
+        In the unit of the signal.
+    enough_up_to, lost_above : float
+        Hz: up to where the amplitude is four steps or more, and above which it is under half a step; inf if the
+        sweep ends before.
+    """
+
+    step: float
+    enough_up_to: float
+    lost_above: float
+
+
+def step_of(values: FloatArray) -> float:
+    """Smallest step of a signal that only takes whole steps; 0 if it does not.
+
+    >>> step_of(np.array([0.0, 0.5, 0.5, 1.5, 1.0, 0.5]))
+    0.5
+    >>> step_of(np.array([0.0, 0.5, 0.7, 1.5]))
+    0.0
+    """
+    steps = np.diff(values)
+    moved = np.abs(steps[steps != 0])
+    if len(moved) < FEWEST_STEPS:
+        return 0.0
+    smallest = float(moved.min())
+    counts = moved / smallest
+    # The mean over many single steps is more exact than the smallest of them.
+    if np.abs(counts - np.rint(counts)).max() > WHOLE:
+        return 0.0
+    return float(moved.sum() / np.rint(counts).sum())
+
+
+def swept(recording: Recording, output: str, input: str, seconds: float = 2.0) -> tuple[FloatArray, FloatArray]:
+    """Frequency of the input in Hz and peak amplitude of the output, segment by segment.
+
+    Segments in which the input is no sine are left out.
+    """
+    count = round(seconds * recording.sampling_rate)
+    whole = len(recording) // count
+    if not whole or count < 8:  # noqa: PLR2004
+        return np.empty(0), np.empty(0)
+    drive = recording[input].values[: whole * count].reshape(whole, count)
+    answer = recording[output].values[: whole * count].reshape(whole, count)
+    power = np.abs(np.fft.rfft((drive - drive.mean(axis=1, keepdims=True)) * np.hanning(count), axis=1)) ** 2
+    line = power.argmax(axis=1)
+    cumulated = np.pad(power.cumsum(axis=1), ((0, 0), (1, 0)))
+    reach = 4 + line // 20  # a sweep moves on within a segment
+    rows, last = np.arange(whole), power.shape[1]
+    near = cumulated[rows, np.minimum(line + reach + 1, last)] - cumulated[rows, np.maximum(line - reach, 0)]
+    is_sine = near > SWEPT * cumulated[:, -1]
+    return line[is_sine] / seconds, (np.sqrt(2) * answer.std(axis=1))[is_sine]
+
+
+def resolution(recording: Recording, output: str, input: str, seconds: float = 2.0) -> Resolution | None:
+    """What the steps of the output's sensor do to a sweep; None if it has none, or if nothing is swept.
+
+    Examples
+    --------
+    >>> from torsionnet.signals.recording import Signal
+    >>> time = np.arange(40_000) / 1000
+    >>> sine = np.sin(2 * np.pi * (1 + 0.25 * time) * time)
+    >>> angle = 0.1 * np.round(sine / (1 + 0.25 * time) ** 2 / 0.1)
+    >>> record = Recording((Signal("T", "torque", sine), Signal("phi", "angle", angle)), sampling_rate=1000)
+    >>> found = resolution(record, "phi", "T")
+    >>> round(found.step, 6), 1.5 < found.enough_up_to < 3, 5 < found.lost_above < 8
+    (0.1, True, True)
+    """
+    watch = Watch((output,), input, seconds)
+    for _ in watch.passing([recording]):
+        pass
+    return watch.found(output)
+
+
+def limited(response: FrequencyResponse, watch: Watch, decimation: int) -> FrequencyResponse:
+    """A response with the frequency up to which it can be used, and a note for every sensor that says why."""
+    limits, notes = [], []
+    if decimation > 1:
+        limits.append(USABLE * float(response.frequencies[-1]))
+    for channel in response.outputs:
+        found = watch.found(channel.name)
+        if found is not None and np.isfinite(found.enough_up_to):
+            limits.append(found.enough_up_to)
+            notes.append(_remark(channel, found))
+    if not limits:
+        return response
+    return replace(response, notes=(*response.notes, *notes), usable_up_to=min(limits))
+
+
+def _remark(channel: Channel, found: Resolution) -> str:
+    step = f"{np.degrees(found.step):.4g} deg" if channel.unit == "rad" else f"{found.step:.4g} {channel.unit}"
+    lost = f", under half a step from {found.lost_above:.3g} Hz" if np.isfinite(found.lost_above) else ""
+    return (
+        f"warning: {channel.name} moves by less than {ENOUGH:g} steps of {step} above {found.enough_up_to:.3g} Hz"
+        f"{lost}: its size is biased there, then lost; use a finer sensor or more torque"
+    )
+
+
+class Watch:
+    """Looks at the blocks of a record on their way to be processed, before they are decimated."""
+
+    def __init__(self, outputs: Sequence[str], input: str, seconds: float) -> None:
+        self.outputs, self.input, self.seconds = tuple(outputs), input, seconds
+        self.steps: dict[str, list[float]] = {output: [] for output in self.outputs}
+        self.sweep: dict[str, list[tuple[FloatArray, FloatArray]]] = {output: [] for output in self.outputs}
+
+    def passing(self, blocks: Iterable[Recording]) -> Iterator[Recording]:
+        """The same blocks."""
+        for block in blocks:
+            for output in self.outputs:
+                values = block[output].values
+                if np.count_nonzero(np.diff(values)) >= FEWEST_STEPS and np.isfinite(values).all():
+                    self.steps[output].append(step_of(values))
+                self.sweep[output].append(swept(block, output, self.input, self.seconds))
+            yield block
+
+    def found(self, output: str) -> Resolution | None:
+        """What the steps of this output's sensor do to the sweep that went by."""
+        steps = self.steps[output]
+        if not steps or not all(steps):
+            return None
+        frequency, amplitude = (np.concatenate(part) for part in zip(*self.sweep[output], strict=True))
+        if len(frequency) < FEWEST_STEPS or np.ptp(frequency) == 0:
+            return None
+        order = np.argsort(frequency, kind="stable")
+        frequency, amplitude = frequency[order], amplitude[order]
+        limits = [resolution_limit(frequency, amplitude, min(steps), level) for level in (ENOUGH, LOST)]
+        return Resolution(min(steps), *(limit if limit < frequency[-1] else float("inf") for limit in limits))
