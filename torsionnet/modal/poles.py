@@ -45,7 +45,7 @@ def as_poles(given: ArrayLike) -> ComplexArray:
     [(-3+0j), (-1+10j)]
     """
     values = cleaned(np.atleast_1d(np.asarray(given, dtype=complex)))
-    if values.ndim != 1 or not np.isfinite(values).all() or not values.all():
+    if values.ndim != 1 or not len(values) or not np.isfinite(values).all() or not values.all():
         msg = "poles are a list of finite numbers in rad/s other than 0"
         raise UsageError(msg)
     return np.asarray(values[upper_half(values)])

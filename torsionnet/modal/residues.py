@@ -30,10 +30,11 @@ class Expansion:
 
     def values(self, s: ComplexArray, powers: NDArray[np.int_]) -> ComplexArray:
         """Transfer functions at s, (n_f, n_out, n_in); ``powers`` (n_out, n_in) as in :class:`Lines`."""
-        total = sum((self.term(mode, s) for mode in range(len(self.poles))), start=np.zeros(1))
+        each = s[:, None, None]
+        total = sum((self.term(mode, s) for mode in range(len(self.poles))), start=np.zeros(1)) + self.upper
         with np.errstate(divide="ignore", invalid="ignore"):
-            rest = np.where(self.lower == 0, 0, self.lower / (s**2)[:, None, None]) + self.upper
-            return np.asarray((total + rest) * s[:, None, None] ** powers)
+            rest = np.where(self.lower == 0, 0, self.lower * each ** (powers - 2))
+            return np.asarray(total * each**powers + rest)
 
     def term(self, mode: int, s: ComplexArray) -> ComplexArray:
         """What one mode gives in the form of a receptance, (n_f, n_out, n_in)."""
