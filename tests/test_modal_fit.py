@@ -2,6 +2,7 @@
 
 import warnings
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -14,8 +15,8 @@ from torsionnet.errors import SolveError, UsageError
 from torsionnet.modal import Criteria, Settings, fit_poles, identify_modes, match, stabilisation
 from torsionnet.modal.fraction import largest_order
 from torsionnet.modal.lines import lines_of, power
-from torsionnet.modal.refinement import factors_of, roots_of
 from torsionnet.modal.projection import Projection
+from torsionnet.modal.refinement import factors_of, roots_of
 from torsionnet.response import Channel
 
 LINES = np.arange(0.5, 30.01, 0.1)
@@ -59,7 +60,7 @@ class TestKnownPoles:
     @pytest.mark.parametrize("output", ["rad", "rad/s", "rad/s^2"])
     def test_come_back_from_responses_without_noise(self, name, outputs, output):
         poles = SYSTEMS[name]
-        residues, shapes = chain_residues(poles, outputs)
+        residues, _ = chain_residues(poles, outputs)
         response = response_of(poles, residues, LINES, output=output, upper=1e-4, lower=0.3)
         found = identify_modes(response)
         assert nearest(found.poles, poles).max() < 1e-6
@@ -96,7 +97,7 @@ class TestKnownPoles:
     @settings(max_examples=25, deadline=None)
     def test_any_oscillatory_modes_apart(self, modes, seed):
         modes = sorted(modes)
-        if any(b[0] < 1.25 * a[0] for a, b in zip(modes, modes[1:], strict=False)):
+        if any(b[0] < 1.25 * a[0] for a, b in pairwise(modes)):
             return
         poles = [pole(*mode) for mode in modes]
         residues, _ = chain_residues(poles, 2, seed=seed)
@@ -196,7 +197,9 @@ class TestRigs:
         response = model.frequency_response("theta_1", "T_T", np.arange(0.5, 30, 0.05))
         rng = np.random.default_rng(5)
         size = noise * response.magnitude.max() / np.sqrt(2)
-        values = response.values + size * (rng.normal(size=response.values.shape) + 1j * rng.normal(size=response.values.shape))
+        values = response.values + size * (
+            rng.normal(size=response.values.shape) + 1j * rng.normal(size=response.values.shape)
+        )
         found = identify_modes(replace(response, values=values))
         wanted = next(v for v in model.modes(measured_input="T_T").eigenvalues if v.imag and abs(v) < 60)
         own = int(np.argmin(np.abs(found.poles - wanted)))
@@ -289,18 +292,24 @@ class TestLscf:
             assert abs(one / other - 1) < 2e-4
             assert abs(one / other - 1) < 0.2 * abs(other / wanted - 1) + 1e-5
 
+    @pytest.mark.usefixtures("ema")
     @pytest.mark.parametrize(("output", "form"), [("rad", "receptance"), ("rad/s^2", "accelerance")])
-    def test_residues_agree_with_sdypy(self, ema, output, form):
+    def test_residues_agree_with_sdypy(self, output, form):
         poles = np.array([pole(12, 0.005), pole(25, 0.01), pole(40, 0.02)])
-        response = response_of(
-            poles, chain_residues(poles, 4)[0], np.arange(1, 60, 0.1), noise=0.01, output=output
-        )
+        response = response_of(poles, chain_residues(poles, 4)[0], np.arange(1, 60, 0.1), noise=0.01, output=output)
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             from sdypy.EMA.EMA import LSFD
 
             theirs = LSFD(
-                poles, response.values[:, :, 0].T, response.frequencies, False, False, 0, len(response.frequencies), form
+                poles,
+                response.values[:, :, 0].T,
+                response.frequencies,
+                False,
+                False,
+                0,
+                len(response.frequencies),
+                form,
             )[0]
         own = fit_poles(response, poles, Settings(residuals="none"))
         np.testing.assert_allclose(own.residues[:, :, 0].T, theirs, rtol=1e-9, atol=1e-12 * np.abs(theirs).max())
@@ -344,7 +353,7 @@ class TestDiagram:
             ([(5, 500.0)], "no pole near 500 Hz; its poles are at"),
             ([], "no pole is chosen"),
             ([3.5], "order and frequency"),
-            ("best", "choose \"order\""),
+            ("best", 'choose "order"'),
         ],
     )
     def test_wrong_selection(self, selection, message):
@@ -390,7 +399,9 @@ class TestRemarks:
 
     def test_bandwidth_under_three_lines(self):
         poles = [pole(20, 0.001)]
-        assert "half-power bandwidth under 3 lines at 20 Hz" in self.notes(response_of(poles, np.ones((1, 1, 1)), LINES))
+        assert "half-power bandwidth under 3 lines at 20 Hz" in self.notes(
+            response_of(poles, np.ones((1, 1, 1)), LINES)
+        )
         poles = [pole(20, 0.02)]
         assert "lines" not in self.notes(response_of(poles, np.ones((1, 1, 1)), LINES))
 
@@ -505,7 +516,9 @@ class TestErrors:
 
     def test_the_other_sign_of_time(self):
         response = response_of([pole(8, 0.1)], np.ones((1, 1, 1)), LINES)
-        self.wrong("check the sign of the phase", replace(response, values=response.values.conj()), SolveError, highest_order=2)
+        self.wrong(
+            "check the sign of the phase", replace(response, values=response.values.conj()), SolveError, highest_order=2
+        )
 
     def test_nothing_stable(self):
         rng = np.random.default_rng(2)

@@ -16,7 +16,7 @@ from torsionnet.response import Channel, FrequencyResponse
 
 LEAST_POINTS = 5
 ARC = 0.5
-POOR_CIRCLE, WIDE_SPREAD = 0.05, 0.2
+POOR_CIRCLE, WIDE_SPREAD = 0.05, 0.1
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -17,6 +18,9 @@ from torsionnet.response import FrequencyResponse
 
 TOO_DAMPED = 0.10
 LOPSIDED = 1.25
+MOST_DAMPED = 0.3826
+"""Damping ratio at which a receptance no longer falls to half power below its peak."""
+
 RISE = 1.1
 
 
@@ -46,7 +50,7 @@ class Peak:
         """Half the width over the frequency; twice the one half where the other is not there."""
         low, high = self.frequency - self.edges[0], self.edges[1] - self.frequency
         if np.isnan(low) or np.isnan(high):
-            return float(np.nanmax([low, high, np.nan]) / self.frequency)
+            return float((high if np.isnan(low) else low) / self.frequency)
         return float((low + high) / (2 * self.frequency))
 
 
@@ -168,14 +172,26 @@ def _remarks(peak: Peak, frequencies: FloatArray) -> Iterator[str]:
 
 
 def _lopsided(peak: Peak) -> bool:
-    """Whether the halves of the width are not those of a single mode with that damping."""
-    zeta = min(peak.damping_ratio, 0.38)
-    top = 1 - 2 * zeta**2
-    reach = 2 * zeta * np.sqrt(1 - zeta**2)
-    low, high = np.sqrt(max(top - reach, 0)), np.sqrt(top + reach)
-    alone = (np.sqrt(top) - low) / (high - np.sqrt(top))
-    ratio = (peak.frequency - peak.edges[0]) / (peak.edges[1] - peak.frequency) / alone
+    """Whether the halves of the width are not those of the single mode that has this width."""
+    from scipy.optimize import brentq
+
+    width = (peak.edges[1] - peak.edges[0]) / peak.frequency
+
+    def wider(zeta: float) -> float:
+        low, high = _halves(zeta)
+        return low + high - width
+
+    if wider(MOST_DAMPED) < 0:
+        return True
+    low, high = _halves(brentq(wider, 0.0, MOST_DAMPED))
+    ratio = (peak.frequency - peak.edges[0]) / (peak.edges[1] - peak.frequency) * high / low
     return not 1 / LOPSIDED < ratio < LOPSIDED
+
+
+def _halves(zeta: float) -> tuple[float, float]:
+    """Distances of the half-power points of a receptance from its peak, over the peak's frequency."""
+    top, reach = 1 - 2 * zeta**2, 2 * zeta * math.sqrt(1 - zeta**2)
+    return 1 - math.sqrt(max(1 - reach / top, 0)), math.sqrt(1 + reach / top) - 1
 
 
 def _one_by_one(lines: Lines, peaks: list[Peak]) -> Expansion:
