@@ -14,9 +14,12 @@ import torsionnet as tn
 from torsionnet.errors import SolveError, UsageError
 from torsionnet.modal import Criteria, Settings, fit_poles, identify_modes, match, stabilisation
 from torsionnet.modal.fraction import largest_order
+from torsionnet.modal.information import worth_keeping
 from torsionnet.modal.lines import lines_of, power
 from torsionnet.modal.projection import Projection
 from torsionnet.modal.refinement import factors_of, roots_of
+from torsionnet.modal.selection import clusters
+from torsionnet.modal.stabilisation import Order, Stabilisation, _same
 from torsionnet.response import Channel
 
 LINES = np.arange(0.5, 30.01, 0.1)
@@ -361,12 +364,99 @@ class TestDiagram:
         with pytest.raises(UsageError, match=message):
             identify_modes(diagram, selection=selection)
 
+    @pytest.mark.parametrize(("least", "modes"), [(5, 1), (6, 0), (None, 1)])
+    def test_a_cluster_takes_enough_orders(self, least, modes):
+        diagram = one_pole_over_orders(10, Settings(criteria=Criteria(least_orders=least)), lost={1, 2, 3, 5, 6})
+        assert len(clusters(diagram)) == modes
+
+    def test_no_cluster_is_an_error(self):
+        diagram = one_pole_over_orders(5, Settings(criteria=Criteria(least_orders=6)))
+        with pytest.raises(SolveError, match="stable over at least 6 orders"):
+            identify_modes(diagram, selection="clusters")
+
+    def test_shape_that_turns_is_not_stable(self):
+        """Poles alike to the order before in frequency and damping, with other shapes."""
+        one = np.array([[1.0, 0.0], [0.0, 1.0]], dtype=complex)
+        poles = np.array([pole(5, 0.02), pole(9, 0.03)])
+        before = _before(poles, one)
+        turned = np.array([[1.0, 0.5], [0.0, 1.0]], dtype=complex)
+        places, (frequency, damping, shape) = _same(poles * 1.001, turned, before, Criteria())
+        assert places.tolist() == [0, 1]
+        assert frequency.all()
+        assert damping.all()
+        assert shape.tolist() == [False, True]
+
+    def test_shapes_of_a_repeated_pole_are_any_combination(self):
+        poles = np.array([pole(5, 0.02), pole(5.001, 0.02)])
+        before = _before(poles, np.eye(3, dtype=complex)[:2])
+        mixed = np.array([[1.0, 1.0, 0.0], [1.0, -1.0, 0.0]], dtype=complex)
+        assert _same(poles, mixed, before, Criteria())[1][2].all()
+        assert not _same(poles, mixed + np.array([0, 0, 1]), before, Criteria())[1][2].any()
+
+    def test_a_chain_that_broke_is_one_mode(self):
+        assert len(clusters(one_pole_over_orders(11, Settings(), lost={1, 6}))) == 1
+
     def test_table_has_every_pole(self):
         diagram = stabilisation(response_of([pole(8, 0.1)], np.ones((1, 1, 1)), LINES, noise=1e-3))
         assert len(diagram.table().rows) == sum(len(order.poles) for order in diagram.orders)
 
 
+def one_pole_over_orders(highest, chosen, lost=frozenset({1})):
+    """The same pole at every order; at some it is not counted as stable."""
+    poles, shape = np.array([pole(5, 0.02)]), np.ones((1, 1), dtype=complex)
+    response = response_of(poles, shape[None], LINES)
+    lines = lines_of(response, chosen)
+    orders = []
+    for order in range(1, highest + 1):
+        same = np.array([order not in lost])
+        left = np.zeros(lines.values.shape, dtype=complex)
+        orders.append(Order(order, poles, shape, shape, np.array([0]), same, same, same, left))
+    return Stabilisation(response, chosen, tuple(orders), lines)
+
+
+def _before(poles, shapes):
+    yes = np.ones(len(poles), dtype=bool)
+    return Order(3, poles, np.ones((len(poles), 1)), shapes, np.arange(len(poles)), yes, yes, yes, np.zeros(1))
+
+
+class TestWorth:
+    """A pole that a rule has found must lower Schwarz's criterion."""
+
+    def test_poles_of_noise_are_dropped(self):
+        poles = np.array(SYSTEMS["strong"])
+        response = response_of(poles, chain_residues(poles, 2)[0], LINES, noise=0.005)
+        chosen = Settings()
+        lines = lines_of(response, chosen)
+        many = np.array([*poles, pole(20, 0.001), pole(25, 0.3), -1000.0])
+        assert worth_keeping(lines, many, np.ones((5, 1), dtype=complex), chosen) == [0, 1]
+
+    def test_all_poles_stay_where_there_is_no_noise(self):
+        poles = np.array(SYSTEMS["overdamped"])
+        response = response_of(poles, chain_residues(poles)[0], LINES)
+        lines = lines_of(response, Settings())
+        assert worth_keeping(lines, poles, np.ones((3, 1), dtype=complex), Settings()) == [0, 1, 2]
+
+    def test_what_is_chosen_by_hand_stays(self):
+        poles = SYSTEMS["strong"]
+        diagram = stabilisation(response_of(poles, chain_residues(poles)[0], LINES, noise=0.01))
+        most = max(diagram.orders, key=lambda order: len(order.poles))
+        assert len(identify_modes(diagram, selection=most.order, refined=False)) == len(most.poles) > 2
+
+
 class TestRefinement:
+    def test_a_noisy_sensor_weighs_less(self):
+        """Against fitting the clean sensor alone: a second one with much noise must not spoil the poles."""
+        poles = [pole(8, 0.1)]
+        residues = chain_residues(poles, 2)[0]
+        worse = []
+        for seed in range(10):
+            clean, dirty = (response_of(poles, residues, LINES, noise=n, seed=seed) for n in (1e-4, 0.1))
+            values = np.concatenate([clean.values[:, :1], dirty.values[:, 1:]], axis=1)
+            found = identify_modes(replace(clean, values=values), selection=2)
+            alone = identify_modes(clean.select("y0"), selection=2)
+            worse.append(nearest(found.poles, poles)[0] / nearest(alone.poles, poles)[0])
+        assert np.median(worse) < 3
+
     @pytest.mark.parametrize("poles", [SYSTEMS["strong"], SYSTEMS["overdamped"], SYSTEMS["real poles only"]])
     def test_derivatives(self, poles):
         """Of the residual by differences; the shorter form leaves out what is orthogonal to the gradient."""
@@ -452,6 +542,19 @@ class TestUse:
         np.testing.assert_allclose(found.shape_at("y1"), found.shapes[1])
         with pytest.raises(UsageError, match='did you mean "y1"'):
             found.shape_at("y11")
+
+    def test_shapes_are_scaled_by_what_moves(self):
+        """A torque in N m beside angles of some mrad: 1 is at the largest angle."""
+        response = rig("dmf").frequency_response(
+            ["T_T", "angle(motor)", "angle(primary)"], "T_M", np.arange(1, 120, 0.5)
+        )
+        found = identify_modes(response)
+        assert np.abs(found.shapes[1:]).max(axis=0) == pytest.approx([1, 1])
+        assert np.abs(found.shape_at("T_T")).min() > 10
+        modes = rig("dmf").modes()
+        np.testing.assert_allclose(
+            found.shapes[2] / found.shapes[1], modes.shape_at("primary") / modes.shape_at("motor"), rtol=1e-6
+        )
 
     def test_zero_hertz_and_values_that_are_not_finite_are_left_out(self):
         frequencies = np.concatenate([[0.0], LINES])

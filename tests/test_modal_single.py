@@ -155,13 +155,13 @@ class TestCircle:
         frequencies = np.arange(2, 30, 0.05)
         clean = oscillator(10, 0.25, frequencies)
         errors = []
-        for seed in range(40):
+        for seed in range(80):
             rng = np.random.default_rng(seed)
             noise = rng.normal(size=frequencies.size) + 1j * rng.normal(size=frequencies.size)
             values = clean.values + 0.03 * clean.magnitude.max() * noise[:, None, None]
-            errors.append(circle_fit(replace(clean, values=values), 10).damping_ratio / 0.25 - 1)
-        assert abs(np.mean(errors)) < 0.03
-        assert np.std(errors) < 0.05
+            errors.append(circle_fit(replace(clean, values=values), 10, band=(5, 25)).damping_ratio / 0.25 - 1)
+        assert abs(np.mean(errors)) < 0.003
+        assert np.std(errors) < 0.0092  # 0.0081; 0.0105 if all points weigh alike
 
     def test_remarks(self):
         frequencies = np.arange(5, 15, 0.05)
