@@ -14,9 +14,12 @@ from typing import Any
 
 import sympy
 from page_parts import code, prose, table
-from validation_pages import cases_page, paper_page
+from validation_pages import bench_numbers_page, cases_page, paper_page
 
 import torsionnet as tn
+from torsionnet.bench import Acquisition, Encoder, Exciter, Transducer
+from torsionnet.bench.excitations import EXCITATIONS, specs_of
+from torsionnet.bench.fields import BenchPart, Reading
 from torsionnet.damping import MEASURES
 from torsionnet.elements import ELEMENT_TYPES, Constraint, Element, Law, Part, Values, make_element
 from torsionnet.elements import fields as spec
@@ -291,6 +294,34 @@ def damping_page() -> str:
     return table(headings, rows) + "\n" + note
 
 
+# The parts of a bench
+
+
+def bench_page() -> str:
+    """Every entry of a bench: section."""
+    sections = [
+        ("exciter", "`exciter`", _specs(Exciter)),
+        ("transducer", "Channel of `type: transducer`", _specs(Transducer)),
+        ("encoder", "Channel of `type: encoder`", _specs(Encoder)),
+        ("acquisition", "`acquisition`", _specs(Acquisition)),
+    ]
+    sections += [(kind, f"`excitation` of `type: {kind}`", specs_of(cls)) for kind, cls in EXCITATIONS.items()]
+    return "\n".join(_entries_table(title, entries) for _, title, entries in sections)
+
+
+def _specs(cls: type[BenchPart]) -> dict[str, tuple[spec.Spec, bool]]:
+    return {declared.name: (spec.spec_of(declared), declared.default is MISSING) for declared in cls.declared()}
+
+
+def _entries_table(title: str, entries: dict[str, tuple[spec.Spec, bool]]) -> str:
+    rows = []
+    for name, (kind, required) in entries.items():
+        unit = getattr(kind, "dimension", "")
+        shown = "of what is measured" if isinstance(kind, Reading) else code(expected_unit(unit)) if unit else ""
+        rows.append([code(name), "required" if required else "", prose(kind.description), shown])
+    return f"**{title}**\n\n" + table(["entry", "", "meaning", "unit"], rows)
+
+
 # What is refused
 
 TRAP_MODEL = """\
@@ -351,6 +382,8 @@ PAGES = {
     "traps.md": traps_page,
     "paper.md": paper_page,
     "cases.md": cases_page,
+    "bench.md": bench_page,
+    "bench_numbers.md": bench_numbers_page,
 }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ TESTS = DOCS.parent / "tests"
 
 def paper_page() -> str:
     """The rigs of the source paper: the model against what its test shows."""
-    from torsionnet import demo
+    from torsionnet.demo import rigs as demo
 
     rigs = demo.rigs()
     rows = []
@@ -60,7 +61,7 @@ def model_table(rigs: list[Any]) -> str:
 
 
 def demo_quantities(rig: Any) -> Any:
-    from torsionnet import demo
+    from torsionnet.demo import rigs as demo
 
     return demo.quantities(rig)
 
@@ -154,3 +155,62 @@ def computed_row(name: str, case: dict[str, Any], modes: tn.Modes) -> list[str]:
         what += ", damping ratios"
     worst = max(abs(found / value - 1) for found, value in pairs if value)
     return [code(name), case["description"].partition(";")[0], what, str(len(pairs)), f"{worst:.1e}"]
+
+
+# The virtual bench
+
+
+def bench_numbers_page() -> str:
+    """Estimates from the virtual bench against the model, with a fine and with the paper's encoder."""
+    cases = [("DMF", tn.load_bench("dmf_bench"))]
+    cases += [(f"AMT {gear}", tn.load_bench("amt_bench").configured(gear)) for gear in ("II", "III", "IV", "V")]
+    fine = table(
+        ["case", "usable up to", "peak of the estimate", "of the model", "largest difference", "largest difference"],
+        [[case, *_agreement(bench)] for case, bench in cases],
+    )
+    coarse = table(
+        ["case", "usable up to", "largest bias beyond, while coherent", "coherence under 0.8 from"],
+        [[case, *_collapse(bench)] for case, bench in cases],
+    )
+    return (
+        "With 1024 lines in quadrature, 4096 steps:\n\n"
+        + fine
+        + "\nWith 1024 steps, as on the paper's bench:\n\n"
+        + coarse
+    )
+
+
+def _agreement(bench: Any) -> list[str]:
+    import numpy as np
+
+    from torsionnet.bench import Encoder
+    from torsionnet.signals import difference
+
+    channels = {**bench.plan.channels, "theta_1": Encoder(lines=1024, quadrature=True)}
+    test, model = _estimate(replace(bench, plan=replace(bench.plan, channels=channels)))
+    limit = test.usable_up_to
+    good, apart = test.between(0.5, limit), difference(test.between(0.5, limit), model.between(0.5, limit))
+    peak = good.frequencies[good.magnitude[:, 0, 0].argmax()]
+    fine = np.linspace(0.5, 20, 4000)
+    curve = bench.drivetrain.frequency_response("theta_1", "T_T", fine).magnitude[:, 0, 0]
+    worst = f"{abs(apart.decibels).max():.2f} dB", f"{abs(apart.degrees).max():.1f} deg"
+    return [f"{limit:.1f} Hz", f"{peak:g} Hz", f"{fine[curve.argmax()]:.2f} Hz", *worst]
+
+
+def _collapse(bench: Any) -> list[str]:
+    from torsionnet.signals import difference
+    from torsionnet.signals.advice import LEAST_COHERENCE
+
+    test, model = _estimate(bench)
+    f, coherence = test.frequencies, test.coherence[:, 0, 0]
+    lost = float(f[(coherence < LEAST_COHERENCE) & (f > test.usable_up_to)][0])
+    apart = abs(difference(test, model).decibels[:, 0, 0])
+    beyond = (f > test.usable_up_to) & (f < lost - 1)
+    return [f"{test.usable_up_to:.1f} Hz", f"{apart[beyond].max():.1f} dB", f"{lost:g} Hz"]
+
+
+def _estimate(bench: Any) -> tuple[Any, Any]:
+    from torsionnet.signals import PAPER, estimate
+
+    test = estimate(bench.run(), "theta_1", "T_T", settings=PAPER).between(0.5, 40)
+    return test, bench.drivetrain.frequency_response("theta_1", "T_T", test.frequencies)

@@ -43,7 +43,7 @@ for note in found.notes:
 # %%
 # The analyser's own response is an average over several blows. It is 1.41 times smaller throughout, a matter of its
 # calibration; apart from that factor the two agree, and at the resonances to the line. Above 380 Hz the blow has too
-little power to say anything.
+# little power to say anything.
 stored = loadmat(file)
 theirs = stored["Hf_chan_2"].ravel()[np.isin(stored["Freq_domain"].ravel(), found.frequencies)]
 scale = np.median(np.abs(found.values[:, 0, 0] / theirs))

@@ -6,6 +6,7 @@ import re
 import pytest
 
 from torsionnet import demo
+from torsionnet.demo import rigs
 
 FIGURES = [
     "fig_02_time_histories.png",
@@ -90,7 +91,7 @@ def test_compares_with_the_paper(shown, case, quantity, cells):
 
 
 def test_every_figure_of_the_paper_is_compared(shown):
-    for case, quantity in demo.PAPER:
+    for case, quantity in rigs.PAPER:
         assert row(shown[0], case, quantity)[1] != "-"
 
 

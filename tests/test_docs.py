@@ -21,7 +21,7 @@ from torsionnet.units import _BASE
 os.environ["MPLBACKEND"] = "Agg"
 DOCS = Path(__file__).parents[1] / "docs"
 EXAMPLES = sorted((DOCS.parent / "examples").glob("plot_*.py"))
-OWN = ["concepts", "sign_conventions", "model_file", "get_started", "validation"]
+OWN = ["concepts", "sign_conventions", "model_file", "get_started", "test_bench", "validation"]
 PAGES = [DOCS / f"{name}.md" for name in OWN] + sorted((DOCS / "how_to").glob("*.md"))
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FILE_NAME = re.compile(r"# (\w+\.yaml)\n")
@@ -76,7 +76,7 @@ class TestGeneratedPages:
         assert all(f"| `{name}` |" in units for name in _BASE)
         assert all(f"| `{name}` |" in damping for name in MEASURES)
 
-    @pytest.mark.parametrize("name", ["elements", "units", "damping", "traps"])
+    @pytest.mark.parametrize("name", ["elements", "units", "damping", "traps", "bench"])
     def test_pages_in_the_repository_are_current(self, generate, name):
         """They are read on the web without a build; `python docs/generate.py` writes them."""
         committed = (DOCS / "generated" / f"{name}.md").read_text(encoding="utf-8")
@@ -153,20 +153,17 @@ def test_programs_on_pages_run(page, workplace, capsys):
     assert "Traceback" not in capsys.readouterr().out
 
 
-COMMANDS = [
-    (page, line.partition("#")[0].strip())
-    for page in PAGES
-    for text in blocks(page, "sh")
-    for line in text.splitlines()
-    if line.startswith("torsionnet ")
-]
+def commands(page):
+    lines = [line.partition("#")[0].strip() for text in blocks(page, "sh") for line in text.splitlines()]
+    return [line for line in lines if line.startswith("torsionnet ")]
 
 
-@pytest.mark.parametrize(("page", "line"), COMMANDS, ids=lambda value: getattr(value, "stem", value))
-def test_commands_on_pages_work(page, line, workplace, capsys):
+@pytest.mark.parametrize("page", [page for page in PAGES if commands(page)], ids=lambda page: page.stem)
+def test_commands_on_pages_work_one_after_the_other(page, workplace, capsys):
     lay_out(page, workplace)
-    code = main(shlex.split(line)[1:])
-    assert code == 0, capsys.readouterr()
+    for line in commands(page):
+        code = main(shlex.split(line)[1:])
+        assert code == 0, (line, capsys.readouterr())
 
 
 def test_message_on_the_page_about_bad_input_is_the_real_one():

@@ -14,7 +14,8 @@ PACKAGE = Path(__file__).parents[1] / "torsionnet"
 LAYERS = (  # top to bottom: first name below torsionnet
     {"cli", "demo", "__main__"},
     {"report"},
-    {"identify", "virtual"},
+    {"identification", "virtual"},
+    {"sensitivity"},
     {"solve", "symbolics"},
     {"assembly"},
     {

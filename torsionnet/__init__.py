@@ -25,6 +25,7 @@ _HOMES = {
     "Drivetrain": "drivetrain",
     "Element": "elements",
     "Fault": "errors",
+    "Fit": "identification",
     "FrequencyResponse": "response",
     "FrequencyResponses": "response",
     "Gear": "elements",
@@ -32,6 +33,7 @@ _HOMES = {
     "Inertia": "elements",
     "Input": "channels",
     "Lock": "elements",
+    "Measurement": "identification",
     "MissingExtraError": "errors",
     "ModelError": "errors",
     "Modes": "response",
@@ -46,9 +48,11 @@ _HOMES = {
     "TabulatedSpring": "elements",
     "TorsionnetError": "errors",
     "TorsionnetWarning": "errors",
+    "Unknown": "identification",
     "UsageError": "errors",
     "convert_damping": "damping",
     "library_models": "files",
+    "identify": "identification",
     "library_benches": "files",
     "load": "files",
     "load_bench": "virtual",
@@ -88,6 +92,7 @@ if TYPE_CHECKING:
         UsageError,
     )
     from torsionnet.files import library_benches, library_models, load, loads
+    from torsionnet.identification import Fit, Measurement, Unknown, identify
     from torsionnet.operating_point import OperatingPoint
     from torsionnet.parameters import Parameter
     from torsionnet.response import Conventions, FrequencyResponse, FrequencyResponses, Modes

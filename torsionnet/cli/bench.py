@@ -107,7 +107,8 @@ def _say(results: list[tuple[str, str, Recording]], *, as_json: bool) -> None:
 def _table(record: Recording) -> Table:
     from torsionnet.response import Column, Table
 
-    columns = (Column("channel"), Column("unit"), Column("smallest"), Column("largest"), Column("RMS"), Column("notes"))
+    sizes = (Column(name, digits=4) for name in ("smallest", "largest", "RMS"))
+    columns = (Column("channel"), Column("unit"), *sizes, Column("notes"))
     rows = tuple((s.name, s.unit, *_sizes(s.values), "; ".join(s.notes)) for s in record)
     span = f"{len(record)} samples at {record.sampling_rate:g} Hz, {record.duration:g} s"
     return Table(f"{record.title}: {span}", columns, rows)

@@ -79,7 +79,7 @@ def estimated(
     from torsionnet.signals.estimators import estimate
 
     settings = averaging.settings()
-    with progress("averaging", 0) as advance:
+    with progress("averaging", None) as advance:
         measured = load_record(record, reading, (*outputs, *inputs), settings.seconds, advance)
         response = estimate(measured, outputs, inputs, settings=settings)
     for note in response.notes:
@@ -99,7 +99,7 @@ def peak_table(response: FrequencyResponse, conventions: Conventions) -> Table:
         Column("unit"),
         Column("at"),
         Column("frequency", "Hz", 5),
-        Column("magnitude"),
+        Column("magnitude", digits=4),
         Column("phase", "deg", 4),
         Column("coherence", "", 3),
     )

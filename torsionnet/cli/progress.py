@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator
 
 
 @contextlib.contextmanager
-def progress(what: str, total: float) -> Iterator[Callable[[float], None]]:
-    """A bar that is full when the calls of the function given have added up to ``total``."""
+def progress(what: str, total: float | None) -> Iterator[Callable[[float], None]]:
+    """A bar that is full when the calls of the function given have added up to ``total``; it only moves without one."""
     if not sys.stderr.isatty():
         yield lambda _amount: None
         return

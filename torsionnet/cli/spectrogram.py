@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +14,7 @@ from torsionnet.cli.terminal import print_json, print_table, wrote
 
 if TYPE_CHECKING:
     from torsionnet.response import Table
+    from torsionnet.signals.recording import Recording
     from torsionnet.signals.spectrogram import Spectrogram
 
 
@@ -45,14 +47,17 @@ def command(
     """  # noqa: D301
     from torsionnet.cli.progress import progress
     from torsionnet.cli.records import load_record
+    from torsionnet.signals.decimation import decimated
     from torsionnet.signals.recording import Recording
     from torsionnet.signals.spectrogram import spectrogram
 
     settings = averaging.settings()
-    with progress("transforming", 0) as advance:
+    with progress("transforming", None) as advance:
         found = load_record(record, reading, channels or None, settings.seconds, advance)
-        whole = found if isinstance(found, Recording) else _joined(list(found))
-        seen = [spectrogram(whole, name, settings) for name in channels or whole.names]
+        if not isinstance(found, Recording):  # only what is left after decimation is kept in memory
+            found = _joined(list(decimated(found, settings.decimation)))
+            settings = replace(settings, decimation=1)
+        seen = [spectrogram(found, name, settings) for name in channels or found.names]
     if as_json:
         print_json([_as_data(one) for one in seen])
     else:
@@ -67,9 +72,7 @@ def command(
             _plot(one, _file(plot_file, one.name, len(seen)), highest, span, angle)
 
 
-def _joined(blocks: list[Any]) -> Any:
-    from dataclasses import replace
-
+def _joined(blocks: list[Recording]) -> Recording:
     import numpy as np
 
     first = blocks[0]

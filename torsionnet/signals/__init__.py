@@ -1,44 +1,70 @@
 """Recorded and simulated signals: records, processing, and the frequency responses estimated from them."""
 
 from torsionnet.signals.advice import resolution_limit
+from torsionnet.signals.calculus import convert, differentiate, integrate
 from torsionnet.signals.checks import check_recording
 from torsionnet.signals.comparison import Difference, difference, frac
 from torsionnet.signals.decimation import decimate
 from torsionnet.signals.encoder import MissingPulses, angle_from_counts, angle_from_pulses, missing_pulses, unwrapped
-from torsionnet.signals.estimators import estimate
+from torsionnet.signals.estimators import estimate, multiple_coherence
 from torsionnet.signals.excitation import BurstRandom, LinearChirp, LogarithmicSweep, Multisine, SteppedSine
 from torsionnet.signals.files import iter_blocks, read_recording, write_recording
+from torsionnet.signals.harmonics import Harmonics, sweep_harmonics
+from torsionnet.signals.orders import OrderMap, order_map
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.resampling import resampled
+from torsionnet.signals.resolution import Resolution, resolution
+from torsionnet.signals.single_tests import Step, full_record, stepped_sine
+from torsionnet.signals.spectra import cross_spectra
+from torsionnet.signals.spectral_matrix import CrossSpectra
 from torsionnet.signals.spectrogram import Spectrogram, spectrogram
+from torsionnet.signals.uncertainty import RandomError, random_error, random_errors
 from torsionnet.signals.welch import PAPER, Welch
 
 __all__ = [
     "PAPER",
     "BurstRandom",
+    "CrossSpectra",
     "Difference",
+    "Harmonics",
     "LinearChirp",
     "LogarithmicSweep",
     "MissingPulses",
     "Multisine",
+    "OrderMap",
+    "RandomError",
     "Recording",
+    "Resolution",
     "Signal",
     "Spectrogram",
+    "Step",
     "SteppedSine",
     "Welch",
     "angle_from_counts",
     "angle_from_pulses",
     "check_recording",
+    "convert",
+    "cross_spectra",
     "decimate",
     "difference",
+    "differentiate",
     "estimate",
     "frac",
+    "full_record",
+    "integrate",
     "iter_blocks",
     "missing_pulses",
+    "multiple_coherence",
+    "order_map",
+    "random_error",
+    "random_errors",
     "read_recording",
     "resampled",
+    "resolution",
     "resolution_limit",
     "spectrogram",
+    "stepped_sine",
+    "sweep_harmonics",
     "unwrapped",
     "write_recording",
 ]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.signals.files.source import names_a_rate, Channel, Reader, Source, sliced
+from torsionnet.signals.files.source import Channel, Reader, Source, names_a_rate, sliced
 from torsionnet.signals.files.stored import with_stored
 from torsionnet.signals.recording import FloatArray
 

@@ -1,0 +1,251 @@
+"""Residuals of one measurement, whitened, with exact derivatives.
+
+Complex lines become real vectors [Re, Im]. Whitened means: divided by what noise alone would do to them, correlation
+between the lines of overlapping windows included, so that all measurements of a fit weigh as they should.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy import linalg
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import UsageError
+from torsionnet.identification.measurement import Measurement
+from torsionnet.identification.operator import WindowedEstimate, windowed_estimate
+from torsionnet.response import FrequencyResponse
+from torsionnet.response.frequency_response import Channel
+from torsionnet.sensitivity import ParametricResponse, parametric_response
+from torsionnet.signals.estimators import estimate
+from torsionnet.signals.recording import Recording
+from torsionnet.signals.welch import PAPER, Welch
+
+LEAST_EIGENVALUE = 1e-10
+LOWEST_COHERENCE, HIGHEST_COHERENCE = 1e-3, 1 - 1e-6
+FAST = 1000.0
+"""Hz; records above are decimated unless the settings say otherwise."""
+
+
+@dataclass(eq=False)
+class Block(ABC):
+    """One measurement against the model.
+
+    ``parameters`` of the model come first in the vectors handed in, then delay and gain where they are found along.
+    """
+
+    measurement: Measurement
+    response: ParametricResponse
+    noise: FloatArray = field(init=False)
+
+    @property
+    @abstractmethod
+    def frequencies(self) -> FloatArray:
+        """Lines compared, Hz."""
+
+    @property
+    @abstractmethod
+    def measured(self) -> ComplexArray:
+        """What the test says at the lines."""
+
+    @abstractmethod
+    def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """What the model says (n_b,), and its derivatives (n_b, n)."""
+
+    @abstractmethod
+    def whiten(self, parts: FloatArray) -> FloatArray:
+        """Vectors (2 n_b, ...) of real and imaginary parts in units of their noise."""
+
+    def residuals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Whitened model minus test (2 n_b,), and derivatives (2 n_b, n)."""
+        predicted, slopes = self.predicted(values)
+        return self.whiten(_parts(predicted - self.measured)), self.whiten(_parts(slopes))
+
+    @property
+    def extra(self) -> tuple[str, ...]:
+        """Names of what is found along, after the parameters."""
+        asked = (("delay", self.measurement.delay), ("gain", self.measurement.gain))
+        return tuple(name for name, wanted in asked if wanted)
+
+    def _distorted(self, values: FloatArray, f: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """Model with delay and gain of the channel, (n_f,), and derivatives (n_f, n)."""
+        count = len(self.response.names)
+        found = self.response.at(values[:count])
+        G, slopes = found.values[:, 0, 0], found.jacobian[:, 0, 0]
+        extra = dict(zip(self.extra, values[count:], strict=True))
+        turn = -2j * np.pi * f
+        channel = extra.get("gain", 1.0) * np.exp(turn * extra.get("delay", 0.0))
+        columns = [slopes * channel[:, None]]
+        if "delay" in extra:
+            columns.append((turn * G * channel)[:, None])
+        if "gain" in extra:
+            columns.append((G * channel / extra["gain"])[:, None])
+        return np.asarray(G * channel), np.concatenate(columns, axis=1)
+
+
+def _parts(values: ComplexArray) -> FloatArray:
+    return np.concatenate([values.real, values.imag])
+
+
+@dataclass(eq=False)
+class RecordBlock(Block):
+    """A record, by the same-estimator route."""
+
+    windowed: WindowedEstimate
+    kept: FloatArray
+
+    def __post_init__(self) -> None:
+        self.noise = np.ones(len(self.frequencies))
+        self._factor()
+
+    @property
+    def frequencies(self) -> FloatArray:
+        return np.asarray(self.windowed.frequencies[self.kept])
+
+    @property
+    def measured(self) -> ComplexArray:
+        return np.asarray(self.windowed.measured[self.kept])
+
+    def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        G, slopes = self._distorted(values, self.windowed.fine)
+        estimate_of = self.windowed.predicted(np.column_stack([G, slopes]))[self.kept]
+        return estimate_of[:, 0], estimate_of[:, 1:]
+
+    def whiten(self, parts: FloatArray) -> FloatArray:
+        return np.asarray(linalg.solve_triangular(self._cholesky, parts, lower=True))
+
+    def learn_noise(self, values: FloatArray) -> None:
+        """Take what the model leaves unexplained in the output as the noise's spectrum."""
+        G, _ = self._distorted(values, self.windowed.fine)
+        self.noise = np.maximum(self.windowed.unexplained(G)[self.kept], np.finfo(float).tiny)
+        self._factor()
+
+    def _factor(self) -> None:
+        lines = np.flatnonzero(self.kept)
+        both = np.concatenate([lines, len(self.windowed.frequencies) + lines])
+        size = np.sqrt(np.tile(self.noise, 2))
+        covariance = self.windowed.covariance[np.ix_(both, both)] * np.outer(size, size)
+        floor = LEAST_EIGENVALUE * float(np.max(np.diag(covariance)))
+        self._cholesky = np.linalg.cholesky(covariance + floor * np.eye(len(covariance)))
+
+
+@dataclass(eq=False)
+class ResponseBlock(Block):
+    """An estimated response; its lines count as independent."""
+
+    data: FrequencyResponse
+    form: str
+
+    def __post_init__(self) -> None:
+        size = self.data.magnitude[:, 0, 0]
+        self.noise = size**2
+        if self.data.coherence is not None:
+            coherence = np.clip(self.data.coherence[:, 0, 0], LOWEST_COHERENCE, HIGHEST_COHERENCE)
+            self.noise = size**2 * (1 - coherence) / (2 * coherence)
+
+    @property
+    def frequencies(self) -> FloatArray:
+        return self.data.frequencies
+
+    @property
+    def measured(self) -> ComplexArray:
+        return np.asarray(self.data.values[:, 0, 0])
+
+    def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        return self._distorted(values, self.frequencies)
+
+    def residuals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        if self.form == "complex":
+            return super().residuals(values)
+        predicted, slopes = self.predicted(values)
+        ratio, relative = np.log(predicted / self.measured), slopes / predicted[:, None]
+        size = np.sqrt(self.noise) / np.abs(self.measured)
+        return _parts(ratio / size), _parts(relative / size[:, None])
+
+    def whiten(self, parts: FloatArray) -> FloatArray:
+        size = np.tile(np.sqrt(self.noise), 2)
+        return np.asarray((parts.T / size).T)
+
+
+def make_block(model: Drivetrain, measurement: Measurement, parameters: tuple[str, ...], form: str) -> Block:
+    """The block of one measurement.
+
+    Raises
+    ------
+    UsageError
+        Names that model or data lack, unlike units, no line in the band.
+    """
+    rig = model.configured(measurement.configuration) if measurement.configuration else model
+    data = measurement.data
+    if isinstance(data, FrequencyResponse):
+        chosen = _chosen_lines(data.select(measurement.output, measurement.input), measurement)
+        response = _response(rig, measurement, chosen.frequencies, parameters, (chosen.outputs[0], chosen.inputs[0]))
+        return ResponseBlock(measurement, response, chosen, form)
+    settings = measurement.settings or default_settings(data)
+    band = measurement.band or _usable_band(data, measurement, settings)
+    windowed = windowed_estimate(data, measurement.output, measurement.input, settings, band, measurement.settling)
+    kept = _kept(windowed.frequencies, measurement)
+    units = tuple(Channel(name, data[name].unit) for name in (measurement.output, measurement.input))
+    response = _response(rig, measurement, windowed.fine, parameters, (units[0], units[1]))
+    return RecordBlock(measurement, response, windowed, kept)
+
+
+def default_settings(record: Recording) -> Welch:
+    """The source paper's windows; records faster than 1 kHz are decimated to between 200 and 400 Hz."""
+    factor = int(record.sampling_rate // 200) if record.sampling_rate > FAST else 1
+    return Welch(PAPER.window, PAPER.seconds, PAPER.overlap, decimation=factor)
+
+
+def _usable_band(data: Recording, measurement: Measurement, settings: Welch) -> tuple[float, float]:
+    response = estimate(data, measurement.output, measurement.input, "H1", settings)
+    top = response.frequencies[-1] if response.usable_up_to is None else response.usable_up_to
+    return float(response.frequencies[0]), float(top)
+
+
+def _chosen_lines(data: FrequencyResponse, measurement: Measurement) -> FrequencyResponse:
+    from dataclasses import replace
+
+    low, high = measurement.band or (0.0, data.usable_up_to or np.inf)
+    inside = (data.frequencies >= low) & (data.frequencies <= high) & (data.frequencies > 0)
+    kept = inside & np.isfinite(data.values[:, 0, 0]) & (data.values[:, 0, 0] != 0)
+    for start, stop in measurement.excluded:
+        kept &= (data.frequencies < start) | (data.frequencies > stop)
+    if not kept.any():
+        raise UsageError(_empty(data.frequencies, measurement))
+    coherence = None if data.coherence is None else data.coherence[kept]
+    return replace(data, frequencies=data.frequencies[kept], values=data.values[kept], coherence=coherence)
+
+
+def _kept(frequencies: FloatArray, measurement: Measurement) -> FloatArray:
+    kept = np.ones(len(frequencies), dtype=bool)
+    for start, stop in measurement.excluded:
+        kept &= (frequencies < start) | (frequencies > stop)
+    if not kept.any():
+        raise UsageError(_empty(frequencies, measurement))
+    return kept
+
+
+def _empty(frequencies: FloatArray, measurement: Measurement) -> str:
+    band = f"from {measurement.band[0]:g} to {measurement.band[1]:g} Hz " if measurement.band else ""
+    have = f"its lines go from {frequencies[0]:g} to {frequencies[-1]:g} Hz" if len(frequencies) else "it has no lines"
+    return f"{measurement.label} has nothing {band}to compare; {have}"
+
+
+def _response(
+    rig: Drivetrain,
+    measurement: Measurement,
+    frequencies: FloatArray,
+    parameters: tuple[str, ...],
+    channels: tuple[Channel, Channel],
+) -> ParametricResponse:
+    output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
+    response = parametric_response(rig, output, into, frequencies, parameters, excitation=measurement.excitation)
+    theirs = (response.question.outputs[0].unit, response.question.measured[0].unit)
+    for channel, unit in zip(channels, theirs, strict=True):
+        if channel.unit and channel.unit != unit:
+            msg = f"{measurement.label}: {channel.name} is in {channel.unit} in the data, in {unit} in the model"
+            raise UsageError(msg)
+    return response

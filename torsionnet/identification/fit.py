@@ -1,0 +1,213 @@
+"""The result of a fit: values, how certain they are, and what that means in words."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import UsageError
+from torsionnet.identification.problem import Problem
+from torsionnet.identification.words import verdicts
+from torsionnet.response import Column, Table
+
+SINGULAR = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """Test and fitted model of one measurement, estimated alike.
+
+    Attributes
+    ----------
+    name : str
+    frequencies : (n,) array
+        Hz.
+    measured, fitted : (n,) complex array
+        SI.
+    deviation : (n,) array
+        Standard deviation of a line that its noise makes, SI.
+    misfit : float
+        RMS of the whitened residuals: 1 where the model explains all but noise.
+    unit : str
+    """
+
+    name: str
+    frequencies: FloatArray
+    measured: ComplexArray
+    fitted: ComplexArray
+    deviation: FloatArray
+    misfit: float
+    unit: str
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Parameters found from measurements.
+
+    Attributes
+    ----------
+    values, standard_errors : mapping of str to float
+        SI; an infinite standard error says that the data do not determine the value.
+    correlation : (n, n) array
+        In the order of ``values``.
+    chi_squared : float
+        Sum of the squared whitened residuals, priors included.
+    degrees_of_freedom : int
+    comparisons : tuple of Compared
+    verdicts : tuple of str
+        Which values can be trusted, in words.
+    notes : tuple of str
+    """
+
+    values: Mapping[str, float]
+    standard_errors: Mapping[str, float]
+    correlation: FloatArray
+    chi_squared: float
+    degrees_of_freedom: int
+    comparisons: tuple[Compared, ...]
+    verdicts: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
+    title: str = ""
+    problem: Problem | None = field(default=None, repr=False)
+
+    def intervals(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
+        """Confidence intervals from the standard errors, with Student's distribution."""
+        from scipy import stats
+
+        if not 0 < level < 1:
+            msg = f"a level is a share between 0 and 1, got {level}"
+            raise UsageError(msg)
+        reach = float(stats.t.ppf(0.5 + level / 2, max(self.degrees_of_freedom, 1)))
+        return {
+            name: (value - reach * self.standard_errors[name], value + reach * self.standard_errors[name])
+            for name, value in self.values.items()
+        }
+
+    def profile(self, name: str, level: float = 0.95) -> tuple[float, float]:
+        """Profile-likelihood interval of one value: how far it can move while the others follow, SI.
+
+        Unlike :meth:`intervals` it may be asymmetric; an end is infinite, or at a bound, where the data set none.
+        """
+        from torsionnet.identification.profile import profile_interval
+
+        return profile_interval(self, name, level)
+
+    def configured(self, model: Drivetrain) -> Drivetrain:
+        """The model with the shared parameters found; those per configuration are left to ``values``."""
+        shared = {name: value for name, value in self.values.items() if name in model.parameter_definitions}
+        return model.configured(**shared)
+
+    @property
+    def aicc(self) -> float:
+        """Akaike's criterion for few data, from the chi squared; lower is better among fits with the same noise."""
+        k, n = len(self.values), self.degrees_of_freedom + len(self.values)
+        return self.chi_squared + 2 * k + 2 * k * (k + 1) / max(n - k - 1, 1)
+
+    def table(self, level: float = 0.95, true: Mapping[str, float] | None = None) -> Table:
+        """Values with standard errors and intervals; ``true`` values beside them where they are known."""
+        intervals = self.intervals(level)
+        columns = [Column("parameter"), Column("value"), Column("standard error", "", 2)]
+        columns += [Column(f"{100 * level:g} % from"), Column("to"), Column("unit")]
+        columns += [Column("true"), Column("inside")] if true is not None else []
+        rows = []
+        for name, value in self.values.items():
+            row = [name, value, self.standard_errors[name], *intervals[name], self.units.get(name, "")]
+            if true is not None:
+                known = true.get(name)
+                low, high = intervals[name]
+                row += [known, "" if known is None else "yes" if low <= known <= high else "no"]
+            rows.append(tuple(row))
+        return Table(self.title, tuple(columns), tuple(rows), (*self.verdicts, *self.notes))
+
+    def to_yaml(self, path: str | None = None) -> str:
+        """The result as YAML text, also written to ``path``; :func:`load_fit` reads it."""
+        from torsionnet.identification.saving import dump_fit
+
+        return dump_fit(self, path)
+
+    def __repr__(self) -> str:
+        shown = ", ".join(f"{name} = {value:.4g}" for name, value in self.values.items())
+        return f"<Fit {shown}>"
+
+
+def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str) -> Fit:
+    """Uncertainties and comparisons at the optimum."""
+    residuals, slopes = problem.both(values)
+    chi_squared, free = float(residuals @ residuals), len(residuals) - len(values)
+    scale = 1 / np.linalg.norm(slopes, axis=0)
+    _, sizes, turned = np.linalg.svd(slopes * scale, full_matrices=False)
+    lost = sizes < SINGULAR * sizes[0]
+    inverse = (turned.T / np.where(lost, np.inf, sizes) ** 2) @ turned
+    factor = chi_squared / max(free, 1)
+    covariance = factor * inverse * np.outer(scale, scale)
+    undetermined = (np.abs(turned[lost]) > np.sqrt(SINGULAR)).any(axis=0)
+    errors = np.where(undetermined, np.inf, np.sqrt(np.diag(covariance)))
+    correlation = _correlation(inverse, turned[lost])
+    names = problem.names
+    return Fit(
+        values=dict(zip(names, values.tolist(), strict=True)),
+        standard_errors=dict(zip(names, errors.tolist(), strict=True)),
+        correlation=correlation,
+        chi_squared=chi_squared,
+        degrees_of_freedom=free,
+        comparisons=tuple(_compared(problem, number, values) for number in range(len(problem.blocks))),
+        verdicts=verdicts(problem, values, errors, correlation, turned[lost]),
+        notes=_notes(problem, loss, factor),
+        units=_units(model, names),
+        title=f"Fit of {model.name}",
+        problem=problem,
+    )
+
+
+def _correlation(inverse: FloatArray, lost: FloatArray) -> FloatArray:
+    """Of the estimates; where a combination is not determined at all, its members are wholly correlated."""
+    if len(lost):
+        heavy = inverse + 1e12 * float(np.trace(inverse)) * lost.T @ lost
+    else:
+        heavy = inverse
+    size = np.sqrt(np.diag(heavy))
+    return np.asarray(heavy / np.outer(size, size))
+
+
+def _compared(problem: Problem, number: int, values: FloatArray) -> Compared:
+    block, place = problem.blocks[number], problem.places[number]
+    predicted, _ = block.predicted(values[place])
+    residual, _ = block.residuals(values[place])
+    count = len(block.frequencies)
+    spread = np.abs(np.diag(block.whiten(np.eye(2 * count))))
+    return Compared(
+        name=block.measurement.label,
+        frequencies=block.frequencies,
+        measured=block.measured,
+        fitted=predicted,
+        deviation=np.sqrt(1 / spread[:count] ** 2 + 1 / spread[count:] ** 2) / np.sqrt(2),
+        misfit=float(np.sqrt(np.mean(residual**2))),
+        unit=_response_unit(block.response.question.outputs[0].unit, block.response.question.measured[0].unit),
+    )
+
+
+def _response_unit(output: str, into: str) -> str:
+    return "1" if output == into else f"{output}/({into})" if "*" in into else f"{output}/{into}"
+
+
+def _notes(problem: Problem, loss: str, factor: float) -> tuple[str, ...]:
+    labels = [f"{block.measurement.label} ({len(block.frequencies)} lines)" for block in problem.blocks]
+    robust = "" if loss == "linear" else f", robust loss {loss}"
+    return (f"from {', '.join(labels)}{robust}; reduced chi squared {factor:.3g}, by which the errors are scaled",)
+
+
+def _units(model: Drivetrain, names: tuple[str, ...]) -> dict[str, str]:
+    from torsionnet.parameters import dimensions
+
+    known, _ = dimensions(model.parameter_definitions)
+    found = {}
+    for name in names:
+        plain = name.partition("[")[0]
+        dimension = known.get(plain)
+        found[name] = {"delay": "s", "gain": "1"}.get(plain, str(dimension) if dimension else "")
+    return found

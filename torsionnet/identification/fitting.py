@@ -1,0 +1,165 @@
+"""Least squares over all measurements of a drivetrain at once."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Literal, TypeAlias
+
+import numpy as np
+from scipy.optimize import OptimizeResult, least_squares
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import SolveError, UsageError, did_you_mean
+from torsionnet.identification.fit import Fit, make_fit
+from torsionnet.identification.measurement import Measurement
+from torsionnet.identification.problem import Problem, make_problem
+from torsionnet.identification.unknown import Unknown, read_unknowns
+
+Loss: TypeAlias = Literal["linear", "soft_l1", "huber", "cauchy"]
+LOSSES = ("linear", "soft_l1", "huber", "cauchy")
+FORMS = ("complex", "log")
+TOLERANCE = 1e-12
+ROUNDS = 3
+"""Times that a fit of records learns its noise anew; it hardly changes after the first."""
+SETTLED = 1e-3
+
+
+def identify(
+    model: Drivetrain,
+    measurements: Measurement | Sequence[Measurement],
+    parameters: str | Sequence[str] | Mapping[str, Unknown | float | None],
+    *,
+    residual: Literal["complex", "log"] = "complex",
+    loss: Loss = "linear",
+    starts: int = 1,
+    seed: int = 0,
+) -> Fit:
+    """Find parameters of a drivetrain from one or several measurements.
+
+    Parameters
+    ----------
+    model : Drivetrain
+    measurements : Measurement or sequence of these
+        Each names the configuration it was made in; parameters are shared unless they are free per configuration.
+    parameters : str, sequence of str, or mapping
+        Names of parameters or ``element.field``; in a mapping with a start value in SI or an :class:`Unknown`.
+    residual : {"complex", "log"}, optional
+        Of responses that are given as such: difference of the complex values, or of log magnitude and phase. Both are
+        weighted by the coherence where there is one, else relative to the magnitude. Records take the complex one.
+    loss : {"linear", "soft_l1", "huber", "cauchy"}, optional
+        Robust ones give less weight to lines that are far off.
+    starts : int, optional
+        From so many start values, the others drawn within the bounds (a decade about the first where there are none).
+    seed : int, optional
+        Of the start values drawn.
+
+    Returns
+    -------
+    Fit
+
+    Raises
+    ------
+    UsageError
+        Names that are not there, unlike units, a band without lines, parameters that do not act on the data, or more
+        parameters than data.
+    SolveError
+        The fit does not converge.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.load("dmf_rig")
+    >>> test = rig.frequency_response("theta_1", "T_T", np.linspace(1, 20, 40))
+    >>> fit = tn.identify(rig.configured(c_2=10), tn.Measurement(test, "theta_1", "T_T"), ["c_2"])
+    >>> round(fit.values["c_2"], 6)
+    4.0
+    """
+    for what, given, known in (("residual", residual, FORMS), ("loss", loss, LOSSES)):
+        if given not in known:
+            msg = f'no {what} is named "{given}"{did_you_mean(str(given), known)}; there is {", ".join(known)}'
+            raise UsageError(msg)
+    listed = [measurements] if isinstance(measurements, Measurement) else list(measurements)
+    if not listed:
+        msg = "there is nothing measured to fit to"
+        raise UsageError(msg)
+    problem = make_problem(model, listed, read_unknowns(parameters), residual)
+    _check_information(problem)
+    best = min((_solved(problem, start, loss) for start in _starts(problem, starts, seed)), key=lambda one: one.cost)
+    for _ in range(ROUNDS):
+        before = np.array(best.x)
+        problem.learn_noise(before)
+        best = _solved(problem, before, loss)
+        if _moved(before, best.x) < SETTLED:
+            break
+    if not best.success or not np.isfinite(best.cost):
+        msg = f"the fit does not converge: {best.message}; try other start values, bounds, or starts=10"
+        raise SolveError(msg)
+    return make_fit(model, problem, np.array(best.x), loss)
+
+
+def _moved(before: FloatArray, after: FloatArray) -> float:
+    return float(np.max(np.abs(after - before) / np.maximum(np.abs(before), 1e-300)))
+
+
+def _solved(problem: Problem, start: FloatArray, loss: str) -> OptimizeResult:
+    """A local optimum; one that cannot be calculated has an infinite cost."""
+    try:
+        return least_squares(
+            problem.residuals,
+            start,
+            jac=problem.jacobian,
+            bounds=(problem.lower, problem.upper),
+            x_scale=_scale(problem, start),
+            loss=loss,
+            xtol=TOLERANCE,
+            ftol=TOLERANCE,
+            gtol=TOLERANCE,
+            max_nfev=500,
+        )
+    except SolveError as error:
+        return OptimizeResult(x=start, cost=np.inf, success=False, message=str(error))
+
+
+def _scale(problem: Problem, start: FloatArray) -> FloatArray:
+    """Steps in proportion to the values, and those of a delay to a tenth of the shortest period."""
+    top = max(float(block.frequencies[-1]) for block in problem.blocks)
+    extra = [0.1 / top if name.startswith("delay[") else 1.0 for name in problem.names]
+    return np.where(np.abs(start) > 0, np.abs(start), np.array(extra))
+
+
+def _starts(problem: Problem, count: int, seed: int) -> list[FloatArray]:
+    rng = np.random.default_rng(seed)
+    found = [problem.start]
+    lower = np.where(np.isfinite(problem.lower) & (problem.lower > 0), problem.lower, np.abs(problem.start) / 10)
+    upper = np.where(np.isfinite(problem.upper), problem.upper, np.abs(problem.start) * 10)
+    for _ in range(count - 1):
+        positive = (problem.start > 0) & (lower > 0) & (upper > 0)
+        drawn = problem.start.copy()
+        exponent = rng.random(len(drawn))
+        drawn[positive] = lower[positive] * (upper[positive] / lower[positive]) ** exponent[positive]
+        found.append(np.clip(drawn, problem.lower, problem.upper))
+    return found
+
+
+def _check_information(problem: Problem) -> None:
+    residuals, slopes = problem.both(problem.start)
+    if len(residuals) < len(problem.names):
+        msg = (
+            f"{len(problem.names)} parameters cannot be found from {problem.lines} lines: "
+            f"{', '.join(problem.names)}; measure more, or fix some of them"
+        )
+        raise UsageError(msg)
+    reach = np.abs(slopes).max(axis=0) * np.maximum(np.abs(problem.start), 1e-300)
+    idle = [name for name, size in zip(problem.names, reach, strict=True) if not size > IDLE * max(reach.max(), 1e-300)]
+    if idle:
+        pairs = ", ".join(
+            dict.fromkeys(f"{block.measurement.output}/{block.measurement.input}" for block in problem.blocks)
+        )
+        does = "does" if len(idle) == 1 else "do"
+        msg = f"{', '.join(idle)} {does} not act on {pairs}; leave {'it' if len(idle) == 1 else 'them'} out"
+        raise UsageError(msg)
+
+
+IDLE = 1e-9
+"""Relative effect below which a parameter does nothing to the data."""

@@ -1,0 +1,70 @@
+"""What was measured, and on which configuration."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.errors import UsageError
+from torsionnet.response import FrequencyResponse
+from torsionnet.signals.recording import Recording
+from torsionnet.signals.welch import Welch
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """One test: a record of signals, or a response already estimated.
+
+    Attributes
+    ----------
+    data : Recording or FrequencyResponse
+        A record takes the same-estimator route, which has no leakage bias: the model predicts the output from the
+        measured input, and both are estimated alike. Its first sample is at rest, or see ``settling``.
+    output, input : str
+        Names in the data, and in the model unless ``model_output`` and ``model_input`` say otherwise.
+    configuration : str, optional
+        Of the model: ``"II"``, ``"gear=II,clutch=open"``.
+    band : tuple of float, optional
+        Lowest and highest frequency in Hz; by default all up to where the data can be used.
+    excluded : tuple of tuple of float, optional
+        Bands in Hz that are left out.
+    settings : Welch, optional
+        Of a record; by default those of the source paper's decimation if the rate is above 1 kHz.
+    model_output, model_input, excitation : str, optional
+    delay, gain : bool, optional
+        Whether a delay (s) and a gain of the output's channel are found along with the parameters.
+    settling : float, optional
+        Seconds at the start of a record that are left out, where it does not begin at rest.
+    name : str, optional
+        By default the configuration.
+    """
+
+    data: Recording | FrequencyResponse
+    output: str
+    input: str
+    configuration: str = ""
+    band: tuple[float, float] | None = None
+    excluded: tuple[tuple[float, float], ...] = ()
+    settings: Welch | None = None
+    model_output: str = ""
+    model_input: str = ""
+    excitation: str | None = None
+    delay: bool = False
+    gain: bool = False
+    settling: float = 0.0
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        for low, high in (*([self.band] if self.band else ()), *self.excluded):
+            if not (np.isfinite(low) and low >= 0 and high > low):
+                msg = f"a band goes from a frequency >= 0 to a higher one, in Hz, got {low}, {high}"
+                raise UsageError(msg)
+        if isinstance(self.data, FrequencyResponse) and (self.settings is not None or self.settling):
+            msg = "settings and settling belong to records; this is a response that has been estimated"
+            raise UsageError(msg)
+
+    @property
+    def label(self) -> str:
+        """How tables and messages call it."""
+        return self.name or self.configuration or "measurement"

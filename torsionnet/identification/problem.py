@@ -1,0 +1,135 @@
+"""All measurements of a fit as one least-squares problem in one vector."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import UsageError
+from torsionnet.identification.blocks import Block, RecordBlock, make_block
+from torsionnet.identification.measurement import Measurement
+from torsionnet.identification.unknown import Unknown
+
+EXTRAS = {"delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (0.0, np.inf), "1")}
+
+
+@dataclass(eq=False)
+class Problem:
+    """Blocks, and which entries of the vector each of them sees.
+
+    Attributes
+    ----------
+    names : tuple of str
+        Entries of the vector: ``c_O``, ``c_O[V]`` where it is free per configuration, ``delay[V]``.
+    start, lower, upper : (n,) array
+    priors : mapping of index to (mean, standard deviation)
+    """
+
+    names: tuple[str, ...]
+    start: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+    priors: Mapping[int, tuple[float, float]]
+    blocks: tuple[Block, ...]
+    places: tuple[NDArray[np.intp], ...]
+    unknowns: Mapping[str, Unknown] = field(default_factory=dict)
+
+    def residuals(self, values: FloatArray) -> FloatArray:
+        return self.both(values)[0]
+
+    def jacobian(self, values: FloatArray) -> FloatArray:
+        return self.both(values)[1]
+
+    def both(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Whitened residuals of all measurements and priors, and their derivatives; the last ones are kept."""
+        key = values.tobytes()
+        if self._known is not None and self._known[0] == key:
+            return self._known[1]
+        parts, slopes = [], []
+        for block, place in zip(self.blocks, self.places, strict=True):
+            residual, jacobian = block.residuals(values[place])
+            whole = np.zeros((len(residual), len(values)))
+            np.add.at(whole.T, place, jacobian.T)
+            parts.append(residual)
+            slopes.append(whole)
+        for index, (mean, deviation) in self.priors.items():
+            parts.append(np.array([(values[index] - mean) / deviation]))
+            slopes.append(np.eye(len(values))[index : index + 1] / deviation)
+        found = np.concatenate(parts), np.concatenate(slopes)
+        self._known = (key, found)
+        return found
+
+    _known: tuple[bytes, tuple[FloatArray, FloatArray]] | None = field(default=None, init=False, repr=False)
+
+    def learn_noise(self, values: FloatArray) -> None:
+        """Let records take as noise what the model leaves unexplained."""
+        for block, place in zip(self.blocks, self.places, strict=True):
+            if isinstance(block, RecordBlock):
+                block.learn_noise(values[place])
+        self._known = None
+
+    @property
+    def lines(self) -> int:
+        return sum(len(block.frequencies) for block in self.blocks)
+
+
+def make_problem(
+    model: Drivetrain, measurements: Sequence[Measurement], unknowns: Mapping[str, Unknown], form: str
+) -> Problem:
+    """Lay out the vector.
+
+    Raises
+    ------
+    UsageError
+        Anything the measurements or parameters name that is not there.
+    """
+    labels = [measurement.label for measurement in measurements]
+    if len(set(labels)) != len(labels):
+        twice = sorted({label for label in labels if labels.count(label) > 1})
+        msg = f"several measurements are called {', '.join(twice)}; give them names"
+        raise UsageError(msg)
+    blocks = [make_block(model, measurement, tuple(unknowns), form) for measurement in measurements]
+    entries: dict[str, tuple[float, tuple[float, float]]] = {}
+    priors: dict[str, tuple[float, float]] = {}
+    places: list[list[str]] = []
+    for block in blocks:
+        mine = []
+        for number, (name, unknown) in enumerate(unknowns.items()):
+            entry = f"{name}[{block.measurement.label}]" if unknown.per_configuration else name
+            mine.append(entry)
+            begin = float(block.response.start[number])
+            entries.setdefault(entry, _begin(model, name, unknown, begin))
+            if unknown.prior:
+                priors[entry] = unknown.prior
+        for extra in block.extra:
+            entry = f"{extra}[{block.measurement.label}]"
+            mine.append(entry)
+            entries[entry] = EXTRAS[extra][:2]
+        places.append(mine)
+    order = {entry: index for index, entry in enumerate(entries)}
+    limits = np.array([bounds for _, bounds in entries.values()])
+    return Problem(
+        names=tuple(entries),
+        start=np.array([start for start, _ in entries.values()]),
+        lower=limits[:, 0],
+        upper=limits[:, 1],
+        priors={order[entry]: prior for entry, prior in priors.items()},
+        blocks=tuple(blocks),
+        places=tuple(np.array([order[entry] for entry in mine]) for mine in places),
+        unknowns=dict(unknowns),
+    )
+
+
+def _begin(model: Drivetrain, name: str, unknown: Unknown, value: float) -> tuple[float, tuple[float, float]]:
+    start = value if unknown.start is None else unknown.start
+    stated = model.parameter_definitions[name].bounds if name in model.parameter_definitions else None
+    bounds = unknown.bounds or stated or ((0.0, np.inf) if start > 0 else (-np.inf, np.inf))
+    if not bounds[0] <= start <= bounds[1]:
+        msg = f"{name} begins at {start:g}, outside its bounds {bounds[0]:g} to {bounds[1]:g}"
+        raise UsageError(msg)
+    return start, bounds

@@ -1,0 +1,73 @@
+"""A parameter to be found: where to begin, what is possible, what was known before."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.errors import UsageError
+
+
+@dataclass(frozen=True)
+class Unknown:
+    """A parameter to be found.
+
+    Attributes
+    ----------
+    start : float, optional
+        SI; by default the value in the model.
+    bounds : tuple of float, optional
+        SI; by default those of the model file, else 0 and infinity for a value that begins above 0.
+    prior : tuple of float, optional
+        Mean and standard deviation known from elsewhere, SI; counts like a measurement.
+    per_configuration : bool, optional
+        Whether every measurement finds a value of its own instead of sharing one.
+    """
+
+    start: float | None = None
+    bounds: tuple[float, float] | None = None
+    prior: tuple[float, float] | None = None
+    per_configuration: bool = False
+
+    def __post_init__(self) -> None:
+        if self.start is not None and not np.isfinite(self.start):
+            msg = f"a start value is a finite number in SI, got {self.start}"
+            raise UsageError(msg)
+        if self.bounds is not None and not self.bounds[0] < self.bounds[1]:
+            msg = f"the lower bound must be below the upper bound, got {self.bounds}"
+            raise UsageError(msg)
+        if self.prior is not None and not self.prior[1] > 0:
+            msg = f"a prior is a mean and a standard deviation above 0, got {self.prior}"
+            raise UsageError(msg)
+
+
+def read_unknowns(parameters: str | Sequence[str] | Mapping[str, Unknown | float | None]) -> dict[str, Unknown]:
+    """Unknowns by name from names alone, or from names with a start value or an :class:`Unknown`.
+
+    >>> read_unknowns({"c_O": 100, "c_B": None})["c_O"].start
+    100.0
+    """
+    if isinstance(parameters, str):
+        parameters = [parameters]
+    if not isinstance(parameters, Mapping):
+        found = {name: Unknown() for name in parameters}
+    else:
+        found = {name: _one(name, given) for name, given in parameters.items()}
+    if not found:
+        msg = "name at least one parameter to be found"
+        raise UsageError(msg)
+    return found
+
+
+def _one(name: str, given: Unknown | float | None) -> Unknown:
+    if isinstance(given, Unknown):
+        return given
+    if given is None:
+        return Unknown()
+    try:
+        return Unknown(float(given))
+    except (TypeError, ValueError):
+        msg = f"{name}: expected a start value in SI or Unknown(...), got {given!r}"
+        raise UsageError(msg) from None

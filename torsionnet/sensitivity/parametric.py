@@ -1,0 +1,265 @@
+"""A transfer function as a function of parameters, with exact derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.channels import Input, Sensor
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import SolveError, UsageError
+from torsionnet.sensitivity.augmented import Augmented, augmented, free_motion
+from torsionnet.sensitivity.readings import Reading, condition_owner, reading, rows_of
+from torsionnet.sensitivity.unknowns import Unknowns, unknowns
+from torsionnet.solve.question import Question, as_sensor, ask
+
+BLOCK_BYTES = 32 * 2**20
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """Values (n_f, n_out, n_in) and derivatives (n_f, n_out, n_in, n_p)."""
+
+    values: ComplexArray
+    jacobian: ComplexArray
+
+
+@dataclass(frozen=True, eq=False)
+class ParametricResponse:
+    """Transfer functions of one drivetrain in some of its parameters.
+
+    Nothing is checked again from one set of values to the next, so a fit can ask thousands of times.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> response = parametric_response(tn.load("dmf_rig"), "theta_1", "T_T", [8.0], ["c_2", "k_2"])
+    >>> found = response.at([4.0, 460.0])
+    >>> bool(abs(found.jacobian[0, 0, 0, 0]) > 0), found.jacobian.shape
+    (True, (1, 1, 1, 2))
+    """
+
+    drivetrain: Drivetrain
+    question: Question
+    frequencies: FloatArray
+    unknowns: Unknowns
+    sensors: tuple[Sensor, ...]
+    loads: tuple[Input, ...]
+    _redundant: tuple[int, ...] = field(repr=False, default=())
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return self.unknowns.names
+
+    @property
+    def start(self) -> FloatArray:
+        """Values in the drivetrain as it is, SI."""
+        return np.array(self.unknowns.start)
+
+    @cached_property
+    def _nodes(self) -> tuple[str, ...]:
+        return self.drivetrain.assembly.kinematics.nodes
+
+    @cached_property
+    def _motion(self) -> tuple[FloatArray, list[int]]:
+        """What is solved once for all values."""
+        system = augmented(self.unknowns, self.unknowns.start, self._nodes, self._redundant)
+        driven = {f"input:{name}" for name in self.drivetrain.inputs}
+        return free_motion(system, self._nodes, driven | {condition_owner(sensor) for sensor in self.sensors})
+
+    def at(self, values: Sequence[float] | FloatArray) -> Evaluation:
+        """Transfer functions and derivatives for these values of the parameters.
+
+        Raises
+        ------
+        SolveError
+            They are not finite there.
+        ModelError
+            A derived parameter cannot be calculated.
+        """
+        numbers = [float(value) for value in values]
+        whole = augmented(self.unknowns, numbers, self._nodes, self._redundant)
+        known, elements = self.unknowns.values(numbers), dict(self.unknowns.definition.elements)
+        T, kept = self._motion
+        readings = [reading(sensor, elements, whole, self._nodes, known).on(T, kept) for sensor in self.sensors]
+        system, omega = whole.on(T, kept), 2 * np.pi * self.frequencies
+        n = T.shape[1] + len(kept)
+        block = max(1, BLOCK_BYTES // (16 * n * n))
+        parts = [self._block(system, readings, omega[start : start + block]) for start in range(0, len(omega), block)]
+        y, dy = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
+        found = self._quotient(y, dy)
+        if not (np.isfinite(found.values).all() and np.isfinite(found.jacobian).all()):
+            given = ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.names, numbers, strict=True))
+            msg = f"the response is not finite at {given}"
+            raise SolveError(msg)
+        return found
+
+    def _block(
+        self, system: Augmented, readings: Sequence[Reading], omega: FloatArray
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """Readings under unit loads (n_f, n_readings, n_loads), and their derivatives."""
+        kappa = system.kappa(omega)
+        scale = float(np.median(np.abs(kappa[np.abs(kappa) > 0]))) if np.any(kappa) else 1.0
+        rows, loads = rows_of(readings, system, kappa, omega), self._loads(system)
+        n_nodes = system.laws.values.shape[1]
+        right = np.concatenate([np.broadcast_to(loads, (len(omega), *loads.shape)), rows.transpose(0, 2, 1)], axis=2)
+        scaled = right.copy()
+        scaled[:, n_nodes:] *= scale
+        try:
+            with np.errstate(all="ignore"):
+                solved = np.linalg.solve(system.matrix(kappa, scale), scaled)
+        except np.linalg.LinAlgError:
+            solved = np.full(right.shape, np.nan, dtype=complex)
+        solved[:, n_nodes:] *= scale
+        solution: ComplexArray = solved.astype(np.complex128)
+        x, z = solution[:, :, : loads.shape[1]], solution[:, :, loads.shape[1] :]
+        return rows @ x, _derivatives(system, readings, omega, kappa, x, z)
+
+    def _loads(self, system: Augmented) -> ComplexArray:
+        T, kept = self._motion
+        n_q = T.shape[1]
+        loads = np.zeros((n_q + len(kept), len(self.loads)), dtype=complex)
+        names = {channel: name for name, channel in self.drivetrain.inputs.items()}
+        for column, load in enumerate(self.loads):
+            if load.quantity == "torque":
+                loads[:n_q, column] = T[self._nodes.index(load.of)]
+            else:
+                loads[n_q + system.condition_owners.index(f"input:{names[load]}"), column] = 1.0
+        return loads
+
+    def _quotient(self, y: ComplexArray, dy: ComplexArray) -> Evaluation:
+        if not self.question.is_measured:
+            return Evaluation(y, dy)
+        n_out = len(self.question.outputs)
+        with np.errstate(all="ignore"):
+            try:
+                inverse = np.linalg.inv(y[:, n_out:])
+            except np.linalg.LinAlgError:
+                inverse = np.full(y[:, n_out:].shape, np.nan, dtype=complex)
+            values = y[:, :n_out] @ inverse
+            moved = dy[:, :n_out] - np.einsum("fom,fmip->foip", values, dy[:, n_out:])
+            return Evaluation(values, np.einsum("foip,fij->fojp", moved, inverse))
+
+
+def _derivatives(
+    system: Augmented,
+    readings: Sequence[Reading],
+    omega: FloatArray,
+    kappa: ComplexArray,
+    x: ComplexArray,
+    z: ComplexArray,
+) -> ComplexArray:
+    """Of y = c . x: dy = dc . x - z . dD x for every reading and load, (n_f, n_readings, n_loads, n_p)."""
+    count, n_q = system.inertia.slopes.shape[1], system.laws.values.shape[1]
+    found = np.zeros((count, len(readings), x.shape[2], len(omega)), dtype=complex)
+    laws = sorted({*system.varied, *(int(law) for one in readings for law in np.flatnonzero(one.laws))})
+    slopes = {law: list(system.kappa_slopes(law, omega)) for law in laws}
+    for load, number in product(range(x.shape[2]), range(len(readings))):
+        motion, adjoint, one = x[:, :, load], z[:, :, number], readings[number]
+        total = found[:, number, load]
+        for law in laws:
+            _law(total, system, law, slopes[law], kappa[:, law], motion[:, :n_q], adjoint[:, :n_q], one)
+        _conditions(total, system, motion, adjoint)
+        for p in range(count):
+            total[p] += (1j * omega) ** one.power * combined(motion[:, :n_q], one.motion_slopes[:, p])
+            total[p] += combined(motion[:, n_q:], one.condition_slopes[:, p])
+            for law in np.flatnonzero(one.law_slopes[:, p]):
+                gamma = combined(motion[:, :n_q], system.laws.values[law])
+                total[p] += one.law_slopes[law, p] * kappa[:, law] * gamma
+    return np.asarray(found.transpose(3, 1, 2, 0))
+
+
+def _law(
+    total: ComplexArray,
+    system: Augmented,
+    law: int,
+    slopes: Sequence[tuple[int, ComplexArray]],
+    kappa: ComplexArray,
+    motion: ComplexArray,
+    adjoint: ComplexArray,
+    one: Reading,
+) -> None:
+    """What one law adds to the derivatives (n_p, n_f): in the equations, and where the reading is its torque."""
+    row, factor = system.laws.values[law], one.laws[law]
+    u, v = combined(motion, row), combined(adjoint, row)
+    for p, slope in slopes:
+        total[p] += slope * u * (factor - v)
+    for p in np.flatnonzero(system.laws.slopes[law].any(axis=0)):
+        moved = system.laws.slopes[law][:, p]
+        total[p] += kappa * (combined(motion, moved) * (factor - v) - u * combined(adjoint, moved))
+
+
+def _conditions(total: ComplexArray, system: Augmented, motion: ComplexArray, adjoint: ComplexArray) -> None:
+    """What ratios in rigid conditions add to the derivatives (n_p, n_f)."""
+    n_q = system.laws.values.shape[1]
+    for number in _moving(system.conditions.slopes):
+        for p in np.flatnonzero(system.conditions.slopes[number].any(axis=0)):
+            moved = system.conditions.slopes[number][:, p]
+            total[p] -= adjoint[:, n_q + number] * combined(motion[:, :n_q], moved)
+            total[p] -= motion[:, n_q + number] * combined(adjoint[:, :n_q], moved)
+
+
+def combined(columns: ComplexArray, weights: FloatArray) -> ComplexArray:
+    """Columns (n_f, n) times weights (n,); most of these are 0."""
+    total = np.zeros(len(columns), dtype=complex)
+    for index in np.flatnonzero(weights):
+        total += weights[index] * columns[:, index]
+    return total
+
+
+def _moving(slopes: FloatArray) -> NDArray[np.intp]:
+    """Indices of the rows that depend on a parameter."""
+    return np.flatnonzero(slopes.any(axis=tuple(range(1, slopes.ndim))))
+
+
+def parametric_response(
+    drivetrain: Drivetrain,
+    output: str | Sensor | Sequence[str | Sensor],
+    input: str | Sensor | Sequence[str | Sensor],
+    frequencies: ArrayLike,
+    parameters: Sequence[str],
+    *,
+    excitation: str | Sequence[str] | None = None,
+) -> ParametricResponse:
+    """Transfer functions of a drivetrain as a function of some of its parameters.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        In the configuration wanted; values not varied are taken from it.
+    output, input, excitation
+        As for :meth:`torsionnet.Drivetrain.frequency_response`.
+    frequencies : (n_f,) array
+        Hz, above 0.
+    parameters : sequence of str
+        Names of parameters, or ``element.field`` for a number in an element.
+
+    Raises
+    ------
+    UsageError
+        An unknown name, or a frequency that is not above 0.
+    """
+    f = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    if f.ndim != 1 or not np.all(np.isfinite(f)) or not np.all(f > 0):
+        msg = "derivatives are taken at frequencies above 0, in Hz"
+        raise UsageError(msg)
+    question = ask(drivetrain, output, input, excitation)
+    asked = [output] if isinstance(output, str | Sensor) else list(output)
+    if question.is_measured:
+        asked += [input] if isinstance(input, str | Sensor) else list(input)
+    sensors = tuple(_sensor(drivetrain, entry) for entry in asked)
+    redundant = tuple(sorted(drivetrain.assembly.kinematics.reduction.redundant))
+    return ParametricResponse(
+        drivetrain, question, f, unknowns(drivetrain, parameters), sensors, question.excitations, redundant
+    )
+
+
+def _sensor(drivetrain: Drivetrain, entry: str | Sensor) -> Sensor:
+    found = as_sensor(drivetrain, entry)
+    return Sensor("angle", str(entry)) if found is None else found
