@@ -33,6 +33,7 @@ LAYERS = (  # top to bottom: first name below torsionnet
         "graph",
     },
     {"elements"},
+    {"modal"},
     {"signals"},
     {"response", "units", "damping", "expressions", "elimination", "atomic", "errors"},
 )

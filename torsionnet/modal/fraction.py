@@ -1,0 +1,139 @@
+"""A quotient of polynomials through all transfer functions of one test, with one denominator.
+
+The right matrix fraction ``H = s^p B A^-1 / s^q`` is linear in A and B once multiplied by A. B belongs to one
+output each and is eliminated there by a QR decomposition; what is left decides on A, whose roots are the poles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from torsionnet.modal.lines import ComplexArray, FloatArray, Lines
+from torsionnet.modal.poles import cleaned, upper_half
+from torsionnet.modal.polynomials import Family, orthogonal, powers, roots
+from torsionnet.modal.settings import Settings
+
+MOST_ROUNDS = 20
+SETTLED = 1e-9
+LEAST_DENOMINATOR = 1e-12
+NEAR_NYQUIST = 0.999
+
+
+def poles_of_orders(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[ComplexArray, ComplexArray]]:
+    """Stable poles of the fit of each order from 1 up, and how they take part in the inputs.
+
+    Yields
+    ------
+    poles : (n,) complex array
+        rad/s, one of each conjugate pair.
+    participations : (n, n_in) complex array
+    """
+    for found, rows in (_rational if settings.method == "rational" else _lscf)(lines, highest, settings):
+        roots = cleaned(found)
+        kept = [place for place in upper_half(roots) if roots[place].real < 0]
+        yield roots[kept], rows[kept]
+
+
+def largest_order(lines: Lines, settings: Settings) -> int:
+    """Order at which the unknowns of one output become as many as its equations."""
+    extra = 1 + 2 * settings.has_lower
+    inputs = lines.values.shape[2]
+    return int(max(0, (2 * len(lines.s) - extra - inputs) // (1 + inputs) - 1))
+
+
+def _rational(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[ComplexArray, ComplexArray]]:
+    scale = np.abs(lines.s).max()
+    s = lines.s / scale
+    for order in range(1, highest + 1):
+        found, rows = _weighted_again(replace(lines, s=s), order, settings)
+        yield found * scale, rows
+
+
+def _weighted_again(lines: Lines, order: int, settings: Settings) -> tuple[ComplexArray, ComplexArray]:
+    """Polynomials in s, solved with the denominator before as weight until it stays (Sanathanan and Koerner 1963)."""
+    s, inputs = lines.s, lines.values.shape[2]
+    below = 2 if settings.has_lower else 0
+    numerator = max(order - (not settings.has_upper), 0) + below
+    denominator, before = np.ones(len(s)), None
+    for _ in range(MOST_ROUNDS):
+        family = orthogonal(s, 1 / denominator, order)
+        rest = []
+        for receptance, weight in _outputs(lines):
+            size = weight / denominator
+            above = orthogonal(s, size * np.abs(s) ** -below, numerator).values * s[:, None] ** -below
+            rest.append(_eliminated(_equations(size[:, None] * above, size, receptance, family), numerator + 1))
+        coefficients = _denominator(np.vstack(rest), order, inputs)
+        found, rows = roots(coefficients, family)
+        size = np.abs(np.linalg.det(np.tensordot(family.values, coefficients, axes=1))) ** (1 / inputs)
+        denominator = np.maximum(size, LEAST_DENOMINATOR * size.max())
+        now = np.sort_complex(found)
+        if before is not None and np.allclose(now, before, rtol=SETTLED, atol=0):
+            break
+        before = now
+    return found, rows
+
+
+def _denominator(equations: FloatArray, order: int, inputs: int) -> FloatArray:
+    """Coefficients (n + 1, n_in, n_in) of unit length; of several inputs with the highest the unit matrix.
+
+    Without that, the columns of A could be multiples of each other, and every number a root.
+    """
+    if inputs == 1:
+        return np.asarray(np.linalg.svd(equations)[2][-1].reshape(order + 1, 1, 1))
+    free = order * inputs
+    solved = np.linalg.lstsq(equations[:, :free], -equations[:, free:])[0]
+    return np.vstack([solved, np.eye(inputs)]).reshape(order + 1, inputs, inputs)
+
+
+def _lscf(lines: Lines, highest: int, settings: Settings) -> Iterator[tuple[ComplexArray, ComplexArray]]:
+    """Polynomials in z with the lowest coefficient 1, which keeps most computational poles unstable.
+
+    Guillaume, Verboven et al., A poly-reference implementation of the least-squares complex frequency-domain estimator
+    (IMAC 2003); Cauberghe (2004) on the constraint. The lines are reduced to triangles once, for all orders.
+    """
+    del settings
+    interval = np.pi / np.abs(lines.s).max()
+    family = powers(np.exp(lines.s * interval), highest)
+    inputs = lines.values.shape[2]
+    triangles = [
+        _triangle(_equations(weight[:, None] * family.values, weight, values, family))
+        for values, weight in _outputs(lines, measured=True)
+    ]
+    for order in range(1, highest + 1):
+        columns = [*range(order + 1), *range(highest + 1, highest + 1 + (order + 1) * inputs)]
+        rest = np.vstack([_eliminated(triangle[:, columns], order + 1) for triangle in triangles])
+        solved = np.linalg.lstsq(rest[:, inputs:], -rest[:, :inputs])[0]
+        coefficients = np.vstack([np.eye(inputs), solved]).reshape(order + 1, inputs, inputs)
+        found, rows = roots(coefficients, family)
+        with np.errstate(divide="ignore"):
+            poles = np.log(found) / interval
+        inside = np.isfinite(poles) & (np.abs(poles.imag) < NEAR_NYQUIST * np.pi / interval) & (poles != 0)
+        yield poles[inside], rows[inside]
+
+
+def _outputs(lines: Lines, *, measured: bool = False) -> Iterator[tuple[ComplexArray, FloatArray]]:
+    """Transfer functions of one output, (n_f, n_in), in the form of receptances, with the weights of their lines."""
+    for o, power in enumerate(lines.powers):
+        factor = np.ones((len(lines.s), len(power))) if measured else lines.s[:, None] ** power
+        weights = lines.weights[:, o] * np.abs(factor)
+        yield lines.values[:, o] / factor, np.sqrt(np.mean(weights**2, axis=1))
+
+
+def _equations(numerator: ComplexArray, weight: FloatArray, values: ComplexArray, family: Family) -> FloatArray:
+    """Real equations ``B - H A = 0`` of one output: columns of B, then of A by degree and input."""
+    weighted = weight[:, None] * values
+    denominator = -(family.values[:, :, None] * weighted[:, None, :]).reshape(len(weight), -1)
+    both = np.hstack([numerator, denominator])
+    return np.vstack([both.real, both.imag])
+
+
+def _eliminated(equations: FloatArray, numerators: int) -> FloatArray:
+    """Equations in the denominator alone."""
+    return _triangle(equations)[numerators:, numerators:]
+
+
+def _triangle(equations: FloatArray) -> FloatArray:
+    return np.asarray(np.linalg.qr(equations, mode="r"))

@@ -1,0 +1,197 @@
+"""Identified modes beside those of a model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.modal.criteria import mac
+from torsionnet.modal.estimate import ModalEstimate
+from torsionnet.modal.lines import ComplexArray, FloatArray
+from torsionnet.modal.poles import as_poles, cleaned, damping_ratios, natural_frequencies, upper_half
+from torsionnet.response import SI, Column, Conventions, Modes, Table
+
+IntArray: TypeAlias = NDArray[np.int_]
+
+FARTHEST = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Match:
+    """Pairs of an identified mode and a mode of the model.
+
+    Attributes
+    ----------
+    identified, model : (n_pairs,) int arrays
+        Places of the partners, from 0, in the order of the identified modes.
+    identified_poles, model_poles : complex arrays
+        All poles, rad/s.
+    mac : (n_identified, n_model) array or None
+        Of the shapes at common sensors; None where there are fewer than two.
+    title : str
+    notes : tuple of str
+    """
+
+    identified: IntArray
+    model: IntArray
+    identified_poles: ComplexArray
+    model_poles: ComplexArray
+    mac: FloatArray | None
+    title: str = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def frequency_errors(self) -> FloatArray:
+        """Identified over model natural frequency less 1, one per pair."""
+        found, model = self._partners()
+        return np.asarray(natural_frequencies(found) / natural_frequencies(model) - 1)
+
+    @property
+    def damping_errors(self) -> FloatArray:
+        """Identified over model damping ratio less 1, one per pair."""
+        found, model = self._partners()
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(damping_ratios(found) / damping_ratios(model) - 1)
+
+    def _partners(self) -> tuple[ComplexArray, ComplexArray]:
+        return self.identified_poles[self.identified], self.model_poles[self.model]
+
+    def table(self, conventions: Conventions = SI) -> Table:
+        """One row per pair, then the modes without a partner."""
+        columns = (
+            Column("identified"),
+            Column("model"),
+            Column("identified frequency", conventions.frequency),
+            Column("model frequency", conventions.frequency),
+            Column("frequency error", "%", 3),
+            Column("identified damping", "1", 5),
+            Column("model damping", "1", 5),
+            Column("damping error", "%", 3),
+            Column("MAC", "1", 4),
+        )
+        return Table(self.title, columns, tuple(self._rows(conventions.frequency_scale)), self.notes)
+
+    def _rows(self, scale: float) -> Iterator[tuple[int | float | None, ...]]:
+        f, z = (
+            [function(poles) for poles in (self.identified_poles, self.model_poles)]
+            for function in (natural_frequencies, damping_ratios)
+        )
+        errors = zip(self.frequency_errors, self.damping_errors, strict=True)
+        for i, m, (df, dz) in zip(self.identified, self.model, errors, strict=True):
+            alike = None if self.mac is None else float(self.mac[i, m])
+            numbers = (f[0][i] * scale, f[1][m] * scale, 100 * df, z[0][i], z[1][m], 100 * dz)
+            yield (int(i) + 1, int(m) + 1, *(float(number) for number in numbers), alike)
+        for i in sorted(set(range(len(f[0]))) - {*self.identified.tolist()}):
+            yield (i + 1, None, float(f[0][i] * scale), None, None, float(z[0][i]), None, None, None)
+        for m in sorted(set(range(len(f[1]))) - {*self.model.tolist()}):
+            yield (None, m + 1, None, float(f[1][m] * scale), None, None, float(z[1][m]), None, None)
+
+
+def match(
+    estimate: ModalEstimate,
+    model: Modes | ArrayLike,
+    *,
+    shapes: ArrayLike | None = None,
+    at: Mapping[str, str] | None = None,
+    farthest: float = FARTHEST,
+) -> Match:
+    """Pair identified modes with those of a model, and compare them.
+
+    Against a measured torque compare with ``drivetrain.modes(measured_input=...)``: those are other poles than the
+    drivetrain's own.
+
+    Parameters
+    ----------
+    estimate : ModalEstimate
+    model : Modes or (n_model,) complex array
+        Modes of a drivetrain (rigid-body modes are left out), or poles in rad/s.
+    shapes : (n_out, n_model) array, optional
+        Of poles given as numbers: angles at the outputs of the estimate.
+    at : dict, optional
+        Of :class:`~torsionnet.Modes`: output of the estimate -> node at which it measures. Outputs that have the name
+        of a node need no entry.
+    farthest : float, optional
+        Modes are no pair if their poles are farther apart than this part of the model's ``|lambda|``.
+
+    Returns
+    -------
+    Match
+        The pairs have the least sum of relative distances of the poles and ``1 - MAC``.
+
+    Raises
+    ------
+    UsageError
+        Shapes or sensors that do not fit.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> from torsionnet.modal import identify_modes
+    >>> rig = tn.load("amt_rig").configured("II")
+    >>> found = identify_modes(rig.frequency_response("theta_1", "T_T", np.arange(0.5, 30, 0.1)))
+    >>> bool(np.abs(match(found, rig.modes(measured_input="T_T")).frequency_errors).max() < 1e-6)
+    True
+    >>> match(found, rig.modes()).frequency_errors.round(2).tolist()  # not those of the rig as a whole
+    [0.16, 0.06]
+    """
+    poles, known = _of_model(estimate, model, shapes, at)
+    apart = np.abs(estimate.poles[:, None] - poles) / np.abs(poles)
+    alike = None if known is None else mac(*known)
+    cost = apart if alike is None else apart + np.nan_to_num(1 - alike, nan=1.0)
+    rows, columns = _assigned(np.where(apart <= farthest, cost, np.inf))
+    notes = () if alike is not None else ("no MAC: it takes the shapes at two or more common sensors",)
+    title = f"{estimate.title}: identified modes against the model"
+    return Match(rows, columns, estimate.poles, poles, alike, title, notes)
+
+
+def _of_model(
+    estimate: ModalEstimate, model: Modes | ArrayLike, shapes: ArrayLike | None, at: Mapping[str, str] | None
+) -> tuple[ComplexArray, tuple[ComplexArray, ComplexArray] | None]:
+    """Poles of the model, and the shapes of both at common sensors."""
+    if isinstance(model, Modes):
+        return _of_modes(estimate, model, at)
+    if shapes is None:
+        return as_poles(model), None
+    given = cleaned(np.atleast_1d(np.asarray(model, dtype=complex)))
+    rows = np.asarray(shapes, dtype=complex)
+    if rows.shape != (len(estimate.outputs), len(given)):
+        size = f"{len(estimate.outputs)} outputs by {len(given)} poles"
+        msg = f"the model's shapes must be {size}, got {' by '.join(str(n) for n in rows.shape)}"
+        raise UsageError(msg)
+    order = upper_half(given)
+    return given[order], (estimate.shapes, rows[:, order]) if len(rows) > 1 else None
+
+
+def _of_modes(
+    estimate: ModalEstimate, model: Modes, at: Mapping[str, str] | None
+) -> tuple[ComplexArray, tuple[ComplexArray, ComplexArray] | None]:
+    names = [channel.name for channel in estimate.outputs]
+    for output in at or {}:
+        if output not in names:
+            msg = f'no output is named "{output}"{did_you_mean(output, names)}; there is {", ".join(names)}'
+            raise UsageError(msg)
+    places = {**{name: name for name in names if name in model.nodes}, **(at or {})}
+    flexible = model.eigenvalues != 0
+    angles = [row for row, channel in enumerate(estimate.outputs) if channel.name in places and channel.unit != "N*m"]
+    poles = np.asarray(model.eigenvalues[flexible])
+    nodes = [model.shape_at(places[names[row]])[flexible] for row in angles]
+    known = [row for row, values in zip(angles, nodes, strict=True) if np.isfinite(values).all()]
+    if len(known) < 2:  # noqa: PLR2004
+        return poles, None
+    return poles, (estimate.shapes[known], np.array([v for v in nodes if np.isfinite(v).all()]))
+
+
+def _assigned(cost: FloatArray) -> tuple[IntArray, IntArray]:
+    """As many pairs as are allowed (finite cost), of the least total cost."""
+    from scipy.optimize import linear_sum_assignment
+
+    allowed = np.isfinite(cost)
+    prohibitive = 1 + 4 * cost[allowed].sum() if allowed.any() else 1.0
+    rows, columns = linear_sum_assignment(np.where(allowed, cost, prohibitive))
+    kept = allowed[rows, columns]
+    return rows[kept], columns[kept]

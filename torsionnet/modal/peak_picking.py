@@ -1,0 +1,205 @@
+"""Modes read from peaks: the height, the place and the width at half power."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.errors import SolveError
+from torsionnet.modal.estimate import ModalEstimate, assembled
+from torsionnet.modal.lines import FloatArray, Lines, lines_of
+from torsionnet.modal.remarks import LEAST_LINES, line_spacing
+from torsionnet.modal.residues import Expansion
+from torsionnet.modal.settings import Settings
+from torsionnet.response import FrequencyResponse
+
+TOO_DAMPED = 0.10
+LOPSIDED = 1.25
+MOST_DAMPED = 0.3826
+"""Damping ratio at which a receptance no longer falls to half power below its peak."""
+
+RISE = 1.1
+
+
+@dataclass(frozen=True)
+class Peak:
+    """A peak and its edges at half power.
+
+    Attributes
+    ----------
+    line : int
+        Where it is highest.
+    frequency : float
+        Hz, between lines.
+    edges : (float, float)
+        Hz; nan where the curve does not fall to half power.
+    shared : bool
+        The curve rises again before it has fallen to half power.
+    """
+
+    line: int
+    frequency: float
+    edges: tuple[float, float]
+    shared: bool
+
+    @property
+    def damping_ratio(self) -> float:
+        """Half the width over the frequency; twice the one half where the other is not there."""
+        low, high = self.frequency - self.edges[0], self.edges[1] - self.frequency
+        if np.isnan(low) or np.isnan(high):
+            return float((high if np.isnan(low) else low) / self.frequency)
+        return float((low + high) / (2 * self.frequency))
+
+
+def peak_picking(
+    response: FrequencyResponse, *, band: tuple[float, float] | None = None, prominence: float = 3.0
+) -> ModalEstimate:
+    """Natural frequencies from the peaks, damping ratios from their width at half power.
+
+    Good for light damping and modes far apart; remarks say where a peak is neither. Several transfer functions are
+    read from one curve, the root mean square of all of them, each divided by its own.
+
+    Parameters
+    ----------
+    response : FrequencyResponse
+        Peaks are those of the quantity measured: an accelerance's lie above a receptance's where damping is strong.
+    band : (float, float), optional
+        Hz.
+    prominence : float, optional
+        Decibels by which a peak must stand out.
+
+    Returns
+    -------
+    ModalEstimate
+        Residues are those of each mode on its own at its peak, without residual terms.
+
+    Raises
+    ------
+    SolveError
+        No peak stands out, or none falls to half power on either side.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> test = tn.load("dmf_rig").frequency_response("theta_1", "T_T", np.arange(0.5, 30, 0.05))
+    >>> read = peak_picking(test)
+    >>> read.natural_frequencies.round(2).tolist(), read.damping_ratios.round(3).tolist()
+    ([8.12], [0.306])
+    >>> print(read.notes[0])
+    warning: 30.6 % at 8.116 Hz is too damped for half power, which reads right up to some 10 %: fit the modes instead
+    """
+    lines = lines_of(response, Settings(band=band))
+    frequencies = np.abs(lines.s) / (2 * np.pi)
+    curve = mean_magnitude(lines)
+    peaks = [_read(frequencies, curve, line) for line in _highest(curve, prominence)]
+    if not peaks:
+        msg = f"no peak stands out by {prominence:g} dB; give a lower prominence, or fit the modes"
+        raise SolveError(msg)
+    good = [peak for peak in peaks if 0 < peak.damping_ratio < 1]
+    if not good:
+        msg = "no peak falls to half power within the band: nothing can be read; fit the modes instead"
+        raise SolveError(msg)
+    lost = [peak for peak in peaks if peak not in good]
+    notes = tuple(remark for peak in good for remark in _remarks(peak, frequencies))
+    notes += tuple(f"warning: the peak at {peak.frequency:.4g} Hz has no half-power points; left out" for peak in lost)
+    return assembled(response, lines, _one_by_one(lines, good), notes, method="peak picking with half power")
+
+
+def mean_magnitude(lines: Lines) -> FloatArray:
+    """Root mean square over all transfer functions, each divided by its root mean square over the lines, (n_f,)."""
+    return np.asarray(np.sqrt(np.mean(np.abs(lines.values * lines.balance) ** 2, axis=(1, 2))))
+
+
+def _highest(curve: FloatArray, prominence: float) -> list[int]:
+    from scipy.signal import find_peaks
+
+    level = 20 * np.log10(np.maximum(curve, 1e-10 * curve.max()))
+    return [int(line) for line in find_peaks(level, prominence=prominence)[0]]
+
+
+def _read(frequencies: FloatArray, curve: FloatArray, line: int) -> Peak:
+    level = curve[line] / np.sqrt(2)
+    low, shared_low = _edge(frequencies[line::-1], curve[line::-1], level)
+    high, shared_high = _edge(frequencies[line:], curve[line:], level)
+    return Peak(line, _summit(frequencies, curve, line), (low, high), shared_low or shared_high)
+
+
+def _edge(frequencies: FloatArray, curve: FloatArray, level: float) -> tuple[float, bool]:
+    """Where a curve that starts at a peak crosses a level, and whether it has risen to another peak before."""
+    below = np.flatnonzero(curve < level)
+    end = int(below[0]) if len(below) else len(curve) - 1
+    lowest = np.minimum.accumulate(curve[: end + 1])
+    shared = bool((curve[: end + 1] > RISE * lowest).any())
+    if not len(below):
+        return float("nan"), shared
+    pair = [end, end - 1]
+    return float(np.interp(level, curve[pair], frequencies[pair])), shared
+
+
+def _summit(frequencies: FloatArray, curve: FloatArray, line: int) -> float:
+    """Between lines: the inverse of the squared height is a parabola there."""
+    f, y = frequencies[line - 1 : line + 2], curve[line - 1 : line + 2] ** -2
+    a, b = f - f[1], y - y[1]
+    bend = (b[2] / a[2] - b[0] / a[0]) / (a[2] - a[0])
+    if not bend > 0:
+        return float(f[1])
+    slope = b[2] / a[2] - bend * a[2]
+    return float(np.clip(f[1] - slope / (2 * bend), f[0], f[2]))
+
+
+def _remarks(peak: Peak, frequencies: FloatArray) -> Iterator[str]:
+    f, zeta = peak.frequency, peak.damping_ratio
+    if zeta > TOO_DAMPED:
+        yield (
+            f"warning: {100 * zeta:.1f} % at {f:.4g} Hz is too damped for half power, which reads right up to some "
+            f"{100 * TOO_DAMPED:g} %: fit the modes instead"
+        )
+    if np.isnan(peak.edges).any():
+        side = "below" if np.isnan(peak.edges[0]) else "above"
+        yield f"warning: the peak at {f:.4g} Hz has no half-power point {side} it; damping is read from the other side"
+        return
+    width, spacing = peak.edges[1] - peak.edges[0], line_spacing(frequencies, f)
+    if width < LEAST_LINES * spacing:
+        yield (
+            f"warning: half-power bandwidth of {width:.3g} Hz at {f:.4g} Hz is under {LEAST_LINES} lines of "
+            f"{spacing:.3g} Hz: its damping reads high; use longer segments"
+        )
+    elif peak.shared or _lopsided(peak):
+        yield f"warning: the peak at {f:.4g} Hz is not that of one mode alone: neighbours falsify its damping"
+
+
+def _lopsided(peak: Peak) -> bool:
+    """Whether the halves of the width are not those of the single mode that has this width."""
+    from scipy.optimize import brentq
+
+    width = (peak.edges[1] - peak.edges[0]) / peak.frequency
+
+    def wider(zeta: float) -> float:
+        low, high = _halves(zeta)
+        return low + high - width
+
+    if wider(MOST_DAMPED) < 0:
+        return True
+    low, high = _halves(brentq(wider, 0.0, MOST_DAMPED))
+    ratio = (peak.frequency - peak.edges[0]) / (peak.edges[1] - peak.frequency) * high / low
+    return not 1 / LOPSIDED < ratio < LOPSIDED
+
+
+def _halves(zeta: float) -> tuple[float, float]:
+    """Distances of the half-power points of a receptance from its peak, over the peak's frequency."""
+    top, reach = 1 - 2 * zeta**2, 2 * zeta * math.sqrt(1 - zeta**2)
+    return 1 - math.sqrt(max(1 - reach / top, 0)), math.sqrt(1 + reach / top) - 1
+
+
+def _one_by_one(lines: Lines, peaks: list[Peak]) -> Expansion:
+    omega = 2 * np.pi * np.array([peak.frequency for peak in peaks])
+    zeta = np.array([peak.damping_ratio for peak in peaks])
+    poles = omega * (-zeta + 1j * np.sqrt(1 - zeta**2))
+    places = [peak.line for peak in peaks]
+    s = lines.s[places][:, None, None]
+    residues = lines.values[places] / s**lines.powers * (s - poles[:, None, None])
+    nothing = np.zeros(lines.powers.shape)
+    return Expansion(poles, residues, nothing, nothing)

@@ -1,0 +1,95 @@
+"""Two families of polynomials with real coefficients, and the roots of what is made of them.
+
+Powers of z on the unit circle, and polynomials in s that are orthogonal over the lines of a measurement (Forsythe's, as
+in Richardson and Formenti, IMAC 1982). On the imaginary axis the latter are even or odd, so that
+
+    s p_k = b_(k+1) p_(k+1) - b_k p_(k-1)
+
+with one real coefficient for each degree. Numbers never pass through powers of s.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.modal.lines import ComplexArray, FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """Polynomials of degree 0 to n.
+
+    Attributes
+    ----------
+    values : (n_f, n + 1) complex array
+        At the lines.
+    up, down : (n,) arrays
+        ``x p_k = up[k] p_(k+1) + down[k] p_(k-1)``.
+    """
+
+    values: ComplexArray
+    up: FloatArray
+    down: FloatArray
+
+
+def powers(z: ComplexArray, degree: int) -> Family:
+    """1, z, z^2, ..."""
+    return Family(z[:, None] ** np.arange(degree + 1), np.ones(degree), np.zeros(degree))
+
+
+def orthogonal(s: ComplexArray, weights: FloatArray, degree: int) -> Family:
+    """Orthonormal polynomials of an imaginary s under the given weights.
+
+    >>> s = 1j * np.linspace(1, 2, 50)
+    >>> values = orthogonal(s, np.ones(50), 3).values
+    >>> bool(np.allclose((values.conj().T @ values).real, np.eye(4)))
+    True
+    """
+    omega = s.imag
+    real = np.zeros((len(s), degree + 1))
+    real[:, 0] = 1 / np.linalg.norm(weights)
+    steps = np.zeros(degree + 1)
+    for k in range(degree):
+        raised = omega * real[:, k] - (steps[k] * real[:, k - 1] if k else 0.0)
+        # The recurrence alone loses orthogonality at high degrees; those of like parity are all that overlap.
+        same = real[:, (k + 1) % 2 : k + 1 : 2]
+        raised -= same @ (same.T @ (weights**2 * raised))
+        steps[k + 1] = np.linalg.norm(weights * raised)
+        real[:, k + 1] = raised / steps[k + 1]
+    return Family(real * 1j ** np.arange(degree + 1), steps[1:], -steps[:-1])
+
+
+def roots(coefficients: FloatArray, family: Family) -> tuple[ComplexArray, ComplexArray]:
+    """Where a matrix polynomial ``sum A_k p_k`` is singular, and its row vectors there.
+
+    Parameters
+    ----------
+    coefficients : (n + 1, m, m) array
+        A_k.
+    family : Family
+
+    Returns
+    -------
+    roots : (n m,) complex array
+    rows : (n m, m) complex array
+        u with ``u A(root) = 0``.
+
+    Notes
+    -----
+    Eigenvalues of the comrade matrix: the companion matrix in another basis than powers.
+    """
+    import scipy.linalg
+
+    degree, size = len(coefficients) - 1, coefficients.shape[1]
+    transposed = coefficients.transpose(0, 2, 1)
+    comrade = np.zeros((degree, size, degree, size))
+    unit = np.eye(size)
+    for k in range(degree - 1):
+        comrade[k, :, k + 1] = family.up[k] * unit
+        comrade[k + 1, :, k] = family.down[k + 1] * unit
+    last = np.linalg.lstsq(transposed[-1], np.hstack(list(transposed[:-1])))[0]
+    comrade[-1] -= family.up[degree - 1] * last.reshape(size, degree, size)
+    found, vectors = scipy.linalg.eig(comrade.reshape(degree * size, degree * size))
+    return np.asarray(found), np.asarray(vectors[:size].T)

@@ -1,0 +1,128 @@
+"""Poles to the least weighted squares of the transfer functions themselves, with standard errors.
+
+The linear fits minimise squares of an equation, which noise biases. Here the squares of ``H - model`` are minimised
+over the poles, with the residues eliminated (variable projection; Golub and Pereyra 1973, Kaufman 1975). An
+oscillatory mode is ``s^2 + b s + c``: as b grows it becomes two real poles without a step.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from torsionnet.modal.lines import ComplexArray, FloatArray, Lines
+from torsionnet.modal.projection import Projection
+from torsionnet.modal.settings import Settings
+
+EXACT = 1e-12
+MOST_CORRELATED = 0.95
+ROUNDS = 2
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """Refined poles, by size.
+
+    Attributes
+    ----------
+    poles : (n,) complex array
+        rad/s.
+    frequency_errors, damping_errors : (n,) arrays
+        Standard errors of the natural frequency in Hz and of the damping ratio.
+    settled : bool
+    """
+
+    poles: ComplexArray
+    frequency_errors: FloatArray
+    damping_errors: FloatArray
+    settled: bool
+
+
+def refine(lines: Lines, poles: ComplexArray, settings: Settings) -> Refined:
+    """Start from given stable poles; the weight of each transfer function is then set by what it leaves over."""
+    import scipy.optimize
+
+    scale = float(np.abs(lines.s).max())
+    scaled = replace(lines, s=lines.s / scale)
+    sizes, start = factors_of(poles / scale)
+    for _ in range(ROUNDS):
+        problem = Projection(scaled, sizes, settings)
+        found = scipy.optimize.least_squares(
+            problem.left,
+            np.log(np.maximum(start, EXACT)),
+            problem.slopes,
+            method="lm",
+            xtol=1e-13,
+            ftol=1e-14,
+            gtol=1e-14,
+        )
+        start = np.exp(found.x)
+        left = problem.complex_left(found.x)
+        scaled = _reweighted(scaled, left)
+    covariance = _covariance(Projection(scaled, sizes, settings), found.x, left)
+    roots, slopes = roots_of(sizes, start)
+    frequency, damping = _errors(roots, slopes, covariance)
+    order = np.argsort(np.abs(roots), kind="stable")
+    per_turn = scale / (2 * np.pi)
+    return Refined(roots[order] * scale, frequency[order] * per_turn, damping[order], bool(found.status > 0))
+
+
+def factors_of(poles: ComplexArray) -> tuple[tuple[int, ...], FloatArray]:
+    """Degrees of the factors of the denominator, and their coefficients one after the other.
+
+    (b, c) of each conjugate pair, real poles two by two, and (a,) of s + a for one that is left.
+    """
+    factors: list[tuple[float, ...]] = [(-2 * pole.real, abs(pole) ** 2) for pole in poles if pole.imag != 0]
+    real = sorted(-pole.real for pole in poles if pole.imag == 0)
+    factors += [(a + b, a * b) for a, b in zip(real[::2], real[1::2], strict=False)]
+    if len(real) % 2:
+        factors.append((real[-1],))
+    return tuple(len(factor) for factor in factors), np.array([value for factor in factors for value in factor])
+
+
+def roots_of(sizes: tuple[int, ...], coefficients: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    """Poles, one of each pair, and their derivatives to the logarithms of the coefficients, (n, n_coefficients)."""
+    poles: list[complex] = []
+    slopes: list[ComplexArray] = []
+    place = 0
+    for size in sizes:
+        own = slice(place, place + size)
+        for root in np.roots([1.0, *coefficients[own]]).astype(complex):
+            if root.imag >= 0:
+                slope = np.zeros(len(coefficients), dtype=complex)
+                inner = 2 * root + coefficients[place] if size > 1 else 1.0
+                slope[own] = -np.array([root, 1.0])[-size:] / inner * coefficients[own]
+                poles.append(root)
+                slopes.append(slope)
+        place += size
+    return np.array(poles, dtype=complex), np.array(slopes).reshape(len(poles), len(coefficients))
+
+
+def _reweighted(lines: Lines, left: ComplexArray) -> Lines:
+    """Weights such that what is left over of each transfer function has a mean square of 1."""
+    size = np.sqrt(np.mean(np.abs(left) ** 2, axis=0))
+    floor = EXACT * np.sqrt(np.mean(np.abs(lines.weights * lines.values) ** 2, axis=0))
+    return replace(lines, weights=lines.weights / np.maximum(size, floor))
+
+
+def _covariance(problem: Projection, point: FloatArray, left: ComplexArray) -> FloatArray:
+    """Of the logarithms; enlarged where what is left over is alike at neighbouring lines, as after a window."""
+    slopes = problem.slopes(point)
+    normal = slopes.T @ slopes
+    along = np.sum(left[1:] * left[:-1].conj()).real / max(float(np.sum(np.abs(left) ** 2)), np.finfo(float).tiny)
+    alike = float(np.clip(along, 0, MOST_CORRELATED))
+    over = problem.left(point)
+    variance = float(over @ over) / max(1, len(over) - problem.unknowns)
+    return np.asarray(np.linalg.pinv(normal, hermitian=True) * variance * (1 + alike) / (1 - alike))
+
+
+def _errors(poles: ComplexArray, slopes: ComplexArray, covariance: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Standard errors of ``|lambda|`` and of ``-Re lambda / |lambda|``."""
+    size = np.abs(poles)[:, None]
+    along = (poles.conj()[:, None] * slopes).real / size
+    damping = -slopes.real / size + poles.real[:, None] * along / size**2
+    first, second = (
+        np.sqrt(np.maximum(np.einsum("np,pq,nq->n", part, covariance, part), 0)) for part in (along, damping)
+    )
+    return first, second

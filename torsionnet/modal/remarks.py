@@ -1,0 +1,82 @@
+"""What a reader of identified modes should be told."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsionnet.modal.lines import FloatArray
+
+if TYPE_CHECKING:
+    from torsionnet.modal.estimate import ModalEstimate
+
+LEAST_LINES = 3
+BEYOND = 2.0
+MOST_MISFIT = 0.1
+LARGE_ERROR = 0.1
+FEW_ORDERS = 2
+
+
+def about_fit(estimate: ModalEstimate, seen: Sequence[int] = (), orders: int = 0) -> tuple[str, ...]:
+    """Warnings about a fit: what is beyond the band, uncertain, computational, narrow; and how much is left over."""
+    found = [*_beyond(estimate), *_uncertain(estimate), *_rare(estimate, seen, orders), *_narrow(estimate)]
+    worst = float(np.max(estimate.misfit))
+    if worst > MOST_MISFIT:
+        found.append(f"warning: the fit leaves {worst:.0%} of a response over; more orders or another band may help")
+    return tuple(found)
+
+
+def line_spacing(frequencies: FloatArray, near: float) -> float:
+    """Distance in Hz of the lines around a frequency."""
+    if len(frequencies) < 2:  # noqa: PLR2004
+        return float("nan")
+    place = int(np.clip(np.searchsorted(frequencies, near), 1, len(frequencies) - 1))
+    return float(frequencies[place] - frequencies[place - 1])
+
+
+def _places(estimate: ModalEstimate, chosen: Sequence[int]) -> str:
+    names = [
+        f"{estimate.natural_frequencies[mode]:.4g} Hz" + ("" if estimate.poles[mode].imag else " (real pole)")
+        for mode in chosen
+    ]
+    return ", ".join(names)
+
+
+def _beyond(estimate: ModalEstimate) -> Iterator[str]:
+    low, high = estimate.frequencies[[0, -1]]
+    f = estimate.natural_frequencies
+    outside = [mode for mode in range(len(estimate)) if not low / BEYOND <= f[mode] <= high * BEYOND]
+    if outside:
+        yield (
+            f"warning: far outside the band of {low:g} to {high:g} Hz: {_places(estimate, outside)}; it stands for "
+            "what is beyond the band rather than for a mode"
+        )
+
+
+def _uncertain(estimate: ModalEstimate) -> Iterator[str]:
+    f, z = estimate.natural_frequencies, estimate.damping_ratios
+    large = (estimate.frequency_errors > LARGE_ERROR * f) | (estimate.damping_errors > LARGE_ERROR * z)
+    if large.any():
+        yield f"warning: standard error above {LARGE_ERROR:.0%} at {_places(estimate, list(np.flatnonzero(large)))}"
+
+
+def _rare(estimate: ModalEstimate, seen: Sequence[int], orders: int) -> Iterator[str]:
+    rare = [mode for mode, count in enumerate(seen) if count < FEW_ORDERS] if len(seen) == len(estimate) else []
+    if rare and orders > FEW_ORDERS:
+        yield f"warning: seen at one order of {orders} only, perhaps computational: {_places(estimate, rare)}"
+
+
+def _narrow(estimate: ModalEstimate) -> Iterator[str]:
+    narrow = [
+        mode
+        for mode, pole in enumerate(estimate.poles)
+        if pole.imag
+        and -pole.real / np.pi < LEAST_LINES * line_spacing(estimate.frequencies, estimate.natural_frequencies[mode])
+    ]
+    if narrow:
+        yield (
+            f"warning: half-power bandwidth under {LEAST_LINES} lines at {_places(estimate, narrow)}: if a window was "
+            "used, its damping reads high; use longer segments"
+        )

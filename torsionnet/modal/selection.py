@@ -1,0 +1,188 @@
+"""Which poles of a stabilisation diagram are modes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeAlias
+
+import numpy as np
+
+from torsionnet.errors import SolveError, UsageError
+from torsionnet.modal.information import best_order, worth_keeping
+from torsionnet.modal.lines import ComplexArray
+from torsionnet.modal.poles import damping_ratios, natural_frequencies
+from torsionnet.modal.stabilisation import Stabilisation
+
+Selection: TypeAlias = Literal["order", "clusters"] | int | Sequence[tuple[int, float]]
+
+
+@dataclass(frozen=True, eq=False)
+class Selected:
+    """Chosen poles.
+
+    Attributes
+    ----------
+    poles : (n,) complex array
+        rad/s, by size.
+    participations : (n, n_in) complex array
+    seen : tuple of int
+        At how many orders of the diagram each is found.
+    rule : str
+        In words.
+    """
+
+    poles: ComplexArray
+    participations: ComplexArray
+    seen: tuple[int, ...]
+    rule: str
+
+
+Place: TypeAlias = tuple[int, int]
+"""Index of an order, index of a pole in it."""
+
+FARTHEST_PICK = 0.2
+
+
+def select(diagram: Stabilisation, selection: Selection) -> Selected:
+    """See :func:`torsionnet.modal.identify_modes`."""
+    if selection == "clusters":
+        places = clusters(diagram)
+        rule = f"stable over at least {diagram.settings.criteria.enough(len(diagram.orders))} orders in a row"
+        if not places:
+            msg = f"no pole is {rule}; look at the stabilisation diagram and choose by hand"
+            raise SolveError(msg)
+    elif selection == "order" or isinstance(selection, int):
+        index = (
+            best_order(diagram.lines, [order.left for order in diagram.orders])
+            if selection == "order"
+            else _order(diagram, selection) - 1
+        )
+        places = [(index, pole) for pole in range(len(diagram.orders[index].poles))]
+        rule = f"all of order {index + 1}" + (", which is worth its unknowns (BIC)" if selection == "order" else "")
+        if not places:
+            msg = f"order {index + 1} has no stable pole; choose another order or a narrower band"
+            raise SolveError(msg)
+    elif isinstance(selection, str):
+        msg = f'select="{selection}" is not known; choose "order", "clusters", an order, or (order, Hz) pairs'
+        raise UsageError(msg)
+    else:
+        places = list(dict.fromkeys(_by_hand(diagram, selection)))
+        rule = "chosen by hand"
+    return _collected(diagram, places, rule, automatic=selection in ("order", "clusters"))
+
+
+def clusters(diagram: Stabilisation) -> list[Place]:
+    """One pole of each chain of poles that stay in frequency, damping and shape over enough orders within the band.
+
+    A chain takes each pole to its partner at the order before, the longest chains first. The pole nearest to the median
+    of a chain stands for it. A chain of the same frequency and damping as another is a mode of its own only if both
+    are there at one order.
+    """
+    low, high = np.abs(diagram.lines.s[[0, -1]])
+    enough = diagram.settings.criteria.enough(len(diagram.orders))
+    taken: set[Place] = set()
+    found: list[tuple[Place, list[Place]]] = []
+    for chain in sorted(_chains(diagram), key=len, reverse=True):
+        own = [place for place in chain if place not in taken]
+        if len(own) < enough:
+            continue
+        taken.update(own)
+        place = _middle(diagram, own)
+        like = [number for number, (other, _) in enumerate(found) if _is_same(diagram, place, other)]
+        if like:
+            # At one order the shapes of a repeated pole are independent, between orders they are not.
+            shared = set[int].intersection(*(_orders(chain) for chain in [own, *(found[number][1] for number in like)]))
+            if not shared:
+                continue
+            last = max(shared)
+            place = _at(own, last)
+            for number in like:
+                found[number] = _at(found[number][1], last), found[number][1]
+        if low <= abs(_pole(diagram, place)) <= high:
+            found.append((place, own))
+    return [place for place, _ in found]
+
+
+def _orders(chain: list[Place]) -> set[int]:
+    return {index for index, _ in chain}
+
+
+def _at(chain: list[Place], index: int) -> Place:
+    return next(place for place in chain if place[0] == index)
+
+
+def _pole(diagram: Stabilisation, place: Place) -> complex:
+    return complex(diagram.orders[place[0]].poles[place[1]])
+
+
+def _middle(diagram: Stabilisation, chain: list[Place]) -> Place:
+    values = np.array([_pole(diagram, place) for place in chain])
+    middle = np.median(values.real) + 1j * np.median(values.imag)
+    return chain[int(np.abs(values - middle).argmin())]
+
+
+def _chains(diagram: Stabilisation) -> Iterator[list[Place]]:
+    for index, order in enumerate(diagram.orders):
+        for pole in range(len(order.poles)):
+            chain = [(index, pole)]
+            while diagram.orders[chain[-1][0]].stable[chain[-1][1]]:
+                at, own = chain[-1]
+                chain.append((at - 1, int(diagram.orders[at].before[own])))
+            yield chain
+
+
+def _is_same(diagram: Stabilisation, first: Place, second: Place) -> bool:
+    """Whether two poles agree in frequency and damping."""
+    criteria = diagram.settings.criteria
+    a, b = _pole(diagram, first), _pole(diagram, second)
+    return bool(
+        abs(abs(a) / abs(b) - 1) <= criteria.frequency
+        and abs(damping_ratios(a) / damping_ratios(b) - 1) <= criteria.damping
+    )
+
+
+def _order(diagram: Stabilisation, order: int) -> int:
+    if not 1 <= order <= len(diagram.orders):
+        msg = f"there is no order {order} in the diagram; the orders are 1 to {len(diagram.orders)}"
+        raise UsageError(msg)
+    return order
+
+
+def _by_hand(diagram: Stabilisation, picks: Sequence[tuple[int, float]]) -> Iterator[Place]:
+    if not picks:
+        msg = "no pole is chosen; give (order, Hz) pairs"
+        raise UsageError(msg)
+    for pick in picks:
+        try:
+            order, frequency = int(pick[0]), float(pick[1])
+        except (TypeError, ValueError, IndexError) as error:
+            msg = f"a pole is chosen by its order and frequency in Hz, as in (6, 8.7); got {pick!r}"
+            raise UsageError(msg) from error
+        index = _order(diagram, order) - 1
+        known = natural_frequencies(diagram.orders[index].poles)
+        if not len(known):
+            msg = f"order {order} has no stable pole"
+            raise UsageError(msg)
+        nearest = int(np.abs(known - frequency).argmin())
+        if abs(known[nearest] / frequency - 1) > FARTHEST_PICK:
+            there = ", ".join(f"{value:.4g}" for value in known)
+            msg = f"order {order} has no pole near {frequency:g} Hz; its poles are at {there} Hz"
+            raise UsageError(msg)
+        yield index, nearest
+
+
+def _collected(diagram: Stabilisation, places: list[Place], rule: str, *, automatic: bool) -> Selected:
+    """The poles at these places; of those that a rule has found only what is worth its unknowns."""
+    places = sorted(places, key=lambda place: abs(diagram.orders[place[0]].poles[place[1]]))
+    poles = np.array([diagram.orders[index].poles[pole] for index, pole in places])
+    rows = np.array([diagram.orders[index].participations[pole] for index, pole in places])
+    kept = worth_keeping(diagram.lines, poles, rows, diagram.settings) if automatic else list(range(len(places)))
+    return Selected(poles[kept], rows[kept], tuple(_seen(diagram, places[number]) for number in kept), rule)
+
+
+def _seen(diagram: Stabilisation, place: Place) -> int:
+    return sum(
+        any(_is_same(diagram, place, (index, pole)) for pole in range(len(order.poles)))
+        for index, order in enumerate(diagram.orders)
+    )

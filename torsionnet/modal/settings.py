@@ -1,0 +1,111 @@
+"""How modes are fitted to frequency responses."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Literal, TypeAlias, get_args
+
+from torsionnet.errors import UsageError, did_you_mean
+
+Method: TypeAlias = Literal["rational", "lscf"]
+Residuals: TypeAlias = Literal["both", "lower", "upper", "none"]
+Weights: TypeAlias = Literal["uniform", "relative", "coherence"]
+
+HIGHEST = {"rational": 10, "lscf": 40}
+
+
+@dataclass(frozen=True)
+class Criteria:
+    """When a pole counts as the same at two orders.
+
+    Attributes
+    ----------
+    frequency, damping : float
+        Largest relative change of ``|lambda|`` and of the damping ratio.
+    shape : float
+        Least MAC of the shapes.
+    least_orders : int
+        So many orders in a row make a cluster; by default a tenth of the orders of the diagram, at least 4.
+    """
+
+    frequency: float = 0.01
+    damping: float = 0.05
+    shape: float = 0.98
+    least_orders: int | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("frequency", "damping", "shape"):
+            value = getattr(self, name)
+            if not (math.isfinite(value) and 0 < value <= 1):
+                msg = f"the criterion for {name} must be a fraction above 0 and up to 1, got {value}"
+                raise UsageError(msg)
+        if self.least_orders is not None and self.least_orders < 2:  # noqa: PLR2004
+            msg = f"a cluster needs the poles of at least 2 orders, got least_orders={self.least_orders}"
+            raise UsageError(msg)
+
+    def enough(self, orders: int) -> int:
+        """Orders in a row that make a cluster in a diagram of so many."""
+        return max(4, orders // 10) if self.least_orders is None else self.least_orders
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Method and options of a fit of modes.
+
+    Attributes
+    ----------
+    method : {"rational", "lscf"}
+        ``"rational"``: a quotient of polynomials in s = j omega, orthogonal over the lines, solved again and again with
+        the denominator found before as weight; for few modes of any damping, overdamped ones too. ``"lscf"``: least
+        squares of complex frequency, polynomials in z = exp(j omega / (2 f_max)); for many modes of light damping.
+    highest_order : int, optional
+        Of the polynomials; an oscillatory mode takes two orders, a real pole one. By default 10 or 40.
+    band : (float, float), optional
+        Hz; by default all frequencies above 0.
+    residuals : {"both", "lower", "upper", "none"}
+        Real terms of the receptance for what is below the band, ``L / s^2``, and above it, ``U``.
+    weights : {"uniform", "relative", "coherence"}
+        ``"uniform"``: a transfer function is equally uncertain over the band; ``"relative"``: in proportion to its
+        size; ``"coherence"``: as its coherence says.
+    criteria : Criteria
+
+    Examples
+    --------
+    >>> Settings("lscf").order
+    40
+    """
+
+    method: Method = "rational"
+    highest_order: int | None = None
+    band: tuple[float, float] | None = None
+    residuals: Residuals = "both"
+    weights: Weights = "uniform"
+    criteria: Criteria = field(default_factory=Criteria)
+
+    def __post_init__(self) -> None:
+        for name, known in (("method", Method), ("residuals", Residuals), ("weights", Weights)):
+            chosen = getattr(self, name)
+            if chosen not in get_args(known):
+                choices = ", ".join(get_args(known))
+                msg = f'{name} "{chosen}" is not known{did_you_mean(str(chosen), get_args(known))}; choose {choices}'
+                raise UsageError(msg)
+        if self.order < 1:
+            msg = f"the highest order must be at least 1, got {self.highest_order}"
+            raise UsageError(msg)
+        if self.band is not None and not 0 <= self.band[0] < self.band[1]:
+            msg = f"the band must be from a lower to a higher frequency in Hz, got {self.band}"
+            raise UsageError(msg)
+
+    @property
+    def order(self) -> int:
+        """The highest order."""
+        return HIGHEST[self.method] if self.highest_order is None else self.highest_order
+
+    @property
+    def has_lower(self) -> bool:
+        return self.residuals in ("both", "lower")
+
+    @property
+    def has_upper(self) -> bool:
+        return self.residuals in ("both", "upper")

@@ -1,0 +1,198 @@
+"""Poles over the order of the fit: those of the structure stay, those of the noise wander."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.errors import SolveError
+from torsionnet.modal.fraction import largest_order, poles_of_orders
+from torsionnet.modal.lines import ComplexArray, Lines, lines_of
+from torsionnet.modal.poles import damping_ratios, natural_frequencies
+from torsionnet.modal.residues import expand
+from torsionnet.modal.settings import Criteria, Settings
+from torsionnet.response import SI, Column, Conventions, FrequencyResponse, Table
+
+
+@dataclass(frozen=True, eq=False)
+class Order:
+    """Stable poles of one order of the fit.
+
+    Attributes
+    ----------
+    order : int
+        Degree of the polynomials.
+    poles : (n,) complex array
+        rad/s, one of each conjugate pair.
+    participations : (n, n_in) complex array
+    shapes : (n, n_out) complex array
+        Residues of the input in which a mode takes part most, each transfer function divided by its root mean square;
+        of a single output those of all inputs.
+    before : (n,) int array
+        Its partner at the order before; -1 if there is none.
+    frequency, damping, shape : (n,) bool arrays
+        Whether that pole is the same by each criterion.
+    left : (n_f, n_out, n_in) complex array
+        What the fit leaves over, weighted.
+    """
+
+    order: int
+    poles: ComplexArray
+    participations: ComplexArray
+    shapes: ComplexArray
+    before: NDArray[np.int_]
+    frequency: NDArray[np.bool_]
+    damping: NDArray[np.bool_]
+    shape: NDArray[np.bool_]
+    left: ComplexArray = field(repr=False)
+
+    @property
+    def stable(self) -> NDArray[np.bool_]:
+        """Same frequency, damping and shape as at the order before."""
+        return np.asarray(self.frequency & self.damping & self.shape)
+
+
+@dataclass(frozen=True, eq=False)
+class Stabilisation:
+    """Stabilisation diagram.
+
+    Attributes
+    ----------
+    response : FrequencyResponse
+    settings : Settings
+    orders : tuple of Order
+    """
+
+    response: FrequencyResponse
+    settings: Settings
+    orders: tuple[Order, ...]
+    lines: Lines = field(repr=False)
+
+    def at(self, order: int) -> Order:
+        """The poles of one order."""
+        return self.orders[order - 1]
+
+    def table(self, conventions: Conventions = SI) -> Table:
+        """One row per pole and order, with what stayed since the order before."""
+        columns = (
+            Column("order"),
+            Column("natural frequency |lambda|/2pi", conventions.frequency),
+            Column("damping ratio", "1"),
+            Column("stable in"),
+        )
+        rows = []
+        for order in self.orders:
+            numbers = zip(natural_frequencies(order.poles), damping_ratios(order.poles), strict=True)
+            for place, (frequency, damping) in enumerate(numbers):
+                words = [name for name in ("frequency", "damping", "shape") if getattr(order, name)[place]]
+                row = (order.order, float(frequency * conventions.frequency_scale), float(damping), ", ".join(words))
+                rows.append(row)
+        limits = self.settings.criteria
+        note = (
+            f"stable: changed by at most {limits.frequency:.2%} in frequency and {limits.damping:.2%} in damping, "
+            f"MAC of the shapes at least {limits.shape:g}"
+        )
+        return Table(f"{self.response.title}: stabilisation", columns, tuple(rows), (note,))
+
+    def __repr__(self) -> str:
+        stable = sum(int(order.stable.sum()) for order in self.orders)
+        total = sum(len(order.poles) for order in self.orders)
+        return f"<Stabilisation: orders 1 to {len(self.orders)}, {stable} of {total} poles stable>"
+
+
+def stabilisation(response: FrequencyResponse, settings: Settings | None = None) -> Stabilisation:
+    """Poles of all orders up to the highest, and which of them stay from one order to the next.
+
+    Parameters
+    ----------
+    response : FrequencyResponse
+        One or several transfer functions of one test: they share their poles.
+    settings : Settings, optional
+
+    Raises
+    ------
+    UsageError
+        There are too few frequencies, or channels that no modes are fitted to.
+    SolveError
+        No order has a stable pole.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.load("amt_rig").configured("II")
+    >>> diagram = stabilisation(rig.frequency_response("theta_1", "T_T", np.arange(0.5, 30, 0.1)))
+    >>> diagram.at(4).poles.round(3).tolist()
+    [(-6.07+24.035j), (-38.561+76.597j)]
+    """
+    chosen = settings or Settings()
+    lines = lines_of(response, chosen)
+    orders: list[Order] = []
+    highest = min(chosen.order, largest_order(lines, chosen))
+    for order, found in enumerate(poles_of_orders(lines, highest, chosen), start=1):
+        orders.append(_compared(lines, chosen, order, found, orders[-1] if orders else None))
+    if not any(len(order.poles) for order in orders):
+        msg = (
+            "no order gives a stable pole: the responses look like noise, or like motion ~ exp(-j omega t); "
+            "check the sign of the phase"
+        )
+        raise SolveError(msg)
+    return Stabilisation(response, chosen, tuple(orders), lines)
+
+
+def _compared(
+    lines: Lines, settings: Settings, order: int, found: tuple[ComplexArray, ComplexArray], before: Order | None
+) -> Order:
+    poles, rows = found
+    expansion = expand(lines, poles, settings, rows)
+    shapes = _shapes(expansion.residues * lines.balance)
+    left = lines.weights * (lines.values - expansion.values(lines.s, lines.powers))
+    places, (frequency, damping, shape) = _same(poles, shapes, before, settings.criteria)
+    return Order(order, poles, rows, shapes, places, frequency, damping, shape, left)
+
+
+def _shapes(residues: ComplexArray) -> ComplexArray:
+    count, outputs, _ = residues.shape
+    if outputs == 1:
+        return residues[:, 0]
+    most = np.linalg.norm(residues, axis=1).argmax(axis=1)
+    return np.asarray(residues[np.arange(count), :, most])
+
+
+def _same(
+    poles: ComplexArray, shapes: ComplexArray, before: Order | None, criteria: Criteria
+) -> tuple[NDArray[np.int_], tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]]:
+    """The partner of each pole at the order before, and whether it is the same in frequency, damping and shape.
+
+    Partners are the pairs of poles with the least sum of distances. Modes of one pole have any combination of their
+    shapes: the shape is compared with all those of poles that are the same in frequency and damping.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    count = len(poles)
+    places: NDArray[np.int_] = np.full(count, -1)
+    same = np.zeros((3, count), dtype=bool)
+    if before is None or not len(before.poles) or not count:
+        return places, (same[0], same[1], same[2])
+    apart = np.abs(poles[:, None] - before.poles) / np.abs(poles)[:, None]
+    rows, columns = linear_sum_assignment(apart / (apart + criteria.frequency))
+    places[rows] = columns
+    frequency = np.abs(np.abs(before.poles) / np.abs(poles)[:, None] - 1) <= criteria.frequency
+    damping = np.abs(damping_ratios(before.poles) / damping_ratios(poles)[:, None] - 1) <= criteria.damping
+    same[:2, rows] = frequency[rows, columns], damping[rows, columns]
+    for pole in np.flatnonzero(same[0] & same[1]):
+        partners = before.shapes[frequency[pole] & damping[pole]]
+        same[2, pole] = _within(shapes[pole], partners) >= criteria.shape
+    alone = np.flatnonzero(~(same[0] & same[1]) & (places >= 0))
+    same[2, alone] = [_within(shapes[pole], before.shapes[places[pole]][None]) >= criteria.shape for pole in alone]
+    return places, (same[0], same[1], same[2])
+
+
+def _within(shape: ComplexArray, others: ComplexArray) -> float:
+    """MAC of a shape with the combination of others that is likest."""
+    length = float(np.linalg.norm(shape))
+    if not length or not others.any():
+        return 0.0
+    basis = np.linalg.svd(others.T / np.linalg.norm(others), full_matrices=False)[0]
+    return float(np.linalg.norm(basis.conj().T @ shape) ** 2 / length**2)
