@@ -1,8 +1,20 @@
 """From tests to parameters that can be trusted."""
 
+from torsionnet.identification.choosing import Candidate, Choice, choose_model
 from torsionnet.identification.fit import Compared, Fit
 from torsionnet.identification.fitting import identify
 from torsionnet.identification.measurement import Measurement
+from torsionnet.identification.saving import load_fit
 from torsionnet.identification.unknown import Unknown
 
-__all__ = ["Compared", "Fit", "Measurement", "Unknown", "identify"]
+__all__ = [
+    "Candidate",
+    "Choice",
+    "Compared",
+    "Fit",
+    "Measurement",
+    "Unknown",
+    "choose_model",
+    "identify",
+    "load_fit",
+]

@@ -95,7 +95,7 @@ class Block(ABC):
         return np.asarray(G * channel), np.concatenate(columns, axis=1)
 
 
-def _parts(values: ComplexArray) -> FloatArray:
+def _parts(values: ComplexArray | FloatArray) -> FloatArray:
     return np.concatenate([values.real, values.imag])
 
 

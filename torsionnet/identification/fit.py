@@ -15,6 +15,8 @@ from torsionnet.identification.words import verdicts
 from torsionnet.response import Column, Table
 
 SINGULAR = 1e-9
+HEAVY = 1e12
+"""Variance of what is not determined at all, over that of what is."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,10 +183,7 @@ def effective_count(correlation: FloatArray) -> float:
 
 def _correlation(inverse: FloatArray, lost: FloatArray) -> FloatArray:
     """Of the estimates; where a combination is not determined at all, its members are wholly correlated."""
-    if len(lost):
-        heavy = inverse + 1e12 * float(np.trace(inverse)) * lost.T @ lost
-    else:
-        heavy = inverse
+    heavy = inverse + HEAVY * max(float(np.trace(inverse)), 1.0) * lost.T @ lost
     size = np.sqrt(np.diag(heavy))
     return np.asarray(heavy / np.outer(size, size))
 

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Literal, TypeAlias
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
-from scipy.optimize import OptimizeResult, least_squares
+from scipy.optimize import least_squares
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import SolveError, UsageError, did_you_mean
+from torsionnet.identification.blocks import RecordBlock
 from torsionnet.identification.fit import Fit, make_fit
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.problem import Problem, make_problem
@@ -23,6 +25,19 @@ TOLERANCE = 1e-12
 ROUNDS = 3
 """Times that a fit of records learns its noise anew; it hardly changes after the first."""
 SETTLED = 1e-3
+MOST_CALLS = 500
+IDLE = 1e-9
+"""Relative effect below which a parameter does nothing to the data."""
+
+
+@dataclass(frozen=True)
+class Solution:
+    """Where a search ended."""
+
+    x: FloatArray
+    cost: float
+    converged: bool
+    message: str
 
 
 def identify(
@@ -87,38 +102,40 @@ def identify(
     _check_information(problem)
     best = min((_solved(problem, start, loss) for start in _starts(problem, starts, seed)), key=lambda one: one.cost)
     for _ in range(ROUNDS):
-        before = np.array(best.x)
+        before = best.x
         problem.learn_noise(before)
         best = _solved(problem, before, loss)
         if _moved(before, best.x) < SETTLED:
             break
-    if not best.success or not np.isfinite(best.cost):
+    if not best.converged or not np.isfinite(best.cost):
         msg = f"the fit does not converge: {best.message}; try other start values, bounds, or starts=10"
         raise SolveError(msg)
-    return make_fit(model, problem, np.array(best.x), loss)
+    return make_fit(model, problem, best.x, loss)
 
 
 def _moved(before: FloatArray, after: FloatArray) -> float:
     return float(np.max(np.abs(after - before) / np.maximum(np.abs(before), 1e-300)))
 
 
-def _solved(problem: Problem, start: FloatArray, loss: str) -> OptimizeResult:
+def _solved(problem: Problem, start: FloatArray, loss: str) -> Solution:
     """A local optimum; one that cannot be calculated has an infinite cost."""
+    chosen: Any = loss
     try:
-        return least_squares(
+        found = least_squares(
             problem.residuals,
             start,
             jac=problem.jacobian,
             bounds=(problem.lower, problem.upper),
             x_scale=_scale(problem, start),
-            loss=loss,
+            loss=chosen,
             xtol=TOLERANCE,
             ftol=TOLERANCE,
             gtol=TOLERANCE,
-            max_nfev=500,
+            max_nfev=MOST_CALLS,
         )
     except SolveError as error:
-        return OptimizeResult(x=start, cost=np.inf, success=False, message=str(error))
+        return Solution(start, np.inf, converged=False, message=str(error))
+    return Solution(np.asarray(found.x), float(found.cost), converged=bool(found.success), message=str(found.message))
 
 
 def _scale(problem: Problem, start: FloatArray) -> FloatArray:
@@ -161,5 +178,15 @@ def _check_information(problem: Problem) -> None:
         raise UsageError(msg)
 
 
-IDLE = 1e-9
-"""Relative effect below which a parameter does nothing to the data."""
+def refit_with_noise_of(other: Fit, model: Drivetrain, fit: Fit) -> Fit:
+    """A fit again, from where it ended, with the noise that another fit of the same measurements left unexplained."""
+    assert fit.problem is not None
+    assert other.problem is not None
+    count = sum(2 * len(one.frequencies) for one in other.comparisons) - len(other.values)
+    left = max(other.chi_squared / max(count, 1), np.finfo(float).tiny)
+    for block, theirs in zip(fit.problem.blocks, other.problem.blocks, strict=True):
+        # Records have learnt the size of their noise; responses only know how it differs from line to line.
+        block.noise = theirs.noise if isinstance(theirs, RecordBlock) else theirs.noise * left
+    fit.problem.forget()
+    solution = _solved(fit.problem, np.array(list(fit.values.values())), "linear")
+    return make_fit(model, fit.problem, solution.x, "linear")

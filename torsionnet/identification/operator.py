@@ -68,7 +68,7 @@ class WindowedEstimate:
         n = _padded(len(x))
         lines = np.fft.rfft(x, n)
         spectrum = np.zeros(len(lines), dtype=complex)
-        first = int(round(self.fine[0] * n / self.record.sampling_rate))
+        first = round(float(self.fine[0]) * n / self.record.sampling_rate)
         spectrum[first : first + len(G)] = G * lines[first : first + len(G)]
         rest = y - np.fft.irfft(spectrum, n)[: len(y)]
         rows = _rows(self.settings, self.record.sampling_rate, _bins(self.frequencies, self.settings, self.record))
@@ -136,7 +136,8 @@ def _lines_in(band: tuple[float, float], settings: Welch, rate: float) -> NDArra
     f = every * rate / length
     kept = every[(f >= band[0] * (1 - 1e-9)) & (f <= band[1] * (1 + 1e-9))]
     if not len(kept):
-        msg = f"no line of the estimate lies between {band[0]:g} and {band[1]:g} Hz; its lines are {rate / length:g} Hz apart"
+        apart = f"its lines are {rate / length:g} Hz apart"
+        msg = f"no line of the estimate lies between {band[0]:g} and {band[1]:g} Hz; {apart}"
         raise UsageError(msg)
     return kept
 
@@ -177,7 +178,7 @@ def _segments(values: FloatArray, settings: Welch, rate: float) -> FloatArray:
 
 
 def _adjoint(X: ComplexArray, rows: ComplexArray, count: int, step: int, first: int) -> ComplexArray:
-    """q (n_b, n): the sum over segments of conj(X) times the row at its place; q @ y sums conj(X) Y."""
+    """Rows q (n_b, n): the sum over segments of conj(X) times the row at its place; q @ y sums conj(X) Y."""
     q = np.zeros((len(rows), count), dtype=complex)
     length = rows.shape[1]
     for number, lines in enumerate(X):

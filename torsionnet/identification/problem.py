@@ -72,6 +72,10 @@ class Problem:
         for block, place in zip(self.blocks, self.places, strict=True):
             if isinstance(block, RecordBlock):
                 block.learn_noise(values[place])
+        self.forget()
+
+    def forget(self) -> None:
+        """After the noise of a block has changed."""
         self._known = None
 
     @property

@@ -56,7 +56,8 @@ class _Profile:
                     return bound if np.isfinite(bound) else sign * np.inf
                 place = bound
             if self.rise(place, guess) >= 0:
-                return float(brentq(lambda x: self.rise(x, guess), *sorted((inside, place)), xtol=1e-3 * self.step))
+                low, high = sorted((inside, place))
+                return float(brentq(self.rise, low, high, args=(guess,), xtol=1e-3 * self.step))
             inside, reach = place, 2 * reach
         return sign * np.inf
 
@@ -73,10 +74,16 @@ class _Profile:
             full[others] = x
             return full
 
+        def residuals(x: FloatArray) -> FloatArray:
+            return self.problem.residuals(filled(x))
+
+        def jacobian(x: FloatArray) -> FloatArray:
+            return np.asarray(self.problem.jacobian(filled(x))[:, others])
+
         found = least_squares(
-            lambda x: self.problem.residuals(filled(x)),
+            residuals,
             np.clip(guess[others], self.problem.lower[others], self.problem.upper[others]),
-            jac=lambda x: self.problem.jacobian(filled(x))[:, others],
+            jac=jacobian,
             bounds=(self.problem.lower[others], self.problem.upper[others]),
             x_scale=np.maximum(np.abs(guess[others]), 1e-12),
         )

@@ -177,12 +177,11 @@ def free_motion(system: Augmented, nodes: Sequence[str], needed: Collection[str]
 
     ``needed`` are owners of conditions whose torque is read, or whose right-hand side is driven.
     """
-    moving = system.conditions.slopes.any(axis=(1, 2))
-    kept = [i for i, owner in enumerate(system.condition_owners) if moving[i] or owner in needed]
+    moving = set(np.flatnonzero(system.conditions.slopes.any(axis=(1, 2))).tolist())
+    kept = [i for i, owner in enumerate(system.condition_owners) if i in moving or owner in needed]
     solved = [i for i in range(len(system.condition_owners)) if i not in kept]
     rows = [
-        {nodes[j]: exact(float(system.conditions.values[i, j])) for j in np.flatnonzero(system.conditions.values[i])}
-        for i in solved
+        {node: exact(float(x)) for node, x in zip(nodes, system.conditions.values[i], strict=True) if x} for i in solved
     ]
     order = {node: index for index, node in enumerate(nodes)}
     reduction = reduce_rows(rows, order)

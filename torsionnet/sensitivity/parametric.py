@@ -169,7 +169,7 @@ def _derivatives(
         for p in range(count):
             total[p] += (1j * omega) ** one.power * combined(motion[:, :n_q], one.motion_slopes[:, p])
             total[p] += combined(motion[:, n_q:], one.condition_slopes[:, p])
-            for law in np.flatnonzero(one.law_slopes[:, p]):
+            for law in map(int, np.flatnonzero(one.law_slopes[:, p])):
                 gamma = combined(motion[:, :n_q], system.laws.values[law])
                 total[p] += one.law_slopes[law, p] * kappa[:, law] * gamma
     return np.asarray(found.transpose(3, 1, 2, 0))
@@ -190,7 +190,7 @@ def _law(
     u, v = combined(motion, row), combined(adjoint, row)
     for p, slope in slopes:
         total[p] += slope * u * (factor - v)
-    for p in np.flatnonzero(system.laws.slopes[law].any(axis=0)):
+    for p in map(int, np.flatnonzero(system.laws.slopes[law].any(axis=0))):
         moved = system.laws.slopes[law][:, p]
         total[p] += kappa * (combined(motion, moved) * (factor - v) - u * combined(adjoint, moved))
 

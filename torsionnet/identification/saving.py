@@ -1,0 +1,119 @@
+"""Fits as YAML text and back."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from torsionnet.atomic import write_text
+from torsionnet.errors import Fault, ModelError, UsageError
+from torsionnet.files.decoding import decode
+from torsionnet.files.located import compose
+from torsionnet.files.quoting import written
+from torsionnet.identification.fit import Compared, Fit
+
+VERSION = 1
+
+
+def dump_fit(fit: Fit, path: str | os.PathLike[str] | None = None) -> str:
+    """YAML text with values, errors, correlation, verdicts and the curves of test and model."""
+    lines = [f"torsionnet_fit: {VERSION}", f"title: {written(fit.title)}", "parameters:"]
+    for name, value in fit.values.items():
+        unit = f", unit: {written(fit.units.get(name, ''))}"
+        error = fit.standard_errors[name]
+        lines.append(f"  {written(name)}: {{value: {value!r}, standard_error: {_number(error)}{unit}}}")
+    lines += ["correlation:", *(f"  - [{', '.join(map(_number, row))}]" for row in fit.correlation.tolist())]
+    lines += [f"chi_squared: {_number(fit.chi_squared)}", f"degrees_of_freedom: {fit.degrees_of_freedom}"]
+    for key, texts in (("verdicts", fit.verdicts), ("notes", fit.notes)):
+        lines += [f"{key}:" if texts else f"{key}: []", *(f"  - {written(text)}" for text in texts)]
+    lines.append("measurements:" if fit.comparisons else "measurements: []")
+    for one in fit.comparisons:
+        lines += [f"  - name: {written(one.name)}", f"    unit: {written(one.unit)}", f"    misfit: {one.misfit!r}"]
+        columns = {
+            "frequencies": one.frequencies,
+            "measured_real": one.measured.real,
+            "measured_imag": one.measured.imag,
+            "fitted_real": one.fitted.real,
+            "fitted_imag": one.fitted.imag,
+            "deviation": one.deviation,
+        }
+        lines += [f"    {key}: [{', '.join(map(_number, values.tolist()))}]" for key, values in columns.items()]
+    text = "\n".join(lines) + "\n"
+    if path is not None:
+        write_text(path, text)
+    return text
+
+
+def _number(value: float) -> str:
+    return repr(float(value)) if math.isfinite(value) else ".inf" if value > 0 else ".nan"
+
+
+def load_fit(path: str | os.PathLike[str]) -> Fit:
+    """A fit that was written with :meth:`Fit.to_yaml`, without the data needed to profile it.
+
+    Raises
+    ------
+    UsageError
+        There is no such file.
+    ModelError
+        It holds no fit.
+    """
+    file = Path(path)
+    try:
+        text = decode(file.read_bytes(), str(file))
+    except OSError as error:
+        msg = f"{file} cannot be read: {error.strerror or error}"
+        raise UsageError(msg) from None
+    document = compose(text, str(file))
+    data = document.data
+    if not isinstance(data, dict) or str(data.get("torsionnet_fit")) != str(VERSION):
+        fault = Fault(
+            f"this is no result of a fit: it begins with torsionnet_fit: {VERSION}", position=document.position()
+        )
+        raise ModelError([fault], file.name)
+    try:
+        return _fit(data)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        fault = Fault(f"the result of a fit is not complete: {error}", position=document.position())
+        raise ModelError([fault], file.name) from None
+
+
+def _fit(data: dict[str, Any]) -> Fit:
+    parameters = data["parameters"]
+    return Fit(
+        values={name: _float(entry["value"]) for name, entry in parameters.items()},
+        standard_errors={name: _float(entry["standard_error"]) for name, entry in parameters.items()},
+        correlation=_array(data["correlation"]),
+        chi_squared=_float(data["chi_squared"]),
+        degrees_of_freedom=int(data["degrees_of_freedom"]),
+        comparisons=tuple(_compared(entry) for entry in data["measurements"]),
+        verdicts=tuple(map(str, data["verdicts"])),
+        notes=tuple(map(str, data["notes"])),
+        units={name: str(entry.get("unit") or "") for name, entry in parameters.items()},
+        title=str(data["title"]),
+    )
+
+
+def _compared(entry: dict[str, Any]) -> Compared:
+    column = {key: _array(values) for key, values in entry.items() if isinstance(values, list)}
+    return Compared(
+        str(entry["name"]),
+        column["frequencies"],
+        column["measured_real"] + 1j * column["measured_imag"],
+        column["fitted_real"] + 1j * column["fitted_imag"],
+        column["deviation"],
+        _float(entry["misfit"]),
+        str(entry["unit"]),
+    )
+
+
+def _float(value: Any) -> float:
+    return {".inf": math.inf, ".nan": math.nan}.get(value, math.nan) if isinstance(value, str) else float(value)
+
+
+def _array(values: Any) -> Any:
+    return np.array([_array(value) if isinstance(value, list) else _float(value) for value in values])
