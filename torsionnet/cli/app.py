@@ -21,6 +21,8 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "estimate": "Frequency responses and coherence from a record of signals.",
     "compare": "A record against a model.",
     "spectrogram": "Level over time and frequency of a record.",
+    "fit": "Find parameters of a model from records or responses.",
+    "identify-modes": "Natural frequencies and damping ratios from a record, without a model.",
     "schema": "JSON Schema of model files, for editors.",
 }
 VERSION = str(importlib.import_module("torsionnet").__version__)  # the package itself is above every layer
@@ -37,7 +39,7 @@ class LazyGroup(click.Group):
         del ctx
         if cmd_name not in COMMANDS:
             return None
-        command = importlib.import_module(f"torsionnet.cli.{cmd_name}").command
+        command = importlib.import_module(f"torsionnet.cli.{cmd_name.replace('-', '_')}").command
         return command if isinstance(command, click.Command) else None
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:

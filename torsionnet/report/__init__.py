@@ -4,6 +4,7 @@ from torsionnet.report.bode import bode
 from torsionnet.report.circle import circle
 from torsionnet.report.coherence import coherence
 from torsionnet.report.comparison import comparison
+from torsionnet.report.fits import correlation, fit
 from torsionnet.report.histories import time_histories
 from torsionnet.report.mac import mac_matrix
 from torsionnet.report.save import save
@@ -17,6 +18,8 @@ __all__ = [
     "circle",
     "coherence",
     "comparison",
+    "correlation",
+    "fit",
     "mac_matrix",
     "mode_shapes",
     "order_map",

@@ -1,0 +1,111 @@
+"""``torsionnet fit``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from torsionnet.cli.options import OutputFile, csv_option, json_option, plot_option
+from torsionnet.cli.terminal import message, print_json, print_table, wrote
+
+if TYPE_CHECKING:
+    from torsionnet.identification import Fit
+
+
+@click.command("fit")
+@click.argument("file", metavar="FIT")
+@click.option(
+    "--profile", is_flag=True, help="Intervals by profile likelihood too: slower, and right where they are lopsided."
+)
+@click.option("-o", "--out", "out_file", type=OutputFile((".yaml", ".yml")), help="Write the result as YAML.")
+@click.option(
+    "--model", "model_file", type=OutputFile((".yaml", ".yml")), help="Write the model with the values found."
+)
+@json_option
+@csv_option
+@plot_option("test, model and residuals")
+def command(
+    file: str,
+    profile: bool,
+    out_file: str | None,
+    model_file: str | None,
+    as_json: bool,
+    csv_file: str | None,
+    plot_file: str | None,
+) -> None:
+    """Find parameters of a model from records of tests, over several configurations at once.
+
+    FIT is a YAML file: model, measurements (record, output, input, configuration, band), parameters (start, bounds,
+    prior, per_configuration), settings of the estimate.
+
+    \b
+    torsionnet fit gears.yaml --plot fit.png -o result.yaml
+    """  # noqa: D301
+    from torsionnet.cli.progress import progress
+    from torsionnet.identification import identify
+    from torsionnet.identification.files import load_fit_plan
+
+    with progress("fitting", None):
+        plan = load_fit_plan(file)
+        found = identify(plan.model, plan.measurements, plan.parameters, **plan.options)
+        profiles = {name: found.profile(name) for name in found.values} if profile else {}
+    if as_json:
+        print_json(_as_data(found, profiles, plan.true))
+    else:
+        print_table(found.table(true=plan.true or None))
+        for name, (low, high) in profiles.items():
+            click.echo(f"{name}: 95 % by profile likelihood from {low:.6g} to {high:.6g}")
+    for verdict in found.verdicts:
+        message("warning", verdict)
+    if csv_file:
+        found.table(true=plan.true or None).to_csv(csv_file)
+        wrote(csv_file)
+    if out_file:
+        found.to_yaml(out_file)
+        wrote(out_file)
+    if model_file:
+        found.configured(plan.model).to_yaml(model_file)
+        wrote(model_file)
+    if plot_file:
+        from torsionnet import report
+        from torsionnet.response import Conventions
+
+        report.save(report.fit(found, conventions=Conventions(angle="deg")), plot_file)
+        wrote(plot_file)
+
+
+def _as_data(found: Fit, profiles: dict[str, tuple[float, float]], true: Any) -> dict[str, Any]:
+    intervals = found.intervals()
+    return {
+        "title": found.title,
+        "parameters": [
+            {
+                "name": name,
+                "value": value,
+                "standard_error": found.standard_errors[name],
+                "interval_95": list(intervals[name]),
+                "profile_95": list(profiles[name]) if name in profiles else None,
+                "unit": found.units.get(name, ""),
+                "true": true.get(name),
+            }
+            for name, value in found.values.items()
+        ],
+        "correlation": found.correlation.tolist(),
+        "chi_squared": found.chi_squared,
+        "degrees_of_freedom": found.degrees_of_freedom,
+        "aicc": found.aicc,
+        "verdicts": list(found.verdicts),
+        "notes": list(found.notes),
+        "measurements": [
+            {
+                "name": one.name,
+                "unit": one.unit,
+                "frequencies_Hz": one.frequencies.tolist(),
+                "misfit": one.misfit,
+                "measured": [one.measured.real.tolist(), one.measured.imag.tolist()],
+                "fitted": [one.fitted.real.tolist(), one.fitted.imag.tolist()],
+            }
+            for one in found.comparisons
+        ],
+    }

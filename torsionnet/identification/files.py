@@ -1,0 +1,277 @@
+"""What a fit is about, from a YAML file: model, measurements, parameters, settings."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from torsionnet.bench.fields import Value
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.elements.fields import Count, FieldError, Flag, Spec, Text
+from torsionnet.errors import Fault, ModelError, UsageError, did_you_mean, unknown_key
+from torsionnet.expressions import ExpressionError, Number, scalar
+from torsionnet.files import load
+from torsionnet.files.decoding import decode
+from torsionnet.files.located import Document, compose
+from torsionnet.files.placing import placed, presentable
+from torsionnet.identification.measurement import Measurement
+from torsionnet.identification.unknown import Unknown
+from torsionnet.signals.files import read_recording
+from torsionnet.signals.welch import PAPER, Welch
+from torsionnet.units import UnitError
+
+KEYS = ("torsionnet", "name", "model", "parameters", "measurements", "settings", "residual", "loss", "starts", "true")
+REQUIRED = ("model", "parameters", "measurements")
+SETTINGS: dict[str, Spec] = {
+    "preset": Text("paper: the settings of Galvagno et al. (2015)"),
+    "window": Text("name of a window"),
+    "seconds": Value("length of a segment", "time", exclusive=True),
+    "overlap": Value("share of a segment that the next one repeats", "1"),
+    "detrend": Text("mean, linear or none"),
+    "decimation": Count("keep every n-th sample", upper=100_000),
+}
+MEASUREMENT: dict[str, Spec] = {
+    "record": Text("file of signals, from the folder of this file"),
+    "output": Text("channel"),
+    "input": Text("channel"),
+    "configuration": Text("of the model; by default the name of the measurement if that is one"),
+    "model_output": Text("sensor of the model, if it has another name there"),
+    "model_input": Text("input or sensor of the model, if it has another name there"),
+    "excitation": Text("what drives the model, if it has several inputs"),
+    "delay": Flag("find a delay of the output's channel along"),
+    "gain": Flag("find a gain of the output's channel along"),
+    "settling": Value("time at the start that is left out", "time"),
+}
+BANDS = ("band", "excluded")
+PARAMETER = ("start", "bounds", "prior", "per_configuration")
+_HERTZ = Value("frequency", "frequency")
+
+
+@dataclass(frozen=True, eq=False)
+class FitPlan:
+    """Everything :func:`identify` needs, and the true values where they are known."""
+
+    model: Drivetrain
+    measurements: tuple[Measurement, ...]
+    parameters: Mapping[str, Unknown]
+    options: Mapping[str, Any] = field(default_factory=dict)
+    true: Mapping[str, float] = field(default_factory=dict)
+
+
+def load_fit_plan(path: str | os.PathLike[str]) -> FitPlan:
+    """Read a fit file; records are read too.
+
+    Raises
+    ------
+    ModelError
+        With every fault of the file and its place.
+    UsageError
+        There is no such file.
+    """
+    file = Path(path)
+    try:
+        document = compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
+    except OSError as error:
+        msg = f"{file} cannot be read: {error.strerror or error}"
+        raise UsageError(msg) from None
+    except ModelError as error:
+        raise ModelError(presentable(error.faults), file.name) from None
+    reader = _Reader(document, file)
+    plan = reader.plan()
+    if reader.faults or plan is None:
+        raise ModelError(placed([*document.faults, *reader.faults], document), file.name)
+    return plan
+
+
+class _Reader:
+    """Collects faults while it reads."""
+
+    def __init__(self, document: Document, file: Path) -> None:
+        self.data: Mapping[Any, Any] = document.data if isinstance(document.data, dict) else {}
+        self.folder = file.parent
+        self.faults: list[Fault] = []
+
+    def plan(self) -> FitPlan | None:
+        rest = f"a fit file has {', '.join(KEYS)}"
+        self.faults += [unknown_key(key, KEYS, (key,), rest) for key in self.data if key not in KEYS]
+        if self.data.get("torsionnet") != 1:
+            self.faults.append(Fault("the first entry of the file is torsionnet: 1", ("torsionnet",)))
+        missing = [key for key in REQUIRED if key not in self.data]
+        self.faults += [Fault(f"a fit needs {key}:", kind="missing key", about=key) for key in missing]
+        model = self._model() if "model" in self.data else None
+        settings = self._settings()
+        parameters = dict(self._parameters())
+        measurements = tuple(self._measurements(model, settings))
+        if self.faults or model is None:
+            return None
+        options = {key: self.data[key] for key in ("residual", "loss") if key in self.data}
+        if "starts" in self.data:
+            options["starts"] = int(self.data["starts"])
+        true = dict(self._numbers(self.data.get("true") or {}, ("true",)))
+        return FitPlan(model, measurements, parameters, options, true)
+
+    def _model(self) -> Drivetrain | None:
+        name = self.data["model"]
+        try:
+            return load(self.folder / name if Path(str(name)).suffix else str(name))
+        except UsageError as error:
+            self.faults.append(Fault(str(error), ("model",)))
+        except ModelError as error:
+            self.faults += [Fault(f"{name} has {len(error.faults)} errors", ("model",)), *error.faults]
+        return None
+
+    def _table(self, key: str) -> Mapping[Any, Any]:
+        raw = self.data.get(key)
+        if raw is None:
+            return {}
+        if isinstance(raw, list) and key == "parameters":
+            return dict.fromkeys(raw)
+        if not isinstance(raw, Mapping) or not raw:
+            self.faults.append(Fault(f"expected entries by name, got {raw!r}", (key,)))
+            return {}
+        return raw
+
+    def _settings(self) -> Welch | None:
+        raw = self._table("settings")
+        values = self._values(raw, SETTINGS, ("settings",))
+        if not raw:
+            return None
+        preset = values.pop("preset", "")
+        if preset not in ("", "paper"):
+            self.faults.append(Fault(f'no preset is named "{preset}"; there is paper', ("settings", "preset")))
+        try:
+            from dataclasses import replace
+
+            return replace(PAPER if preset else Welch(), **values)
+        except UsageError as error:
+            self.faults.append(Fault(str(error), ("settings",)))
+            return None
+
+    def _parameters(self) -> Iterator[tuple[str, Unknown]]:
+        for name, raw in self._table("parameters").items():
+            path = ("parameters", name)
+            entry = {"start": raw} if not isinstance(raw, Mapping) else raw
+            rest = f"a parameter has {', '.join(PARAMETER)}"
+            self.faults += [unknown_key(key, PARAMETER, (*path, key), rest) for key in entry if key not in PARAMETER]
+            start = entry.get("start")
+            pairs = {key: self._pair(entry[key], (*path, key)) for key in ("bounds", "prior") if key in entry}
+            free = entry.get("per_configuration", False)
+            if not isinstance(free, bool):
+                self.faults.append(Fault(f"expected true or false, got {free!r}", (*path, "per_configuration")))
+            try:
+                value = None if start is None else self._number(start, (*path, "start") if raw is entry else path)
+                yield str(name), Unknown(value, per_configuration=bool(free), **pairs)
+            except UsageError as error:
+                self.faults.append(Fault(str(error), path))
+
+    def _pair(self, raw: Any, path: tuple[str, ...]) -> tuple[float, float] | None:
+        if not isinstance(raw, list) or len(raw) != 2:  # noqa: PLR2004
+            self.faults.append(Fault(f"expected two values [a, b], got {raw!r}", path))
+            return None
+        first, second = (self._number(value, path) for value in raw)
+        return (first, second) if first is not None and second is not None else None
+
+    def _number(self, raw: Any, path: tuple[str, ...]) -> float | None:
+        try:
+            number = scalar(raw)
+        except (ExpressionError, UnitError, TypeError, ValueError) as error:
+            self.faults.append(Fault(str(error), path))
+            return None
+        if not isinstance(number, Number):
+            self.faults.append(Fault(f"expected a number with unit, got {raw!r}", path))
+            return None
+        return float(number.value)
+
+    def _numbers(self, raw: Mapping[Any, Any], path: tuple[str, ...]) -> Iterator[tuple[str, float]]:
+        for name, value in raw.items():
+            number = self._number(value, (*path, str(name)))
+            if number is not None:
+                yield str(name), number
+
+    def _values(self, raw: Mapping[Any, Any], specs: Mapping[str, Spec], path: tuple[str, ...]) -> dict[str, Any]:
+        values = {}
+        for key, entry in raw.items():
+            if key in specs:
+                try:
+                    values[key] = specs[key].coerce(entry)
+                except FieldError as error:
+                    self.faults.append(error.fault.under(*path, key))
+            elif key not in BANDS or path[0] != "measurements":
+                known = [*specs, *(BANDS if path[0] == "measurements" else ())]
+                self.faults.append(unknown_key(key, known, (*path, key), f"known: {', '.join(known)}"))
+        return values
+
+    def _measurements(self, model: Drivetrain | None, settings: Welch | None) -> Iterator[Measurement]:
+        for name, raw in self._table("measurements").items():
+            path = ("measurements", str(name))
+            if not isinstance(raw, Mapping):
+                self.faults.append(Fault(f"expected {{record: FILE, output: ..., input: ...}}, got {raw!r}", path))
+                continue
+            values = self._values(raw, MEASUREMENT, path)
+            lacking = [key for key in ("record", "output", "input") if key not in raw]
+            for key in lacking:
+                text = f"a measurement needs {key}: {MEASUREMENT[key].description}"
+                self.faults.append(Fault(text, path, on_key=True, kind="missing key", about=key))
+            bands = self._bands(raw, path)
+            configuration = values.get("configuration", "")
+            if model is not None:
+                configuration = self._configuration(model, str(name), configuration, path)
+            if lacking or len(values) < len([key for key in raw if key in MEASUREMENT]):
+                continue
+            record = self._record(values.pop("record"), (values["output"], values["input"]), path)
+            if record is not None:
+                yield Measurement(
+                    record, name=str(name), settings=settings, **{**values, "configuration": configuration}, **bands
+                )
+
+    def _configuration(self, model: Drivetrain, name: str, given: str, path: tuple[str, ...]) -> str:
+        if not given:
+            return name if name in model.configurations else ""
+        try:
+            model.configured(given)
+        except (UsageError, ModelError) as error:
+            self.faults.append(Fault(str(error), (*path, "configuration")))
+        return given
+
+    def _bands(self, raw: Mapping[Any, Any], path: tuple[str, ...]) -> dict[str, Any]:
+        found: dict[str, Any] = {}
+        if "band" in raw:
+            found["band"] = self._band(raw["band"], (*path, "band"))
+        if "excluded" in raw:
+            listed = raw["excluded"] if isinstance(raw["excluded"], list) else []
+            several = listed if listed and isinstance(listed[0], list) else [listed]
+            bands = [self._band(entry, (*path, "excluded")) for entry in several]
+            found["excluded"] = tuple(band for band in bands if band)
+        return found
+
+    def _band(self, raw: Any, path: tuple[str, ...]) -> tuple[float, float] | None:
+        if not isinstance(raw, list) or len(raw) != 2:  # noqa: PLR2004
+            self.faults.append(Fault(f"expected a band [0.5 Hz, 20 Hz], got {raw!r}", path))
+            return None
+        try:
+            low, high = (_HERTZ.coerce(value) for value in raw)
+        except FieldError as error:
+            self.faults.append(error.fault.under(*path))
+            return None
+        if not low < high:
+            self.faults.append(Fault(f"a band goes from a lower to a higher frequency, got {raw!r}", path))
+            return None
+        return low, high
+
+    def _record(self, file: str, names: tuple[str, str], path: tuple[str, ...]) -> Any:
+        target = self.folder / file
+        if not target.is_file():
+            beside = [entry.name for entry in self.folder.iterdir()] if self.folder.is_dir() else []
+            hint = did_you_mean(Path(file).name, beside)
+            self.faults.append(Fault(f'there is no file "{file}"{hint}', (*path, "record")))
+            return None
+        try:
+            return read_recording(target, names=list(dict.fromkeys(names)))
+        except ModelError as error:
+            self.faults += [Fault(f"{file}: {fault.message}", (*path, "record")) for fault in error.faults]
+        except UsageError as error:
+            self.faults.append(Fault(str(error), (*path, "record")))
+        return None
