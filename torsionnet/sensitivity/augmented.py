@@ -72,13 +72,13 @@ class Augmented:
     law_owners: tuple[str, ...]
     condition_owners: tuple[str, ...]
 
-    def kappa(self, omega: FloatArray) -> ComplexArray:
-        """Dynamic stiffness of every law, (n_f, n_laws), omega in rad/s."""
+    def kappa(self, omega: FloatArray | ComplexArray) -> ComplexArray:
+        """Dynamic stiffness of every law, (n_f, n_laws), omega = s/j in rad/s; tables at its real part."""
         w = omega[:, None]
         real = self.stiffness.values - w**2 * self.inertia.values
         kappa: ComplexArray = (real + 1j * (w * self.damping.values + self.hysteretic.values)).astype(complex)
         for law, table in self.tables:
-            kappa[:, law] += table.kappa(omega)
+            kappa[:, law] += table.kappa(np.abs(np.real(omega)))
         return kappa
 
     @cached_property
@@ -88,7 +88,7 @@ class Augmented:
         moved = np.any([slope.any(axis=1) for slope in slopes], axis=0) | self.laws.slopes.any(axis=(1, 2))
         return tuple(int(law) for law in np.flatnonzero(moved))
 
-    def kappa_slopes(self, law: int, omega: FloatArray) -> Iterator[tuple[int, ComplexArray]]:
+    def kappa_slopes(self, law: int, omega: FloatArray | ComplexArray) -> Iterator[tuple[int, ComplexArray]]:
         """Derivative of the dynamic stiffness of one law, (n_f,), to every parameter that it depends on."""
         slopes = (self.stiffness.slopes[law], self.inertia.slopes[law])
         losses = (self.hysteretic.slopes[law], self.damping.slopes[law])

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import product
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.channels import Input, Sensor
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import SolveError, UsageError
 from torsionnet.sensitivity.augmented import Augmented, augmented, free_motion
+from torsionnet.sensitivity.forms import equation_slopes, reading_slopes
 from torsionnet.sensitivity.readings import Reading, condition_owner, reading, rows_of
 from torsionnet.sensitivity.unknowns import Unknowns, unknowns
 from torsionnet.solve.question import Question, as_sensor, ask
@@ -156,66 +156,16 @@ def _derivatives(
     z: ComplexArray,
 ) -> ComplexArray:
     """Of y = c . x: dy = dc . x - z . dD x for every reading and load, (n_f, n_readings, n_loads, n_p)."""
-    count, n_q = system.inertia.slopes.shape[1], system.laws.values.shape[1]
-    found = np.zeros((count, len(readings), x.shape[2], len(omega)), dtype=complex)
-    laws = sorted({*system.varied, *(int(law) for one in readings for law in np.flatnonzero(one.laws))})
-    slopes = {law: list(system.kappa_slopes(law, omega)) for law in laws}
-    for load, number in product(range(x.shape[2]), range(len(readings))):
-        motion, adjoint, one = x[:, :, load], z[:, :, number], readings[number]
-        total = found[:, number, load]
-        for law in laws:
-            _law(total, system, law, slopes[law], kappa[:, law], motion[:, :n_q], adjoint[:, :n_q], one)
-        _conditions(total, system, motion, adjoint)
-        for p in range(count):
-            total[p] += (1j * omega) ** one.power * combined(motion[:, :n_q], one.motion_slopes[:, p])
-            total[p] += combined(motion[:, n_q:], one.condition_slopes[:, p])
-            for law in map(int, np.flatnonzero(one.law_slopes[:, p])):
-                gamma = combined(motion[:, :n_q], system.laws.values[law])
-                total[p] += one.law_slopes[law, p] * kappa[:, law] * gamma
-    return np.asarray(found.transpose(3, 1, 2, 0))
-
-
-def _law(
-    total: ComplexArray,
-    system: Augmented,
-    law: int,
-    slopes: Sequence[tuple[int, ComplexArray]],
-    kappa: ComplexArray,
-    motion: ComplexArray,
-    adjoint: ComplexArray,
-    one: Reading,
-) -> None:
-    """What one law adds to the derivatives (n_p, n_f): in the equations, and where the reading is its torque."""
-    row, factor = system.laws.values[law], one.laws[law]
-    u, v = combined(motion, row), combined(adjoint, row)
-    for p, slope in slopes:
-        total[p] += slope * u * (factor - v)
-    for p in map(int, np.flatnonzero(system.laws.slopes[law].any(axis=0))):
-        moved = system.laws.slopes[law][:, p]
-        total[p] += kappa * (combined(motion, moved) * (factor - v) - u * combined(adjoint, moved))
-
-
-def _conditions(total: ComplexArray, system: Augmented, motion: ComplexArray, adjoint: ComplexArray) -> None:
-    """What ratios in rigid conditions add to the derivatives (n_p, n_f)."""
-    n_q = system.laws.values.shape[1]
-    for number in _moving(system.conditions.slopes):
-        for p in np.flatnonzero(system.conditions.slopes[number].any(axis=0)):
-            moved = system.conditions.slopes[number][:, p]
-            total[p] -= adjoint[:, n_q + number] * combined(motion[:, :n_q], moved)
-            total[p] -= motion[:, n_q + number] * combined(adjoint[:, :n_q], moved)
-
-
-def combined(columns: ComplexArray, weights: FloatArray) -> ComplexArray:
-    """Columns (n_f, n) times weights (n,); most of these are 0."""
-    total = np.zeros(len(columns), dtype=complex)
-    for index in np.flatnonzero(weights):
-        total += weights[index] * columns[:, index]
-    return total
-
-
-def _moving(slopes: FloatArray) -> NDArray[np.intp]:
-    """Indices of the rows that depend on a parameter."""
-    return np.flatnonzero(slopes.any(axis=tuple(range(1, slopes.ndim))))
+    slopes = {law: list(system.kappa_slopes(law, omega)) for law in range(len(system.law_owners))}
+    parts = [
+        [
+            reading_slopes(system, one, omega, kappa, slopes, x[:, :, load])
+            - equation_slopes(system, kappa, slopes, x[:, :, load], z[:, :, number])
+            for load in range(x.shape[2])
+        ]
+        for number, one in enumerate(readings)
+    ]
+    return np.asarray(np.array(parts).transpose(3, 0, 1, 2))
 
 
 def parametric_response(
