@@ -12,7 +12,7 @@ from modal_cases import chain_residues, pole, response_of
 
 import torsionnet as tn
 from torsionnet.errors import SolveError, UsageError
-from torsionnet.modal import Criteria, Settings, fit_poles, identify_modes, match, stabilisation
+from torsionnet.modal import Criteria, Settings, fit_poles, identify_modes, match, peak_picking, stabilisation
 from torsionnet.modal.fraction import largest_order
 from torsionnet.modal.information import worth_keeping
 from torsionnet.modal.lines import lines_of, power
@@ -563,6 +563,16 @@ class TestUse:
         found = identify_modes(response)
         assert nearest(found.poles, [pole(8, 0.1)])[0] < 1e-6
         assert len(found.frequencies) == len(LINES) - 1
+
+    def test_lines_that_a_test_cannot_resolve_are_left_out(self):
+        response = response_of([pole(8, 0.1)], np.ones((1, 1, 1)), LINES)
+        response.values[LINES > 12] = 1e3
+        limited = replace(response, usable_up_to=12.0)
+        found = identify_modes(limited)
+        assert nearest(found.poles, [pole(8, 0.1)])[0] < 1e-6
+        assert found.notes[0].startswith("only up to 12 Hz")
+        assert peak_picking(limited).notes[0].startswith("only up to 12 Hz")
+        assert identify_modes(limited, Settings(band=(0, 30))).frequencies[-1] > 29
 
     def test_response_at_other_frequencies(self):
         poles = SYSTEMS["strong"]

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.modal.estimate import ModalEstimate, assembled
-from torsionnet.modal.lines import ComplexArray, Lines, lines_of
+from torsionnet.modal.lines import ComplexArray, Lines, left_out, lines_of
 from torsionnet.modal.poles import as_poles
 from torsionnet.modal.refinement import refine
 from torsionnet.modal.remarks import about_fit
@@ -109,7 +109,11 @@ def _fitted(
     refined: bool,
     free: bool = False,
 ) -> ModalEstimate:
-    poles, errors, notes = chosen.poles, (np.full(len(chosen.poles), np.nan),) * 2, list[str]()
+    poles, errors, notes = (
+        chosen.poles,
+        (np.full(len(chosen.poles), np.nan),) * 2,
+        list(left_out(response, settings.band)),
+    )
     together = not free and lines.values.shape[2] > 1 and _any_close(poles)
     if together:
         notes.append("modes lie close together: residues are shapes times participations; poles not refined")

@@ -80,10 +80,11 @@ def lines_of(response: FrequencyResponse, settings: Settings) -> Lines:
         There are too few, they all hold nothing, or coherence is asked for where there is none.
     """
     powers = powers_of(response.outputs, response.inputs)
-    chosen = response if settings.band is None else response.between(*settings.band)
+    low, high = settings.band or (0.0, response.usable_up_to or np.inf)
+    chosen = response.between(low, high)
     usable = (chosen.frequencies > 0) & np.isfinite(chosen.values).all(axis=(1, 2))
     if usable.sum() < LEAST_LINES:
-        where = "" if settings.band is None else f" from {settings.band[0]:g} to {settings.band[1]:g} Hz"
+        where = "" if settings.band is None and np.isinf(high) else f" from {low:g} to {high:g} Hz"
         msg = f"a fit of modes needs at least {LEAST_LINES} frequencies above 0{where}, there are {usable.sum()}"
         raise UsageError(msg)
     values = chosen.values[usable]
@@ -99,6 +100,14 @@ def lines_of(response: FrequencyResponse, settings: Settings) -> Lines:
     coherence = None if chosen.coherence is None else chosen.coherence[usable]
     s = np.asarray(2j * np.pi * chosen.frequencies[usable], dtype=np.complex128)
     return Lines(s, values, powers, _weights(values, coherence, settings))
+
+
+def left_out(response: FrequencyResponse, band: tuple[float, float] | None) -> tuple[str, ...]:
+    """A note where a test says up to where it can be used and no band is given."""
+    limit = response.usable_up_to
+    if band is not None or limit is None or limit >= response.frequencies[-1]:
+        return ()
+    return (f"only up to {limit:.4g} Hz, where the test can be used; give a band for more",)
 
 
 def _weights(values: ComplexArray, coherence: FloatArray | None, settings: Settings) -> FloatArray:

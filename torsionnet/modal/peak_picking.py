@@ -10,7 +10,7 @@ import numpy as np
 
 from torsionnet.errors import SolveError
 from torsionnet.modal.estimate import ModalEstimate, assembled
-from torsionnet.modal.lines import FloatArray, Lines, lines_of
+from torsionnet.modal.lines import FloatArray, Lines, left_out, lines_of
 from torsionnet.modal.remarks import LEAST_LINES, line_spacing
 from torsionnet.modal.residues import Expansion
 from torsionnet.modal.settings import Settings
@@ -103,7 +103,8 @@ def peak_picking(
         msg = "no peak falls to half power within the band: nothing can be read; fit the modes instead"
         raise SolveError(msg)
     lost = [peak for peak in peaks if peak not in good]
-    notes = tuple(remark for peak in good for remark in _remarks(peak, frequencies))
+    notes = left_out(response, band)
+    notes += tuple(remark for peak in good for remark in _remarks(peak, frequencies))
     notes += tuple(f"warning: the peak at {peak.frequency:.4g} Hz has no half-power points; left out" for peak in lost)
     return assembled(response, lines, _one_by_one(lines, good), notes, method="peak picking with half power")
 

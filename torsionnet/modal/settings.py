@@ -62,7 +62,7 @@ class Settings:
     highest_order : int, optional
         Of the polynomials; an oscillatory mode takes two orders, a real pole one. By default 10 or 40.
     band : (float, float), optional
-        Hz; by default all frequencies above 0.
+        Hz; by default all frequencies above 0 up to where a test says that it can be used.
     residuals : {"both", "lower", "upper", "none"}
         Real terms of the receptance for what is below the band, ``L / s^2``, and above it, ``U``.
     weights : {"uniform", "relative", "coherence"}

@@ -19,6 +19,7 @@ MARKS = (
     ("stable", "P", style.PALETTE[2], "and in shape"),
 )
 MOST_CURVES = 3
+ROUND_OFF = 1e-12
 APART = 0.022
 """Of the width: room for a line of text."""
 
@@ -78,7 +79,8 @@ def stabilisation(
 
 
 def _indicator(axes: Axes, diagram: Stabilisation, scale: float) -> None:
-    response = diagram.response
+    low, high = np.abs(diagram.lines.s[[0, -1]]) / (2 * np.pi)
+    response = diagram.response.between(low * (1 - ROUND_OFF), high * (1 + ROUND_OFF))
     curves = cmif(response)[:, :MOST_CURVES]
     positive = (response.frequencies > 0) & np.isfinite(curves).all(axis=1) & (curves[:, :1] > 0).all(axis=1)
     for number, curve in enumerate(curves.T):
