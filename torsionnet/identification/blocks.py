@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
@@ -41,7 +41,6 @@ class Block(ABC):
 
     measurement: Measurement
     response: ParametricResponse
-    noise: FloatArray = field(init=False)
 
     @property
     @abstractmethod
@@ -72,6 +71,10 @@ class Block(ABC):
         predicted, slopes = self.predicted(values)
         size = self.deviations
         return _parts(predicted - self.measured) / size, _parts(slopes) / size[:, None]
+
+    @abstractmethod
+    def take_noise(self, other: Block, left: float) -> None:
+        """Weigh as another fit of the same measurement does; ``left`` is its reduced chi squared."""
 
     @property
     def extra(self) -> tuple[str, ...]:
@@ -104,10 +107,11 @@ class RecordBlock(Block):
     """A record, by the same-estimator route."""
 
     windowed: WindowedEstimate
-    kept: FloatArray
+    kept: NDArray[np.bool_]
+    covariance: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
-        self.noise = np.ones(len(self.frequencies))
+        self.covariance = self._part(self.windowed.output_covariance())
 
     @property
     def frequencies(self) -> FloatArray:
@@ -124,29 +128,32 @@ class RecordBlock(Block):
 
     @property
     def deviations(self) -> FloatArray:
-        return np.asarray(np.sqrt(np.diag(self._covariance)))
+        return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property
     def correlation(self) -> FloatArray:
         size = self.deviations
-        return np.asarray(self._covariance / np.outer(size, size))
+        return np.asarray(self.covariance / np.outer(size, size))
 
     def learn_noise(self, values: FloatArray) -> None:
-        """Take what the model leaves unexplained in the output as the noise's spectrum."""
+        """Take what the model leaves unexplained in the output as noise of the two sensors."""
         G, _ = self._distorted(values, self.windowed.fine)
-        self.noise = two_sources(self.windowed.unexplained(G)[self.kept], np.abs(self.measured) ** 2)
+        level = self.windowed.unexplained(G)[self.kept]
+        on_output, on_input = two_sources(level, np.abs(self.measured) ** 2)
+        self.covariance = on_output * self._part(self.windowed.output_covariance())
+        if on_input:
+            self.covariance = self.covariance + on_input * self._part(self.windowed.input_covariance(G))
 
-    @property
-    def _covariance(self) -> FloatArray:
-        """Of the lines compared, for noise as strong as learnt."""
-        size = np.sqrt(np.tile(self.noise, 2))
-        return np.asarray(self._white * np.outer(size, size))
+    def take_noise(self, other: Block, left: float) -> None:
+        del left
+        assert isinstance(other, RecordBlock)
+        self.covariance = other.covariance
 
-    @cached_property
-    def _white(self) -> FloatArray:
+    def _part(self, whole: FloatArray) -> FloatArray:
+        """Of the lines compared."""
         lines = np.flatnonzero(self.kept)
         both = np.concatenate([lines, len(self.windowed.frequencies) + lines])
-        return np.asarray(self.windowed.covariance[np.ix_(both, both)])
+        return np.asarray(whole[np.ix_(both, both)])
 
 
 @dataclass(eq=False)
@@ -155,6 +162,7 @@ class ResponseBlock(Block):
 
     data: FrequencyResponse
     form: str
+    noise: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
         size = self.data.magnitude[:, 0, 0]
@@ -186,24 +194,29 @@ class ResponseBlock(Block):
     def deviations(self) -> FloatArray:
         return np.tile(np.sqrt(self.noise), 2)
 
+    def take_noise(self, other: Block, left: float) -> None:
+        assert isinstance(other, ResponseBlock)
+        self.noise = other.noise * left
 
-def two_sources(level: FloatArray, gain: FloatArray) -> FloatArray:
-    """The noise of a sensor on the output, and of one on the input seen through the response, that fit a level best.
+
+def two_sources(level: FloatArray, gain: FloatArray) -> tuple[float, float]:
+    """Noise power of a sensor on the output, and of one on the input seen through the response, that fit a level best.
 
     One number each for all lines: the level of a single line rests on the few windows in which the sweep passes it,
     and weights made of that alone would favour lines that happen to agree.
 
-    >>> two_sources(np.array([1.2, 2.8, 5.1]), np.array([0.0, 1.0, 2.0])).round(1).tolist()
-    [1.2, 3.0, 4.8]
+    >>> [round(share, 2) for share in two_sources(np.array([1.2, 2.8, 5.1]), np.array([0.0, 1.0, 2.0]))]
+    [1.18, 1.82]
     """
     tiny = np.finfo(float).tiny
-    found = np.maximum(level, tiny)
+    found, columns = np.maximum(level, tiny), np.column_stack([np.ones_like(gain), gain])
+    shares = np.zeros(2)
     for _ in range(SOURCE_ROUNDS):
-        rows = np.column_stack([np.ones_like(gain), gain]) / found[:, None]
+        rows = columns / found[:, None]
         scale = np.maximum(rows.max(axis=0), tiny)
-        shares, _ = nnls(rows / scale, level / found)
-        found = np.maximum((np.column_stack([np.ones_like(gain), gain]) / scale) @ shares, tiny)
-    return np.asarray(found)
+        shares = nnls(rows / scale, level / found)[0] / scale
+        found = np.maximum(columns @ shares, tiny)
+    return max(float(shares[0]), tiny if not shares.any() else 0.0), float(shares[1])
 
 
 def make_block(model: Drivetrain, measurement: Measurement, parameters: tuple[str, ...], form: str) -> Block:
@@ -255,7 +268,7 @@ def _chosen_lines(data: FrequencyResponse, measurement: Measurement) -> Frequenc
     return replace(data, frequencies=data.frequencies[kept], values=data.values[kept], coherence=coherence)
 
 
-def _kept(frequencies: FloatArray, measurement: Measurement) -> FloatArray:
+def _kept(frequencies: FloatArray, measurement: Measurement) -> NDArray[np.bool_]:
     kept = np.ones(len(frequencies), dtype=bool)
     for start, stop in measurement.excluded:
         kept &= (frequencies < start) | (frequencies > stop)

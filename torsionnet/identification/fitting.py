@@ -12,7 +12,6 @@ from scipy.optimize import least_squares
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import SolveError, UsageError, did_you_mean
-from torsionnet.identification.blocks import RecordBlock
 from torsionnet.identification.fit import Fit, make_fit
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.problem import Problem, make_problem
@@ -26,8 +25,8 @@ ROUNDS = 3
 """Times that a fit of records learns its noise anew; it hardly changes after the first."""
 SETTLED = 1e-3
 MOST_CALLS = 500
-IDLE = 1e-9
-"""Relative effect below which a parameter does nothing to the data."""
+IDLE = 1e-10
+"""Effect, over the data, below which a parameter does nothing to them."""
 
 
 @dataclass(frozen=True)
@@ -167,8 +166,9 @@ def _check_information(problem: Problem) -> None:
             f"{', '.join(problem.names)}; measure more, or fix some of them"
         )
         raise UsageError(msg)
-    reach = np.abs(slopes).max(axis=0) * np.maximum(np.abs(problem.start), 1e-300)
-    idle = [name for name, size in zip(problem.names, reach, strict=True) if not size > IDLE * max(reach.max(), 1e-300)]
+    reach = np.abs(slopes).max(axis=0) * _scale(problem, problem.start)
+    seen = max(float(np.max(np.abs(block.measured)) / np.min(block.deviations)) for block in problem.blocks)
+    idle = [name for name, size in zip(problem.names, reach, strict=True) if not size > IDLE * seen]
     if idle:
         pairs = ", ".join(
             dict.fromkeys(f"{block.measurement.output}/{block.measurement.input}" for block in problem.blocks)
@@ -185,8 +185,7 @@ def refit_with_noise_of(other: Fit, model: Drivetrain, fit: Fit) -> Fit:
     count = sum(2 * len(one.frequencies) for one in other.comparisons) - len(other.values)
     left = max(other.chi_squared / max(count, 1), np.finfo(float).tiny)
     for block, theirs in zip(fit.problem.blocks, other.problem.blocks, strict=True):
-        # Records have learnt the size of their noise; responses only know how it differs from line to line.
-        block.noise = theirs.noise if isinstance(theirs, RecordBlock) else theirs.noise * left
+        block.take_noise(theirs, left)
     fit.problem.forget()
     solution = _solved(fit.problem, np.array(list(fit.values.values())), "linear")
     return make_fit(model, fit.problem, solution.x, "linear")

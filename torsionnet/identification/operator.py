@@ -36,10 +36,8 @@ class WindowedEstimate:
         Frequencies at which the transfer function is needed, Hz.
     forward, mirrored : (n_b, n_f) complex array
         Estimate of the prediction = forward @ G + mirrored @ conj(G).
-    covariance : (2 n_b, 2 n_b) array
-        Of real and imaginary parts of H1, for white noise of unit variance at every (decimated) sample of the output.
-    output_power : (n_b,) array
-        Mean square of the windowed output's lines; ``noise_gain`` that of unit white noise.
+    rows : (n_b, n) complex array
+        H1 = rows @ output, for the samples of the (decimated) output.
     """
 
     frequencies: FloatArray
@@ -47,7 +45,7 @@ class WindowedEstimate:
     fine: FloatArray
     forward: ComplexArray
     mirrored: ComplexArray
-    covariance: FloatArray
+    rows: ComplexArray
     record: Recording
     output: str
     input: str
@@ -57,6 +55,19 @@ class WindowedEstimate:
     def predicted(self, G: ComplexArray) -> ComplexArray:
         """Estimate of the output predicted by G (n_f,) or several of them (n_f, n_p)."""
         return np.asarray(self.forward @ G + self.mirrored @ G.conj())
+
+    def output_covariance(self) -> FloatArray:
+        """Of real and imaginary parts of H1 (2 n_b, 2 n_b), for unit white noise on the output."""
+        return _covariance(self.rows)
+
+    def input_covariance(self, G: ComplexArray) -> FloatArray:
+        """The same for unit white noise on the input, which the prediction passes on through G."""
+        n, count = _padded(self.rows.shape[1]), self.rows.shape[1]
+        first = round(float(self.fine[0]) * n / self.record.sampling_rate)
+        both = np.zeros(n, dtype=complex)
+        both[first : first + len(G)] = G.conj()
+        both[n - first - len(G) + 1 : n - first + 1] = G[::-1]
+        return _covariance(np.fft.ifft(np.fft.fft(self.rows, n, axis=1) * both, axis=1)[:, :count])
 
     def unexplained(self, G: ComplexArray) -> FloatArray:
         """Mean square of the lines of measured minus predicted output, over that of unit white noise, (n_b,).
@@ -121,7 +132,7 @@ def windowed_estimate(
         fine=fine * rate / n,
         forward=spectrum[:, n - fine] * lines / n,
         mirrored=spectrum[:, fine] * lines.conj() / n,
-        covariance=_covariance(q),
+        rows=q,
         record=record,
         output=output,
         input=input,

@@ -12,6 +12,7 @@ from torsionnet.report.schematic import schematic
 from torsionnet.report.shapes import mode_shapes
 from torsionnet.report.spectra import order_map, spectrogram, sweep_harmonics
 from torsionnet.report.stabilisation import stabilisation
+from torsionnet.report.tornado import tornado
 
 __all__ = [
     "bode",
@@ -29,4 +30,5 @@ __all__ = [
     "stabilisation",
     "sweep_harmonics",
     "time_histories",
+    "tornado",
 ]

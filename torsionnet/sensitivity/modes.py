@@ -222,7 +222,7 @@ class _System:
     def matrix(self, s: complex) -> ComplexArray:
         omega = np.array([s / 1j])
         kappa = self.system.kappa(omega)
-        inner = self.system.matrix(kappa, 1.0)[0]
+        inner: ComplexArray = np.asarray(self.system.matrix(kappa, 1.0)[0])
         if self.reading is None or self.load is None:
             return inner
         n = len(inner)

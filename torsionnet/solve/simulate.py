@@ -21,6 +21,7 @@ from torsionnet.channels import Input, Sensor
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.signals.recording import Recording, Signal
+from torsionnet.solve.by_spectrum import by_spectrum
 from torsionnet.solve.question import ask
 from torsionnet.solve.state_space import first_order, output_rows
 from torsionnet.solve.triangular import Block, blocks
@@ -71,6 +72,8 @@ def respond(
     sampling_rate: float,
 ) -> FloatArray:
     """Readings (n_out, n) under torques (n_in, n) in N m."""
+    if drivetrain.assembly.system.dynamic:
+        return by_spectrum(drivetrain, readings, excitations, torques, sampling_rate)
     system = first_order(drivetrain.assembly, excitations)
     rows = [output_rows(drivetrain.assembly, reading, excitations, system) for reading in readings]
     C, D = np.array([row[0] for row in rows]), np.array([row[1] for row in rows])

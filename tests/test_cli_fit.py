@@ -1,0 +1,140 @@
+"""The commands fit, identify-modes and sensitivity."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+from test_cli import run
+from test_cli_records import RIG
+
+import torsionnet as tn
+from torsionnet.identification import load_fit
+
+FIT = """\
+torsionnet: 1
+model: rig.yaml
+parameters:
+  k: {start: 300 N*m/rad, bounds: [50, 2000]}
+  shaft.damping: {start: 2 N*m*s/rad}
+measurements:
+  soft: {record: run_soft.npz, output: phi, input: T_set, model_input: T, configuration: soft, band: [1 Hz, 25 Hz]}
+settings: {window: hamming, seconds: 2 s, overlap: 80 %}
+true: {k: 200 N*m/rad, shaft.damping: 1}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rig.yaml").write_text(RIG)
+    (tmp_path / "fit.yaml").write_text(FIT)
+    run("bench", "rig.yaml", "-c", "soft", "-o", "run_soft.npz")
+    return tmp_path
+
+
+def test_fit_finds_what_the_record_was_made_with(folder):
+    result = run("fit", "fit.yaml", "-o", "out.yaml", "--plot", "fit.png", "--csv", "fit.csv", "--model", "found.yaml")
+    assert "true" in result.stdout
+    fit = load_fit("out.yaml")
+    assert fit.values["k"] == pytest.approx(200, rel=1e-3)
+    assert fit.values["shaft.damping"] == pytest.approx(1, rel=1e-2)
+    assert tn.load("found.yaml").parameters["k"] == pytest.approx(fit.values["k"])
+    assert (folder / "fit.png").stat().st_size > 20_000
+    lines = [line for line in (folder / "fit.csv").read_text().splitlines() if not line.startswith("#")]
+    rows = list(csv.DictReader(lines))
+    assert float(rows[0]["value"]) == fit.values["k"]
+
+
+def test_fit_in_json_with_profiles(folder):
+    data = json.loads(run("fit", "fit.yaml", "--json", "--profile").stdout)
+    first = data["parameters"][0]
+    assert first["interval_95"] == pytest.approx(first["profile_95"], rel=1e-3)
+    assert first["true"] == 200
+    assert len(data["measurements"][0]["measured"][0]) == len(data["measurements"][0]["frequencies_Hz"])
+    assert folder.exists()
+
+
+FAULTS = [
+    ("model: rig.yaml", "model: rgi.yaml", 2, 'did you mean "rig.yaml"'),
+    ("start: 300 N*m/rad", "strat: 300 N*m/rad", 4, 'unknown key "strat"; did you mean "start"?'),
+    ("bounds: [50, 2000]", "bounds: [50]", 4, "expected two values"),
+    ("bounds: [50, 2000]", "bounds: [500, 200]", 4, "the lower bound must be below"),
+    ("run_soft.npz", "run_sotf.npz", 7, 'did you mean "run_soft.npz"'),
+    ("output: phi", "output: psi", 7, "psi"),
+    (", output: phi", "", 7, "a measurement needs output: channel"),
+    ("configuration: soft", "configuration: sfot", 7, 'did you mean "soft"'),
+    ("band: [1 Hz, 25 Hz]", "band: [25 Hz, 1 Hz]", 7, "from a lower to a higher frequency"),
+    ("band: [1 Hz, 25 Hz]", "band: [1 s, 25 Hz]", 7, "not a value of frequency"),
+    ("seconds: 2 s", "seconds: 2 Hz", 8, "not a value of time"),
+    ("settings:", "setings:", 8, 'unknown key "setings"; did you mean "settings"?'),
+    ("parameters:\n", "nothing:\n", 3, "a fit needs parameters"),
+]
+
+
+@pytest.mark.parametrize(("good", "bad", "line", "message"), FAULTS)
+def test_faults_of_a_fit_file_are_located(folder, good, bad, line, message):
+    (folder / "bad.yaml").write_text(FIT.replace(good, bad, 1))
+    result = run("fit", "bad.yaml", "-o", "out.yaml", code=1)
+    assert message in result.stderr
+    assert f"bad.yaml:{line}:" in result.stderr or "a fit needs" in message
+    assert not (folder / "out.yaml").exists()
+
+
+def test_fits_that_cannot_be_done(folder):
+    (folder / "idle.yaml").write_text(FIT.replace("  shaft.damping: {start: 2 N*m*s/rad}", "  k_9: {}"))
+    assert 'no parameter is named "k_9"' in run("fit", "idle.yaml", code=2).stderr
+    assert "cannot be read" in run("fit", "none.yaml", code=2).stderr
+
+
+def test_modes_of_a_record_against_the_model(folder):
+    arguments = ("identify-modes", "run_soft.npz", "--output", "phi", "--input", "T_set", "--to", 25)
+    data = json.loads(run(*arguments, "--against", "rig.yaml", "-c", "soft", "--json", "--plot", "s.png").stdout)
+    expected = tn.load("rig.yaml").configured("soft").modes()
+    (pair,) = data["against_model"]
+    assert abs(pair["frequency_error"]) < 0.01
+    found = data["modes"][pair["identified"] - 1]["natural_frequency_Hz"]
+    assert found == pytest.approx(expected.natural_frequencies[0], rel=0.01)
+    assert (folder / "s.png").stat().st_size > 10_000
+    assert "identified modes against the model" in run(*arguments, "--against", "rig.yaml", "-c", "soft").stdout
+
+
+def test_half_power_of_a_record_warns_of_strong_damping(folder):
+    run("bench", "rig.yaml", "--set", "k=40", "-o", "heavy.npz")
+    result = run("identify-modes", "heavy.npz", "--output", "phi", "--input", "T_set", "--method", "peaks", "--to", 25)
+    assert "too damped for half power" in result.stderr
+    refused = run(
+        "identify-modes",
+        "heavy.npz",
+        "--output",
+        "phi",
+        "--input",
+        "T_set",
+        "--method",
+        "peaks",
+        "--plot",
+        "x.png",
+        code=2,
+    )
+    assert "no stabilisation diagram" in refused.stderr
+    assert folder.exists()
+
+
+def test_sensitivity_of_every_configuration(tmp_path):
+    result = run(
+        "sensitivity", "amt_rig", "-c", "II", "-c", "V", "--parameter", "c_O", "--parameter", "k_1", "--mode", 1
+    )
+    assert [line.split()[0] for line in result.stdout.splitlines() if line.startswith(("II ", "V "))] == [
+        "II",
+        "II",
+        "V",
+        "V",
+    ]
+    plot, table = tmp_path / "t.svg", tmp_path / "t.csv"
+    data = json.loads(run("sensitivity", "dmf_rig", "--json", "--plot", plot, "--csv", table).stdout)[0]
+    first = dict(zip(data["parameters"], data["modes"][0]["frequency_percent_per_percent"], strict=True))
+    assert np.isclose(first["k_2"], 0.495, atol=0.01)
+    assert sum(value for name, value in first.items() if name[0] == "k") == pytest.approx(0.5, abs=0.01)
+    assert plot.exists()
+    assert table.exists()
+    assert 'did you mean "c_O"' in run("sensitivity", "amt_rig", "--parameter", "c_0", code=2).stderr

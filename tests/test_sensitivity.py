@@ -1,0 +1,242 @@
+"""Exact derivatives of responses and modes against closed forms in many digits."""
+
+import mpmath as mp
+import numpy as np
+import pytest
+import strategies
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import torsionnet as tn
+from torsionnet.errors import SolveError, UsageError
+from torsionnet.sensitivity import mode_sensitivities, parametric_response
+
+F = np.array([0.4, 3.0, 5.6, 8.1, 20.0, 80.0])
+mp.mp.dps = 40
+
+DMF = {"I_1": 0.078, "I_2": 0.152, "k_1": 13300, "k_2": 460, "c_1": 0.1, "c_2": 4, "c_B": 0.3, "c_M": 0.3}
+AMT = {"I_MT": 0.078, "I_1": 0.23, "I_2": 0.13, "k_1": 460, "k_2": 12300, "c_1": 4, "c_M": 0.3, "c_B": 1.5, "c_O": 170}
+
+
+def dmf_tt(s, p):
+    """Equation (13) of Galvagno et al. (2015)."""
+    return 1 / (p["k_1"] + p["c_1"] * s) + 1 / (p["I_2"] * s**2 + (p["c_2"] + p["c_B"]) * s + p["k_2"])
+
+
+def dmf_tm(s, p):
+    return 1 / (p["I_1"] * s**2 + p["c_M"] * s + 1 / dmf_tt(s, p))
+
+
+def amt_tt(s, p):
+    """Equation (20)."""
+    out = p["I_2"] * s**2 + (p["c_B"] + p["c_O"] / p["tau"] ** 2) * s + p["k_2"] / p["tau"] ** 2
+    return 1 / ((p["I_1"] - p["I_MT"]) * s**2 + 1 / (1 / (p["k_1"] + p["c_1"] * s) + 1 / out))
+
+
+def slopes(function, values, names, s):
+    """Derivatives by mpmath."""
+    exact = {name: mp.mpf(str(value)) for name, value in values.items()}
+
+    def one(name):
+        return mp.diff(lambda x: function(s, {**exact, name: x}), exact[name])
+
+    return [complex(one(name)) for name in names]
+
+
+@pytest.mark.parametrize(
+    ("rig", "values", "function", "against"),
+    [
+        ("dmf_rig", DMF, dmf_tt, "T_T"),
+        ("dmf_rig", DMF, dmf_tm, "T_M"),
+        ("amt_rig", {**AMT, "tau": 4.14}, amt_tt, "T_T"),
+    ],
+)
+def test_derivatives_of_the_papers_equations(rig, values, function, against):
+    names = [name for name in values if not (against == "T_T" and name in ("c_M", "I_1" if rig == "dmf_rig" else ""))]
+    response = parametric_response(tn.load(rig).configured(**values), "theta_1", against, F, names)
+    found = response.at(response.start)
+    for line, f in enumerate(F):
+        s = 2j * mp.pi * mp.mpf(float(f))
+        exact = {name: mp.mpf(str(value)) for name, value in values.items()}
+        assert found.values[line, 0, 0] == pytest.approx(complex(function(s, exact)), rel=1e-11)
+        expected = slopes(function, values, names, s)
+        for p, name in enumerate(names):
+            scale = abs(complex(function(s, exact))) / values[name]
+            assert abs(found.jacobian[line, 0, 0, p] - expected[p]) <= 1e-8 * max(abs(expected[p]), 1e-6 * scale), name
+
+
+def test_ratio_in_readings_too():
+    """Torque behind the gear, and speeds of both shafts, follow the ratio that is varied."""
+    rig = tn.load("amt_rig").configured("III")
+    outputs = ["torque(gearbox, output_shaft)", "torque(gearbox)", "velocity(output_shaft)", "twist(half_shaft)"]
+    response = parametric_response(rig, outputs, "T_M", F, ["tau", "k_2", "c_O"])
+    found = response.at(response.start)
+    torque_out, torque_in, speed, twist = (found.jacobian[:, i, 0] for i in range(4))
+    values = found.values[:, :, 0]
+    tau = 5.42
+    # torque out = tau torque in; speed out = s twist of the half-shaft, whose other end is locked
+    assert np.allclose(torque_out[:, 0], values[:, 1] + tau * torque_in[:, 0], rtol=1e-9)
+    assert np.allclose(torque_out[:, 1:], tau * torque_in[:, 1:], rtol=1e-9)
+    assert np.allclose(speed, 2j * np.pi * F[:, None] * twist, rtol=1e-9)
+
+
+def test_numbers_of_elements_without_a_name():
+    rig = tn.Drivetrain(
+        "two",
+        [
+            tn.Inertia("rotor", node="a", inertia=0.1),
+            tn.Spring("shaft", nodes=("a", "ground"), stiffness=400, damping=1),
+        ],
+    )
+    response = parametric_response(rig, "a", "a", F, ["shaft.stiffness", "rotor.inertia", "shaft.damping"])
+    s = 2j * np.pi * F
+    H = 1 / (0.1 * s**2 + s + 400)
+    found = response.at([400, 0.1, 1])
+    assert np.allclose(found.jacobian[:, 0, 0], -(H**2)[:, None] * np.column_stack([np.ones(6), s**2, s]), rtol=1e-9)
+
+
+@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@given(strategies.blueprints(size=4), st.data())
+def test_random_drivetrains_against_differences_of_the_solver(blueprint, data):
+    drivetrain, mechanics = blueprint.drivetrain(), blueprint.mechanics
+    moving = [node for node in drivetrain.nodes if mechanics.moves(node)]
+    ends = [data.draw(st.sampled_from(moving)) for _ in range(2)]
+    fields = [
+        f"{name}.{field}"
+        for name, element in drivetrain.elements.items()
+        for field in ("inertia", "stiffness", "damping")
+        if type(element).__name__ in ("Inertia", "Spring", "Damper") and hasattr(element, field)
+    ]
+    if not fields:
+        return
+    name = data.draw(st.sampled_from(fields))
+    f = np.array([0.7, 3.1])
+    try:
+        response = parametric_response(drivetrain, *ends, f, [name])
+    except UsageError:  # given as a damping ratio
+        return
+    x = response.start
+    step = 1e-4 * abs(x) + 1e-7
+    found = response.at(x)
+    high, low = (response.at(x + sign * step).values for sign in (1, -1))
+    expected = (high - low) / (2 * step)
+    size = np.abs(found.values).max() / max(abs(x[0]), 1e-3)
+    curved = np.abs(high + low - 2 * found.values).max() / step[0]
+    assert (
+        np.abs(found.jacobian[..., 0] - expected).max() <= 1e-5 * size + 1e-3 * curved + 1e-6 * np.abs(expected).max()
+    )
+    assert np.allclose(found.values, drivetrain.frequency_response(*ends, f).values, rtol=1e-7, atol=1e-9 * size)
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        (["c_3"], 'no parameter is named "c_3"; did you mean'),
+        (["c_2", "c_2"], "named twice"),
+        (["dmf.stifness"], 'did you mean "stiffness"'),
+        (["dmf.stiffness"], "is given as k_2; vary the parameters in it"),
+        (["flywhel.inertia"], "no parameter is named"),
+    ],
+)
+def test_unknown_names(names, message):
+    with pytest.raises(UsageError, match=message):
+        parametric_response(tn.load("dmf_rig"), "theta_1", "T_T", F, names)
+
+
+def test_zero_frequency_is_refused_and_infinite_values_are_told():
+    rig = tn.load("dmf_rig")
+    with pytest.raises(UsageError, match="above 0"):
+        parametric_response(rig, "theta_1", "T_T", [0.0, 1.0], ["c_2"])
+    with pytest.raises(SolveError, match="not finite at k_2 = nan"):
+        parametric_response(rig, "theta_1", "T_T", [1.0], ["k_2"]).at([np.nan])
+
+
+# Modes
+
+
+def test_one_mass_in_closed_form():
+    k, c, inertia = 460.0, 4.0, 0.152
+    rig = tn.Drivetrain(
+        "one",
+        [
+            tn.Inertia("rotor", node="a", inertia="J"),
+            tn.Spring("dmf", nodes=("a", "ground"), stiffness="k", damping="c"),
+        ],
+        parameters={"J": inertia, "k": k, "c": c},
+    )
+    found = mode_sensitivities(rig, ["J", "k", "c"])
+    omega, zeta = np.sqrt(k / inertia), c / (2 * np.sqrt(k * inertia))
+    assert found.natural_frequencies[0] == pytest.approx(omega / 2 / np.pi)
+    assert found.relative_frequencies[0] == pytest.approx([-0.5, 0.5, 0], abs=1e-10)
+    assert found.relative_dampings[0] == pytest.approx([-0.5, -0.5, 1], abs=1e-10)
+    assert found.damping_slopes[0, 2] == pytest.approx(zeta / c)
+
+
+@pytest.mark.parametrize("gear", ["II", "V_c_O_360"])
+@pytest.mark.parametrize("measured", [None, "T_T"])
+def test_poles_of_the_papers_rig_overdamped_ones_too(gear, measured):
+    """Roots of the characteristic polynomial in many digits, moved by a millionth."""
+    rig = tn.load("amt_rig").configured(gear)
+    values = {**AMT, "tau": rig.parameters["tau"], "c_O": rig.parameters["c_O"]}
+    names = ["I_1", "I_2", "k_1", "k_2", "c_1", "c_B", "c_O", "tau"]
+    found = mode_sensitivities(rig, names, measured_input=measured)
+
+    def poles(p):
+        first = p["I_1"] - (p["I_MT"] if measured else 0)
+        bearing = 0 if measured else p["c_M"]
+        out_c, out_k = p["c_B"] + p["c_O"] / p["tau"] ** 2, p["k_2"] / p["tau"] ** 2
+        # (I s^2 + (c_1 + c) s + k_1) (I_2 s^2 + (c_1 + out_c) s + k_1 + out_k) - (c_1 s + k_1)^2
+        a = [first, p["c_1"] + bearing, p["k_1"]]
+        b = [p["I_2"], p["c_1"] + out_c, p["k_1"] + out_k]
+        product = [mp.mpf(0)] * 5
+        for i in range(3):
+            for j in range(3):
+                product[i + j] += a[i] * b[j]
+        square = [p["c_1"] ** 2, 2 * p["c_1"] * p["k_1"], p["k_1"] ** 2]
+        for i in range(3):
+            product[i + 2] -= square[i]
+        roots = [complex(root) for root in mp.polyroots(product, maxsteps=500, extraprec=300)]
+        return np.array(sorted((root for root in roots if root.imag > -1e-9), key=abs))
+
+    exact = {name: mp.mpf(str(value)) for name, value in values.items()}
+    assert np.allclose(found.poles, poles(exact), rtol=1e-9)
+    for p, name in enumerate(names):
+        step = exact[name] * mp.mpf("1e-7")
+        moved = [poles({**exact, name: exact[name] + sign * step}) for sign in (1, -1)]
+        expected = (moved[0] - moved[1]) / float(2 * step)
+        assert np.allclose(found.pole_slopes[:, p], expected, rtol=1e-6, atol=1e-6 * np.abs(expected).max()), name
+
+
+def test_repeated_modes_part_as_the_parameter_wants():
+    """Two equal branches on one wheel: their common mode is double; the stiffness of one moves one of the two."""
+    elements = [tn.Inertia("hub", node="h", inertia=1), tn.Lock("clamp", node="h")]
+    for branch in "abc":
+        elements += [
+            tn.Inertia(f"disc_{branch}", node=branch, inertia=0.1),
+            tn.Spring(f"arm_{branch}", nodes=("h", branch), stiffness=f"k_{branch}", damping=0.2),
+        ]
+    rig = tn.Drivetrain("branches", elements, parameters={"k_a": 100, "k_b": 100, "k_c": 100})
+    found = mode_sensitivities(rig, ["k_a", "k_b", "k_c"])
+    assert len(found.poles) == 3
+    for p in range(3):
+        moved = np.sort(np.abs(found.pole_slopes[:, p]))
+        omega = abs(found.poles[0].imag)
+        assert moved[:2] == pytest.approx([0, 0], abs=1e-9)
+        assert moved[2] == pytest.approx(1 / 0.1 / (2 * omega), rel=1e-6)
+
+
+def test_words_say_which_parameter_moves_which_mode():
+    words = mode_sensitivities(tn.load("dmf_rig")).words()
+    assert words[0].startswith("mode 1 (7.105 Hz, 22.3 % damping): frequency by k_2 (+0.5), I_2 (-0.33)")
+    assert "damping by c_2 (+0.87)" in words[0]
+
+
+def test_tornado_shows_the_strongest_first():
+    from torsionnet import report
+
+    found = mode_sensitivities(tn.load("dmf_rig"))
+    figure = report.tornado(found, modes=[1])
+    labels = [text.get_text() for text in figure.axes[0].get_yticklabels()]
+    assert set(labels[:3]) == {"k_2", "c_2", "I_2"}
+    with pytest.raises(UsageError, match="there is no mode 3"):
+        report.tornado(found, modes=[3])

@@ -1,0 +1,105 @@
+"""``torsionnet sensitivity``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from torsionnet.cli.cases import Case, file_of, joined, load_cases
+from torsionnet.cli.options import csv_option, json_option, model_options, plot_option
+from torsionnet.cli.terminal import print_json, print_table, wrote
+
+if TYPE_CHECKING:
+    from torsionnet.response import Table
+    from torsionnet.sensitivity import ModeSensitivities
+
+ROUNDING = 1e-9
+
+
+@click.command("sensitivity")
+@model_options
+@click.option(
+    "--parameter", "parameters", metavar="NAME", multiple=True, help="Or element.field; default: all. Repeatable."
+)
+@click.option("--mode", "modes", type=click.IntRange(1), multiple=True, help="Only this mode. Repeatable.")
+@click.option("--measured-input", metavar="SENSOR", help="Poles of responses against this sensor instead.")
+@click.option("--excitation", metavar="INPUT", help="What drives the drivetrain then, if it has several inputs.")
+@json_option
+@csv_option
+@plot_option("a tornado plot")
+def command(
+    model: str,
+    configurations: tuple[str, ...],
+    settings: tuple[tuple[str, str], ...],
+    parameters: tuple[str, ...],
+    modes: tuple[int, ...],
+    measured_input: str | None,
+    excitation: str | None,
+    as_json: bool,
+    csv_file: str | None,
+    plot_file: str | None,
+) -> None:
+    """Exact derivatives of natural frequencies and damping ratios to the parameters of a model.
+
+    \b
+    torsionnet sensitivity amt_rig -c V --mode 1 --plot tornado.png
+    """  # noqa: D301
+    cases = load_cases(model, configurations, settings)
+    from torsionnet.sensitivity import mode_sensitivities
+
+    results = [
+        mode_sensitivities(
+            case.drivetrain, list(parameters) or None, measured_input=measured_input, excitation=excitation
+        )
+        for case in cases
+    ]
+    tables = [_chosen(one.table(), modes) for one in results]
+    if as_json:
+        print_json([_as_data(case, one, modes) for case, one in zip(cases, results, strict=True)])
+    else:
+        print_table(joined(cases, tables, named=bool(configurations)))
+    if csv_file:
+        joined(cases, tables, named=bool(configurations)).to_csv(csv_file)
+        wrote(csv_file)
+    if plot_file:
+        from torsionnet import report
+
+        for case, one in zip(cases, results, strict=True):
+            path = file_of(plot_file, case, cases)
+            report.save(report.tornado(one, modes=list(modes) or None), path)
+            wrote(path)
+
+
+def _chosen(table: Table, modes: tuple[int, ...]) -> Table:
+    """Only some modes, of them what moves at all."""
+    from dataclasses import replace
+
+    rows = tuple(
+        row for row in table.rows if (not modes or row[0] in modes) and max(abs(row[4]), abs(row[5])) > ROUNDING
+    )
+    notes = tuple(note for number, note in enumerate(table.notes, 1) if not modes or number in modes)
+    return replace(table, rows=rows, notes=notes)
+
+
+def _as_data(case: Case, found: ModeSensitivities, modes: tuple[int, ...]) -> dict[str, Any]:
+    chosen = [number - 1 for number in modes if number <= len(found.poles)] or range(len(found.poles))
+    return {
+        "title": found.title,
+        "configuration": case.configuration,
+        "parameters": list(found.parameters),
+        "values": found.values.tolist(),
+        "modes": [
+            {
+                "mode": mode + 1,
+                "natural_frequency_Hz": float(found.natural_frequencies[mode]),
+                "damping_ratio": float(found.damping_ratios[mode]),
+                "frequency_percent_per_percent": found.relative_frequencies[mode].tolist(),
+                "damping_percent_per_percent": found.relative_dampings[mode].tolist(),
+                "d_frequency": found.frequency_slopes[mode].tolist(),
+                "d_damping": found.damping_slopes[mode].tolist(),
+            }
+            for mode in chosen
+        ],
+        "words": list(found.words()),
+    }

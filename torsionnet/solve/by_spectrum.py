@@ -1,0 +1,55 @@
+"""Motion over time of drivetrains with frequency-dependent laws: the response times the spectrum of the torques."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.fft import next_fast_len
+
+from torsionnet.assembly.functionals import Functional
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.channels import Input
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import UsageError
+from torsionnet.solve.question import Question, ask
+from torsionnet.solve.transfer import responses
+
+
+def by_spectrum(
+    drivetrain: Drivetrain,
+    readings: Sequence[Functional],
+    excitations: Sequence[Input],
+    torques: FloatArray,
+    sampling_rate: float,
+) -> FloatArray:
+    """Readings (n_out, n) under torques (n_in, n) that are zero before and after.
+
+    The record is followed by as much silence, in which the motion dies away. A hysteretic law is no system that knows
+    only the past, so a response begins faintly before its cause; torques count as band-limited, not as straight from
+    sample to sample.
+
+    Raises
+    ------
+    UsageError
+        The drivetrain is free to turn, or its response has no finite static value.
+    """
+    count = torques.shape[1]
+    size = int(next_fast_len(2 * count, real=True))
+    frequencies: FloatArray = np.asarray(np.fft.rfftfreq(size, 1 / sampling_rate), dtype=np.float64)
+    question = _question(drivetrain, readings, excitations)
+    H = responses([drivetrain], question, frequencies, "graph").values[0]
+    if not np.isfinite(H).all():
+        msg = f"{drivetrain.title} has frequency-dependent laws and no finite static response: lock it to simulate it"
+        raise UsageError(msg)
+    spectra = np.fft.rfft(torques, size, axis=1)
+    H[0] = H[0].real
+    motion = np.fft.irfft(np.einsum("foi,if->of", H, spectra), size, axis=1)
+    return np.asarray(motion[:, :count])
+
+
+def _question(drivetrain: Drivetrain, readings: Sequence[Functional], excitations: Sequence[Input]) -> Question:
+    node = next(iter(drivetrain.nodes))
+    nodes = [load.of for load in excitations]
+    return replace(ask(drivetrain, [node], nodes, None), outputs=tuple(readings))
