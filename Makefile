@@ -11,7 +11,7 @@ PIP := $(RUN) -m pip --disable-pip-version-check
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo figures test lint format types docs bench clean
+.PHONY: help demo figures identify test lint format types docs bench clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' Makefile
@@ -21,6 +21,9 @@ demo: $(VENV)/.installed  ## tables on the screen, plots in out/
 
 figures: $(VENV)/.installed  ## only the figures of the virtual test bench, in out/
 	$(RUN) -m torsionnet.demo.figures
+
+identify: $(VENV)/.installed  ## the paper's identification on the virtual bench
+	$(RUN) -m torsionnet.demo.identification
 
 test: $(VENV)/.group-test  ## all tests and docstring examples, on all cores
 	$(RUN) -m pytest -n auto $(ARGS)

@@ -17,6 +17,8 @@ FIGURES = [
     "fig_07_amt_coherence.png",
     "fig_11_dmf_test_and_model.png",
     "fig_12_amt_II_test_and_model.png",
+    "fit_amt.png",
+    "fit_dmf.png",
 ]
 SLUGS = ["dmf", "amt_II", "amt_III", "amt_IV", "amt_V", "amt_V_c_O_360"]
 
@@ -139,3 +141,11 @@ def test_virtual_bench_agrees_with_the_model_where_the_encoder_resolves_it(shown
     assert found == pytest.approx(peak, abs=0.5)
     assert decibels < 0.6
     assert degrees < 6
+
+
+def test_identification_finds_the_true_values(shown):
+    text, _ = shown
+    for name, true in (("c_2", 4), ("c_O", 170), ("c_B", 1.5)):
+        line = next(line for line in text.splitlines() if re.match(rf" *{name}  +\d.* (yes|no)$", line))
+        assert float(line.split()[1]) == pytest.approx(true, rel=0.01)
+    assert "c_O and c_B cannot be told apart in II alone" in text

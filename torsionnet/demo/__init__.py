@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def main(arguments: list[str] | None = None) -> int:
-    from torsionnet.demo import figures, rigs
+    from torsionnet.demo import figures, identification, rigs
 
     given = sys.argv[1:] if arguments is None else arguments
     folder = Path(given[0] if given else "out")
@@ -15,6 +15,8 @@ def main(arguments: list[str] | None = None) -> int:
     rigs.show(folder)
     print()
     figures.show(folder)
+    print()
+    identification.show(folder)
     return 0
 
 
