@@ -45,9 +45,7 @@ def flywheel() -> Fit:
 def transmission(gears: tuple[str, ...] = GEARS) -> Fit:
     """c_O and c_B of the AMT rig from several gears at once."""
     bench = fine(load_bench("amt_bench"))
-    tests = [
-        Measurement(bench.configured(gear).run(), "theta_1", "T_T", gear, settings=PAPER) for gear in gears
-    ]
+    tests = [Measurement(bench.configured(gear).run(), "theta_1", "T_T", gear, settings=PAPER) for gear in gears]
     return identify(load("amt_rig"), tests, {name: BEGIN[name] for name in ("c_O", "c_B")})
 
 

@@ -62,9 +62,9 @@ class Block(ABC):
         """Standard deviation of real and imaginary parts that noise alone makes, (2 n_b,)."""
 
     @property
-    def correlation(self) -> FloatArray:
-        """Of the weighted residuals, (2 n_b, 2 n_b)."""
-        return np.eye(2 * len(self.frequencies))
+    def correlation(self) -> FloatArray | None:
+        """Of the weighted residuals, (2 n_b, 2 n_b); None where they are independent."""
+        return None
 
     def residuals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Weighted model minus test (2 n_b,), and derivatives (2 n_b, n)."""

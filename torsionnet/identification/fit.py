@@ -145,13 +145,13 @@ def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str)
     correlation R of the residuals, times the reduced chi squared.
     """
     residuals, slopes = problem.both(values)
-    free = effective_count(problem.correlation) - len(values)
+    free = problem.effective_count - len(values)
     factor = float(residuals @ residuals) / max(len(residuals) - len(values), 1)
     scale = 1 / np.linalg.norm(slopes, axis=0)
     left, sizes, turned = np.linalg.svd(slopes * scale, full_matrices=False)
     lost = sizes < SINGULAR * sizes[0]
     backward = (turned.T / np.where(lost, np.inf, sizes)) @ left.T
-    inverse = backward @ problem.correlation @ backward.T
+    inverse = problem.under_noise(backward)
     covariance = factor * inverse * np.outer(scale, scale)
     undetermined = (np.abs(turned[lost]) > np.sqrt(SINGULAR)).any(axis=0)
     errors = np.where(undetermined, np.inf, np.sqrt(np.diag(covariance)))
@@ -170,15 +170,6 @@ def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str)
         title=f"Fit of {model.name}",
         problem=problem,
     )
-
-
-def effective_count(correlation: FloatArray) -> float:
-    """Number of independent values that so many correlated ones are worth.
-
-    >>> effective_count(np.eye(4)), round(effective_count(np.array([[1, 0.5], [0.5, 1]])), 6)
-    (4.0, 1.6)
-    """
-    return float(len(correlation) ** 2 / np.sum(correlation**2))
 
 
 def _correlation(inverse: FloatArray, lost: FloatArray) -> FloatArray:

@@ -100,7 +100,7 @@ def identify(
     problem = make_problem(model, listed, read_unknowns(parameters), residual)
     _check_information(problem)
     best = min((_solved(problem, start, loss) for start in _starts(problem, starts, seed)), key=lambda one: one.cost)
-    for _ in range(ROUNDS):
+    for _ in range(ROUNDS if problem.has_records else 0):
         before = best.x
         problem.learn_noise(before)
         best = _solved(problem, before, loss)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
@@ -74,14 +73,36 @@ class Problem:
                 block.learn_noise(values[place])
         self.forget()
 
+    @property
+    def has_records(self) -> bool:
+        return any(isinstance(block, RecordBlock) for block in self.blocks)
+
     def forget(self) -> None:
         """After the noise of a block has changed."""
         self._known = None
 
+    def under_noise(self, backward: FloatArray) -> FloatArray:
+        """Covariance of backward (n, n_residuals) @ residuals; measurements and priors are independent."""
+        total, start = np.zeros((len(backward), len(backward))), 0
+        for correlation, count in self._correlations:
+            part = backward[:, start : start + count]
+            total += part @ part.T if correlation is None else part @ correlation @ part.T
+            start += count
+        return total
+
     @property
-    def correlation(self) -> FloatArray:
-        """Of all weighted residuals: measurements and priors are independent of each other."""
-        return linalg.block_diag(*(block.correlation for block in self.blocks), np.eye(len(self.priors)))
+    def effective_count(self) -> float:
+        """Number of independent values that the correlated residuals are worth."""
+        pairs = list(self._correlations)
+        squares = sum(count if one is None else float(np.sum(one**2)) for one, count in pairs)
+        return float(sum(count for _, count in pairs) ** 2 / squares)
+
+    @property
+    def _correlations(self) -> Iterator[tuple[FloatArray | None, int]]:
+        for block in self.blocks:
+            yield block.correlation, 2 * len(block.frequencies)
+        if self.priors:
+            yield None, len(self.priors)
 
     @property
     def lines(self) -> int:
