@@ -51,13 +51,8 @@ class Choice:
 
     @property
     def verdict(self) -> str:
-        names = list(self.fits)
-        if len(names) == 1:
-            return f"only {names[0]} was tried"
-        second = self.differences[names[1]]
-        how = "clearly" if second > CLEAR else "somewhat" if second > SLIGHT else "hardly"
-        others = f"{names[1]} is {second:.1f} worse in AICc"
-        return f"{names[0]} explains the data {how} better than the others: {others}"
+        others = [f"{name} is {rise:.3g} worse in AICc ({_how(rise)})" for name, rise in self.differences.items()][1:]
+        return f"{self.best} is preferred: {', '.join(others)}" if others else f"only {self.best} was tried"
 
     def table(self) -> Table:
         """A row for each model."""
@@ -68,6 +63,10 @@ class Choice:
             misfit = float(np.sqrt(np.mean([one.misfit**2 for one in fit.comparisons])))
             rows.append((name, values, self.differences[name], misfit))
         return Table("Models by AICc", columns, tuple(rows), (self.verdict,))
+
+
+def _how(rise: float) -> str:
+    return "clearly" if rise > CLEAR else "somewhat" if rise > SLIGHT else "hardly"
 
 
 def choose_model(candidates: Mapping[str, Candidate], measurements: Measurement | Sequence[Measurement]) -> Choice:

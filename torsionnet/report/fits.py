@@ -57,7 +57,8 @@ def fit(found: Fit, *, conventions: Conventions = SI, title: str | None = None) 
     style.log_ticks(size.yaxis, *size.get_ylim())
     every = np.concatenate([_phase(one.measured) for one in shown])
     style.phase_ticks(panels[1][0], float(every.min()), float(every.max()))
-    handles, names = size.get_legend_handles_labels()
+    above, below = size.get_legend_handles_labels(), panels[2][0].get_legend_handles_labels()
+    handles, names = above[0] + below[0], above[1] + below[1]
     figure.legend(handles, names, loc="outside lower center", ncols=4, frameon=False, fontsize=style.SMALL)
     values = ", ".join(f"{name} = {value:.4g}" for name, value in list(found.values.items())[:4])
     style.heading(figure, f"{found.title}: {values}" if title is None else title)
@@ -95,7 +96,7 @@ def _column(panels: list[Axes], one: Compared, conventions: Conventions) -> None
     phase.plot(f, _phase(one.fitted), color=style.PALETTE[0], linewidth=1.4)
     rest = (one.measured - one.fitted) / one.deviation
     left.axhspan(-2, 2, color=style.FAINT, alpha=0.6, linewidth=0)
-    left.plot(f, rest.real, color=style.PALETTE[2], marker=".", linewidth=0.8, label="real part")
+    left.plot(f, rest.real, color=style.PALETTE[2], marker=".", linewidth=0.8, label="residual, real part")
     left.plot(f, rest.imag, color=style.PALETTE[3], marker=".", linewidth=0.8, label="imaginary part")
     size.set_yscale("log")
     size.set_title(one.name, fontsize=style.FONT)
