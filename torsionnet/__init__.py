@@ -52,12 +52,12 @@ _HOMES = {
     "loads": "files",
 }
 
-_PACKAGES = ("report", "signals", "units")
+_PACKAGES = ("interchange", "report", "signals", "units")
 
 __all__ = ["__version__", *_HOMES, *_PACKAGES]  # noqa: PLE0604
 
 if TYPE_CHECKING:
-    from torsionnet import report, signals, units
+    from torsionnet import interchange, report, signals, units
     from torsionnet.channels import Input, Sensor
     from torsionnet.damping import convert_damping
     from torsionnet.drivetrain import Drivetrain
