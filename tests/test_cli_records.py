@@ -101,6 +101,20 @@ def test_estimate_in_json_with_its_settings(record):
     assert data["responses"][0]["real"][at] == pytest.approx(np.degrees((1 / (400 + 2j * np.pi * 5)).real), rel=0.02)
 
 
+@pytest.mark.parametrize("ending", ["uff", "mat", "npz", "csv"])
+def test_estimate_writes_the_response_for_other_programs(record, ending):
+    if ending == "uff":
+        pytest.importorskip("pyuff")
+    path = record.parent / f"frf.{ending}"
+    run("estimate", record, "--input", "M", "--output", "phi", "--to", 30, "-o", path)
+    found = tn.interchange.read_frequency_response(path)
+    expected = tn.signals.estimate(read_recording(record), "phi", "M").between(0, 30)
+    assert np.allclose(found.values, expected.values, rtol=1e-12)
+    assert np.allclose(found.coherence, expected.coherence, rtol=1e-12)
+    assert np.allclose(found.frequencies, expected.frequencies)
+    assert (found.outputs, found.inputs) == (expected.outputs, expected.inputs)
+
+
 def test_compare_shows_how_far_test_and_model_are_apart(record):
     arguments = ("compare", record, "rig.yaml", "--output", "phi", "--input", "M", "--from", 1, "--to", 25)
     data = json.loads(run(*arguments, "--json", "--plot", "c.png", "--csv", "c.csv").stdout)

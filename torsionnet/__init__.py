@@ -59,12 +59,12 @@ _HOMES = {
     "loads": "files",
 }
 
-_PACKAGES = ("bench", "identification", "modal", "report", "sensitivity", "signals", "units")
+_PACKAGES = ("bench", "identification", "interchange", "modal", "report", "sensitivity", "signals", "units")
 
 __all__ = ["__version__", *_HOMES, *_PACKAGES]  # noqa: PLE0604
 
 if TYPE_CHECKING:
-    from torsionnet import bench, identification, modal, report, sensitivity, signals, units
+    from torsionnet import bench, identification, interchange, modal, report, sensitivity, signals, units
     from torsionnet.channels import Input, Sensor
     from torsionnet.damping import convert_damping
     from torsionnet.drivetrain import Drivetrain

@@ -6,12 +6,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.cli.options import csv_option, json_option, plot_option
+from torsionnet.cli.options import OutputFile, csv_option, json_option, plot_option
 from torsionnet.cli.record_options import Averaging, Reading, averaging_options, record_options
 from torsionnet.cli.terminal import message, print_json, print_table, wrote
 
 if TYPE_CHECKING:
     from torsionnet.response import Conventions, FrequencyResponse, Table
+
+RESPONSE_ENDINGS = (".uff", ".unv", ".mat", ".npz", ".csv")
 
 
 @click.command("estimate")
@@ -24,6 +26,9 @@ if TYPE_CHECKING:
 @click.option("--angle", type=click.Choice(["rad", "deg"]), default="rad", show_default=True, help="Unit of angles.")
 @json_option
 @csv_option
+@click.option(
+    "-o", "--out", "out_file", type=OutputFile(RESPONSE_ENDINGS), help="Write the response: UFF58, MAT, NPZ or CSV."
+)
 @plot_option("magnitude, phase and coherence")
 def command(
     record: str,
@@ -36,6 +41,7 @@ def command(
     angle: str,
     as_json: bool,
     csv_file: str | None,
+    out_file: str | None,
     plot_file: str | None,
 ) -> None:
     """Frequency responses and coherence from a record of signals.
@@ -57,6 +63,11 @@ def command(
     if csv_file:
         response.to_csv(csv_file, conventions)
         wrote(csv_file)
+    if out_file:
+        from torsionnet.interchange import write_frequency_response
+
+        write_frequency_response(response, out_file)
+        wrote(out_file)
     if plot_file:
         from torsionnet import report
 

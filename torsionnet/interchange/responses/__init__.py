@@ -1,0 +1,1 @@
+"""Frequency responses in files: CSV, NPZ, MAT and, with an extra, UFF58."""

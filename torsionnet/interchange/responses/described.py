@@ -1,0 +1,62 @@
+"""What a frequency response is besides its numbers, as one JSON text that goes into a file next to them."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.response import Channel, FrequencyResponse
+
+KEY = "torsionnet_frequency_response"
+
+
+def description(response: FrequencyResponse) -> str:
+    """JSON text of names, units, title and notes."""
+    data = {
+        "outputs": [[channel.name, channel.unit] for channel in response.outputs],
+        "inputs": [[channel.name, channel.unit] for channel in response.inputs],
+        "title": response.title,
+        "notes": list(response.notes),
+    }
+    return json.dumps(data)
+
+
+def arrays(response: FrequencyResponse) -> dict[str, Any]:
+    """The numbers by name; coherence and conditioning only where there are any."""
+    found: dict[str, Any] = {"frequencies": response.frequencies, "values": response.values}
+    given = {"coherence": response.coherence, "conditioning": response.conditioning}
+    return found | {name: values for name, values in given.items() if values is not None}
+
+
+@dataclass(frozen=True)
+class Words:
+    """A description taken apart."""
+
+    outputs: tuple[Channel, ...]
+    inputs: tuple[Channel, ...]
+    title: str
+    notes: tuple[str, ...]
+
+
+def words(text: str) -> Words:
+    """A description taken apart; ``ValueError`` where it is damaged."""
+    try:
+        data = json.loads(text)
+        outputs, inputs = (tuple(Channel(str(n), str(u)) for n, u in data[side]) for side in ("outputs", "inputs"))
+        return Words(outputs, inputs, str(data["title"]), tuple(map(str, data["notes"])))
+    except (json.JSONDecodeError, KeyError, TypeError, ValueError) as error:
+        msg = f"the description of the response in the file is damaged ({type(error).__name__}: {error})"
+        raise ValueError(msg) from error
+
+
+def described(text: str, numbers: dict[str, Any]) -> FrequencyResponse:
+    """The response made of a description and numbers; ``ValueError`` where the two do not fit each other."""
+    said = words(text)
+    sizes = (len(numbers["frequencies"]), len(said.outputs), len(said.inputs))
+    shapes = {"frequencies": sizes[:1], "values": sizes, "coherence": sizes, "conditioning": sizes[:1]}
+    for name, values in numbers.items():
+        if values.shape != shapes[name]:
+            msg = f"{name} has shape {values.shape}, its description says {shapes[name]}"
+            raise ValueError(msg)
+    return FrequencyResponse(outputs=said.outputs, inputs=said.inputs, title=said.title, notes=said.notes, **numbers)

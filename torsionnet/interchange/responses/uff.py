@@ -1,0 +1,121 @@
+"""Universal files, dataset 58: a function of type 4 for every transfer function, of type 6 for its coherence.
+
+Both sides are rotations about the X axis (direction 4), numbered as outputs and inputs; the first line of a dataset
+names them, ``output / input``.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from torsionnet.atomic import replacing
+from torsionnet.errors import UsageError
+from torsionnet.interchange.responses.uff_datasets import (
+    BETWEEN,
+    COHERENCE,
+    FRF,
+    GENERAL_FUNCTION,
+    ROTATION,
+    TYPES,
+    WIDTH,
+)
+from torsionnet.interchange.responses.uff_reading import collected
+from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.signals.files.extras import needed
+
+ENTITY, LABEL = 10, 20
+FREQUENCY = 18
+_UNUSED = {
+    f"{axis}_{entry}": 0
+    for axis in ("abscissa", "ordinate", "orddenom", "z_axis")
+    for entry in ("spec_data_type", "len_unit_exp", "force_unit_exp", "temp_unit_exp")
+} | {"z_axis_value": 0.0, "z_axis_axis_units_lab": "NONE"}
+
+
+def read(path: Path) -> FrequencyResponse:
+    """All transfer functions of a universal file as one response."""
+    pyuff = needed("uff")
+    found = pyuff.UFF(str(path)).read_sets()
+    return collected(found if isinstance(found, list) else [found], path)
+
+
+def write(response: FrequencyResponse, path: Path) -> None:
+    """Binary datasets 58 in double precision."""
+    pyuff = needed("uff")
+    if len(response.frequencies) < 2:  # noqa: PLR2004
+        msg = "a universal file takes responses at two frequencies or more; write an .npz or .csv file"
+        raise UsageError(msg)
+    sets = list(_datasets(response))
+    with replacing(path) as temporary, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        temporary.unlink()  # pyuff would add to the empty file as if it had an end of a dataset
+        for item in sets:
+            pyuff.UFF(str(temporary)).write_sets(item, mode="add")
+
+
+def _datasets(response: FrequencyResponse) -> Iterator[dict[str, Any]]:
+    common = _common(response)
+    for o, out in enumerate(response.outputs):
+        for i, into in enumerate(response.inputs):
+            place = {"id1": _first_line(out, into), "rsp_node": o + 1, "ref_node": i + 1, "rsp_dir": ROTATION,
+                     "ref_dir": ROTATION, "rsp_ent_name": _entity(out), "ref_ent_name": _entity(into)}  # fmt: skip
+            yield {**common, **place, "func_type": FRF, "data": _complex(response.values[:, o, i]),
+                   **_side("ordinate", out), **_side("orddenom", into)}  # fmt: skip
+            if response.coherence is not None:
+                yield {**common, **place, "func_type": COHERENCE, "data": _real(response.coherence[:, o, i])}
+    if response.conditioning is not None:
+        yield {**common, "id1": "conditioning", "rsp_node": 0, "ref_node": 0, "rsp_dir": 0, "ref_dir": 0,
+               "rsp_ent_name": "NONE", "ref_ent_name": "NONE", "func_type": GENERAL_FUNCTION,
+               "data": _real(response.conditioning)}  # fmt: skip
+
+
+def _common(response: FrequencyResponse) -> dict[str, Any]:
+    lines = (response.title, "", *response.notes[:2], "", "")[:4]
+    texts = {f"id{at}": " ".join(line.split())[:WIDTH] or "NONE" for at, line in enumerate(lines, 2)}
+    frequencies = np.asarray(response.frequencies, dtype=float)
+    return {
+        **_UNUSED, **texts, "type": 58, "binary": 1, "ver_num": 0, "load_case_id": 0, "x": frequencies,
+        "abscissa_spacing": int(_is_even(frequencies)), "abscissa_min": float(frequencies[0]),
+        "abscissa_inc": float(frequencies[1] - frequencies[0]), "abscissa_spec_data_type": FREQUENCY,
+        "abscissa_axis_units_lab": "Hz", "ordinate_axis_units_lab": "NONE", "orddenom_axis_units_lab": "NONE",
+    }  # fmt: skip
+
+
+def _is_even(frequencies: FloatArray) -> bool:
+    """Whether a start and a step of six digits, all that even spacing has room for, give these very frequencies."""
+    start, step = (float(f"{value:.5e}") for value in (frequencies[0], frequencies[1] - frequencies[0]))
+    return bool(np.array_equal(start + np.arange(len(frequencies)) * step, frequencies))
+
+
+def _first_line(output: Channel, input: Channel) -> str:
+    text = f"{output.name}{BETWEEN}{input.name}"
+    if len(text) > WIDTH or text.count(BETWEEN) > 1 or not text.isascii():
+        msg = f"a universal file has no room for the names {text}: 80 plain characters, with one slash between them"
+        raise UsageError(msg)
+    return text
+
+
+def _entity(channel: Channel) -> str:
+    fits = len(channel.name) <= ENTITY and " " not in channel.name
+    return channel.name if fits else "NONE"
+
+
+def _side(axis: str, channel: Channel) -> dict[str, Any]:
+    return {
+        f"{axis}_spec_data_type": TYPES.get(channel.unit, 0),
+        f"{axis}_axis_units_lab": channel.unit[:LABEL] or "NONE",
+    }
+
+
+def _complex(values: Any) -> Any:
+    return np.ascontiguousarray(values, dtype=complex)
+
+
+def _real(values: Any) -> Any:
+    return np.ascontiguousarray(values, dtype=float)
