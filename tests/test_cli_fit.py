@@ -55,6 +55,15 @@ def test_fit_in_json_with_profiles(folder):
     assert folder.exists()
 
 
+def test_fit_to_a_response_from_a_file(folder):
+    response = tn.load("rig.yaml").configured("soft").frequency_response("phi", "T", np.linspace(1, 25, 60))
+    tn.interchange.write_frequency_response(response, folder / "frf.csv")
+    text = FIT.replace("record: run_soft.npz", "response: frf.csv").replace("input: T_set, model_input: T", "input: T")
+    (folder / "frf.yaml").write_text(text)
+    data = json.loads(run("fit", "frf.yaml", "--json").stdout)
+    assert [entry["value"] for entry in data["parameters"]] == pytest.approx([200, 1], rel=1e-6)
+
+
 FAULTS = [
     ("model: rig.yaml", "model: rgi.yaml", 2, 'did you mean "rig.yaml"'),
     ("start: 300 N*m/rad", "strat: 300 N*m/rad", 4, 'unknown key "strat"; did you mean "start"?'),
@@ -62,6 +71,7 @@ FAULTS = [
     ("bounds: [50, 2000]", "bounds: [500, 200]", 4, "the lower bound must be below"),
     ("run_soft.npz", "run_sotf.npz", 7, 'did you mean "run_soft.npz"'),
     ("output: phi", "output: psi", 7, "psi"),
+    ("record: run_soft.npz, ", "", 7, "a measurement needs either record or response"),
     (", output: phi", "", 7, "a measurement needs output: channel"),
     ("configuration: soft", "configuration: sfot", 7, 'did you mean "soft"'),
     ("band: [1 Hz, 25 Hz]", "band: [25 Hz, 1 Hz]", 7, "from a lower to a higher frequency"),
@@ -88,7 +98,20 @@ def test_fits_that_cannot_be_done(folder):
 
 
 def test_modes_of_a_record_against_the_model(folder):
-    arguments = ("identify-modes", "run_soft.npz", "--output", "phi", "--input", "T_set", "--to", 25)
+    arguments = (
+        "identify-modes",
+        "run_soft.npz",
+        "--output",
+        "phi",
+        "--input",
+        "T_set",
+        "--from",
+        1.2,
+        "--to",
+        25,
+        "--seconds",
+        10,
+    )
     data = json.loads(run(*arguments, "--against", "rig.yaml", "-c", "soft", "--json", "--plot", "s.png").stdout)
     expected = tn.load("rig.yaml").configured("soft").modes()
     (pair,) = data["against_model"]

@@ -36,8 +36,8 @@ def command(
 ) -> None:
     """Find parameters of a model from records of tests, over several configurations at once.
 
-    FIT is a YAML file: model, measurements (record, output, input, configuration, band), parameters (start, bounds,
-    prior, per_configuration), settings of the estimate.
+    FIT is a YAML file: model, measurements (record or response, output, input, configuration, band), parameters
+    (start, bounds, prior, per_configuration), settings of the estimate.
 
     \b
     torsionnet fit gears.yaml --plot fit.png -o result.yaml
@@ -45,9 +45,10 @@ def command(
     from torsionnet.cli.progress import progress
     from torsionnet.identification import identify
     from torsionnet.identification.files import load_fit_plan
+    from torsionnet.interchange import read_frequency_response
 
     with progress("fitting", None):
-        plan = load_fit_plan(file)
+        plan = load_fit_plan(file, read_frequency_response)
         found = identify(plan.model, plan.measurements, plan.parameters, **plan.options)
         profiles = {name: found.profile(name) for name in found.values} if profile else {}
     if as_json:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -19,6 +19,7 @@ from torsionnet.files.located import Document, compose
 from torsionnet.files.placing import placed, presentable
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.unknown import Unknown
+from torsionnet.response import FrequencyResponse
 from torsionnet.signals.files import read_recording
 from torsionnet.signals.welch import PAPER, Welch
 from torsionnet.units import UnitError
@@ -35,6 +36,7 @@ SETTINGS: dict[str, Spec] = {
 }
 MEASUREMENT: dict[str, Spec] = {
     "record": Text("file of signals, from the folder of this file"),
+    "response": Text("instead of a record: file of a response already estimated"),
     "output": Text("channel"),
     "input": Text("channel"),
     "configuration": Text("of the model; by default the name of the measurement if that is one"),
@@ -45,8 +47,10 @@ MEASUREMENT: dict[str, Spec] = {
     "gain": Flag("find a gain of the output's channel along"),
     "settling": Value("time at the start that is left out", "time"),
 }
+NEEDS = {"record": "either record or response"}
 BANDS = ("band", "excluded")
 PARAMETER = ("start", "bounds", "prior", "per_configuration")
+ReadResponse = Callable[[Path], FrequencyResponse]
 _HERTZ = Value("frequency", "frequency")
 
 
@@ -61,8 +65,8 @@ class FitPlan:
     true: Mapping[str, float] = field(default_factory=dict)
 
 
-def load_fit_plan(path: str | os.PathLike[str]) -> FitPlan:
-    """Read a fit file; records are read too.
+def load_fit_plan(path: str | os.PathLike[str], read_response: ReadResponse) -> FitPlan:
+    """Read a fit file; records are read too, and with the function given responses.
 
     Raises
     ------
@@ -79,7 +83,7 @@ def load_fit_plan(path: str | os.PathLike[str]) -> FitPlan:
         raise UsageError(msg) from None
     except ModelError as error:
         raise ModelError(presentable(error.faults), file.name) from None
-    reader = _Reader(document, file)
+    reader = _Reader(document, file, read_response)
     plan = reader.plan()
     if reader.faults or plan is None:
         raise ModelError(placed([*document.faults, *reader.faults], document), file.name)
@@ -89,7 +93,8 @@ def load_fit_plan(path: str | os.PathLike[str]) -> FitPlan:
 class _Reader:
     """Collects faults while it reads."""
 
-    def __init__(self, document: Document, file: Path) -> None:
+    def __init__(self, document: Document, file: Path, read_response: ReadResponse) -> None:
+        self.read_response = read_response
         self.data: Mapping[Any, Any] = document.data if isinstance(document.data, dict) else {}
         self.folder = file.parent
         self.faults: list[Fault] = []
@@ -211,9 +216,10 @@ class _Reader:
                 self.faults.append(Fault(f"expected {{record: FILE, output: ..., input: ...}}, got {raw!r}", path))
                 continue
             values = self._values(raw, MEASUREMENT, path)
-            lacking = [key for key in ("record", "output", "input") if key not in raw]
+            lacking = [key for key in ("output", "input") if key not in raw]
+            lacking += ["record"] if ("record" in raw) == ("response" in raw) else []
             for key in lacking:
-                text = f"a measurement needs {key}: {MEASUREMENT[key].description}"
+                text = f"a measurement needs {NEEDS.get(key, key)}: {MEASUREMENT[key].description}"
                 self.faults.append(Fault(text, path, on_key=True, kind="missing key", about=key))
             bands = self._bands(raw, path)
             configuration = values.get("configuration", "")
@@ -221,11 +227,11 @@ class _Reader:
                 configuration = self._configuration(model, str(name), configuration, path)
             if lacking or len(values) < len([key for key in raw if key in MEASUREMENT]):
                 continue
-            record = self._record(values.pop("record"), (values["output"], values["input"]), path)
-            if record is not None:
-                yield Measurement(
-                    record, name=str(name), settings=settings, **{**values, "configuration": configuration}, **bands
-                )
+            key = "record" if "record" in raw else "response"
+            data = self._data(key, values.pop(key), (values["output"], values["input"]), path)
+            if data is not None:
+                more = {**values, "configuration": configuration, **bands}
+                yield Measurement(data, name=str(name), settings=settings if key == "record" else None, **more)
 
     def _configuration(self, model: Drivetrain, name: str, given: str, path: tuple[str, ...]) -> str:
         if not given:
@@ -261,17 +267,19 @@ class _Reader:
             return None
         return low, high
 
-    def _record(self, file: str, names: tuple[str, str], path: tuple[str, ...]) -> Any:
+    def _data(self, key: str, file: str, names: tuple[str, str], path: tuple[str, ...]) -> Any:
         target = self.folder / file
         if not target.is_file():
             beside = [entry.name for entry in self.folder.iterdir()] if self.folder.is_dir() else []
             hint = did_you_mean(Path(file).name, beside)
-            self.faults.append(Fault(f'there is no file "{file}"{hint}', (*path, "record")))
+            self.faults.append(Fault(f'there is no file "{file}"{hint}', (*path, key)))
             return None
         try:
+            if key == "response":
+                return self.read_response(target)
             return read_recording(target, names=list(dict.fromkeys(names)))
         except ModelError as error:
-            self.faults += [Fault(f"{file}: {fault.message}", (*path, "record")) for fault in error.faults]
+            self.faults += [Fault(f"{file}: {fault.message}", (*path, key)) for fault in error.faults]
         except UsageError as error:
-            self.faults.append(Fault(str(error), (*path, "record")))
+            self.faults.append(Fault(str(error), (*path, key)))
         return None
