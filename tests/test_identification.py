@@ -407,3 +407,21 @@ def test_no_line_of_a_record_in_the_band(amt):
         UsageError, match=r"no line of the estimate lies between 7.1 and 7.2 Hz; its lines are 0.5 Hz apart"
     ):
         tn.identify(rig, measured(records["II"], "II", settings=FAST, band=(7.1, 7.2)), ["c_O"])
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"times": np.cumsum(np.ones(20_000))}, "sampling is not uniform"),
+        ({}, "1 values that are not finite"),
+    ],
+)
+def test_records_that_cannot_be_processed(amt, change, message):
+    rig, records = amt
+    record = records["II"]
+    if not change:
+        values = record["theta_1"].values.copy()
+        values[70] = np.nan
+        record = record.with_signals(replace(record["theta_1"], values=values))
+    with pytest.raises(UsageError, match=message):
+        tn.identify(rig, measured(replace(record, **change), "II", settings=FAST, band=(1, 10)), ["c_O"])

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.errors import UsageError
+from torsionnet.signals.blocks import check_processable
 from torsionnet.signals.decimation import decimate
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import Welch
@@ -107,7 +108,9 @@ def windowed_estimate(
     settling : float, optional
         s.
     """
-    record = decimate(recording.select([output, input]), settings.decimation)
+    chosen = recording.select([output, input])
+    check_processable(chosen)
+    record = decimate(chosen, settings.decimation)
     rate, step = record.sampling_rate, settings.step(recording.sampling_rate / settings.decimation)
     bins = _lines_in(band, settings, rate)
     rows = _rows(settings, rate, bins)
