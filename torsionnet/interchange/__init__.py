@@ -1,5 +1,7 @@
 """Models and results of other programs, in and out. Each function reads or writes whole files or returns text."""
 
 from torsionnet.interchange.responses.files import read_frequency_response, write_frequency_response
+from torsionnet.interchange.tors_reading import from_tors, read_tors
+from torsionnet.interchange.tors_writing import to_tors, write_tors
 
-__all__ = ["read_frequency_response", "write_frequency_response"]
+__all__ = ["from_tors", "read_frequency_response", "read_tors", "to_tors", "write_frequency_response", "write_tors"]
