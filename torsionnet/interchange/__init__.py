@@ -1,7 +1,17 @@
 """Models and results of other programs, in and out. Each function reads or writes whole files or returns text."""
 
+from torsionnet.interchange.matlab import to_matlab, write_matlab
 from torsionnet.interchange.responses.files import read_frequency_response, write_frequency_response
 from torsionnet.interchange.tors_reading import from_tors, read_tors
 from torsionnet.interchange.tors_writing import to_tors, write_tors
 
-__all__ = ["from_tors", "read_frequency_response", "read_tors", "to_tors", "write_frequency_response", "write_tors"]
+__all__ = [
+    "from_tors",
+    "read_frequency_response",
+    "read_tors",
+    "to_matlab",
+    "to_tors",
+    "write_frequency_response",
+    "write_matlab",
+    "write_tors",
+]
