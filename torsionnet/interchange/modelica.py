@@ -12,7 +12,7 @@ from torsionnet.elements import GROUND, Values
 from torsionnet.errors import UsageError
 from torsionnet.interchange.modelica_elements import COMPONENTS, WRITERS, port
 from torsionnet.interchange.modelica_net import Net
-from torsionnet.interchange.modelica_words import KEYWORDS, ROTATIONAL, Words, quoted, unit_of
+from torsionnet.interchange.modelica_words import KEYWORDS, ROTATIONAL, Words, quoted, unit_of, written_unit
 from torsionnet.interchange.naming import Names
 from torsionnet.parameters import dimensions
 from torsionnet.solve.state_space import active_channels
@@ -113,7 +113,7 @@ class _Model:
         return lines
 
     def _interface(self, kind: str, name: str, unit: str) -> str:
-        return self.net.declare(f"{BLOCKS}.{kind}", name, f'unit="{_written(unit)}"')
+        return self.net.declare(f"{BLOCKS}.{kind}", name, f'unit="{written_unit(unit)}"')
 
     def _port(self, sensor: Sensor) -> str:
         ports = self.drivetrain.elements[sensor.of].ports
@@ -153,7 +153,3 @@ class _Model:
 
 def _input_unit(entry: Input) -> str:
     return "N*m" if entry.quantity == "torque" else "rad"
-
-
-def _written(unit: str) -> str:
-    return unit.replace("*", ".").replace("^", "")

@@ -81,3 +81,12 @@ def quoted(text: str) -> str:
     """A description on one line, in quotes."""
     plain = " ".join(text.split()).replace("\\", "\\\\").replace('"', '\\"')
     return f'"{plain}"'
+
+
+def written_unit(unit: str) -> str:
+    """An SI unit as Modelica and FMI write it.
+
+    >>> written_unit("N*m"), written_unit("rad/s^2")
+    ('N.m', 'rad/s2')
+    """
+    return unit.replace("*", ".").replace("^", "")
