@@ -64,7 +64,7 @@ class Model:
             match = DECLARATION.fullmatch(line)
             assert match, line
             kind, name = match["kind"], match["name"]
-            assert name not in self.components and name not in expressions, f"{name} is declared twice"
+            assert name not in {**self.components, **expressions}, f"{name} is declared twice"
             mods = dict(part.split("=", 1) for part in split_top((match["mods"] or "()")[1:-1]))
             if kind == "parameter Real":
                 expressions[name] = match["value"]
@@ -100,7 +100,7 @@ class Model:
                 if flange != "support" or mods.get("useSupport") == "true":
                     yield f"{name}.{flange}"
 
-    def equations_at(self, s):
+    def equations_at(self, s):  # noqa: PLR0912, PLR0915
         """Matrix and right-hand sides (one column per input) over angles and torques of flanges and outputs."""
         unknowns = [f"{kind} {flange}" for flange in self.flanges() for kind in ("phi", "tau")] + self.outputs
         index = {name: at for at, name in enumerate(unknowns)}
@@ -116,11 +116,9 @@ class Model:
                 drive[self.inputs.index(source)] = size
             right.append(drive)
 
-        wires = {}
-        for first, second in self.connects:
-            for one, other in ((first, second), (second, first)):
-                if one in self.inputs or one in self.outputs:
-                    wires[other] = one
+        ends = (*self.inputs, *self.outputs)
+        both = [pair for first, second in self.connects for pair in ((first, second), (second, first))]
+        wires = {other: one for one, other in both if one in ends}
         signals = {}
         for name, (kind, mods) in self.components.items():
             phi = {flange: f"phi {name}.{flange}" for flange in FLANGES[kind].split()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import importlib
 import io
 import json
 import math
@@ -18,7 +19,6 @@ from typing import Any
 
 import numpy as np
 
-import torsionnet
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.atomic import write_bytes
 from torsionnet.channels import UNITS
@@ -32,6 +32,7 @@ from torsionnet.solve.state_space import active_channels
 from torsionnet.solve.triangular import Block, blocks
 
 SLAVE = Path(__file__).with_name("fmu_slave.py")
+VERSION = str(importlib.import_module("torsionnet").__version__)  # the package itself is above every layer
 STEP = 1e-4
 """Communication step in s where none is given."""
 _DATE = re.compile(rb'generationDateAndTime="[^"]*"')
@@ -105,7 +106,7 @@ def _about(drivetrain: Drivetrain, step: float) -> dict[str, Any]:
     return {
         "identifier": Names().new(drivetrain.title),
         "title": drivetrain.title,
-        "version": torsionnet.__version__,
+        "version": VERSION,
         "step": float(step),
         "inputs": [[name, "N.m"] for name in present.inputs],
         "outputs": [[name, written_unit(UNITS[sensor.quantity])] for name, sensor in present.sensors.items()],
@@ -119,7 +120,7 @@ def _stepping(drivetrain: Drivetrain, step: float) -> bytes:
     system = state_space(drivetrain)
     parts = blocks(system.A, system.B, system.C)
     held = [_held(part, step) for part in parts]
-    arrays = {
+    arrays: dict[str, Any] = {
         "step": block_diag(*(stepped for stepped, _ in held)),
         "gain": np.vstack([gain for _, gain in held]),
         "C": np.hstack([part.C for part in parts]),

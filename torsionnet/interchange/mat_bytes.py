@@ -17,7 +17,8 @@ def mat_bytes(content: Mapping[str, Any]) -> bytes:
     from scipy.io import savemat
 
     buffer = io.BytesIO()
-    savemat(buffer, dict(content), oned_as="column", long_field_names=True)
+    write: Any = savemat  # takes a stream, whatever its types say
+    write(buffer, dict(content), oned_as="column", long_field_names=True)
     return b"MATLAB 5.0 MAT-file, torsionnet".ljust(HEADER) + buffer.getvalue()[HEADER:]
 
 

@@ -36,6 +36,8 @@ LISTS = {
     "outputs": "y",
     "output_units": "",
 }
+LARGEST = 1e15
+"""Up to which whole numbers are written without a point."""
 DENSE = 400
 """Entries up to which a matrix is written out whole; larger ones by their entries that are not zero."""
 
@@ -44,8 +46,9 @@ def to_matlab(drivetrain: Drivetrain) -> str:
     """Text of a script that runs in Matlab and Octave and defines the matrices of a drivetrain.
 
     Variables are M, C, K, F, Y0, Y1, Y2, Yu, T with ``M q'' + C q' + K q = F u``, ``y = Y0 q + Y1 q' + Y2 q'' + Yu u``
-    and ``theta = T q``; cell arrays of the names of coordinates, nodes, inputs and outputs; a structure ``state_space``
-    of A, B, C and D; and where the Control System Toolbox is there, ``sys`` with named signals. Numbers have all digits.
+    and ``theta = T q``; cell arrays of the names of coordinates, nodes, inputs and outputs; a structure
+    ``state_space`` of A, B, C and D; and where the Control System Toolbox is there, ``sys`` with named signals.
+    Numbers have all digits.
 
     Raises
     ------
@@ -145,7 +148,11 @@ def _matrix(name: str, values: Any) -> list[str]:
     if values.size > DENSE:
         i, j = np.nonzero(values)
         lists = [_row(i + 1), _row(j + 1), _row(values[i, j])]
-        return [f"{name} = full(sparse([{lists[0]}], ...", f"    [{lists[1]}], ...", f"    [{lists[2]}], {rows}, {columns}));"]
+        return [
+            f"{name} = full(sparse([{lists[0]}], ...",
+            f"    [{lists[1]}], ...",
+            f"    [{lists[2]}], {rows}, {columns}));",
+        ]
     texts = [_row(row) for row in values]
     return [f"{name} = [{texts[0]}", *(f"    {text}" for text in texts[1:-1]), f"    {texts[-1]}];"] if rows > 1 else [
         f"{name} = [{texts[0]}];"
@@ -153,10 +160,12 @@ def _matrix(name: str, values: Any) -> list[str]:
 
 
 def _row(values: Iterable[Any]) -> str:
-    return " ".join(repr(int(value)) if value == int(value) and abs(value) < 1e15 else repr(float(value)) for value in values)  # noqa: PLR2004
+    return " ".join(
+        repr(int(value)) if value == int(value) and abs(value) < LARGEST else repr(float(value)) for value in values
+    )
 
 
 def _named_system(found: Matrices) -> list[str]:
-    names = [f"'InputName', inputs" if found.inputs else "", "'OutputName', outputs" if found.outputs else ""]
+    names = ["'InputName', inputs" if found.inputs else "", "'OutputName', outputs" if found.outputs else ""]
     more = "".join(f", {name}" for name in names if name)
     return [f"    sys = ss(state_space.A, state_space.B, state_space.C, state_space.D{more});"]

@@ -11,6 +11,7 @@ from torsionnet.elements import (
     Element,
     Gear,
     Inertia,
+    Law,
     Lock,
     Planetary,
     RigidCoupling,
@@ -124,16 +125,19 @@ def _differential(element: Differential, net: Net, words: Words) -> None:
 
 def _shaft(element: Shaft, net: Net, words: Words) -> None:
     n = element.segments
-    area = f"Modelica.Constants.pi*({_power(words, element.outer_diameter)} - {_power(words, element.inner_diameter)})/32"
+    area = (
+        f"Modelica.Constants.pi*({_power(words, element.outer_diameter)} - {_power(words, element.inner_diameter)})/32"
+    )
     length, modulus, density = (
         factor(words.expression(value)) for value in (element.length, element.shear_modulus, element.density)
     )
     stiffness, inertia = f"{n}*{modulus}*{area}/{length}", f"{density}*{area}*{length}/{n}"
-    damping = words.values.algebra.number(0) if element.damping is None else element.parts(words.values)[0].damping  # type: ignore[union-attr]
+    laws = (part for part in element.parts(words.values) if isinstance(part, Law))
+    damping = next(float(law.damping) for law in laws if law.is_elastic)
     points = [port(element, "first"), *(f"inside:{node}" for node in element.internal_nodes), port(element, "second")]
     for index in range(n):
         suffix = f"_{index + 1}" if n > 1 else ""
-        values = f"c={stiffness}, d={float(damping)!r}" if damping else f"c={stiffness}"
+        values = f"c={stiffness}, d={damping!r}" if damping else f"c={stiffness}"
         name = _declared(element, net, "SpringDamper" if damping else "Spring", values, suffix)
         net.join(points[index], f"{name}.flange_a")
         net.join(points[index + 1], f"{name}.flange_b")
@@ -146,7 +150,7 @@ def _power(words: Words, value: Any) -> str:
 
 
 def _segment_inertia(element: Shaft, net: Net, inertia: str, ends: list[str], suffix: str) -> None:
-    """Inertia of a segment on its ends; a consistent one by Simpson's rule, two thirds on the mean of the end angles."""
+    """Inertia of a segment on its ends; a consistent one by Simpson's rule, two thirds on the mean angle."""
     share = 6 if element.inertia == "consistent" else 2
     for end, side in zip(ends, "ab", strict=True):
         lump = _declared(element, net, "Inertia", f"J={inertia}/{share}", f"{suffix}_inertia_{side}")

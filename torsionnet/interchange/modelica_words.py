@@ -13,14 +13,16 @@ from torsionnet.expressions import Expression
 from torsionnet.units import DIMENSIONS, Dimension
 
 ROTATIONAL = "Modelica.Mechanics.Rotational"
-KEYWORDS = frozenset(
-    "algorithm and annotation block break class connect connector constant constrainedby der discrete each else elseif "
-    "elsewhen encapsulated end enumeration equation expandable extends external false final flow for function if import "
-    "impure in initial inner input loop model not operator or outer output package parameter partial protected public "
-    "pure record redeclare replaceable return stream then true type when while within time Real Integer Boolean String "
-    "Modelica abs sign sqrt sin cos exp log pre edge change sample reinit terminal noEvent smooth delay assert mod rem "
-    "div ceil floor integer min max sum product fill zeros ones ndims size vector matrix transpose cross skew".split()  # noqa: SIM905
-)
+_RESERVED = """
+algorithm and annotation block break class connect connector constant constrainedby der discrete each else elseif
+elsewhen encapsulated end enumeration equation expandable extends external false final flow for function if import
+impure in initial inner input loop model not operator or outer output package parameter partial protected public pure
+record redeclare replaceable return stream then true type when while within time Real Integer Boolean String Modelica
+abs sign sqrt sin cos exp log pre edge change sample reinit terminal noEvent smooth delay assert mod rem div ceil floor
+integer min max sum product fill zeros ones ndims size vector matrix transpose cross skew
+"""
+KEYWORDS = frozenset(_RESERVED.split())
+"""Names that no component gets."""
 UNITS = {
     "inertia": "kg.m2",
     "stiffness": "N.m/rad",

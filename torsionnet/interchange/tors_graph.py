@@ -77,7 +77,25 @@ def tors_graph(drivetrain: Drivetrain) -> Graph:
     if refused:
         msg = f"TORS has no counterpart of {', '.join(refused)}; it knows disks, shafts and rigid gears in a tree"
         raise UsageError(msg)
+    _refuse_loops(disks, edges)
     return Graph(disks, edges)
+
+
+def _refuse_loops(disks: Disks, edges: list[Edge]) -> None:
+    home = {node: node for node in disks}
+
+    def root(node: str) -> str:
+        while home[node] != node:
+            home[node] = home[home[node]]
+            node = home[node]
+        return node
+
+    for edge in edges:
+        first, second = root(edge.first), root(edge.second)
+        if first == second:
+            msg = f"{', '.join(edge.names)} closes a loop; TORS holds trees only"
+            raise UsageError(msg)
+        home[second] = first
 
 
 def _two(ends: list[str]) -> tuple[str, str]:
@@ -136,7 +154,9 @@ def _segments(shaft: Shaft, value: Values, disks: Disks, ends: list[str]) -> lis
 
 def _continuous(shaft: Shaft, value: Values, n: int) -> dict[str, Any]:
     """A segment of equal stiffness and inertia with the modulus that the format takes for granted."""
-    outer, inner, length = (1e3 * float(value(size)) for size in (shaft.outer_diameter, shaft.inner_diameter, shaft.length))
+    outer, inner, length = (
+        1e3 * float(value(size)) for size in (shaft.outer_diameter, shaft.inner_diameter, shaft.length)
+    )
     stretch = SHEAR_MODULUS / float(value(shaft.shear_modulus))
     return {
         "type": "ShaftContinuous",

@@ -142,7 +142,7 @@ class _Builder:
                 targets = self.document.onward.get((name, entry.name), ())
                 if len(targets) > 1:
                     self._differs(f"{len(targets)} components begin at {entry.label}")
-                branched = entry.label if targets else "" if child else branched
+                branched = entry.label if targets else ""
                 open_names += [(target, here) for target in reversed(targets)]
 
     def _differs(self, what: str) -> None:
@@ -192,7 +192,11 @@ class _Builder:
                     known[place] = self.nodes.new(place.name or place.fallback)
         names = Names()
         self.inputs = {names.new(f"T_{label}"): {"torque": known[place]} for label, place in self.excited}
-        return [element for kind, entry, places in self.made for element in self._made(kind, entry, [known[p] for p in places])]
+        return [
+            element
+            for kind, entry, places in self.made
+            for element in self._made(kind, entry, [known[p] for p in places])
+        ]
 
     def _made(self, kind: str, entry: Entry, nodes: list[str]) -> Iterator[Element]:
         label, values = self.short[entry.label], entry.values
@@ -202,7 +206,11 @@ class _Builder:
             yield _continuous(self.names.new(label), nodes, values)
         if kind == "gear" and entry.parent:
             parent = self.gears[entry.component, entry.parent][0]
-            yield Gear(self.names.new(f"{label}_mesh" if values.get("inertia") else label), nodes=nodes, **_ratio(parent, entry))
+            yield Gear(
+                self.names.new(f"{label}_mesh" if values.get("inertia") else label),
+                nodes=nodes,
+                **_ratio(parent, entry),
+            )
         if values.get("inertia") and kind in ("Disk", "gear"):
             yield Inertia(self.names.new(label), node=nodes[-1], inertia=values["inertia"])
         if values.get("damping") and kind == "Disk":
@@ -210,13 +218,13 @@ class _Builder:
             yield Damper(self.names.new(name), nodes=(nodes[-1], GROUND), damping=values["damping"])
 
 
-def _pick(values: Any, *keys: str) -> dict[str, float]:
+def _pick(values: Any, *keys: str) -> dict[str, Any]:
     return {key: values[key] for key in keys if values.get(key)}
 
 
 def _continuous(name: str, nodes: list[str], values: Any) -> Shaft:
     metres = {"outer_diameter": "outerDiameter", "inner_diameter": "innerDiameter", "length": "length"}
-    sizes = {ours: f"{values[theirs]!r} mm" for ours, theirs in metres.items() if values.get(theirs)}
+    sizes: dict[str, Any] = {ours: f"{values[theirs]!r} mm" for ours, theirs in metres.items() if values.get(theirs)}
     return Shaft(
         name, nodes=nodes, shear_modulus=SHEAR_MODULUS, density=values.get("density", DENSITY), segments=1, **sizes,
         **_pick(values, "damping"),
@@ -240,4 +248,7 @@ def _short_names(document: Document) -> dict[str, str]:
     """``component.element`` -> the element's name alone where it is the only one of that name."""
     entries = [entry for component in document.components.values() for entry in component]
     names = [entry.name for entry in entries]
-    return {entry.label: entry.name if names.count(entry.name) == 1 else f"{entry.component}_{entry.name}" for entry in entries}
+    return {
+        entry.label: entry.name if names.count(entry.name) == 1 else f"{entry.component}_{entry.name}"
+        for entry in entries
+    }

@@ -14,6 +14,8 @@ from torsionnet.interchange.tors_graph import Edge, Graph, tors_graph
 WHEEL = 100.0
 """Diameter in mm of the first wheel of a gear known by its ratio alone."""
 
+MOST_STARTS = 50
+
 Item = dict[str, Any]
 
 
@@ -34,10 +36,10 @@ def to_tors(drivetrain: Drivetrain) -> dict[str, Any]:
     Examples
     --------
     >>> import torsionnet as tn
-    >>> [element["name"] for element in to_tors(tn.load("geared_branch"))["components"][0]["elements"]]
+    >>> [element["name"] for element in to_tors(tn.load("oil_engine"))["components"][0]["elements"]]
+    ['engine_inertia', 'engine_shaft', 'wheel', 'pump_shaft', 'pump_inertia']
     """
-    layout = _Layout(tors_graph(drivetrain))
-    layout.run()
+    layout = _laid_out(tors_graph(drivetrain))
     components = [{"name": name, "elements": chain.items} for name, chain in layout.chains.items()]
     return {"name": drivetrain.title, "components": components, "structure": layout.structure}
 
@@ -46,6 +48,22 @@ def write_tors(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
     """Write :func:`to_tors` as a JSON file, whole or not at all."""
     text = json.dumps(to_tors(drivetrain), indent=1, ensure_ascii=False)
     write_text(path, f"{text}\n")
+
+
+def _laid_out(graph: Graph) -> _Layout:
+    """The tree written from the first end from which that is possible."""
+    nodes = list(graph.disks)
+    ends = [node for node in nodes if len(graph.at[node]) <= 1] or nodes[:1]
+    refusals: list[UsageError] = []
+    for start in ends[:MOST_STARTS]:
+        try:
+            layout = _Layout(graph)
+            layout.run(start)
+        except UsageError as refusal:
+            refusals.append(refusal)
+        else:
+            return layout
+    raise refusals[0]
 
 
 class _Chain:
@@ -72,20 +90,13 @@ class _Layout:
         self.graph = graph
         self.chains: dict[str, _Chain] = {}
         self.structure: list[list[str]] = []
-        self.seen: set[str] = set()
         self.used: set[int] = set()
 
-    def run(self) -> None:
-        nodes = list(self.graph.disks)
-        start = next((node for node in nodes if len(self.graph.at[node]) <= 1), nodes[0])
+    def run(self, start: str) -> None:
         name, chain = self._new_chain()
         if not self.graph.disks[start]:
             chain.add({"name": start, "type": "Disk", "inertia": 0.0, "damping": 0.0}, start)
         self._walk(name, start)
-        lost = [node for node in nodes if node not in self.seen]
-        if lost:
-            msg = f"TORS holds one connected tree; {', '.join(lost)} are apart from {start}"
-            raise UsageError(msg)
 
     def _new_chain(self) -> tuple[str, _Chain]:
         name = f"part {len(self.chains) + 1}"
@@ -96,7 +107,8 @@ class _Layout:
         """A node and all that follows: a shaft in the same chain, or in another one where gears follow, too."""
         chain = self.chains[component]
         while True:
-            self._arrive(chain, node)
+            for disk in self.graph.disks[node]:
+                chain.add(disk, node)
             shafts, gears = self._onward(node)
             wheels = [chain.add(_wheel(edge, node), node) for edge in gears]
             if gears:
@@ -110,19 +122,10 @@ class _Layout:
             self._mesh(chain, edge, wheel, node)
             self._walk(component, edge.other(node))
 
-    def _arrive(self, chain: _Chain, node: str) -> None:
-        self.seen.add(node)
-        for disk in self.graph.disks[node]:
-            chain.add(disk, node)
-
     def _onward(self, node: str) -> tuple[list[Edge], list[Edge]]:
         """Shafts and gears that lead on from a node, marked as used."""
         onward = [edge for edge in self.graph.at[node] if id(edge) not in self.used]
         self.used |= {id(edge) for edge in onward}
-        back = [name for edge in onward if edge.other(node) in self.seen for name in edge.names]
-        if back:
-            msg = f"{', '.join(back)} close a loop; TORS holds trees only"
-            raise UsageError(msg)
         shafts = [edge for edge in onward if edge.gear is None]
         if len(shafts) > 1:
             names = ", ".join(name for edge in shafts for name in edge.names)

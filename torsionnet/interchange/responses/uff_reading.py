@@ -40,15 +40,15 @@ def collected(sets: Sequence[dict[str, Any]], path: Path) -> FrequencyResponse:
     matrix, faults = Matrix(np.asarray(first["x"], dtype=float)), []
     for number, item in functions:
         faults += _add(matrix, number, item)
-    faults += [fault for number, item in numbered if item["func_type"] == COHERENCE for fault in _cohere(matrix, number, item)]
+    faults += [
+        fault for number, item in numbered if item["func_type"] == COHERENCE for fault in _cohere(matrix, number, item)
+    ]
     if faults:
         raise ModelError(faults, path.name)
     notes = tuple(line for line in (_line(first, "id4"), _line(first, "id5")) if line)
-    more = {
-        "conditioning": np.asarray(item["data"], dtype=float)
-        for _, item in numbered
-        if item["func_type"] == GENERAL_FUNCTION and _line(item, "id1") == "conditioning"
-    }
+    general = [item for _, item in numbered if item["func_type"] == GENERAL_FUNCTION]
+    conditioning = [np.asarray(item["data"], dtype=float) for item in general if _line(item, "id1") == "conditioning"]
+    more = {"conditioning": conditioning[0]} if conditioning else {}
     return matrix.response(path.name, _line(first, "id2") or path.stem, notes, **more)
 
 
@@ -61,18 +61,22 @@ def _add(matrix: Matrix, number: int, item: dict[str, Any]) -> list[Fault]:
     if pair in matrix.pairs:
         return [Fault(f"{label} is there twice")]
     try:
-        (above, up), (below, down) = (_unit(item, axis, side) for axis, side in (("ordinate", "rsp"), ("orddenom", "ref")))
+        (above, up), (below, down) = (
+            _unit(item, axis, side) for axis, side in (("ordinate", "rsp"), ("orddenom", "ref"))
+        )
     except UnitError as error:
         return [Fault(f"{label}: {error}")]
     factor = up / down
-    matrix.pairs[pair] = Single(values if factor == 1.0 else values * factor, above, below)
+    matrix.pairs[pair] = Single(np.asarray(values if factor == 1.0 else values * factor, dtype=complex), above, below)
     return []
 
 
 def _cohere(matrix: Matrix, number: int, item: dict[str, Any]) -> list[Fault]:
     pair, values = _pair(item), np.real(np.asarray(item["data"]))
     if pair not in matrix.pairs or len(values) != len(matrix.frequencies):
-        return [Fault(f"dataset {number}: a coherence of {pair[0]} and {pair[1]}, of which there is no response like it")]
+        return [
+            Fault(f"dataset {number}: a coherence of {pair[0]} and {pair[1]}, of which there is no response like it")
+        ]
     matrix.pairs[pair].coherence = np.asarray(values, dtype=float)
     return []
 
@@ -84,8 +88,8 @@ def _line(item: dict[str, Any], key: str) -> str:
 
 def _pair(item: dict[str, Any]) -> tuple[str, str]:
     """Names as written here in the first line, or else entity, node and direction."""
-    output, between, input = _line(item, "id1").partition(BETWEEN)
-    return (output, input) if between else (_place(item, "rsp"), _place(item, "ref"))
+    output, between, driven = _line(item, "id1").partition(BETWEEN)
+    return (output, driven) if between else (_place(item, "rsp"), _place(item, "ref"))
 
 
 def _place(item: dict[str, Any], side: str) -> str:
