@@ -10,7 +10,7 @@ from torsionnet.channels import UNITS, Input, Sensor
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import GROUND, Values
 from torsionnet.errors import UsageError
-from torsionnet.interchange.modelica_elements import COMPONENTS, WRITERS, port
+from torsionnet.interchange.modelica_elements import COMPONENTS, WRITERS, has_counterpart, port
 from torsionnet.interchange.modelica_net import Net
 from torsionnet.interchange.modelica_words import KEYWORDS, ROTATIONAL, Words, quoted, unit_of, written_unit
 from torsionnet.interchange.naming import Names
@@ -61,9 +61,9 @@ def write_modelica(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None
 
 
 def _refuse(drivetrain: Drivetrain) -> None:
-    without = [
-        f"{element.name} ({element.kind})" for element in drivetrain.elements.values() if type(element) not in WRITERS
-    ]
+    values = Values(drivetrain.exact_values)
+    missing = [element for element in drivetrain.elements.values() if not has_counterpart(element, values)]
+    without = [f"{element.name} ({element.kind})" for element in missing]
     if without:
         msg = f"Modelica.Mechanics.Rotational has no counterpart of {', '.join(without)}"
         raise UsageError(msg)

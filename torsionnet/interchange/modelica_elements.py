@@ -10,6 +10,7 @@ from torsionnet.elements import (
     Differential,
     Element,
     Gear,
+    HystereticSpring,
     Inertia,
     Law,
     Lock,
@@ -17,6 +18,7 @@ from torsionnet.elements import (
     RigidCoupling,
     Shaft,
     Spring,
+    Values,
 )
 from torsionnet.interchange.modelica_net import Net
 from torsionnet.interchange.modelica_words import ROTATIONAL, Words, factor, quoted
@@ -40,7 +42,7 @@ def _inertia(element: Inertia, net: Net, words: Words) -> None:
     net.join(port(element, "node"), f"{name}.flange_a")
 
 
-def _spring(element: Spring, net: Net, words: Words) -> None:
+def _spring(element: Spring | HystereticSpring, net: Net, words: Words) -> None:
     stiffness, damping = words.expression(element.stiffness), words.damping(element.damping, element.stiffness)
     if damping == "0":
         name = _declared(element, net, "Spring", f"c={stiffness}")
@@ -166,6 +168,7 @@ def _segment_inertia(element: Shaft, net: Net, inertia: str, ends: list[str], su
 WRITERS: dict[type[Element], Writer] = {
     Inertia: _inertia,
     Spring: _spring,
+    HystereticSpring: _spring,
     Damper: _damper,
     RigidCoupling: _coupling,
     Lock: _lock,
@@ -174,4 +177,11 @@ WRITERS: dict[type[Element], Writer] = {
     Differential: _differential,
     Shaft: _shaft,
 }
-"""Element types that have a counterpart; the others depend on frequency."""
+"""Element types that have a counterpart, a hysteretic spring as far as its loss factor is zero."""
+
+
+def has_counterpart(element: Element, values: Values) -> bool:
+    """Whether Modelica's components can act as the element does."""
+    if type(element) not in WRITERS:
+        return False
+    return not any(isinstance(part, Law) and part.loss_factor for part in element.parts(values))

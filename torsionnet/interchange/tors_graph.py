@@ -9,7 +9,19 @@ from itertools import zip_longest
 from typing import Any, TypeAlias
 
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.elements import GROUND, Damper, Element, Gear, Inertia, Law, RigidCoupling, Shaft, Spring, Values
+from torsionnet.elements import (
+    GROUND,
+    Damper,
+    Element,
+    Gear,
+    HystereticSpring,
+    Inertia,
+    Law,
+    RigidCoupling,
+    Shaft,
+    Spring,
+    Values,
+)
 from torsionnet.elements.base import viscous
 from torsionnet.errors import UsageError
 from torsionnet.interchange.tors_elements import SHEAR_MODULUS
@@ -66,8 +78,10 @@ def tors_graph(drivetrain: Drivetrain) -> Graph:
         elif isinstance(element, Damper) and GROUND in ends:
             node = next(end for end in ends if end != GROUND)
             disks[node].append(_disk(element.name, damping=float(value(element.damping))))
-        elif GROUND in ends or not isinstance(element, Spring | Damper | Shaft | Gear):
+        elif GROUND in ends or not isinstance(element, Spring | Damper | Shaft | Gear | HystereticSpring):
             refused.append(f"{element.name} ({element.kind}{' to ground' if GROUND in ends else ''})")
+        elif _is_lossy(element, value):
+            refused.append(f"{element.name} ({element.kind})")
         elif isinstance(element, Gear):
             _add_gear(element, ends, value, edges, refused)
         elif isinstance(element, Shaft):
@@ -98,6 +112,10 @@ def _refuse_loops(disks: Disks, edges: list[Edge]) -> None:
         home[second] = first
 
 
+def _is_lossy(element: Element, value: Values) -> bool:
+    return any(isinstance(part, Law) and bool(part.loss_factor) for part in element.parts(value))
+
+
 def _two(ends: list[str]) -> tuple[str, str]:
     return ends[0], ends[1]
 
@@ -118,7 +136,7 @@ def _disk(name: str, inertia: float = 0.0, damping: float = 0.0) -> dict[str, An
 
 def _add_spring(element: Any, ends: list[str], value: Values, edges: list[Edge]) -> None:
     """A spring or damper; beside another one on the same nodes it adds to it."""
-    stiffness = value(element.stiffness) if isinstance(element, Spring) else 0
+    stiffness = 0 if isinstance(element, Damper) else value(element.stiffness)
     damping = viscous(element.damping, stiffness, value)
     same = [edge for edge in edges if {edge.first, edge.second} == set(ends) and len(edge.items) == 1]
     for edge in same:
