@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import keyword
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -24,6 +25,8 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "spectrogram": "Level over time and frequency of a record.",
     "fit": "Find parameters of a model from records or responses.",
     "identify-modes": "Natural frequencies and damping ratios from a record, without a model.",
+    "export": "The model for Matlab, Modelica, openTorsion, or as an FMU.",
+    "import": "A model file out of a model of another program.",
     "schema": "JSON Schema of model files, for editors.",
 }
 VERSION = str(importlib.import_module("torsionnet").__version__)  # the package itself is above every layer
@@ -40,7 +43,8 @@ class LazyGroup(click.Group):
         del ctx
         if cmd_name not in COMMANDS:
             return None
-        command = importlib.import_module(f"torsionnet.cli.{cmd_name.replace('-', '_')}").command
+        module = f"{cmd_name}_" if keyword.iskeyword(cmd_name) else cmd_name.replace("-", "_")
+        command = importlib.import_module(f"torsionnet.cli.{module}").command
         return command if isinstance(command, click.Command) else None
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:

@@ -107,8 +107,8 @@ def first_order(assembly: Assembly, inputs: Sequence[Input]) -> FirstOrder:
     if any(channel.quantity != "torque" for channel in inputs):
         msg = "an imposed angle has no state space with torque inputs; make it a torque, or use frequency_response"
         raise UsageError(msg)
-    loads = np.array([assembly.rows_of({channel.of: 1})[0] for channel in inputs]).T
-    return _condensed(system, *_kinds(system), loads)
+    loads = [assembly.rows_of({channel.of: 1})[0] for channel in inputs]
+    return _condensed(system, *_kinds(system), np.array(loads).reshape(len(loads), system.n_coordinates).T)
 
 
 def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:

@@ -67,7 +67,8 @@ def write_frequency_response(response: FrequencyResponse, path: str | os.PathLik
     """Write a frequency response in the format of the ending of ``path``, whole or not at all.
 
     Reading the file again gives the same names, units, frequencies, values, coherence and notes, to the last digit.
-    UFF58 files keep the first two notes, and of these and the title what fits into lines of 80 characters.
+    UFF58 files take finite values only; they keep the first two notes, and of these and the title what fits into lines
+    of 80 characters.
 
     Raises
     ------

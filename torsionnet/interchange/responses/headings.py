@@ -60,8 +60,8 @@ def _incomplete(found: list[Heading]) -> list[str]:
         if heading.pair:
             kinds.setdefault(heading.pair, []).append(heading.kind)
     faults = [] if kinds else [f"there is no frequency response; {EXPECTED}"]
-    for pair, have in kinds.items():
-        label = "/".join(pair)
+    for (output, driven), have in kinds.items():
+        label = f"{output}/{driven}"
         if len(set(have)) < len(have):
             faults.append(f"{label} has two columns of one kind")
         elif sorted(set(have) - {"coherence"}) not in (["magnitude", "phase"], ["im", "re"]):
@@ -96,21 +96,21 @@ def _frequency(what: str, unit: str) -> Heading:
 
 
 def _pair(kind: str, label: str, unit: str) -> Heading:
-    output, slash, into = label.partition("/")
-    if not slash or "/" in into:
+    output, slash, driven = label.partition("/")
+    if not slash or "/" in driven:
         msg = f'"{label}" is not of the form output/input'
         raise _HeadingError(msg)
     if kind == "coherence":
-        return Heading(kind, unit, (output, into))
+        return Heading(kind, unit, (output, driven))
     if kind == "phase":
         if unit != "deg":
             msg = f'the phase of {label} is in "{unit}"; expected deg'
             raise _HeadingError(msg)
-        return Heading(kind, unit, (output, into))
+        return Heading(kind, unit, (output, driven))
     if unit.startswith("dB"):
         msg = f"{label} is a level in dB; write the table without --db, levels are rounded and have lost their sign"
         raise _HeadingError(msg)
-    return Heading(kind, unit, (output, into), *_split(unit, label))
+    return Heading(kind, unit, (output, driven), *_split(unit, label))
 
 
 def _split(unit: str, label: str) -> tuple[str, str, float]:

@@ -81,8 +81,8 @@ def resolve_units(pairs: Mapping[tuple[str, str], Single]) -> list[str]:
             {pair[0]: s.output_unit for pair, s in pairs.items() if s.output_unit != UNKNOWN},
             {pair[1]: s.input_unit for pair, s in pairs.items() if s.input_unit != UNKNOWN},
         ]
-        for (output, into), single in pairs.items():
-            unit = known[0].get(output) or known[1].get(into)
+        for (output, driven), single in pairs.items():
+            unit = known[0].get(output) or known[1].get(driven)
             if single.output_unit == UNKNOWN and unit:
                 single.output_unit = single.input_unit = unit
                 changed = True

@@ -18,7 +18,7 @@ NUMBERS = ("frequencies", "values", "coherence", "conditioning")
 
 def read(path: Path) -> FrequencyResponse:
     """The response in an NPZ file of :func:`write`."""
-    with np.load(path, allow_pickle=False) as archive:
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
         missing = [name for name in (KEY, "frequencies", "values") if name not in archive]
         if missing:
             there = f"it has {', '.join(archive.files)}" if archive.files else "it is empty"

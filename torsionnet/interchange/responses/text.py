@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import re
 from pathlib import Path
@@ -44,6 +45,7 @@ def write(response: FrequencyResponse, path: Path) -> None:
 
 
 def _quoted(name: str) -> str:
+    name = " ".join(name.split())
     return '"' + name.replace('"', '""') + '"' if any(mark in name for mark in ',;"\t') else name
 
 
@@ -56,12 +58,13 @@ def read(path: Path) -> FrequencyResponse:
         place = Position(path.name, 1, 1, 1, lines[0][:200] if lines else "")
         raise ModelError([Fault("there are no rows of numbers below a heading", position=place)], path.name)
     number, heading = body[0]
+    texts = [found[1] for comment in comments if (found := _STORED.match(comment))]
+    if texts:  # the description has the names, whatever characters are in them
+        kinds = [text.split(" ")[0] for text in next(csv.reader([heading]))]
+        return _own(texts[0], kinds, _numbers(body[1:], ",", len(kinds), path.name))
     separator = max(SEPARATORS, key=heading.count)
     columns = headings(heading, separator, Position(path.name, number, 1, 1, heading[:200]))
     numbers = _numbers(body[1:], separator, len(columns), path.name)
-    texts = [found[1] for comment in comments if (found := _STORED.match(comment))]
-    if texts:
-        return _own(texts[0], columns, numbers)
     return _foreign(columns, numbers, [comment[1:].strip() for comment in comments], path)
 
 
@@ -89,8 +92,7 @@ def _numbers(body: list[tuple[int, str]], separator: str, width: int, file: str)
     return rows
 
 
-def _own(text: str, columns: list[Heading], numbers: FloatArray) -> FrequencyResponse:
-    kinds = [column.kind for column in columns]
+def _own(text: str, kinds: list[str], numbers: FloatArray) -> FrequencyResponse:
     found = {kind: numbers[:, [at for at, other in enumerate(kinds) if other == kind]] for kind in dict.fromkeys(kinds)}
     said = words(text)
     shape = (len(numbers), len(said.outputs), len(said.inputs))

@@ -6,6 +6,7 @@ names them, ``output / input``.
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.atomic import replacing
-from torsionnet.errors import UsageError
+from torsionnet.errors import Fault, ModelError, UsageError
 from torsionnet.interchange.responses.uff_datasets import (
     BETWEEN,
     COHERENCE,
@@ -30,6 +31,7 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.signals.files.extras import needed
 
 ENTITY, LABEL = 10, 20
+_MARK = re.compile(rb" {4}-1[ \r]*(?:\n|$)")
 FREQUENCY = 18
 _UNUSED = {
     f"{axis}_{entry}": 0
@@ -41,6 +43,8 @@ _UNUSED = {
 def read(path: Path) -> FrequencyResponse:
     """All transfer functions of a universal file as one response."""
     pyuff = needed("uff")
+    if len(_MARK.findall(path.read_bytes())) % 2:
+        raise ModelError([Fault("the file ends within a dataset")], path.name)
     found = pyuff.UFF(str(path)).read_sets()
     return collected(found if isinstance(found, list) else [found], path)
 
@@ -52,6 +56,9 @@ def write(response: FrequencyResponse, path: Path) -> None:
         msg = "a universal file takes responses at two frequencies or more; write an .npz or .csv file"
         raise UsageError(msg)
     sets = list(_datasets(response))
+    if not all(np.isfinite(item["data"]).all() for item in sets):
+        msg = "a universal file takes finite values only; leave frequencies without them out, as with between()"
+        raise UsageError(msg)
     with replacing(path) as temporary, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         temporary.unlink()  # pyuff would add to the empty file as if it had an end of a dataset

@@ -47,8 +47,8 @@ def collected(sets: Sequence[dict[str, Any]], path: Path) -> FrequencyResponse:
         raise ModelError(faults, path.name)
     notes = tuple(line for line in (_line(first, "id4"), _line(first, "id5")) if line)
     general = [item for _, item in numbered if item["func_type"] == GENERAL_FUNCTION]
-    found = [item for item in general if _line(item, "id1") == "conditioning"]
-    more = {"conditioning": np.asarray(found[-1]["data"], dtype=float)} if found else {}
+    conditioning = [np.asarray(item["data"], dtype=float) for item in general if _line(item, "id1") == "conditioning"]
+    more = {"conditioning": conditioning[0]} if conditioning else {}
     return matrix.response(path.name, _line(first, "id2") or path.stem, notes, **more)
 
 
@@ -67,8 +67,7 @@ def _add(matrix: Matrix, number: int, item: dict[str, Any]) -> list[Fault]:
     except UnitError as error:
         return [Fault(f"{label}: {error}")]
     factor = up / down
-    scaled = np.asarray(values if factor == 1.0 else values * factor, dtype=np.complex128)
-    matrix.pairs[pair] = Single(scaled, above, below)
+    matrix.pairs[pair] = Single(np.asarray(values if factor == 1.0 else values * factor, dtype=complex), above, below)
     return []
 
 
@@ -89,8 +88,8 @@ def _line(item: dict[str, Any], key: str) -> str:
 
 def _pair(item: dict[str, Any]) -> tuple[str, str]:
     """Names as written here in the first line, or else entity, node and direction."""
-    output, between, into = _line(item, "id1").partition(BETWEEN)
-    return (output, into) if between else (_place(item, "rsp"), _place(item, "ref"))
+    output, between, driven = _line(item, "id1").partition(BETWEEN)
+    return (output, driven) if between else (_place(item, "rsp"), _place(item, "ref"))
 
 
 def _place(item: dict[str, Any], side: str) -> str:

@@ -1,0 +1,92 @@
+"""``torsionnet export`` and ``torsionnet import``."""
+
+import json
+
+import pytest
+from modelica_reader import Model
+from test_cli import run
+from tors_models import THRUSTER
+
+import torsionnet as tn
+from torsionnet.signals.files import extras
+
+
+@pytest.mark.parametrize(
+    ("model", "name"),
+    [
+        ("oil_engine", "x.tors"),
+        ("oil_engine", "x.json"),
+        ("dmf_rig", "x.m"),
+        ("dmf_rig", "x.mat"),
+        ("dmf_rig", "x.mo"),
+        ("dmf_rig", "x.fmu"),
+    ],
+)
+def test_format_by_the_ending(tmp_path, model, name):
+    pytest.importorskip("pythonfmu")
+    result = run("export", model, "-o", tmp_path / name)
+    assert result.stdout == ""
+    assert result.stderr.splitlines()[-1] == f"wrote: {tmp_path / name}"
+    assert (tmp_path / name).stat().st_size > 100
+
+
+def test_configuration_and_parameter(tmp_path):
+    run("export", "amt_rig", "-c", "V", "--set", "c_O=360 N*m*s/rad", "-o", tmp_path / "x.mo")
+    values = Model((tmp_path / "x.mo").read_text(encoding="utf-8")).values
+    assert (values["tau"], values["c_O"]) == (3.26, 360)
+
+
+def test_every_configuration_in_a_file_of_its_own(tmp_path):
+    run("export", "amt_rig", "-c", "all", "-o", tmp_path / "x.m")
+    assert {path.name for path in tmp_path.iterdir()} == {
+        "x_II.m", "x_III.m", "x_IV.m", "x_V.m", "x_V_c_O_360.m",
+    }  # fmt: skip
+
+
+def test_another_ending_with_a_format(tmp_path):
+    run("export", "dmf_rig", "--format", "modelica", "-o", tmp_path / "x.txt")
+    assert Model((tmp_path / "x.txt").read_text(encoding="utf-8")).name == "DMF_test_rig"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (["-o", "x.zip"], '".zip" tells no format'),
+        (["-o", "x.m", "--format", "fmu"], "a file ending in .m is of the format matlab, not fmu"),
+        (["-o", "x.bin", "--format", "fmu"], "give a file ending in .fmu"),
+        (["-o", "x.m", "--step", "0.1"], "--step belongs to an FMU"),
+        (["-o", "x.fmu", "--step", "-1"], "positive time in s"),
+        (["-o", "x.tors"], "clamp (lock)"),
+        ([], "Missing option"),
+    ],
+)
+def test_wrong_usage(tmp_path, monkeypatch, arguments, text):
+    monkeypatch.chdir(tmp_path)
+    assert text in run("export", "dmf_rig", *arguments, code=2).stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_missing_extra(tmp_path, monkeypatch):
+    monkeypatch.setitem(extras.PACKAGES, "fmu", ("no_such_module", "pythonfmu", "FMU"))
+    result = run("export", "dmf_rig", "-o", tmp_path / "x.fmu", code=4)
+    assert 'pip install "torsionnet[fmu]"' in result.stderr
+
+
+def test_import_writes_a_model_file(tmp_path):
+    (tmp_path / "t.tors").write_text(json.dumps(THRUSTER), encoding="utf-8")
+    result = run("import", tmp_path / "t.tors", "-o", tmp_path / "t.yaml")
+    assert result.stderr == f"wrote: {tmp_path / 't.yaml'}\n"
+    assert tn.load(tmp_path / "t.yaml").name == "thruster"
+    assert run("import", tmp_path / "t.tors").stdout == (tmp_path / "t.yaml").read_text(encoding="utf-8")
+
+
+def test_import_of_a_faulty_file(tmp_path):
+    (tmp_path / "t.tors").write_text('{"components": [{"name": "a", "elements": [{"name": "d", "type": "Disc"}]}]}')
+    result = run("import", tmp_path / "t.tors", "-o", tmp_path / "t.yaml", code=1)
+    assert 'no type of element is named "Disc"; did you mean "Disk"?' in result.stderr
+    assert "t.tors:1:" in result.stderr
+    assert not (tmp_path / "t.yaml").exists()
+
+
+def test_import_of_no_file(tmp_path):
+    assert "there is no file" in run("import", tmp_path / "t.tors", code=2).stderr

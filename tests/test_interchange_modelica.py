@@ -1,0 +1,211 @@
+"""Modelica text, read by the reader in ``modelica_reader`` with the equations of the Modelica Standard Library 4.0.
+
+No Modelica tool runs here: what is tested is that the text is of the form the reader knows, and that with the library's
+equations it has the poles and responses of the drivetrain.
+"""
+
+import numpy as np
+import pytest
+from modelica_reader import Model
+from models import EVERY_ELEMENT, geared_line
+
+import torsionnet as tn
+from torsionnet.errors import UsageError
+from torsionnet.interchange import to_modelica, write_modelica
+
+FREQUENCIES = [0.7, 5.3, 21.0]
+NO_COUNTERPART = {"hysteretic_spring", "tabulated_spring"}
+LIBRARY = [
+    (name, configuration)
+    for name in sorted(tn.library_models())
+    for configuration in tn.load(name).configurations or ("",)
+    if configuration != "viscous_and_hysteretic"
+]
+
+SMALL = """
+model geared_line "geared line"
+  parameter Real J_1 = 0.2;
+  parameter Real J_2 = 0.5;
+  parameter Real k_1 = 900;
+  parameter Real k_2(unit="N.m/rad") = 4000;
+  parameter Real tau = 3;
+  parameter Real c = 2;
+  Modelica.Blocks.Interfaces.RealInput T_M(unit="N.m");
+  Modelica.Blocks.Interfaces.RealOutput angle(unit="rad");
+  Modelica.Blocks.Interfaces.RealOutput T(unit="N.m");
+  Modelica.Mechanics.Rotational.Components.Inertia motor(J=J_1);
+  Modelica.Mechanics.Rotational.Sensors.TorqueSensor T_meter;
+  Modelica.Mechanics.Rotational.Components.SpringDamper soft(c=k_1, d=c);
+  Modelica.Mechanics.Rotational.Components.Inertia wheel(J=J_2);
+  Modelica.Mechanics.Rotational.Components.IdealGear stage(ratio=tau);
+  Modelica.Mechanics.Rotational.Components.Spring stiff(c=k_2);
+  Modelica.Mechanics.Rotational.Components.Fixed brake;
+  Modelica.Mechanics.Rotational.Sources.Torque T_M_source;
+  Modelica.Mechanics.Rotational.Sensors.AngleSensor angle_sensor;
+equation
+  connect(T_meter.tau, T);
+  connect(T_M, T_M_source.tau);
+  connect(angle_sensor.phi, angle);
+  // m
+  connect(motor.flange_a, T_meter.flange_a);
+  connect(motor.flange_a, T_M_source.flange);
+  connect(motor.flange_a, angle_sensor.flange);
+  // p
+  connect(T_meter.flange_b, soft.flange_a);
+  // g
+  connect(soft.flange_b, wheel.flange_a);
+  connect(soft.flange_b, stage.flange_a);
+  // o
+  connect(stage.flange_b, stiff.flange_a);
+  // h
+  connect(stiff.flange_b, brake.flange);
+  annotation(uses(Modelica(version="4.0.0")));
+end geared_line;
+"""
+
+
+def agree(rig, model, rtol=1e-10):
+    expected = rig.frequency_response(model.outputs, model.inputs, FREQUENCIES).values
+    found = np.array([model.responses(2j * np.pi * f) for f in FREQUENCIES])
+    scale = np.abs(expected).max(axis=0)
+    scale[scale == 0] = 1  # the twist of something rigid
+    np.testing.assert_allclose(found / scale, expected / scale, atol=rtol)
+
+
+@pytest.mark.parametrize(("name", "configuration"), LIBRARY)
+def test_library_models_respond_alike(name, configuration):
+    rig = tn.load(name).configured(configuration) if configuration else tn.load(name)
+    model = Model(to_modelica(rig))
+    assert (model.inputs, model.outputs) == (list(rig.inputs), list(rig.sensors))
+    agree(rig, model)
+
+
+@pytest.mark.parametrize(
+    ("name", "configuration", "expected"),
+    [  # natural frequencies of the paper's equations, calculated with dense LAPACK from its matrices
+        ("dmf_rig", "", [7.10526, 80.98336]),
+        ("amt_rig", "V", [5.912, 18.079]),
+    ],
+)
+def test_poles_are_those_of_the_paper(name, configuration, expected):
+    rig = tn.load(name).configured(configuration) if configuration else tn.load(name)
+    poles = Model(to_modelica(rig)).eigenvalues()
+    natural = np.unique((np.abs(poles[poles.imag > 1]) / (2 * np.pi)).round(5))
+    np.testing.assert_allclose(natural, expected, atol=6e-4)
+
+
+def around(element):
+    """A drivetrain that needs the element: inertias and springs on its nodes, every sensor it can have."""
+    nodes = [node for node in element.ports.values() if node != "ground"]
+    parts = [tn.Inertia(f"j_{node}", node=node, inertia=1 + i) for i, node in enumerate(nodes)]
+    parts += [tn.Spring(f"s_{n}", nodes=(n, "ground"), stiffness=100 + 30 * i) for i, n in enumerate(nodes)]
+    sensors = {"twist": {"twist": "e"}} if len(element.ports) > 1 else {"phi": {"angle": nodes[0]}}
+    sensors |= {f"T_{port}": {"torque": "e", "at": port} for port in element.ports}
+    sensors |= {f"w_{node}": {"velocity": node} for node in nodes} | {"a": {"acceleration": nodes[-1]}}
+    parts += [
+        tn.Inertia("j_x", node="x", inertia=0.7),
+        tn.Spring("s_x", nodes=("x", nodes[0]), stiffness=70, damping=2),
+    ]
+    return tn.Drivetrain("around", [*parts, element], inputs={"T": {"torque": "x"}}, sensors=sensors)
+
+
+CASES = {kind: element for kind, element in EVERY_ELEMENT.items() if kind not in NO_COUNTERPART} | {
+    "rigid gear": tn.Gear("e", nodes=("a", "b"), ratio=-2.5, housing="c"),
+    "compliant planetary": tn.Planetary("e", sun="a", ring="b", carrier="c", ratio=2.6, stiffness=900, damping=3),
+    "ring on ground": tn.Planetary("e", sun="a", ring="ground", carrier="c", teeth=(30, 72), planet_inertia=0.1),
+    "locked differential": tn.Differential("e", cage="a", left="b", right="c", locked=True),
+    "lumped shaft": tn.Shaft("e", nodes=("a", "b"), outer_diameter=0.05, length=1, segments=2, inertia="lumped"),
+    "light shaft": tn.Shaft("e", nodes=("a", "b"), outer_diameter=0.05, length=1, inertia="none"),
+    "damping measure": tn.Spring("e", nodes=("a", "b"), stiffness=300, damping={"zeta": 0.05, "at": "3 Hz"}),
+    "spring without damping": tn.Spring("e", nodes=("a", "b"), stiffness=300),
+}
+
+
+def without_indeterminate(rig):
+    """Sensors of torques that no equation of statics gives are left out."""
+    from torsionnet.assembly.functionals import functional
+
+    kept = {}
+    for name, sensor in rig.sensors.items():
+        try:
+            functional(rig, sensor, name)
+            kept[name] = sensor
+        except UsageError:
+            continue
+    return tn.Drivetrain(rig.name, rig.elements, inputs=rig.inputs, sensors=kept)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_every_element_with_all_its_sensors(case):
+    rig = without_indeterminate(around(CASES[case]))
+    assert len(rig.sensors) >= 4
+    agree(rig, Model(to_modelica(rig)))
+
+
+def test_parameters_stay_parameters():
+    text = to_modelica(tn.load("amt_rig"))
+    agree(tn.load("amt_rig").configured(tau=3.26, k_1=900, I_1=0.3), Model(text, tau=3.26, k_1=900.0, I_1=0.3))
+
+
+def test_expressions_keep_their_meaning():
+    parameters = {
+        "G": "80 GPa", "d": "20 mm", "L": "0.5 m", "k": "G*pi*d**4/(32*L)", "ratio": "-3/(2 - 1/3)", "x": 3, "i": "sqrt(x)/x**(-2)",
+        "time": 2, "end": 0.5,
+    }  # fmt: skip
+    rig = tn.Drivetrain(
+        "model",
+        [
+            tn.Inertia("der", node="a", inertia="i*time**2"),
+            tn.Spring("k", nodes=("a", "b"), stiffness="k"),
+            tn.Gear("a", nodes=("b", "c"), ratio="ratio"),
+            tn.Inertia("T", node="c", inertia="end/(time*2)"),
+        ],
+        parameters=parameters,
+        inputs={"T": {"torque": "a"}},
+        sensors={"model": {"angle": "c"}, "k": {"torque": "k"}},
+    )
+    model = Model(to_modelica(rig))
+    assert model.name == "model_2"
+    assert not {"end", "der", "time"} & {*model.values, *model.components}
+    found = np.array([model.responses(2j * np.pi * f) for f in FREQUENCIES])
+    expected = rig.frequency_response(["model", "k"], ["T"], FREQUENCIES).values
+    np.testing.assert_allclose(found, expected, rtol=1e-10)
+
+
+def test_text_of_a_small_model():
+    text = to_modelica(geared_line())
+    assert text.splitlines() == SMALL.strip().splitlines()
+
+
+def test_same_model_same_text(tmp_path):
+    write_modelica(tn.load("planetary_set"), tmp_path / "a.mo")
+    assert (tmp_path / "a.mo").read_text(encoding="utf-8") == to_modelica(tn.load("planetary_set"))
+
+
+def test_descriptions_are_quoted():
+    rig = tn.Drivetrain(
+        'x"; end x; //', [tn.Inertia("i", node="a", inertia="J")],
+        parameters={"J": {"value": 2, "description": 'a "quote" and a \\ and\na line'}},
+        source="two\nlines", description='"\\',
+    )  # fmt: skip
+    text = to_modelica(rig)
+    assert text.splitlines()[0] == r'model x_end_x "\"\\"'
+    assert r'= 2 "a \"quote\" and a \\ and a line";' in text
+    assert Model(text).values == {"J": 2}
+
+
+@pytest.mark.parametrize("kind", sorted(NO_COUNTERPART))
+def test_elements_without_counterpart_are_refused_by_name(kind):
+    with pytest.raises(UsageError, match=rf"has no counterpart of e \({kind}\)"):
+        to_modelica(around(EVERY_ELEMENT[kind]))
+
+
+def test_an_imposed_angle_is_a_position():
+    parts = [tn.Inertia("i", node="a", inertia=2), tn.Spring("s", nodes=("a", "b"), stiffness=80, damping=1)]
+    rig = tn.Drivetrain("x", parts, inputs={"phi": {"angle": "b"}}, sensors={"y": {"angle": "a"}, "T": {"torque": "s"}})
+    agree(rig, Model(to_modelica(rig)))
+
+
+def test_switched_off_parts_are_left_out():
+    rig = tn.load("direct_drive_wind_turbine").configured("undamped")
+    assert "modal" not in to_modelica(rig).split("equation")[1]

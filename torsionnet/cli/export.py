@@ -1,0 +1,76 @@
+"""``torsionnet export``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from torsionnet.cli.cases import file_of, load_cases
+from torsionnet.cli.options import OutputFile, model_options
+from torsionnet.cli.terminal import wrote
+
+FORMATS = {".tors": "tors", ".json": "tors", ".m": "matlab", ".mat": "mat", ".mo": "modelica", ".fmu": "fmu"}
+"""Format by the ending of the file."""
+
+
+@click.command("export")
+@model_options
+@click.option("-o", "--output", "file", type=OutputFile(), required=True, help="The file to write.")
+@click.option(
+    "--format",
+    "form",
+    type=click.Choice(list(dict.fromkeys(FORMATS.values()))),
+    help="Default: by the ending of the file. Of text (tors, modelica) the ending may be any.",
+)
+@click.option("--step", type=float, help="Communication step of an FMU in s.  [default: 0.0001]")
+def command(
+    model: str,
+    configurations: tuple[str, ...],
+    settings: tuple[tuple[str, str], ...],
+    file: str,
+    form: str | None,
+    step: float | None,
+) -> None:
+    """Write a model for another program.
+
+    \b
+    .tors, .json  TORS of openTorsion: disks, shafts and gears in a tree
+    .m, .mat      matrices, state space and names for Matlab and Octave
+    .mo           Modelica text of Modelica.Mechanics.Rotational components
+    .fmu          functional mock-up unit, co-simulation (extra fmu)
+
+    \b
+    torsionnet export amt_rig -c V -o rig.mo
+    torsionnet export dmf_rig -o rig.fmu --step 0.001
+    """  # noqa: D301
+    chosen = _format(Path(file).suffix.lower(), form)
+    if step is not None and chosen != "fmu":
+        msg = "--step belongs to an FMU"
+        raise click.UsageError(msg)
+    cases = load_cases(model, configurations, settings)
+    from torsionnet import interchange
+
+    writers = {
+        "tors": interchange.write_tors,
+        "matlab": interchange.write_matlab,
+        "mat": interchange.write_matlab,
+        "modelica": interchange.write_modelica,
+        "fmu": interchange.write_fmu,
+    }
+    more = {} if step is None else {"step": step}
+    for case in cases:
+        target = file_of(file, case, cases)
+        writers[chosen](case.drivetrain, target, **more)
+        wrote(target)
+
+
+def _format(ending: str, form: str | None) -> str:
+    usual = FORMATS.get(ending)
+    if form is None and usual is None:
+        msg = f'"{ending}" tells no format; end the file in {", ".join(FORMATS)}, or give --format'
+        raise click.UsageError(msg)
+    if form and usual and form != usual:
+        msg = f"a file ending in {ending} is of the format {usual}, not {form}"
+        raise click.UsageError(msg)
+    return form or str(usual)
