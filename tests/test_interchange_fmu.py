@@ -25,7 +25,7 @@ def run(path, inputs, step):
     references = {variable.name: variable.valueReference for variable in about.modelVariables}
     names = {side: [v.name for v in about.modelVariables if v.causality == side] for side in ("input", "output")}
     unit = fmi2.FMU2Slave(
-        guid=about.guid, unzipDirectory=fmpy.extract(str(path)), instanceName="rig",
+        guid=about.guid, unzipDirectory=fmpy.extract(str(path), str(path.with_suffix(""))), instanceName="rig",
         modelIdentifier=about.coSimulation.modelIdentifier,
     )  # fmt: skip
     unit.instantiate()
