@@ -25,7 +25,7 @@ def run(path, inputs, step):
     references = {variable.name: variable.valueReference for variable in about.modelVariables}
     names = {side: [v.name for v in about.modelVariables if v.causality == side] for side in ("input", "output")}
     unit = fmi2.FMU2Slave(
-        guid=about.guid, unzipDirectory=fmpy.extract(str(path)), instanceName="rig",
+        guid=about.guid, unzipDirectory=fmpy.extract(str(path), str(path.with_suffix(""))), instanceName="rig",
         modelIdentifier=about.coSimulation.modelIdentifier,
     )  # fmt: skip
     unit.instantiate()
@@ -118,6 +118,9 @@ def test_equal_models_give_equal_bytes_and_others_do_not(tmp_path):
     guids = {fmpy.read_model_description(str(tmp_path / f"{name}.fmu")).guid for name in "abc"}
     assert len(guids) == 2
     assert c != a
+    with zipfile.ZipFile(tmp_path / "a.fmu") as archive:
+        assert b'generationDateAndTime="1980-01-01T00:00:00Z"' in archive.read("modelDescription.xml")
+        assert {entry.date_time[0] for entry in archive.infolist()} == {1980}
 
 
 def test_needs_only_numpy_where_it_runs(tmp_path):

@@ -134,10 +134,9 @@ class _Layout:
         return shafts, [edge for edge in onward if edge.gear is not None]
 
     def _shaft(self, chain: _Chain, edge: Edge, node: str) -> str:
-        items = edge.items if node == edge.first else edge.items[::-1]
-        for item in items[:-1]:
+        for item in edge.items[:-1]:  # equal segments: the same from either side
             chain.add(item)
-        chain.add(items[-1], edge.other(node))
+        chain.add(edge.items[-1], edge.other(node))
         return edge.other(node)
 
     def _branch(self, origin: str, edge: Edge, node: str) -> None:
