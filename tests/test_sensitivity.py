@@ -240,3 +240,49 @@ def test_tornado_shows_the_strongest_first():
     assert set(labels[:3]) == {"k_2", "c_2", "I_2"}
     with pytest.raises(UsageError, match="there is no mode 3"):
         report.tornado(found, modes=[3])
+
+
+def one_mass(**parameters):
+    return tn.Drivetrain(
+        "one",
+        [
+            tn.Inertia("rotor", node="a", inertia="J"),
+            tn.Spring("spring", nodes=("a", "ground"), stiffness="k/q", damping="c"),
+        ],
+        parameters={"q": 1, **parameters},
+    )
+
+
+def test_poles_that_meet_have_no_derivative_and_say_so():
+    found = mode_sensitivities(one_mass(J=0.25, k=400, c=20), ["k", "c"])
+    assert np.isnan(found.pole_slopes).all()
+    assert all("two poles meet (critical damping)" in text for text in found.words())
+
+
+def test_just_beside_critical_damping():
+    found = mode_sensitivities(one_mass(J=0.25, k=400, c=20.002), ["c"])
+    root = np.sqrt(20.002**2 - 4 * 0.25 * 400)
+    expected = sorted([(-1 + 20.002 / root) / 0.5, (-1 - 20.002 / root) / 0.5])
+    assert np.allclose(np.sort(found.pole_slopes[:, 0].real), expected, rtol=1e-5)
+
+
+def test_what_poles_are_not_derived_for():
+    table = [[1, 300, 2], [9, 500, 1], [30, 900, 0.5]]
+    rig = tn.Drivetrain(
+        "tabulated",
+        [
+            tn.Inertia("rotor", node="a", inertia="J"),
+            tn.TabulatedSpring("mount", nodes=("a", "ground"), table=table),
+        ],
+        parameters={"J": 0.2},
+    )
+    with pytest.raises(UsageError, match="tabulated over frequency: mount"):
+        mode_sensitivities(rig)
+    with pytest.raises(UsageError, match="called by its name, got 3"):
+        mode_sensitivities(one_mass(J=1, k=1, c=1), [3])
+
+
+def test_values_at_which_the_drivetrain_cannot_be_calculated():
+    response = parametric_response(one_mass(J=1, k=1, c=1), "a", "a", [1.0], ["q"])
+    with pytest.raises(SolveError, match="cannot be calculated at q = 0"):
+        response.at([0.0])

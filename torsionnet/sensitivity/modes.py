@@ -31,6 +31,8 @@ from torsionnet.solve.question import as_sensor, ask
 SAME = 1e-6
 """Poles closer than this share of their size count as repeated."""
 STRONG = 0.05
+DEFECTIVE = 1e-5
+"""Equal poles with fewer vectors than poles leave a singular value above this, where entries are of the order of 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +47,7 @@ class ModeSensitivities:
     poles : (n_modes,) complex array
         rad/s; rigid-body modes are left out.
     pole_slopes : (n_modes, n_p) complex array
-        d lambda / dp.
+        d lambda / dp; nan where two poles meet at critical damping, and move with the root of a change.
     title : str
     """
 
@@ -98,6 +100,9 @@ class ModeSensitivities:
         """Of every mode, the parameters that move it most."""
         found = []
         for mode, (f, z) in enumerate(zip(self.natural_frequencies, self.damping_ratios, strict=True)):
+            if np.isnan(self.pole_slopes[mode]).any():
+                found.append(f"mode {mode + 1} ({f:.4g} Hz): two poles meet (critical damping) and have no derivative")
+                continue
             kind = "real pole" if self.poles[mode].imag == 0 else f"{100 * z:.3g} % damping"
             parts = [
                 f"{what} by {_strongest(relative[mode], self.parameters, most)}"
@@ -161,12 +166,17 @@ def mode_sensitivities(
     excitation : str, optional
         What drives the drivetrain then.
 
+    Raises
+    ------
+    UsageError
+        An unknown name, or a spring tabulated over frequency, of which poles have no simple derivative.
+
     Examples
     --------
     >>> import torsionnet as tn
     >>> found = mode_sensitivities(tn.load("dmf_rig"), ["k_2", "c_2"])
     >>> found.relative_frequencies[0].round(3).tolist()
-    [0.484, -0.004]
+    [0.498, 0.001]
     """
     names = list(parameters) if parameters is not None else _basic(drivetrain)
     chosen = unknowns(drivetrain, names)
@@ -209,6 +219,10 @@ class _System:
         redundant = tuple(sorted(drivetrain.assembly.kinematics.reduction.redundant))
         self.system: Augmented = augmented(chosen, chosen.start, self.nodes, redundant)
         self.count = len(chosen.names)
+        if self.system.tables:
+            owners = ", ".join(dict.fromkeys(self.system.law_owners[law] for law, _ in self.system.tables))
+            msg = f"derivatives of poles are not available with springs tabulated over frequency: {owners}"
+            raise UsageError(msg)
         self.reading: Reading | None = None
         self.load: Input | None = None
         if measured is not None:
@@ -234,13 +248,14 @@ class _System:
 
     def slopes(self, s: complex, multiplicity: int) -> ComplexArray:
         """Derivatives of the poles at s, (multiplicity, n_p)."""
-        matrix = self.matrix(s)
-        size = np.abs(matrix)
-        rows = 1 / np.sqrt(np.maximum(size.max(axis=1), np.finfo(float).tiny))
-        columns = 1 / np.maximum((size * rows[:, None]).max(axis=0), np.finfo(float).tiny)
-        left, _, right = np.linalg.svd(matrix * rows[:, None] * columns)
-        r = columns[:, None] * right[-multiplicity:].conj().T
-        l = rows[:, None] * left[:, -multiplicity:].conj()
+        matrix, scale = self.matrix(s), self._scale(s)
+        if multiplicity > len(matrix):
+            return np.full((multiplicity, self.count), complex(np.nan, np.nan))
+        left, sizes, right = np.linalg.svd(matrix * scale[:, None] * scale)
+        if multiplicity > 1 and sizes[-multiplicity] > DEFECTIVE:
+            return np.full((multiplicity, self.count), complex(np.nan, np.nan))
+        r = scale[:, None] * right[-multiplicity:].conj().T
+        l = scale[:, None] * left[:, -multiplicity:].conj()
         rates = np.array([[self._rate(s, r[:, j], l[:, i]) for j in range(multiplicity)] for i in range(multiplicity)])
         moved = np.array([[self._moved(s, r[:, j], l[:, i]) for j in range(multiplicity)] for i in range(multiplicity)])
         if multiplicity == 1:
@@ -249,6 +264,18 @@ class _System:
         for p in range(self.count):
             found[:, p] = np.sort_complex(linalg.eigvals(-moved[:, :, p], rates))
         return found
+
+    def _scale(self, s: complex) -> FloatArray:
+        """Of every unknown, so that entries are of the order of 1 before anything cancels."""
+        kappa = np.abs(self.system.kappa(np.array([s / 1j])))
+        n_nodes = self.system.laws.values.shape[1]
+        own = (kappa[0][:, None] * self.system.laws.values**2).sum(axis=0)
+        scale = np.ones(len(self.matrix(s)))
+        scale[:n_nodes] = 1 / np.sqrt(np.where(own > 0, own, own.max(initial=1.0)))
+        beyond = np.abs(self.matrix(s))[n_nodes:, :n_nodes] * scale[:n_nodes]
+        largest = beyond.max(axis=1, initial=0.0)
+        scale[n_nodes:] = 1 / np.where(largest > 0, largest, 1.0)
+        return scale
 
     def _rate(self, s: complex, r: ComplexArray, left: ComplexArray) -> complex:
         n = self.system.laws.values.shape[1] + len(self.system.condition_owners)

@@ -13,6 +13,7 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.channels import Input, Sensor
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import SolveError, UsageError
+from torsionnet.expressions import ExpressionError
 from torsionnet.sensitivity.augmented import Augmented, augmented, free_motion
 from torsionnet.sensitivity.forms import equation_slopes, reading_slopes
 from torsionnet.sensitivity.readings import Reading, condition_owner, reading, rows_of
@@ -84,7 +85,11 @@ class ParametricResponse:
             A derived parameter cannot be calculated.
         """
         numbers = [float(value) for value in values]
-        whole = augmented(self.unknowns, numbers, self._nodes, self._redundant)
+        try:
+            whole = augmented(self.unknowns, numbers, self._nodes, self._redundant)
+        except (ZeroDivisionError, OverflowError, ExpressionError) as error:
+            msg = f"the drivetrain cannot be calculated at {self._given(numbers)}: {error}"
+            raise SolveError(msg) from None
         known, elements = self.unknowns.values(numbers), dict(self.unknowns.definition.elements)
         T, kept = self._motion
         readings = [reading(sensor, elements, whole, self._nodes, known).on(T, kept) for sensor in self.sensors]
@@ -95,10 +100,12 @@ class ParametricResponse:
         y, dy = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
         found = self._quotient(y, dy)
         if not (np.isfinite(found.values).all() and np.isfinite(found.jacobian).all()):
-            given = ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.names, numbers, strict=True))
-            msg = f"the response is not finite at {given}"
+            msg = f"the response is not finite at {self._given(numbers)}"
             raise SolveError(msg)
         return found
+
+    def _given(self, numbers: Sequence[float]) -> str:
+        return ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.names, numbers, strict=True))
 
     def _block(
         self, system: Augmented, readings: Sequence[Reading], omega: FloatArray

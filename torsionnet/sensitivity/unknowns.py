@@ -81,6 +81,10 @@ def unknowns(drivetrain: Drivetrain, names: Sequence[str]) -> Unknowns:
     """
     definition = drivetrain.definition
     parameters, start = [], []
+    strange = [name for name in names if not isinstance(name, str)]
+    if strange:
+        msg = f"a parameter is called by its name, got {strange[0]!r}"
+        raise UsageError(msg)
     twice = sorted({name for name in names if list(names).count(name) > 1})
     if twice:
         msg = f"{', '.join(twice)} was named twice"
