@@ -28,8 +28,8 @@ export function linearTicks(low, high, most = 6) {
   return ticks;
 }
 
-export function phaseTicks(low, high) {
-  const step = [30, 45, 90, 180, 360, 720].find((one) => (high - low) / one <= 7) ?? 1440;
+export function phaseTicks(low, high, most) {
+  const step = [30, 45, 90, 180, 360, 720].find((one) => (high - low) / one <= Math.max(1, Math.min(most, 8))) ?? 1440;
   const ticks = [];
   for (let tick = Math.ceil(low / step) * step; tick <= high; tick += step) ticks.push(tick);
   return ticks;

@@ -5,6 +5,7 @@ import { colour, DASHES } from "./theme.js";
 
 const AXIS_WIDTH = 58;
 const LINE = 2;
+const LEAST_APART = 20; // pixels between ticks of phase
 
 export function makeBode(places, actions) {
   let plots = [];
@@ -12,7 +13,7 @@ export function makeBode(places, actions) {
 
   // Made anew only if something changes that uPlot cannot change in place.
   function draw(curves, form) {
-    const wanted = JSON.stringify([curves.map(({ kind, colour: ink, faint }) => [kind, ink, faint]), form]);
+    const wanted = JSON.stringify([curves.map(({ kind, colour: ink, faint, dash }) => [kind, ink, faint, dash]), form]);
     const data = ["magnitude", "phase"].map((side) => joined(curves, side));
     if (wanted === shape) {
       plots.forEach((plot, k) => plot.setData(data[k]));
@@ -68,9 +69,11 @@ function series(curve, index) {
   return {
     stroke: curve.colour,
     width: dots ? 0 : index ? LINE * 0.8 : LINE,
-    alpha: curve.faint ? 0.35 : 1,
+    alpha: curve.faint || curve.doubtful ? 0.3 : 1,
     dash: DASHES[curve.dash],
     spanGaps: true,
+    auto: !curve.doubtful, // lines of a test that nobody should trust do not set the scale
+    pxAlign: 0,
     paths: dots ? () => null : undefined,
     points: { show: dots, size: 4, fill: curve.colour, width: 0 },
   };
@@ -109,7 +112,7 @@ function axis(values, more = {}) {
 
 function frequencies(form, label) {
   const ticks = form.logFrequency ? logTicks : linearTicks;
-  return axis((plot, __, low, high) => ticks(low, high), { size: label ? 46 : 24, ...(label ? { label, labelSize: 18, labelFont: "12px system-ui, sans-serif" } : {}) });
+  return axis((plot, __, low, high) => ticks(low, high), { size: 24, ...(label ? { label, labelSize: 16, labelFont: "12px system-ui, sans-serif" } : {}) });
 }
 
 function scales(form, isPhase) {
@@ -132,5 +135,5 @@ function magnitudeOptions(form) {
 }
 
 function phaseOptions(form) {
-  return { axes: [frequencies(form, "Frequency [Hz]"), axis((_, __, low, high) => phaseTicks(low, high), { size: AXIS_WIDTH })] };
+  return { axes: [frequencies(form, "Frequency [Hz]"), axis((plot, __, low, high) => phaseTicks(low, high, plot.height / LEAST_APART - 3), { size: AXIS_WIDTH })] };
 }

@@ -79,7 +79,11 @@ export function segments(text, entries, choose) {
   box.className = "segments";
   box.append(...radios.map((one) => one.label));
   node.append(legend, box);
-  return { node, fill: (value) => radios.forEach(({ radio }) => (radio.checked = radio.value === value)) };
+  return {
+    node,
+    fill: (value) => radios.forEach(({ radio }) => (radio.checked = radio.value === value)),
+    rename: (value, text_) => (radios.find(({ radio }) => radio.value === value).label.lastChild.textContent = text_),
+  };
 }
 
 function makeBand(change) {
@@ -95,7 +99,7 @@ function makeBand(change) {
     if (good) change({ band });
   };
   ends.forEach((field) => field.addEventListener("change", take));
-  const all = Object.assign(document.createElement("button"), { type: "button", className: "quiet", textContent: "all" });
+  const all = Object.assign(document.createElement("button"), { type: "button", className: "small", textContent: "fit" });
   all.title = "The band of all modes; a double-click on a plot does the same, dragging in it zooms";
   all.addEventListener("click", () => change({ band: null }));
   const node = document.createElement("fieldset");

@@ -24,15 +24,18 @@ export function curve(answer, state, index, more = {}) {
 }
 
 // A test has phases between -180 and 180 degrees; each dot goes to the turn in which the model is at that frequency.
-export function dots(test, answer, state) {
+// Lines that cannot be trusted (coherence, resolution) come apart, and faint.
+export function dots(test, answer, state, doubtful) {
   const scale = state.angle === "deg" ? answer.response.scale : 1;
+  const lines = test.trusted.flatMap((good, k) => (good === doubtful ? [] : [k]));
   return {
     kind: "dots",
-    frequencies: test.frequencies,
-    magnitude: test.magnitude.map((value) => shown(value, scale, state)),
-    phase: test.phase.map((value, k) => beside(value, at(answer.response, test.frequencies[k]))),
+    frequencies: lines.map((k) => test.frequencies[k]),
+    magnitude: lines.map((k) => shown(test.magnitude[k], scale, state)),
+    phase: lines.map((k) => beside(test.phase[k], at(answer.response, test.frequencies[k]))),
     colour: colour("test"),
     dash: 0,
+    doubtful,
   };
 }
 

@@ -7,7 +7,7 @@ import { byKeys, valuesAt, valuesNear } from "./cursor.js";
 import { curve, dots, shownUnit, summary } from "./curves.js";
 import { copy, save } from "./files.js";
 import { drawModes } from "./modes.js";
-import { short } from "./numbers.js";
+import { short, symbol } from "./numbers.js";
 import { makePins, pinned } from "./pins.js";
 import { drawPoles } from "./poles.js";
 import { makeReadout } from "./readout.js";
@@ -136,7 +136,7 @@ function redraw(faint = false) {
   const seen = all.filter((one) => !one.hidden);
   const band = answer.band;
   bode.draw(seen, { band, decibels: state.decibels, logFrequency: band[1] / band[0] >= 10, theme: isDark(state.theme) });
-  readout.list([...seen, ...all.filter((one) => one.hidden)]);
+  readout.list([...seen, ...all.filter((one) => one.hidden)].filter((one) => !one.unlisted));
   readValues();
   words(answer);
   drawModal(answer);
@@ -156,15 +156,17 @@ function allCurves(answer, faint) {
     const apart = answer.misfit;
     const note = apart ? `apart by ${short(apart.decibels, 3)} dB, ${short(apart.degrees, 3)}° RMS; FRAC ${apart.frac.toFixed(4)}` : "";
     const kind = { key: `test ${state.overlaid}`, name: model.overlay, note, hidden: !state.overlaid };
-    curves.push({ ...dots(test, answer, state), ...kind });
+    curves.push({ ...dots(test, answer, state, false), ...kind });
+    const rest = dots(test, answer, state, true);
+    if (rest.frequencies.length) curves.push({ ...rest, ...kind, key: `doubtful ${state.overlaid}`, name: "", unlisted: true });
   }
   return curves;
 }
 
 function words(answer) {
   const words_ = shownUnit(answer.response, state);
-  title("magnitude-title", `${answer.response.kind} ${answer.response.label}`, words_);
-  title("phase-title", "phase", "deg");
+  title("magnitude-title", [`${answer.response.kind} `, symbol(state.output), " / ", symbol(state.input)], words_);
+  title("phase-title", ["phase"], "deg");
   at("summary").textContent = summary(answer, state);
   const notes = [...answer.response.notes, ...answer.notes, ...answer.findings];
   if (test === "none") notes.push(`${model.overlay} holds no ${answer.response.label}`);
@@ -172,16 +174,17 @@ function words(answer) {
   at("command").textContent = answer.command;
 }
 
-function title(id, text, inUnit) {
+function title(id, content, inUnit) {
   const small = document.createElement("small");
   small.textContent = ` [${inUnit}]`;
-  at(id).replaceChildren(text, small);
+  at(id).replaceChildren(...content, small);
 }
 
 function drawModal(answer) {
   at("which").hidden = !answer.cut;
   const cut = state.of === "cut" && answer.cut;
   which.fill(cut ? "cut" : "drivetrain");
+  which.rename("cut", `cut at ${state.input}`);
   at("modes-title").textContent = cut ? `Poles of ${answer.response.label}` : "Modes";
   const side = (one) => (cut ? one.cut : one.modes);
   drawModes(at("modes"), side(answer));

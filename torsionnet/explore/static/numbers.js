@@ -24,7 +24,7 @@ export function unit(text) {
 
 // I_MT becomes I with a subscript, tau becomes τ.
 export function symbol(name) {
-  const [head, ...rest] = name.split("_");
+  const [head, ...rest] = name.includes("(") ? [name] : name.split("_"); // torque(gear_box) is no symbol
   const node = document.createElement("span");
   node.className = "symbol";
   const letter = document.createElement(/^[A-Za-z]$/.test(head) || GREEK[head] ? "i" : "span");

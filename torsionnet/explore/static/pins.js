@@ -1,10 +1,11 @@
 // Pinned curves: states of the drivetrain that are calculated again for whatever response and band is shown.
 
 import { ask } from "./api.js";
+import { unit } from "./numbers.js";
 import { question } from "./state.js";
 
 export function pinned(state, title) {
-  const changes = Object.entries(state.values).map(([name, value]) => `${name} = ${value}`);
+  const changes = Object.entries(state.values).map(([name, value]) => `${name} = ${unit(String(value))}`);
   const configuration = Object.values(state.choice).join(", ");
   const name = [configuration, ...changes].filter(Boolean).join(", ") || title;
   return { name: name.slice(0, 80), choice: { ...state.choice }, values: { ...state.values } };

@@ -57,18 +57,20 @@ function grid(view, place) {
   }
   lines.push(line("axis", place.x(view.real), place.y(0), place.x(0), place.y(0)));
   lines.push(line("axis", place.x(0), place.y(0), place.x(0), place.y(view.imag)));
-  lines.push(text("tick end", place.x(0) - 6, EDGE.top + 2, "Im"), text("tick", EDGE.left, HEIGHT - 6, "Re"));
+  lines.push(text("tick end", place.x(0) - 6, EDGE.top + 2, "Im"), text("tick middle", place.x(view.real / 2), HEIGHT - 4, "Re"));
   return lines;
 }
 
 // zeta = -Re / |lambda|: a straight line through the origin, whatever the scales of the axes.
 function rays(view, place) {
-  return RATIOS.flatMap((ratio) => {
+  let last = -Infinity; // names side by side keep their distance
+  return RATIOS.toReversed().flatMap((ratio) => {
     const slope = ratio / Math.sqrt(1 - ratio ** 2);
     const imag = Math.min(view.imag, -view.real / slope);
     const [x, y] = [place.x(-slope * imag), place.y(imag)];
-    const apart = Math.hypot(x - place.x(0), y - place.y(view.imag));
-    if (apart < 26 || place.y(0) - y < 22) return [];
+    const way = x - (y - place.y(view.imag)); // along the left edge upwards, then along the upper one
+    if (way - last < 30 || place.x(0) - x < 26 || place.y(0) - y < 22) return [];
+    last = way;
     const label = `${short(100 * ratio)} %`;
     const shown = imag === view.imag ? text("ray-name middle", x, y - 3, label) : text("ray-name", x + 3, y - 3, label);
     return [line("ray", place.x(0), place.y(0), x, y), shown];

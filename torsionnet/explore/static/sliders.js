@@ -56,7 +56,8 @@ function drag(row, change, event) {
 function type(row, change, event) {
   const text = row.field.value.trim();
   const bare = text !== "" && Number.isFinite(Number(text));
-  change(row.now.name, text === "" ? null : bare ? withUnit(text, row.now) : text, event.timeStamp);
+  const same = text === "" || (bare && Number(text) === row.now.default);
+  change(row.now.name, same ? null : bare ? withUnit(text, row.now) : text, event.timeStamp);
 }
 
 function withUnit(text, parameter) {
