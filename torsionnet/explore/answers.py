@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import ModelError, TorsionnetError, TorsionnetWarning
 from torsionnet.explore.command_text import command_text
+from torsionnet.explore.lines import NEAREST, lines, undamped
 from torsionnet.explore.overlay import misfit
 from torsionnet.explore.session import Session
 from torsionnet.explore.sliders import sliders
@@ -20,9 +21,8 @@ from torsionnet.explore.state import State
 from torsionnet.response import Conventions, FrequencyResponse, Modes
 from torsionnet.response.frequency_response import ORDERS, FloatArray
 from torsionnet.response.phase import unwrapped
-from torsionnet.solve.grid import Adaptive, vibration_range
+from torsionnet.solve.grid import vibration_range
 
-POINTS, PER_PEAK = 300, 41
 MOST_MODES, LARGE = 40, 120
 """Of more nodes than ``LARGE`` only the lowest modes are looked for: all of them would take longer than a drag."""
 MOST_PEAKS = 6
@@ -60,21 +60,19 @@ def _where(path: tuple[str | int, ...]) -> str:
 
 
 def _answer(session: Session, state: State) -> dict[str, Any]:
-    plain = session.chosen(state.choice)
-    rig = plain.configured(**state.values) if state.values else plain
+    plain, rig = session.chosen(state.choice), session.varied(state)
     shown = session.completed(state)
     modes = _modes(rig)
     measured = _measured(rig, shown)
     found = [modes, measured] if measured else [modes]
     band = state.band if any(state.band) else vibration_range(*found)
-    frequencies = Adaptive(*band, points=POINTS, per_peak=PER_PEAK).frequencies(*found)
-    response = respond(rig, shown, frequencies)
+    response = respond(rig, shown, lines(band, *found))
     return {
         "title": rig.title,
         "band": list(band),
         "excitation": shown.excitation,
         "parameters": [slider.to_data() for slider in sliders(plain, rig, state.values)],
-        "response": response_data(response),
+        "response": response_data(response, undamped(*found)),
         "modes": modes_data(modes),
         "cut": modes_data(measured) if measured else None,
         "misfit": misfit(session.overlay, shown, lambda f: respond(rig, shown, f), band),
@@ -102,8 +100,11 @@ def respond(rig: Drivetrain, state: State, frequencies: FloatArray) -> Frequency
     return getattr(response, state.quantity)() if state.quantity and is_motion else response
 
 
-def response_data(response: FrequencyResponse) -> dict[str, Any]:
-    """Magnitude in SI and continuous phase in degrees, with what it takes to show them in degrees per unit."""
+def response_data(response: FrequencyResponse, unbounded: FloatArray) -> dict[str, Any]:
+    """Magnitude in SI and continuous phase in degrees, with what it takes to show them in degrees per unit.
+
+    ``unbounded`` are frequencies in Hz at which a peak has no height.
+    """
     values = response.values[:, 0, 0]
     magnitude, phase = np.abs(values), unwrapped(values)
     return {
@@ -115,18 +116,24 @@ def response_data(response: FrequencyResponse) -> dict[str, Any]:
         "frequencies": numbers(response.frequencies),
         "magnitude": numbers(magnitude),
         "phase": numbers(phase),
-        "peaks": _peaks(response.frequencies, magnitude, phase),
+        "peaks": _peaks(response.frequencies, magnitude, phase, unbounded),
         "notes": list(response.notes),
     }
 
 
-def _peaks(frequencies: FloatArray, magnitude: FloatArray, phase: FloatArray) -> list[list[float]]:
-    """[Hz, magnitude, degrees] of the largest local maxima, in the order of frequency."""
+def _peaks(
+    frequencies: FloatArray, magnitude: FloatArray, phase: FloatArray, unbounded: FloatArray
+) -> list[list[float | None]]:
+    """[Hz, magnitude, degrees] of the largest local maxima, in the order of frequency; None where it has no height."""
     inner = magnitude[1:-1]
     with np.errstate(invalid="ignore"):
         at = 1 + np.flatnonzero((inner > magnitude[:-2]) & (inner >= magnitude[2:]) & np.isfinite(inner))
     largest = np.sort(at[np.argsort(-magnitude[at])][:MOST_PEAKS])
-    return [[float(frequencies[k]), float(magnitude[k]), float(phase[k])] for k in largest]
+    near = [unbounded[np.abs(unbounded - frequencies[k]) < 2 * NEAREST * unbounded] for k in largest]
+    return [
+        [float(pole[0]), None, None] if pole.size else [float(frequencies[k]), float(magnitude[k]), float(phase[k])]
+        for k, pole in zip(largest, near, strict=True)
+    ]
 
 
 def modes_data(modes: Modes) -> dict[str, Any]:

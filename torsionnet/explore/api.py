@@ -26,7 +26,7 @@ def _overlay(session: Session, state: State) -> dict[str, Any]:
 
 
 def _save(session: Session, state: State) -> dict[str, Any]:
-    return {"file": session.file, "text": session.saved(state)}
+    return {"file": session.saved_file, "text": session.saved(state)}
 
 
 QUESTIONS: Mapping[str, Callable[[Session, State], dict[str, Any]]] = {
@@ -59,7 +59,9 @@ def reply(session: Session, path: str, body: bytes) -> bytes:
 def _parsed(body: bytes) -> Any:
     try:
         return json.loads(body.decode() or "{}", parse_constant=_no_number, object_pairs_hook=_object)
-    except (UnicodeDecodeError, json.JSONDecodeError, RecursionError) as error:
+    except RequestError:
+        raise
+    except (ValueError, RecursionError) as error:  # of bytes, of text, of numbers of thousands of digits
         msg = f"the request is no JSON text: {error}"
         raise RequestError(msg) from None
 

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.configurations import parse_choice
-from torsionnet.definition import Definition
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import UsageError
 from torsionnet.explore.choices import Pair, choices, default_pair
 from torsionnet.explore.overlay import overlay_data
 from torsionnet.explore.state import State
@@ -62,6 +62,15 @@ class Session:
             self._chosen[name] = self.base.configured(name) if name else self.base
         return self._chosen[name]
 
+    def varied(self, state: State) -> Drivetrain:
+        """The model in the configuration and with the values of a state; UsageError for an expression as a value."""
+        changed = self.chosen(state.choice).configured(**state.values) if state.values else self.chosen(state.choice)
+        for name in state.values:
+            if changed.parameter_definitions[name].is_derived:
+                msg = f"{name}: expected a number with its unit; expressions of parameters belong in the model file"
+                raise UsageError(msg)
+        return changed
+
     def completed(self, state: State) -> State:
         """The state with the response and the excitation that an empty name stands for.
 
@@ -94,15 +103,19 @@ class Session:
         """The test where it is of the response shown."""
         return overlay_data(self.overlay, self.completed(state))
 
+    @property
+    def saved_file(self) -> str:
+        """Name of the file with changed values: another one than the author's."""
+        path = Path(self.file)
+        return f"{path.stem}_changed{path.suffix}"
+
     def saved(self, state: State) -> str:
         """The model file with the values of a state.
 
         A value that the configuration chosen sets is changed there, any other one in the table of parameters.
         """
-        changed: Definition = self.base.configured(**state.values).definition
-        changes = {
-            place_of(self.base.definition, state.choice, name): changed.parameters[name].value for name in state.values
-        }
+        changed = self.varied(state).parameter_definitions
+        changes = {place_of(self.base.definition, state.choice, name): changed[name].value for name in state.values}
         return changed_text(self.text, self.base.definition, changes, self.file)
 
 

@@ -38,7 +38,7 @@ class Place:
 
 
 def place_of(definition: Definition, choice: Mapping[str, str], parameter: str) -> Place:
-    """Where the value that holds under a choice of alternatives is written: the last axis that sets it, or the base.
+    """Where the value that holds under a choice of alternatives is written: the axis that sets it, or the base.
 
     Examples
     --------
@@ -46,8 +46,8 @@ def place_of(definition: Definition, choice: Mapping[str, str], parameter: str) 
     >>> place_of(tn.load("amt_rig").definition, {"gear": "V"}, "tau").alternative
     'V'
     """
-    for axis in reversed(list(definition.axes)):
-        if parameter in definition.axes[axis].get(choice.get(axis, ""), _NOTHING).parameters:
+    for axis, alternatives in definition.axes.items():  # no two of which set the same parameter
+        if parameter in alternatives.get(choice.get(axis, ""), _NOTHING).parameters:
             return Place(parameter, axis, choice[axis])
     return Place(parameter)
 

@@ -46,12 +46,12 @@ function common(place, curves, form, actions) {
   return {
     ...size(place),
     legend: { show: false },
-    padding: [8, 12, 0, 0],
+    padding: [8, 20, 0, 0],
     cursor: {
       sync: { key: "bode" },
       y: false,
       drag: { x: true, y: false, setScale: false },
-      dataIdx: nearestValue,
+      dataIdx: (plot, number, index) => (curves[number - 1]?.doubtful ? null : nearestValue(plot, number, index)),
       points: { size: 7, width: 2, fill: colour("paper") },
       bind: { dblclick: () => () => actions.widen() },
     },

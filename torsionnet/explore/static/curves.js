@@ -48,8 +48,10 @@ export function summary(answer, state) {
   const { response } = answer;
   const scale = state.angle === "deg" ? response.scale : 1;
   const words = shownUnit(response, state);
-  const said = response.peaks.map(
-    ([f, magnitude, phase]) => `${short(shown(magnitude, scale, state))} ${words} at ${short(f)} Hz (${short(phase, 3)}°)`,
+  const said = response.peaks.map(([f, magnitude, phase]) =>
+    magnitude === null
+      ? `without bound at ${short(f)} Hz (no damping)`
+      : `${short(shown(magnitude, scale, state))} ${words} at ${short(f)} Hz (${short(phase, 3)}°)`,
   );
   if (!said.length) return `${response.label}: no peak in this band.`;
   return `${response.label}: ${said.length > 1 ? "peaks" : "peak"} ${said.join(", ")}.`;

@@ -202,7 +202,7 @@ function readValues() {
   if (plots.length < 2 || !plots[0].data[0]?.length) return;
   const found = valuesAt(plots);
   const peaks = last.answer.response.peaks;
-  const largest = peaks.reduce((best, one) => (best && best[1] >= one[1] ? best : one), null);
+  const largest = peaks.reduce((best, one) => (best && (best[1] ?? Infinity) >= (one[1] ?? Infinity) ? best : one), null);
   const frequency = found?.[0] ?? largest?.[0] ?? last.answer.band[0];
   const values = found?.[1] ?? valuesNear(plots[0], plots[1], plots[0].valToIdx(frequency));
   const shown = shownUnit(last.answer.response, state);
