@@ -129,7 +129,7 @@ def _peaks(
     with np.errstate(invalid="ignore"):
         at = 1 + np.flatnonzero((inner > magnitude[:-2]) & (inner >= magnitude[2:]) & np.isfinite(inner))
     largest = np.sort(at[np.argsort(-magnitude[at])][:MOST_PEAKS])
-    near = [unbounded[np.abs(unbounded - frequencies[k]) < 2 * NEAREST * unbounded] for k in largest]
+    near = [unbounded[np.abs(unbounded - frequencies[k]) < 4 * NEAREST * unbounded] for k in largest]
     return [
         [float(pole[0]), None, None] if pole.size else [float(frequencies[k]), float(magnitude[k]), float(phase[k])]
         for k, pole in zip(largest, near, strict=True)

@@ -34,8 +34,9 @@ def lines(band: tuple[float, float], *modes: Modes) -> FloatArray:
 
 
 def undamped(*modes: Modes) -> FloatArray:
-    """Frequencies in Hz of vibrations without damping."""
+    """Frequencies in Hz of vibrations without damping; several at one frequency count once."""
     found = [
         mode.damped_frequencies[(mode.damped_frequencies > 0) & (mode.damping_ratios < UNDAMPED)] for mode in modes
     ]
-    return np.concatenate([np.empty(0), *found])
+    every = np.sort(np.concatenate([np.empty(0), *found]))
+    return every[np.diff(every, prepend=0.0) > NEAREST * every]

@@ -56,7 +56,7 @@ function labelled(text, ...controls) {
 }
 
 function select(text, options, choose) {
-  const control = document.createElement("select");
+  const control = Object.assign(document.createElement("select"), { name: text.toLowerCase().replace(" ", "-") });
   control.append(...options);
   control.addEventListener("change", () => choose(control.value));
   return { node: labelled(text, control), control };

@@ -26,7 +26,8 @@ let test = null;
 let edited = "";
 let since = 0;
 let quiet = 0;
-globalThis.torsionnet = { lastUpdate: null, updates: 0 };
+let seen = [];
+globalThis.torsionnet = { lastUpdate: null, updates: 0, drawn: () => seen };
 
 at("name").textContent = model.name;
 at("source").textContent = [model.source, model.file].filter(Boolean).join(" · ");
@@ -133,7 +134,7 @@ function redraw(faint = false) {
   const { answer } = last;
   const stale = faint || !at("refused").hidden;
   const all = allCurves(answer, stale);
-  const seen = all.filter((one) => !one.hidden);
+  seen = all.filter((one) => !one.hidden);
   const band = answer.band;
   bode.draw(seen, { band, decibels: state.decibels, logFrequency: band[1] / band[0] >= 10, theme: isDark(state.theme) });
   readout.list([...seen, ...all.filter((one) => one.hidden)].filter((one) => !one.unlisted));
