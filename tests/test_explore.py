@@ -84,8 +84,8 @@ class TestAnswers:
         found = answer(amt, V_360)["response"]
         (peak,) = found["peaks"]
         assert peak[1] == max(found["magnitude"])
-        exact = tn.load("amt_rig").configured("V", c_O=360).frequency_response(
-            "theta_1", "T_T", np.linspace(6, 8, 4001)
+        exact = (
+            tn.load("amt_rig").configured("V", c_O=360).frequency_response("theta_1", "T_T", np.linspace(6, 8, 4001))
         )
         assert peak[1] == pytest.approx(exact.magnitude.max(), rel=1e-3)
 
@@ -167,7 +167,9 @@ class TestSliders:
 class TestChoices:
     def test_first_response(self):
         assert default_pair(tn.load("amt_rig")) == Pair("theta_1", "T_M")
-        bare = tn.Drivetrain("x", [tn.Inertia("a", node="n", inertia=1), tn.Spring("k", nodes=("n", "ground"), stiffness=1)])
+        bare = tn.Drivetrain(
+            "x", [tn.Inertia("a", node="n", inertia=1), tn.Spring("k", nodes=("n", "ground"), stiffness=1)]
+        )
         assert default_pair(bare) == Pair("n", "n")
         assert "refused" not in answer(open_text(bare.to_yaml()), State())
 
@@ -256,7 +258,10 @@ class TestSaving:
         before, after = amt.text.splitlines(), amt.saved(state).splitlines()
         changed = [(old, new) for old, new in zip(before, after, strict=True) if old != new]
         assert changed == [
-            ("  k_1: {value: 0.46 kN*m/rad, description: DMF arc springs}", "  k_1: {value: 0.5 kN*m/rad, description: DMF arc springs}"),
+            (
+                "  k_1: {value: 0.46 kN*m/rad, description: DMF arc springs}",
+                "  k_1: {value: 0.5 kN*m/rad, description: DMF arc springs}",
+            ),
             ("    V:   {tau: 3.26}", "    V:   {tau: 3.3}"),
         ]
 
@@ -368,7 +373,14 @@ class TestOverlay:
 
 
 def test_static_files_are_all_there_and_ask_for_nothing_else():
-    assert {"index.html", "main.js", "style.css", "icon.svg", "vendor/uPlot.iife.min.js", "vendor/uPlot.min.css"} <= set(pages())
+    assert {
+        "index.html",
+        "main.js",
+        "style.css",
+        "icon.svg",
+        "vendor/uPlot.iife.min.js",
+        "vendor/uPlot.min.css",
+    } <= set(pages())
     own = [path for path in STATIC.rglob("*") if path.suffix in {".html", ".js", ".css"} and "vendor" not in path.parts]
     for path in own:
         text = path.read_text(encoding="utf-8")
@@ -422,9 +434,7 @@ class TestCommand:
         )  # fmt: skip
         try:
             address = done.stdout.readline().strip()
-            request = urllib.request.Request(
-                f"{address}api/answer", b"{}", {"Content-Type": "application/json"}
-            )
+            request = urllib.request.Request(f"{address}api/answer", b"{}", {"Content-Type": "application/json"})
             with urllib.request.urlopen(request, timeout=20) as found:
                 assert json.load(found)["title"] == "AMT test rig"
             ready = time.perf_counter() - began
@@ -432,7 +442,7 @@ class TestCommand:
             _, messages = done.communicate(timeout=20)
         finally:
             done.kill()
-        print(f"ready after {ready:.2f} s")
+        print(f"ready after {ready:.2f} s")  # noqa: T201 (with -s)
         assert done.returncode == 0, messages
         assert "Traceback" not in messages
         assert ready < 5  # 0.8 s on a quiet machine

@@ -359,7 +359,7 @@ def test_time_of_an_update(browser, name):
             found.page.keyboard.press("ArrowRight")
             found.until(lambda before=before: found.updates > before, "an update")
             times.append(found.page.evaluate("torsionnet.lastUpdate"))
-        print(f"{name}: median {np.median(times):.0f} ms, slowest of 30 {max(times):.0f} ms")
+        print(f"{name}: median {np.median(times):.0f} ms, slowest of 30 {max(times):.0f} ms")  # noqa: T201 (with -s)
         assert np.median(times) < SLOW
         assert found.console == []
 

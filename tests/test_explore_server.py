@@ -83,7 +83,9 @@ def test_the_policy_allows_this_page_only(server):
     assert "*" not in policy
 
 
-@pytest.mark.parametrize("host", ["evil.example", "127.0.0.1", "127.0.0.1:1", "localhost.evil.example:80", "", "0.0.0.0:{port}"])
+@pytest.mark.parametrize(
+    "host", ["evil.example", "127.0.0.1", "127.0.0.1:1", "localhost.evil.example:80", "", "0.0.0.0:{port}"]
+)
 def test_foreign_host_is_refused(server, host):
     status, _, content = ask(server, Host=host.format(port=server.server_address[1]))
     assert status == 403
@@ -181,7 +183,7 @@ def test_broken_questions(server, body):
 
 
 def test_a_bug_is_a_sentence_too(server, monkeypatch):
-    def fail(session, state):
+    def fail(*_):
         raise ZeroDivisionError("a reason")
 
     monkeypatch.setitem(QUESTIONS, "api/model", fail)

@@ -11,8 +11,6 @@ from torsionnet.errors import UsageError
 from torsionnet.explore.state import State
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.frequency_response import ORDERS, FloatArray
-from torsionnet.signals.advice import LEAST_COHERENCE
-from torsionnet.signals.comparison import difference, frac
 
 MOST_LINES = 4000
 
@@ -49,6 +47,8 @@ def overlay_data(overlay: FrequencyResponse | None, state: State) -> dict[str, A
 
 
 def _trusted(pair: FrequencyResponse) -> FloatArray:
+    from torsionnet.signals.advice import LEAST_COHERENCE  # loads what a page without a test can do without
+
     good = np.ones(len(pair.frequencies), dtype=bool)
     if pair.coherence is not None:
         good &= pair.coherence[:, 0, 0] >= LEAST_COHERENCE
@@ -70,6 +70,8 @@ def misfit(
     pair = matching(overlay, state)
     if pair is None:
         return None
+    from torsionnet.signals.comparison import difference, frac
+
     values = pair.values[:, 0, 0]
     good = _trusted(pair).astype(bool) & np.isfinite(values) & (values != 0)
     good &= (pair.frequencies >= band[0]) & (pair.frequencies <= band[1])
