@@ -34,7 +34,7 @@ def ready():
 
 
 def updates(browser, model):
-    """ms of every update while a slider is dragged, as the page measures them."""
+    """Time in ms of every update while a slider is dragged, as the page measures them."""
     with serving(model) as server, visit(browser, server.address, viewport=SIZE) as found:
         found.settle()
         box = found.page.locator(".parameter:not(.is-derived) .slider").nth(3).bounding_box()

@@ -52,10 +52,12 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
         overlay = measured(Path(folder))
-        with serving("amt_rig", configuration="V", pairs=[Pair("theta_1", "T_T")], overlay=overlay) as server:
-            with visit(browser, server.address, viewport=SIZE) as found:
-                arranged(found)
-                found.page.screenshot(path=str(PICTURE), full_page=True)
+        with (
+            serving("amt_rig", configuration="V", pairs=[Pair("theta_1", "T_T")], overlay=overlay) as server,
+            visit(browser, server.address, viewport=SIZE) as found,
+        ):
+            arranged(found)
+            found.page.screenshot(path=str(PICTURE), full_page=True)
         browser.close()
 
 

@@ -24,7 +24,6 @@ let state = read(model);
 let last = null; // the last answer that was no refusal, and the state it belongs to
 let test = null;
 let edited = "";
-let since = 0;
 let quiet = 0;
 let seen = [];
 globalThis.torsionnet = { lastUpdate: null, updates: 0, drawn: () => seen };
@@ -91,10 +90,8 @@ function change(part, { ask: asks = true, time = performance.now() } = {}) {
   drawTabs(at("tabs"), model.axes, state.choice, chooseTab);
   fillChooser(state, last?.answer);
   if (before !== state.output + state.input + state.quantity) test = null;
-  if (asks) {
-    since = time;
-    request(question(state), time);
-  } else if (last) redraw();
+  if (last && (!asks || "angle" in part || "decibels" in part)) redraw(); // the numbers are here already
+  if (asks) request(question(state), time);
   later();
 }
 
