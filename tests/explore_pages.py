@@ -70,11 +70,11 @@ class Visit:
         self.settle()
 
     def settle(self):
-        """No update for a while, and the state in the address."""
-        seen = -1
-        while seen != self.updates:
-            seen = self.updates
-            time.sleep(0.6)
+        """Every question has been answered, also those that an answer led to."""
+        quiet = 0
+        while quiet < 3:
+            quiet = quiet + 1 if self.page.evaluate("globalThis.torsionnet.underWay()") == 0 else 0
+            time.sleep(0.03)
 
     def text(self, selector):
         return self.page.inner_text(selector)

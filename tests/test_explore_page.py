@@ -347,6 +347,7 @@ def test_every_control_has_a_name(opened):
     assert unnamed == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["amt_rig", "dmf_rig", "six_cylinder_diesel"])
 def test_time_of_an_update(browser, name):
     """From the event of the slider to the drawn curves, as the page measures it."""
@@ -364,6 +365,7 @@ def test_time_of_an_update(browser, name):
         assert found.console == []
 
 
+@pytest.mark.slow
 def test_every_library_model_opens(browser):
     for name in tn.library_models():
         with serving(name) as server, visit(browser, server.address, viewport=WIDE) as found:

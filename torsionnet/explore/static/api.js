@@ -1,14 +1,26 @@
 // Questions to the server that this page came from. Addresses are relative: the token stands in the page's own path.
 
+let pending = 0;
+
+// How many questions are under way.
+export function underWay() {
+  return pending;
+}
+
 export async function ask(question, state = {}) {
-  const reply = await fetch(`api/${question}`, {
-    method: "POST",
-    headers: { "Content-Type": "application/json" },
-    body: JSON.stringify(state),
-  });
-  const data = await reply.json();
-  if (!reply.ok) throw new Error(data.error);
-  return data;
+  pending += 1;
+  try {
+    const reply = await fetch(`api/${question}`, {
+      method: "POST",
+      headers: { "Content-Type": "application/json" },
+      body: JSON.stringify(state),
+    });
+    const data = await reply.json();
+    if (!reply.ok) throw new Error(data.error);
+    return data;
+  } finally {
+    pending -= 1;
+  }
 }
 
 // While one question is under way only the latest state waits: a slider never queues up work that nobody will see.

@@ -1,6 +1,6 @@
 // The page: state in, question to the server, answer onto the screen.
 
-import { ask, newestOnly } from "./api.js";
+import { ask, newestOnly, underWay } from "./api.js";
 import { makeBode } from "./bode.js";
 import { makeChooser, segments } from "./chooser.js";
 import { byKeys, valuesAt, valuesNear } from "./cursor.js";
@@ -26,7 +26,7 @@ let test = null;
 let edited = "";
 let quiet = 0;
 let seen = [];
-globalThis.torsionnet = { lastUpdate: null, updates: 0, drawn: () => seen };
+globalThis.torsionnet = { lastUpdate: null, updates: 0, drawn: () => seen, underWay };
 
 at("name").textContent = model.name;
 at("source").textContent = [model.source, model.file].filter(Boolean).join(" · ");
@@ -66,6 +66,7 @@ addEventListener("hashchange", () => {
   state = read(model);
   change({});
 });
+if (Object.keys(model.axes).length) at("plots").setAttribute("role", "tabpanel");
 change({});
 
 function bare(parameter) {
