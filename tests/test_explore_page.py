@@ -331,6 +331,15 @@ def test_dark_and_light(browser, amt):
             assert found.page.evaluate(theme) == ("light" if dark else "dark")
 
 
+def test_a_server_that_has_ended_is_told(browser):
+    with serving("dmf_rig") as server, visit(browser, server.address, viewport=WIDE) as found:
+        found.page.route("**/api/answer", lambda route: route.abort())
+        found.page.fill("#parameter-k_1", "14")
+        found.page.keyboard.press("Enter")
+        found.until(lambda: found.page.is_visible("#refused"), "the message")
+        assert "torsionnet explore has ended" in found.text("#refused")
+
+
 @pytest.mark.parametrize("width", [1440, 900, 400])
 def test_nothing_sticks_out(browser, amt, width):
     with visit(browser, amt.address, viewport={"width": width, "height": 850}) as found:

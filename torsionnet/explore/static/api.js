@@ -14,6 +14,8 @@ export async function ask(question, state = {}) {
       method: "POST",
       headers: { "Content-Type": "application/json" },
       body: JSON.stringify(state),
+    }).catch(() => {
+      throw new Error("No answer: torsionnet explore has ended. Start it again and open the address it prints.");
     });
     const data = await reply.json();
     if (!reply.ok) throw new Error(data.error);

@@ -58,12 +58,13 @@ byKeys(at("magnitude"), bode.plots, () => bode.plots().forEach((plot) => plot.se
 
 at("reset").addEventListener("click", () => change({ values: {} }));
 at("pin").addEventListener("click", pin);
-at("save").addEventListener("click", async () => say(await save(question(state))));
+at("save").addEventListener("click", async () => say(await save(question(state)).catch((error) => error.message)));
 at("copy").addEventListener("click", async () => say(await copy(at("command"))));
 at("theme").addEventListener("click", () => change({ theme: isDark(state.theme) ? "light" : "dark" }, { ask: false }));
 whenSystemChanges(() => change({}, { ask: false }));
 addEventListener("hashchange", () => {
   state = read(model);
+  test = null;
   change({});
 });
 if (Object.keys(model.axes).length) at("plots").setAttribute("role", "tabpanel");
@@ -124,8 +125,11 @@ function refuse(reasons) {
 }
 
 async function fetchTest() {
-  test = (await ask("overlay", question(state))).overlay ?? "none";
-  if (last) redraw();
+  const { output, input, quantity } = state;
+  const found = (await ask("overlay", question(state)).catch(() => ({}))).overlay ?? "none";
+  if (output !== state.output || input !== state.input || quantity !== state.quantity) return; // the next answer asks again
+  test = found;
+  redraw();
 }
 
 function redraw(faint = false) {

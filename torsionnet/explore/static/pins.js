@@ -24,11 +24,15 @@ export function makePins(current, changed) {
   async function refresh() {
     if (running) return;
     running = true;
-    for (let pin = outdated(); pin; pin = outdated()) {
-      const state = current();
-      const answer = await ask("answer", { ...question(state), choice: pin.choice, values: pin.values });
-      answers.set(pin, { key: keyOf(pin, state), answer });
-      changed();
+    try {
+      for (let pin = outdated(); pin; pin = outdated()) {
+        const state = current();
+        const answer = await ask("answer", { ...question(state), choice: pin.choice, values: pin.values });
+        answers.set(pin, { key: keyOf(pin, state), answer });
+        changed();
+      }
+    } catch {
+      // The question about the sliders fails in the same way and says so.
     }
     running = false;
   }
