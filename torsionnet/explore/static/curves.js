@@ -48,13 +48,14 @@ export function summary(answer, state) {
   const { response } = answer;
   const scale = state.angle === "deg" ? response.scale : 1;
   const words = shownUnit(response, state);
-  const said = response.peaks.map(([f, magnitude, phase]) =>
-    magnitude === null
-      ? `without bound at ${short(f)} Hz (no damping)`
-      : `${short(shown(magnitude, scale, state))} ${words} at ${short(f)} Hz (${short(phase, 3)}°)`,
+  const high = response.peaks.filter((peak) => peak[1] !== null);
+  const said = high.map(
+    ([f, magnitude, phase]) => `${short(shown(magnitude, scale, state))} ${words} at ${short(f)} Hz (${short(phase, 3)}°)`,
   );
+  const endless = response.peaks.filter((peak) => peak[1] === null).map(([f]) => short(f));
+  if (endless.length) said.push(`without bound at ${endless.join(", ")} Hz (no damping)`);
   if (!said.length) return `${response.label}: no peak in this band.`;
-  return `${response.label}: ${said.length > 1 ? "peaks" : "peak"} ${said.join(", ")}.`;
+  return `${response.label}: ${response.peaks.length > 1 ? "peaks" : "peak"} ${said.join(", ")}.`;
 }
 
 function at(response, frequency) {

@@ -19,12 +19,13 @@ export function plain(value, digits = 6) {
 }
 
 export function unit(text) {
-  return text.replaceAll("*", "·").replaceAll("^2", "²");
+  return text.replaceAll("**", "^").replaceAll("*", "·").replaceAll("^2", "²").replaceAll("^3", "³");
 }
 
-// I_MT becomes I with a subscript, tau becomes τ.
+// I_MT becomes I with a subscript, tau becomes τ; words such as generator_speed stay as they are.
 export function symbol(name) {
-  const [head, ...rest] = name.includes("(") ? [name] : name.split("_"); // torque(gear_box) is no symbol
+  const parts = name.split("_");
+  const [head, ...rest] = /^[A-Za-z]{1,2}$/.test(parts[0]) || GREEK[parts[0]] ? parts : [name];
   const node = document.createElement("span");
   node.className = "symbol";
   const letter = document.createElement(/^[A-Za-z]$/.test(head) || GREEK[head] ? "i" : "span");
