@@ -17,7 +17,8 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
-    "sphinx.ext.mathjax",
+    "mathml",
+    "sphinx_design",
     "sphinx_gallery.gen_gallery",
 ]
 exclude_patterns = ["_build", "generated", "gallery/**/*.ipynb", "gallery/**/*.zip", "gallery/**/*.md5", "Thumbs.db"]
