@@ -231,11 +231,16 @@ def test_words_say_which_parameter_moves_which_mode():
     assert "damping by c_2 (+0.87)" in words[0]
 
 
-def test_tornado_shows_the_strongest_first():
+@pytest.mark.parametrize("modes", [[1], [1, 2]])
+def test_tornado_shows_the_strongest_first(modes):
     from torsionnet import report
 
     found = mode_sensitivities(tn.load("dmf_rig"))
-    figure = report.tornado(found, modes=[1])
+    figure = report.tornado(found, modes=modes)
+    bottom, top = figure.axes[0].get_ylim()
+    assert bottom > top
+    if modes == [1, 2]:
+        return
     labels = [text.get_text() for text in figure.axes[0].get_yticklabels()]
     assert set(labels[:3]) == {"k_2", "c_2", "I_2"}
     with pytest.raises(UsageError, match="there is no mode 3"):
