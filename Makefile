@@ -39,8 +39,9 @@ format: $(VENV)/.group-lint  ## let ruff reformat, and repair what it safely can
 types: $(VENV)/.group-lint  ## mypy, strict
 	$(RUN) -m mypy
 
-docs: $(VENV)/.group-docs  ## HTML pages in docs/_build/html; a warning is an error
+docs: $(VENV)/.group-docs  ## HTML pages in docs/_build/html; a warning or a broken link is an error
 	$(RUN) -m sphinx -W --keep-going -b html docs docs/_build/html
+	$(RUN) docs/check_links.py
 
 bench: $(VENV)/.group-test  ## run every script in benchmarks/
 	@set -e; for script in benchmarks/[!_]*.py; do \
@@ -50,7 +51,7 @@ bench: $(VENV)/.group-test  ## run every script in benchmarks/
 
 clean:  ## remove everything that make creates, .venv included
 	rm -rf $(VENV) build dist out docs/_build docs/gallery docs/sg_execution_times.rst
-	rm -f docs/generated/paper.md docs/generated/cases.md docs/generated/signs.svg
+	rm -f docs/generated/paper.md docs/generated/cases.md docs/generated/signs.svg docs/generated/bench_numbers.md
 	rm -rf .cache .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find torsionnet tests benchmarks examples docs -name __pycache__ -type d -prune -exec rm -rf {} +
 

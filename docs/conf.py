@@ -17,7 +17,8 @@ extensions = [
     "myst_parser",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
-    "sphinx.ext.mathjax",
+    "mathml",
+    "sphinx_design",
     "sphinx_gallery.gen_gallery",
 ]
 exclude_patterns = ["_build", "generated", "gallery/**/*.ipynb", "gallery/**/*.zip", "gallery/**/*.md5", "Thumbs.db"]
@@ -43,6 +44,7 @@ sphinx_gallery_conf = {
     "within_subsection_order": "FileNameSortKey",
     "download_all_examples": False,
     "show_memory": False,
+    "write_computation_times": False,  # its page loads scripts from elsewhere
     "remove_config_comments": True,
     "plot_gallery": "True",
     "capture_repr": (),

@@ -21,7 +21,7 @@ from torsionnet.units import _BASE
 os.environ["MPLBACKEND"] = "Agg"
 DOCS = Path(__file__).parents[1] / "docs"
 EXAMPLES = sorted((DOCS.parent / "examples").glob("plot_*.py"))
-OWN = ["concepts", "sign_conventions", "model_file", "get_started", "test_bench", "validation"]
+OWN = ["index", "concepts", "sign_conventions", "model_file", "get_started", "test_bench", "validation"]
 PAGES = [DOCS / f"{name}.md" for name in OWN] + sorted((DOCS / "how_to").glob("*.md"))
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 FILE_NAME = re.compile(r"# (\w+\.yaml)\n")
@@ -76,7 +76,7 @@ class TestGeneratedPages:
         assert all(f"| `{name}` |" in units for name in _BASE)
         assert all(f"| `{name}` |" in damping for name in MEASURES)
 
-    @pytest.mark.parametrize("name", ["elements", "units", "damping", "traps", "bench"])
+    @pytest.mark.parametrize("name", ["elements", "units", "damping", "traps", "bench", "file_entries"])
     def test_pages_in_the_repository_are_current(self, generate, name):
         """They are read on the web without a build; `python docs/generate.py` writes them."""
         committed = (DOCS / "generated" / f"{name}.md").read_text(encoding="utf-8")
@@ -172,6 +172,47 @@ def test_message_on_the_page_about_bad_input_is_the_real_one():
     with pytest.raises(tn.ModelError) as caught:
         tn.loads(text, "model.yaml")
     assert str(caught.value) == blocks(page, "text")[0].rstrip("\n")
+
+
+def test_broken_links_are_found(tmp_path):
+    links = runpy.run_path(str(DOCS / "check_links.py"))
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "a.html").write_text(
+        '<a id="top" href="sub/b.html#here">b</a><a href="#top">t</a><img src="https://x/y.png">'
+    )
+    (tmp_path / "sub" / "b.html").write_text('<p id="there"></p><a href="../c.html">c</a><a href="https://x">x</a>')
+    assert list(links["broken"](tmp_path)) == [
+        "a.html: sub/b.html#here names a place that is not there",
+        "a.html: https://x/y.png is loaded from elsewhere",
+        "sub/b.html: there is no ../c.html",
+    ]
+
+
+PUBLIC = ("", "bench", "identification", "interchange", "modal", "report", "sensitivity", "signals")
+CURRENT_MODULE = re.compile(r"currentmodule:: (\S+)|auto(?:class|function|data|module):: (\S+)|:members: (.+)")
+
+
+def documented():
+    """Full names of what the reference page describes."""
+    module, found = "", set()
+    for now, name, members in CURRENT_MODULE.findall((DOCS / "reference.md").read_text(encoding="utf-8")):
+        module = now or module
+        if name:
+            last = name if name.startswith("torsionnet") else f"{module}.{name}"
+            found.add(last)
+        found |= {f"{last}.{member.strip()}" for member in members.split(",") if members}
+    return found
+
+
+@pytest.mark.parametrize("package", PUBLIC)
+def test_every_public_name_is_in_the_reference(package):
+    home = importlib.import_module(f"torsionnet.{package}".rstrip("."))
+    names = {name for name in home.__all__ if name != "__version__"} - {*PUBLIC, "units"}
+    prefix = f"torsionnet.{package}.".replace("..", ".")
+    places = {name: {f"{prefix}{name}", f"torsionnet.{name}", f"torsionnet.errors.{name}"} for name in names}
+    assert sorted(name for name, known in places.items() if not known & documented()) == []
+    for name in names:
+        assert (getattr(home, name).__doc__ or "").strip(), name
 
 
 def test_there_is_a_gallery():

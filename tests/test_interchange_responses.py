@@ -53,6 +53,21 @@ def same(found, given):
 
 
 class TestRoundTrip:
+    @pytest.mark.parametrize("ending", ENDINGS)
+    def test_keeps_up_to_where_a_test_can_be_used(self, tmp_path, ending):
+        needs(ending)
+        given = response([1, 2, 3], title="test", usable_up_to=2.5)
+        write_frequency_response(given, tmp_path / f"h{ending}")
+        found = read_frequency_response(tmp_path / f"h{ending}")
+        assert found.usable_up_to == 2.5
+        same(found, given)
+
+    def test_table_as_csv_keeps_it_too(self, tmp_path):
+        response([1, 2, 3], usable_up_to=2.5).to_csv(tmp_path / "h.csv")
+        found = read_frequency_response(tmp_path / "h.csv")
+        assert found.usable_up_to == 2.5
+        assert found.notes == ()
+
     @pytest.mark.parametrize("frequencies", [[0.1, 0.2, 0.30000000000000004], [1, 2, 3], np.geomspace(0.3, 40, 101)])
     @pytest.mark.parametrize("whole", [True, False])
     @pytest.mark.parametrize("ending", ENDINGS)

@@ -231,11 +231,16 @@ def test_words_say_which_parameter_moves_which_mode():
     assert "damping by c_2 (+0.87)" in words[0]
 
 
-def test_tornado_shows_the_strongest_first():
+@pytest.mark.parametrize("modes", [[1], [1, 2]])
+def test_tornado_shows_the_strongest_first(modes):
     from torsionnet import report
 
     found = mode_sensitivities(tn.load("dmf_rig"))
-    figure = report.tornado(found, modes=[1])
+    figure = report.tornado(found, modes=modes)
+    bottom, top = figure.axes[0].get_ylim()
+    assert bottom > top
+    if modes == [1, 2]:
+        return
     labels = [text.get_text() for text in figure.axes[0].get_yticklabels()]
     assert set(labels[:3]) == {"k_2", "c_2", "I_2"}
     with pytest.raises(UsageError, match="there is no mode 3"):
@@ -266,18 +271,47 @@ def test_just_beside_critical_damping():
     assert np.allclose(np.sort(found.pole_slopes[:, 0].real), expected, rtol=1e-5)
 
 
-def test_what_poles_are_not_derived_for():
-    table = [[1, 300, 2], [9, 500, 1], [30, 900, 0.5]]
-    rig = tn.Drivetrain(
+TABLE = [[0.5, 200, 5], [3, 300, 2], [9, 900, 1], [30, 950, 0.5]]
+
+
+def tabulated(J=0.2, J_2=0.15, k=800.0, c=0.6):
+    return tn.Drivetrain(
         "tabulated",
         [
             tn.Inertia("rotor", node="a", inertia="J"),
-            tn.TabulatedSpring("mount", nodes=("a", "ground"), table=table),
+            tn.TabulatedSpring("mount", nodes=("a", "ground"), table=TABLE),
+            tn.Spring("shaft", nodes=("a", "b"), stiffness="k", damping="c"),
+            tn.Inertia("load", node="b", inertia="J_2"),
         ],
-        parameters={"J": 0.2},
+        parameters={"J": J, "J_2": J_2, "k": k, "c": c},
+        inputs={"T": {"torque": "b"}},
+        sensors={"T_m": {"torque": "mount"}},
     )
-    with pytest.raises(UsageError, match="tabulated over frequency: mount"):
-        mode_sensitivities(rig)
+
+
+@pytest.mark.parametrize("measured", [None, "T_m"])
+def test_tabulated_springs_move_with_the_pole(measured):
+    """Against differences of the modes, which read the table anew."""
+    rig = tabulated()
+    found = mode_sensitivities(rig, measured_input=measured)
+    for p, name in enumerate(found.parameters):
+        h = 1e-4 * rig.parameters[name]
+        up, down = (
+            rig.configured(**{name: rig.parameters[name] + sign * h}).modes(measured_input=measured).eigenvalues
+            for sign in (1, -1)
+        )
+        assert np.allclose(found.pole_slopes[:, p], (up - down) / (2 * h), rtol=1e-5, atol=1e-7)
+
+
+def test_what_poles_are_not_derived_for():
+    star: list[tn.Element] = [tn.Inertia("hub", node="h", inertia=1)]
+    for n in "abc":
+        star += [
+            tn.TabulatedSpring(f"mount_{n}", nodes=("h", n), table=TABLE),
+            tn.Inertia(f"rotor_{n}", node=n, inertia="J"),
+        ]
+    with pytest.raises(UsageError, match=r"equal poles .* tabulated over frequency: mount_a, mount_b, mount_c"):
+        mode_sensitivities(tn.Drivetrain("star", star, parameters={"J": 0.2}))
     with pytest.raises(UsageError, match="called by its name, got 3"):
         mode_sensitivities(one_mass(J=1, k=1, c=1), [3])
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from torsionnet.checks import names, values
+from torsionnet.checks.plausible import unusual_sizes
 from torsionnet.checks.structure import structure, unconnected_parts
 from torsionnet.configurations import combinations, label
 from torsionnet.definition import Definition
@@ -26,7 +27,7 @@ def check_definition(definition: Definition) -> list[Fault]:
     faults += values.passive_tables(definition)
     faults += unconnected_parts(definition)
     known, found = resolve(definition.parameters)
-    faults += found + values.sizes(definition, known)
+    faults += found + values.sizes(definition, known) + unusual_sizes(definition, known)
     if has_errors(faults):
         return _unique(faults)
     faults += structure(definition, known)
@@ -39,6 +40,7 @@ def check_variant(definition: Definition) -> list[Fault]:
     """The checks that depend on values: for a configuration or changed parameters of a sound model."""
     known, faults = resolve(definition.parameters)
     faults += values.wrong_dimensions(definition) + values.sizes(definition, known)
+    faults += unusual_sizes(definition, known)
     return faults if has_errors(faults) else faults + structure(definition, known)
 
 

@@ -103,7 +103,7 @@ def estimated(
 def peak_table(response: FrequencyResponse, conventions: Conventions) -> Table:
     """A row for the first line and one for every peak that stands out where the response can be used."""
     from torsionnet.response import Column, Table
-    from torsionnet.response.frequency_response import SIGN_NOTE
+    from torsionnet.response.frequency_response import SIGN_NOTE, limit_line
 
     columns = (
         Column("response"),
@@ -124,8 +124,7 @@ def peak_table(response: FrequencyResponse, conventions: Conventions) -> Table:
                 coherence = None if response.coherence is None else float(response.coherence[index, o, i])
                 rows.append((f"{output.name}/{into.name}", unit, name, *map(float, row), coherence))
     kept = [note for note in response.notes if not note.startswith("warning:")]
-    limit = [f"usable up to {response.usable_up_to:.4g} Hz"] if response.usable_up_to is not None else []
-    return Table(response.title, columns, tuple(rows), (*kept, *limit, SIGN_NOTE))
+    return Table(response.title, columns, tuple(rows), (*kept, *filter(None, [limit_line(response)]), SIGN_NOTE))
 
 
 def _places(response: FrequencyResponse, o: int, i: int) -> list[tuple[str, int]]:

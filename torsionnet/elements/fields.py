@@ -103,13 +103,17 @@ def _kind(raw: Any) -> str:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Quantity(Spec):
-    """A physical scalar: number in SI, text with unit, or an expression of parameters."""
+    """A physical scalar: number in SI, text with unit, or an expression of parameters.
+
+    ``usual`` are sizes in SI outside of which the checks ask whether that is meant.
+    """
 
     dimension: str
     symbol: str
     lower: float | None = 0.0
     exclusive: bool = False
     nonzero: bool = False
+    usual: tuple[float, float] | None = None
 
     def coerce(self, raw: Any) -> Expression | DampingMeasure:
         return read_scalar(raw, self.dimension)

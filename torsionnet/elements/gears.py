@@ -120,7 +120,7 @@ class Planetary(Element):
     planets: Any = entry(Count("how many planets", 1, 20), 3)
     planet_inertia: Any = entry(Quantity("inertia of one planet about its own axis", "inertia", "J_p"), 0)
     planet_mass: Any = entry(Quantity("mass of one planet", "mass", "m_p"), 0)
-    orbit_radius: Any = entry(Quantity("radius on which the planets orbit", "length", "r_c"), 0)
+    orbit_radius: Any = entry(Quantity("radius on which the planets orbit", "length", "r_c", usual=(1e-3, 5)), 0)
 
     def contradictions(self) -> list[tuple[Path, str]]:
         faults = _one_of(self, "ratio", "teeth") + _mesh_faults(self)

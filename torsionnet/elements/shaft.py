@@ -36,11 +36,13 @@ class Shaft(Element):
     glyph: ClassVar[str] = "shaft"
 
     nodes: Any = entry(NodePair("its two ends; twist is the angle of the first minus the second"))
-    outer_diameter: Any = entry(Quantity("outer diameter", "length", "D", exclusive=True))
-    length: Any = entry(Quantity("length", "length", "L", exclusive=True))
-    shear_modulus: Any = entry(Quantity("shear modulus", "shear modulus", "G", exclusive=True), "79.3 GPa")
-    density: Any = entry(Quantity("density", "density", "rho"), "7850 kg/m^3")
-    inner_diameter: Any = entry(Quantity("inner diameter, 0 for a solid shaft", "length", "d"), 0)
+    outer_diameter: Any = entry(Quantity("outer diameter", "length", "D", exclusive=True, usual=(1e-3, 5)))
+    length: Any = entry(Quantity("length", "length", "L", exclusive=True, usual=(1e-3, 2e4)))
+    shear_modulus: Any = entry(
+        Quantity("shear modulus", "shear modulus", "G", exclusive=True, usual=(1e5, 1e12)), "79.3 GPa"
+    )
+    density: Any = entry(Quantity("density", "density", "rho", usual=(100, 25e3)), "7850 kg/m^3")
+    inner_diameter: Any = entry(Quantity("inner diameter, 0 for a solid shaft", "length", "d", usual=(1e-4, 5)), 0)
     segments: Any = entry(Count("number of equal segments"), 1)
     inertia: Any = entry(Choice("how its inertia is modelled", ("consistent", "lumped", "none")), "consistent")
     damping: Any = entry(DampingQuantity("viscous damping of the whole shaft in twist", "damping", "c"), 0)

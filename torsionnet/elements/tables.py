@@ -39,6 +39,22 @@ class StiffnessTable:
         c = np.interp(frequency, self.frequencies, self.damping)
         return np.asarray(k + 1j * np.asarray(omega) * c)
 
+    def kappa_rate(self, omega: float) -> complex:
+        """Derivative of kappa to omega, N m s/rad; at a row that of the piece above it.
+
+        >>> StiffnessTable((1.0, 3.0), (300.0, 500.0), (2.0, 2.0)).kappa_rate(0.0)
+        2j
+        """
+        import numpy as np
+
+        f, place = omega / (2 * np.pi), np.searchsorted(self.frequencies, omega / (2 * np.pi), side="right")
+        damping = float(np.interp(f, self.frequencies, self.damping))
+        if place in (0, len(self.frequencies)):
+            return 1j * damping
+        width = self.frequencies[place] - self.frequencies[place - 1]
+        k, c = ((column[place] - column[place - 1]) / width for column in (self.stiffness, self.damping))
+        return complex(k / (2 * np.pi) + 1j * (damping + f * c))
+
     @property
     def is_passive(self) -> bool:
         """Whether the table can only take energy out of a vibration (c >= 0 at every row)."""

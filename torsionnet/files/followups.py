@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import Any
 
 from torsionnet.checks import check_definition, has_errors, names, values
 from torsionnet.definition import Definition
-from torsionnet.errors import Fault, Path
+from torsionnet.errors import Fault, Path, nearest
 from torsionnet.files.located import Document
 from torsionnet.files.placing import entry_at
 from torsionnet.parameters import resolve
@@ -25,7 +26,13 @@ def check_what_was_read(definition: Definition, document: Document, faults: list
         found = list(_sound_checks(definition))
     else:
         found = check_definition(definition)
-    return [*faults, *(fault for fault in found if fault.about not in lost)]
+    return [*faults, *(_with_hint(fault, lost) for fault in found if fault.about not in lost)]
+
+
+def _with_hint(fault: Fault, lost: set[str]) -> Fault:
+    """A name may be that of an entry that could not be read, misspelt."""
+    meant = "" if fault.kind != "unknown name" or fault.meant else nearest(fault.about, sorted(lost))
+    return replace(fault, message=f'{fault.message}; did you mean "{meant}"?', meant=meant) if meant else fault
 
 
 def _sound_checks(definition: Definition) -> Iterator[Fault]:

@@ -19,6 +19,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.operator import WindowedEstimate, windowed_estimate
+from torsionnet.identification.steps import steps_covariance
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.frequency_response import Channel
 from torsionnet.sensitivity import ParametricResponse, parametric_response
@@ -66,6 +67,11 @@ class Block(ABC):
         """Of the weighted residuals, (2 n_b, 2 n_b); None where they are independent."""
         return None
 
+    @property
+    def shared(self) -> FloatArray | None:
+        """Covariance of the weighted residuals (2 n_b, 2 n_b) beyond noise, in no weight; None if there is none."""
+        return None
+
     def residuals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Weighted model minus test (2 n_b,), and derivatives (2 n_b, n)."""
         predicted, slopes = self.predicted(values)
@@ -108,6 +114,7 @@ class RecordBlock(Block):
 
     windowed: WindowedEstimate
     kept: NDArray[np.bool_]
+    steps: FloatArray
     covariance: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
@@ -134,6 +141,11 @@ class RecordBlock(Block):
     def correlation(self) -> FloatArray:
         size = self.deviations
         return np.asarray(self.covariance / np.outer(size, size))
+
+    @property
+    def shared(self) -> FloatArray | None:
+        size = self.deviations
+        return np.asarray(self.steps / np.outer(size, size))
 
     def learn_noise(self, values: FloatArray) -> None:
         """Take what the model leaves unexplained in the output as noise of the two sensors."""
@@ -239,7 +251,9 @@ def make_block(model: Drivetrain, measurement: Measurement, parameters: tuple[st
     kept = _kept(windowed.frequencies, measurement)
     units = tuple(Channel(name, data[name].unit) for name in (measurement.output, measurement.input))
     response = _response(rig, measurement, windowed.fine, parameters, (units[0], units[1]))
-    return RecordBlock(measurement, response, windowed, kept)
+    rows = windowed.rows[kept]
+    steps = steps_covariance(data, measurement.output, measurement.input, windowed.record, rows)
+    return RecordBlock(measurement, response, windowed, kept, steps)
 
 
 def default_settings(record: Recording) -> Welch:

@@ -142,7 +142,7 @@ def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str)
     """Uncertainties and comparisons at the optimum.
 
     The covariance is that of weighted least squares under correlated noise, A J^T R J A with A = (J^T J)^-1 and the
-    correlation R of the residuals, times the reduced chi squared.
+    correlation R of the residuals, times the reduced chi squared; what the steps of sensors do comes on top.
     """
     residuals, slopes = problem.both(values)
     free = problem.effective_count - len(values)
@@ -151,7 +151,7 @@ def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str)
     left, sizes, turned = np.linalg.svd(slopes * scale, full_matrices=False)
     lost = sizes < SINGULAR * sizes[0]
     backward = (turned.T / np.where(lost, np.inf, sizes)) @ left.T
-    inverse = problem.under_noise(backward)
+    inverse = problem.under_noise(backward) + problem.under_steps(backward) / max(factor, np.finfo(float).tiny)
     covariance = factor * inverse * np.outer(scale, scale)
     undetermined = (np.abs(turned[lost]) > np.sqrt(SINGULAR)).any(axis=0)
     errors = np.where(undetermined, np.inf, np.sqrt(np.diag(covariance)))

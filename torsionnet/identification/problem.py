@@ -90,6 +90,17 @@ class Problem:
             start += count
         return total
 
+    def under_steps(self, backward: FloatArray) -> FloatArray:
+        """Covariance of backward (n, n_residuals) @ residuals that steps of sensors add."""
+        total, start = np.zeros((len(backward), len(backward))), 0
+        for block in self.blocks:
+            count, shared = 2 * len(block.frequencies), block.shared
+            if shared is not None:
+                part = backward[:, start : start + count]
+                total += part @ shared @ part.T
+            start += count
+        return total
+
     @property
     def effective_count(self) -> float:
         """Number of independent values that the correlated residuals are worth."""

@@ -49,11 +49,11 @@ def tornado(found: ModeSensitivities, *, modes: list[int] | None = None, title: 
         _bars(row[0], found.relative_frequencies[mode, shown], style.PALETTE[0])
         _bars(row[1], found.relative_dampings[mode, shown], style.PALETTE[1])
         row[0].set_yticks(range(len(shown)), [found.parameters[p] for p in shown])
-        row[0].invert_yaxis()
         zeta = 100 * found.damping_ratios[mode]
         row[0].set_title(f"mode {mode + 1}: {found.natural_frequencies[mode]:.4g} Hz", fontsize=style.FONT)
         real = found.poles[mode].imag == 0
         row[1].set_title("real pole" if real else f"damping ratio {zeta:.3g} %", fontsize=style.FONT)
+    panels[0][0].invert_yaxis()  # all panels share the axis: once for all of them
     panels[-1][0].set_xlabel("natural frequency [% per %]")
     panels[-1][1].set_xlabel("damping ratio [% per %]")
     style.heading(figure, found.title if title is None else title)

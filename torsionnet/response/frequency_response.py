@@ -208,7 +208,7 @@ class FrequencyResponse:
                     columns.append(Column(f"coherence {label}", "1"))
                     data.append(self.coherence[:, o, i])
         rows = tuple(tuple(float(cell) for cell in row) for row in zip(*data, strict=True))
-        return Table(self.title, tuple(columns), rows, (*self.notes, SIGN_NOTE))
+        return Table(self.title, tuple(columns), rows, (*self.notes, *filter(None, [limit_line(self)]), SIGN_NOTE))
 
     def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
         """The table as CSV text, also written to ``path``."""
@@ -239,6 +239,15 @@ class FrequencyResponse:
         table = self.table()
         step = max(1, len(table.rows) // 20)
         return replace(table, rows=table.rows[::step]).to_html()
+
+
+def limit_line(response: FrequencyResponse) -> str:
+    """Up to where a response can be used, for files and tables; empty where nothing is said.
+
+    >>> limit_line(FrequencyResponse([1.0], [[[1j]]], [Channel("y", "rad")], [Channel("u", "N*m")], usable_up_to=16.8))
+    'usable up to 16.8 Hz'
+    """
+    return "" if response.usable_up_to is None else f"usable up to {response.usable_up_to:.6g} Hz"
 
 
 def _indices(names: str | Sequence[str] | None, channels: tuple[Channel, ...], what: str) -> list[int]:

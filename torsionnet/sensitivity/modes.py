@@ -169,7 +169,7 @@ def mode_sensitivities(
     Raises
     ------
     UsageError
-        An unknown name, or a spring tabulated over frequency, of which poles have no simple derivative.
+        An unknown name, or equal poles of a drivetrain with a spring tabulated over frequency.
 
     Examples
     --------
@@ -219,10 +219,6 @@ class _System:
         redundant = tuple(sorted(drivetrain.assembly.kinematics.reduction.redundant))
         self.system: Augmented = augmented(chosen, chosen.start, self.nodes, redundant)
         self.count = len(chosen.names)
-        if self.system.tables:
-            owners = ", ".join(dict.fromkeys(self.system.law_owners[law] for law, _ in self.system.tables))
-            msg = f"derivatives of poles are not available with springs tabulated over frequency: {owners}"
-            raise UsageError(msg)
         self.reading: Reading | None = None
         self.load: Input | None = None
         if measured is not None:
@@ -259,11 +255,29 @@ class _System:
         rates = np.array([[self._rate(s, r[:, j], l[:, i]) for j in range(multiplicity)] for i in range(multiplicity)])
         moved = np.array([[self._moved(s, r[:, j], l[:, i]) for j in range(multiplicity)] for i in range(multiplicity)])
         if multiplicity == 1:
-            return np.asarray(-moved[0] / rates[0, 0])
+            return self._followed(-moved[0] / rates[0, 0], -self._frozen_rate(s, r[:, 0], l[:, 0]) / rates[0, 0])
+        if self.system.tables:
+            owners = ", ".join(dict.fromkeys(self.system.law_owners[law] for law, _ in self.system.tables))
+            msg = f"equal poles have no derivatives here, with springs tabulated over frequency: {owners}"
+            raise UsageError(msg)
         found = np.zeros((multiplicity, self.count), dtype=complex)
         for p in range(self.count):
             found[:, p] = np.sort_complex(linalg.eigvals(-moved[:, :, p], rates))
         return found
+
+    @staticmethod
+    def _followed(direct: ComplexArray, through: complex) -> ComplexArray:
+        """Slopes of a pole whose tabulated stiffnesses are read at its own frequency, and move with it."""
+        return np.asarray(direct + through * direct.imag / (1 - through.imag))
+
+    def _frozen_rate(self, s: complex, r: ComplexArray, left: ComplexArray) -> complex:
+        """Derivative of the equations between two vectors to the frequency at which tables are read, rad/s."""
+        total, n_q = 0j, self.system.laws.values.shape[1]
+        for law, table in self.system.tables:
+            row = self.system.laws.values[law]
+            weight = row @ left[:n_q] + (0.0 if self.reading is None else self.reading.laws[law] * left[-1])
+            total += table.kappa_rate(abs(s.imag)) * complex(row @ r[:n_q]) * complex(weight)
+        return total
 
     def _scale(self, s: complex) -> FloatArray:
         """Of every unknown, so that entries are of the order of 1 before anything cancels."""

@@ -104,10 +104,12 @@ class Bench:
         Parameters
         ----------
         seed : int, optional
-            Instead of the plan's, for another run of the same test.
+            Instead of the plan's, for another run of the same test. Noise and the place of an encoder's steps follow
+            from it and from the configuration: two gears do not share them.
         """
         number = self.plan.seed if seed is None else seed
-        generators = np.random.default_rng(number).spawn(len(self.plan.channels))
+        begin = [number, *self.drivetrain.configuration.encode()]
+        generators = np.random.default_rng(begin).spawn(len(self.plan.channels))
         set_point = Signal(f"{self.drive}_set", "torque", self.delivered.set_point)
         channels = tuple(
             sensed(self.truth[name], part, self.plan.acquisition, rng)

@@ -3,22 +3,27 @@
 from __future__ import annotations
 
 import json
+import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
 from torsionnet.response import Channel, FrequencyResponse
 
 KEY = "torsionnet_frequency_response"
+_LIMIT = re.compile(r"usable up to (\S+) Hz")
 
 
 def description(response: FrequencyResponse) -> str:
     """JSON text of names, units, title and notes."""
-    data = {
+    data: dict[str, Any] = {
         "outputs": [[channel.name, channel.unit] for channel in response.outputs],
         "inputs": [[channel.name, channel.unit] for channel in response.inputs],
         "title": response.title,
         "notes": list(response.notes),
     }
+    if response.usable_up_to is not None:
+        data["usable_up_to"] = response.usable_up_to
     return json.dumps(data)
 
 
@@ -37,6 +42,7 @@ class Words:
     inputs: tuple[Channel, ...]
     title: str
     notes: tuple[str, ...]
+    usable_up_to: float | None
 
 
 def words(text: str) -> Words:
@@ -44,7 +50,9 @@ def words(text: str) -> Words:
     try:
         data = json.loads(text)
         outputs, inputs = (tuple(Channel(str(n), str(u)) for n, u in data[side]) for side in ("outputs", "inputs"))
-        return Words(outputs, inputs, str(data["title"]), tuple(map(str, data["notes"])))
+        limit = data.get("usable_up_to")
+        limit = None if limit is None else float(limit)
+        return Words(outputs, inputs, str(data["title"]), tuple(map(str, data["notes"])), limit)
     except (json.JSONDecodeError, KeyError, TypeError, ValueError) as error:
         msg = f"the description of the response in the file is damaged ({type(error).__name__}: {error})"
         raise ValueError(msg) from error
@@ -59,4 +67,24 @@ def described(text: str, numbers: dict[str, Any]) -> FrequencyResponse:
         if values.shape != shapes[name]:
             msg = f"{name} has shape {values.shape}, its description says {shapes[name]}"
             raise ValueError(msg)
-    return FrequencyResponse(outputs=said.outputs, inputs=said.inputs, title=said.title, notes=said.notes, **numbers)
+    return FrequencyResponse(
+        outputs=said.outputs,
+        inputs=said.inputs,
+        title=said.title,
+        notes=said.notes,
+        usable_up_to=said.usable_up_to,
+        **numbers,
+    )
+
+
+def limit_in(lines: Iterable[str]) -> float | None:
+    """What the line about it says, for files that hold nothing but lines of text.
+
+    >>> limit_in(["a title", "usable up to 16.8 Hz"])
+    16.8
+    """
+    found = [match[1] for line in lines if (match := _LIMIT.fullmatch(line))]
+    try:
+        return float(found[0]) if found else None
+    except ValueError:
+        return None

@@ -12,7 +12,7 @@ import numpy as np
 
 from torsionnet.atomic import write_text
 from torsionnet.errors import Fault, ModelError, Position
-from torsionnet.interchange.responses.described import KEY, described, description, words
+from torsionnet.interchange.responses.described import KEY, described, description, limit_in, words
 from torsionnet.interchange.responses.headings import Heading, headings
 from torsionnet.interchange.responses.matrix import Matrix, Single, resolve_units
 from torsionnet.response import FrequencyResponse
@@ -116,9 +116,9 @@ def _foreign(columns: list[Heading], numbers: FloatArray, comments: list[str], p
     for pair, found in parts.items():
         matrix.pairs[pair] = _single(found)
     notes = resolve_units(matrix.pairs)
-    kept = [comment for comment in comments[1:] if comment and comment != SIGN_NOTE]
+    kept = [comment for comment in comments[1:] if comment not in ("", SIGN_NOTE) and limit_in([comment]) is None]
     conditioning = [numbers[:, at] for at, column in enumerate(columns) if column.kind == "conditioning"]
-    more = {"conditioning": conditioning[0]} if conditioning else {}
+    more = {"conditioning": conditioning[0] if conditioning else None, "usable_up_to": limit_in(comments)}
     return matrix.response(path.name, comments[0] if comments else path.stem, (*kept, *notes), **more)
 
 

@@ -27,7 +27,7 @@ from torsionnet.interchange.responses.uff_datasets import (
 )
 from torsionnet.interchange.responses.uff_reading import collected
 from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.frequency_response import FloatArray, limit_line
 from torsionnet.signals.files.extras import needed
 
 ENTITY, LABEL = 10, 20
@@ -83,7 +83,7 @@ def _datasets(response: FrequencyResponse) -> Iterator[dict[str, Any]]:
 
 
 def _common(response: FrequencyResponse) -> dict[str, Any]:
-    lines = (response.title, "", *response.notes[:2], "", "")[:4]
+    lines = (response.title, limit_line(response), *response.notes[:2], "", "")[:4]
     texts = {f"id{at}": " ".join(line.split())[:WIDTH] or "NONE" for at, line in enumerate(lines, 2)}
     frequencies = np.asarray(response.frequencies, dtype=float)
     return {

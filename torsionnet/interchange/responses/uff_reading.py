@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.errors import Fault, ModelError
+from torsionnet.interchange.responses.described import limit_in
 from torsionnet.interchange.responses.matrix import Matrix, Single
 from torsionnet.interchange.responses.uff_datasets import (
     BETWEEN,
@@ -48,7 +49,7 @@ def collected(sets: Sequence[dict[str, Any]], path: Path) -> FrequencyResponse:
     notes = tuple(line for line in (_line(first, "id4"), _line(first, "id5")) if line)
     general = [item for _, item in numbered if item["func_type"] == GENERAL_FUNCTION]
     conditioning = [np.asarray(item["data"], dtype=float) for item in general if _line(item, "id1") == "conditioning"]
-    more = {"conditioning": conditioning[0]} if conditioning else {}
+    more = {"conditioning": conditioning[0] if conditioning else None, "usable_up_to": limit_in([_line(first, "id3")])}
     return matrix.response(path.name, _line(first, "id2") or path.stem, notes, **more)
 
 

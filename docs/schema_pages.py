@@ -1,0 +1,80 @@
+"""Tables of the entries of a model file, made from its JSON Schema."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from page_parts import code, prose, table
+
+from torsionnet.files import json_schema
+
+ELSEWHERE = ("element_", "bench_")
+"""Definitions that have pages of their own."""
+TITLES = {
+    "parameter": "An entry of `parameters`",
+    "input": "An entry of `inputs`",
+    "sensor": "An entry of `sensors`",
+    "alternative": "An alternative of `configurations`",
+    "operating_point": "`operating_point`",
+    "report": "`report`",
+}
+PLAIN = {
+    "array": "list",
+    "boolean": "`true` or `false`",
+    "integer": "whole number",
+    "number": "number",
+    "object": "mapping",
+    "string": "text",
+}
+
+
+def file_entries_page() -> str:
+    """The entries of the file itself, then those of each section that has entries of fixed names."""
+    schema = json_schema()
+    tables = [entries_table("The file", schema, schema)]
+    for name, definition in schema["$defs"].items():
+        if name in TITLES:
+            tables.append(entries_table(TITLES[name], with_entries(definition), schema))
+    return "\n".join(tables)
+
+
+def with_entries(definition: dict[str, Any]) -> dict[str, Any]:
+    """The variant that is a mapping."""
+    options = [definition, *definition.get("anyOf", [])]
+    return next(option for option in options if "properties" in option)
+
+
+def entries_table(title: str, definition: dict[str, Any], schema: dict[str, Any]) -> str:
+    required = definition.get("required", [])
+    rows = []
+    for name, entry in definition["properties"].items():
+        meaning = entry.get("description") or target(entry, schema).get("description", "")
+        rows.append([code(name), kind_of(entry, schema), "required" if name in required else "", prose(meaning)])
+    rest = definition.get("additionalProperties")
+    if isinstance(rest, dict):
+        meaning = rest.get("description") or target(rest, schema).get("description", "")
+        rows.append(["*any name*", kind_of(rest, schema), "", prose(meaning)])
+    return f"**{title}**\n\n" + table(["entry", "value", "", "meaning"], rows)
+
+
+def target(entry: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
+    reference = entry.get("$ref", "").rpartition("/")[2]
+    found = schema["$defs"][reference] if reference else {}
+    return found if isinstance(found, dict) else {}
+
+
+def kind_of(entry: dict[str, Any], schema: dict[str, Any]) -> str:
+    """What kind of value an entry takes, in words."""
+    if "const" in entry:
+        return code(entry["const"])
+    if "enum" in entry:
+        return " or ".join(map(code, entry["enum"]))
+    if "$ref" in entry:
+        return "value" if entry["$ref"].endswith("/scalar") else kind_of(target(entry, schema), schema)
+    if "anyOf" in entry:
+        return " or ".join(dict.fromkeys(kind_of(option, schema) for option in entry["anyOf"]))
+    kinds = entry.get("type", "object")
+    listed = [kinds] if isinstance(kinds, str) else kinds
+    if {"number", "string"} <= set(listed):
+        return "value"
+    return " or ".join(PLAIN.get(kind, kind) for kind in listed if kind != "null")
