@@ -8,7 +8,9 @@ from torsionnet.response import Modes
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.solve.grid import Adaptive
 
-POINTS, PER_PEAK = 300, 41
+POINTS, PER_PEAK, LEAST_PER_PEAK = 300, 41, 9
+MOST_AT_PEAKS = 1600
+"""Of many modes each gets fewer points: a screen has no more columns."""
 UNDAMPED = 1e-7
 """Damping ratio below which a peak is as high as one cares to look closely."""
 NEAREST = 2e-4
@@ -26,7 +28,9 @@ def lines(band: tuple[float, float], *modes: Modes) -> FloatArray:
     >>> float(f[0]), float(f[-1]), 300 < len(f) < 400
     (0.5, 200.0, True)
     """
-    f = Adaptive(*band, points=POINTS, per_peak=PER_PEAK).frequencies(*modes)
+    vibrations = sum(int(np.sum(mode.damped_frequencies > 0)) for mode in modes)
+    per_peak = min(PER_PEAK, max(LEAST_PER_PEAK, MOST_AT_PEAKS // max(1, vibrations)))
+    f = Adaptive(*band, points=POINTS, per_peak=per_peak).frequencies(*modes)
     for pole in undamped(*modes):
         f = f[np.abs(f - pole) > NEAREST * pole]
         f = np.union1d(f, np.outer(pole, 1 + np.outer((-1, 1), NEAREST * APPROACH)))
