@@ -13,6 +13,7 @@ PACKAGE = Path(__file__).parents[1] / "torsionnet"
 
 LAYERS = (  # top to bottom: first name below torsionnet
     {"cli", "demo", "__main__"},
+    {"explore"},
     {"report", "interchange"},
     {"identification", "virtual"},
     {"sensitivity"},

@@ -11,9 +11,9 @@ from validation.build import build, case_names, read_case
 
 import torsionnet as tn
 from torsionnet.report import bode, mode_shapes, save, schematic
-from torsionnet.report.bode import unwrapped
 from torsionnet.report.labels import number, quantity, symbol
 from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.response.phase import unwrapped
 
 DEGREES = tn.Conventions(angle="deg", frequency="cpm")
 FREQUENCIES = np.geomspace(0.3, 40, 60)

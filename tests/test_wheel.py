@@ -45,6 +45,8 @@ def test_wheel_holds_models_and_type_marker(wheel, library_names):
     files = set(zipfile.ZipFile(wheel).namelist())
     assert "torsionnet/py.typed" in files
     assert files >= {f"torsionnet/library/{name}.yaml" for name in library_names}
+    page = ("index.html", "main.js", "style.css", "vendor/uPlot.iife.min.js", "vendor/LICENSE-uPlot.txt")
+    assert files >= {f"torsionnet/explore/static/{name}" for name in page}
     assert {name.split("/")[0].split("-")[0] for name in files} == {"torsionnet"}
 
 

@@ -17,6 +17,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "check": "Is a model sound? Every fault with its place in the file.",
     "show": "Elements, parameters, equations of motion, matrices, schematic.",
     "modes": "Natural frequencies, damping ratios, mode shapes, energy shares.",
+    "explore": "A page to play with a model: sliders, responses, modes.",
     "sensitivity": "Which parameter moves which mode, and by how much.",
     "frf": "Frequency responses between sensors, inputs and nodes.",
     "bench": "Run a test on a model instead of a rig, and write the record.",

@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 from torsionnet.errors import UsageError
 from torsionnet.report import style
 from torsionnet.response import SI, Conventions, FrequencyResponse
+from torsionnet.response.phase import HALF_TURN, unwrapped
 from torsionnet.signals.advice import LEAST_COHERENCE
 
 POOR = 1e-10
 """Conditioning of a measured input below which a response cannot be trusted."""
 
-HALF_TURN = 180.0
 SHORT_LABEL = 14
 FloatArray = NDArray[np.float64]
 
@@ -178,22 +178,6 @@ def _curves(response: FrequencyResponse, label: str, conventions: Conventions, *
 
 def _limit(response: FrequencyResponse) -> float:
     return math.inf if response.usable_up_to is None else response.usable_up_to
-
-
-def unwrapped(values: NDArray[np.complex128]) -> FloatArray:
-    """Continuous phase in degrees; -180 rather than +180, since a response lags. nan for zero and infinite values.
-
-    >>> unwrapped(np.array([1, -1j, -1, 1j, 1])).tolist()
-    [0.0, -90.0, -180.0, -270.0, -360.0]
-    """
-    phase = np.full(len(values), np.nan)
-    good = np.isfinite(values) & (values != 0)
-    angles = np.degrees(np.angle(values[good]))
-    angles[angles > HALF_TURN - 1e-6] = -HALF_TURN
-    if angles.size:
-        angles = np.unwrap(angles, period=2 * HALF_TURN)
-    phase[good] = angles
-    return phase
 
 
 def _panels(curves: Sequence[Curve], coherence: bool | None) -> list[str]:

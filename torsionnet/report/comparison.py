@@ -10,10 +10,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from torsionnet.report import style
-from torsionnet.report.bode import unwrapped
 from torsionnet.response import Conventions, FrequencyResponse
 from torsionnet.response.conventions import SI
 from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.phase import unwrapped
 from torsionnet.signals.advice import LEAST_COHERENCE
 from torsionnet.signals.comparison import difference
 

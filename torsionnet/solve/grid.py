@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +15,8 @@ STEEPEST = 85.0
 """Degrees of phase to either side of a resonance; beyond, the flanks are smooth."""
 NARROWEST = 1e-6
 """Half-width of a peak without damping, as a share of its frequency."""
+BELOW, ABOVE = 10.0, 2.0
+WITHOUT_MODES = (0.1, 100.0)
 
 
 @dataclass(frozen=True)
@@ -60,3 +63,29 @@ class Adaptive:
             found.append((peak[:, None] + width[:, None] * np.tan(phase)).ravel())
         f = np.unique(np.concatenate(found))
         return np.asarray(f[(f >= self.start) & (f <= self.stop)])
+
+
+def vibration_range(*modes: Modes) -> tuple[float, float]:
+    """Hz: from a tenth of the lowest to twice the highest vibration of all, on round numbers.
+
+    >>> import torsionnet as tn
+    >>> vibration_range(tn.load("dmf_rig").modes())
+    (0.5, 200.0)
+    """
+    found = [value for mode in modes for value in mode.damped_frequencies if value > 0]
+    if not found:
+        return WITHOUT_MODES
+    return rounded(float(min(found)) / BELOW, up=False), rounded(float(max(found)) * ABOVE, up=True)
+
+
+def rounded(value: float, *, up: bool) -> float:
+    """The next 1, 2 or 5 times a power of ten.
+
+    >>> rounded(0.71, up=False), rounded(162, up=True)
+    (0.5, 200.0)
+    """
+    decade = 10.0 ** math.floor(math.log10(value))
+    steps = [factor * decade for factor in (1, 2, 5, 10)]
+    return (
+        next(step for step in steps if step >= value) if up else next(step for step in reversed(steps) if step <= value)
+    )

@@ -1,0 +1,77 @@
+"""The explore page: seconds from the command to the first answer, ms from a slider to the drawn curves in Chromium."""
+
+import json
+import statistics
+import subprocess
+import sys
+import time
+import urllib.request
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+sys.path.insert(0, str(ROOT / "tests"))
+
+from explore_pages import chromium, serving, visit  # noqa: E402
+
+MODELS = {"dmf_rig": 60, "amt_rig": 60, "six_cylinder_diesel": 60}
+"""Model -> goal in ms; the last one is the largest of the library."""
+READY, RUNS, STEPS = 1.0, 5, 60
+SIZE = {"width": 1440, "height": 900}
+
+
+def ready():
+    """Seconds until the server has given its first answer."""
+    began = time.perf_counter()
+    command = [sys.executable, "-m", "torsionnet", "explore", "amt_rig", "--no-browser"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, cwd=ROOT) as server:
+        address = server.stdout.readline().strip()
+        question = urllib.request.Request(f"{address}api/answer", b"{}", {"Content-Type": "application/json"})
+        with urllib.request.urlopen(question) as answer:
+            json.load(answer)
+        elapsed = time.perf_counter() - began
+        server.terminate()
+    return elapsed
+
+
+def updates(browser, model):
+    """Time in ms of every update while a slider is dragged, as the page measures them."""
+    with serving(model) as server, visit(browser, server.address, viewport=SIZE) as found:
+        found.settle()
+        box = found.page.locator(".parameter:not(.is-derived) .slider").nth(3).bounding_box()
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        found.page.mouse.move(x, y)
+        found.page.mouse.down()
+        times = []
+        for step in range(1, STEPS + 1):
+            before = found.updates
+            found.page.mouse.move(x - 2 * step, y)
+            found.until(lambda before=before: found.updates > before, "an update")
+            times.append(found.page.evaluate("torsionnet.lastUpdate"))
+        found.page.mouse.up()
+    return times
+
+
+def main():
+    ready()  # writes the bytecode that an installed package already has
+    seconds = statistics.median(ready() for _ in range(RUNS))
+    print(f"ready: {seconds:.2f} s (goal {READY:g}: {'reached' if seconds <= READY else 'missed'})")
+    try:
+        from playwright.sync_api import sync_playwright
+    except ImportError:
+        sync_playwright = None
+    path = chromium()
+    if path is None or sync_playwright is None:
+        print("no Chromium or no playwright: updates of the page were not measured")
+        return
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        for model, goal in MODELS.items():
+            times = sorted(updates(browser, model))
+            median, late = statistics.median(times), times[int(0.9 * len(times))]
+            verdict = "reached" if median <= goal else "missed"
+            print(f"{model}: median {median:.0f} ms, nine of ten within {late:.0f} ms (goal {goal}: {verdict})")
+        browser.close()
+
+
+if __name__ == "__main__":
+    main()

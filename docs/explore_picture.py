@@ -1,0 +1,65 @@
+"""Draw docs/images/explore.png: the explore page over a virtual test, in headless Chromium.
+
+``python docs/explore_picture.py`` needs playwright (dependency group ``test``) and an installed Chromium.
+"""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from torsionnet.cli import main as torsionnet
+
+DOCS = Path(__file__).parent
+sys.path.insert(0, str(DOCS.parent / "tests"))
+
+from explore_pages import chromium, serving, visit  # noqa: E402
+
+from torsionnet.explore.choices import Pair  # noqa: E402
+
+PICTURE = DOCS / "images" / "explore.png"
+SIZE = {"width": 1440, "height": 900}
+ESTIMATE = "--input T_T --output theta_1 --preset paper --from 0.5 --to 40"
+
+
+def measured(folder: Path) -> Path:
+    """A virtual test of the rig in fifth gear as a file with its response."""
+    record, response = folder / "gear_V.npz", folder / "gear_V.csv"
+    torsionnet(["bench", "amt_bench", "-c", "V", "-o", str(record)])
+    torsionnet(["estimate", str(record), *ESTIMATE.split(), "--csv", str(response)])
+    return response
+
+
+def arranged(found: Any) -> None:
+    """One curve pinned, another value of the oil damping, the cursor beside the peak."""
+    page = found.page
+    page.locator("label", has_text="deg").click()
+    page.click("#pin")
+    with found.update():
+        page.fill("#parameter-c_O", "360")
+        page.keyboard.press("Enter")
+    box = page.locator("#magnitude .u-over").bounding_box()
+    page.mouse.move(box["x"] + 0.64 * box["width"], box["y"] + 0.5 * box["height"])
+    page.evaluate("document.activeElement.blur()")
+    page.wait_for_timeout(300)
+
+
+def main() -> None:
+    from playwright.sync_api import sync_playwright
+
+    with tempfile.TemporaryDirectory() as folder, sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
+        overlay = measured(Path(folder))
+        with (
+            serving("amt_rig", configuration="V", pairs=[Pair("theta_1", "T_T")], overlay=overlay) as server,
+            visit(browser, server.address, viewport=SIZE) as found,
+        ):
+            arranged(found)
+            found.page.screenshot(path=str(PICTURE), full_page=True)
+        browser.close()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,96 @@
+"""A page in headless Chromium, with everything it says on its console and every address it asks for."""
+
+import shutil
+import threading
+import time
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+
+from torsionnet.explore import ExploreServer, open_session
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "microsoft-edge")
+PATIENCE = 20.0
+
+
+def chromium():
+    """The path of an installed Chromium, or None."""
+    return next(filter(None, map(shutil.which, NAMES)), None)
+
+
+def browser_or_skip():
+    """The path of Chromium; skips where there is none, and says so."""
+    pytest.importorskip("playwright", reason="the click-through tests of the explore page need playwright")
+    path = chromium()
+    if path is None:
+        pytest.skip(f"no Chromium is installed (looked for {', '.join(NAMES)}): the page was not clicked through")
+    return path
+
+
+@contextmanager
+def serving(model, **options):
+    """A server in a thread of its own."""
+    with ExploreServer(open_session(model, **options)) as server:
+        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.02}, daemon=True)
+        thread.start()
+        try:
+            yield server
+        finally:
+            server.shutdown()
+            thread.join()
+
+
+@dataclass
+class Visit:
+    """An open page and what was noticed on it."""
+
+    page: Any
+    console: list = field(default_factory=list)
+    requests: list = field(default_factory=list)
+
+    @property
+    def updates(self):
+        return self.page.evaluate("globalThis.torsionnet ? globalThis.torsionnet.updates : 0")
+
+    def until(self, question, what):
+        """Wait for something on the page. (The page forbids the evaluation that playwright would wait with.)"""
+        limit = time.monotonic() + PATIENCE
+        while not question():
+            assert time.monotonic() < limit, f"{what} did not happen; console: {self.console}"
+            time.sleep(0.02)
+
+    @contextmanager
+    def update(self):
+        """Do something, then wait until the page has drawn an answer to it."""
+        before = self.updates
+        yield
+        self.until(lambda: self.updates > before, "an update")
+        self.settle()
+
+    def settle(self):
+        """Every question has been answered, also those that an answer led to."""
+        quiet = 0
+        while quiet < 3:
+            quiet = quiet + 1 if self.page.evaluate("globalThis.torsionnet.underWay()") == 0 else 0
+            time.sleep(0.03)
+
+    def text(self, selector):
+        return self.page.inner_text(selector)
+
+
+@contextmanager
+def visit(browser, address, **options):
+    """The page behind an address, ready."""
+    context = browser.new_context(accept_downloads=True, **options)
+    found = Visit(context.new_page())
+    found.page.on("console", lambda message: found.console.append(message.text))
+    found.page.on("pageerror", lambda error: found.console.append(str(error)))
+    found.page.on("request", lambda request: found.requests.append(request.url))
+    found.page.goto(address)
+    found.until(lambda: found.updates, "the first curve")
+    try:
+        yield found
+    finally:
+        context.close()

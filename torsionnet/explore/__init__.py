@@ -1,0 +1,18 @@
+"""A page on this machine to play with a drivetrain: parameters as sliders, responses and modes at once.
+
+One :class:`Session` holds a model; an :class:`ExploreServer` shows it to the browser and answers the page's questions
+(:mod:`torsionnet.explore.api`). Everything is calculated here; the page in ``static/`` draws. Neither loads anything
+from elsewhere.
+
+>>> from torsionnet.explore.answers import answer
+>>> from torsionnet.explore.state import State
+>>> session = open_session("amt_rig")
+>>> found = answer(session, State({"gear": "V"}, {"c_O": "360 N*m*s/rad"}))
+>>> round(found["modes"]["natural"][0], 3)
+6.268
+"""
+
+from torsionnet.explore.server import ExploreServer
+from torsionnet.explore.session import Session, open_session
+
+__all__ = ["ExploreServer", "Session", "open_session"]

@@ -1,0 +1,158 @@
+"""What the page shows in one state: the response, the modes, the parameters, how far a test is from the model."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import ModelError, TorsionnetError, TorsionnetWarning
+from torsionnet.explore.command_text import command_text
+from torsionnet.explore.lines import NEAREST, lines, undamped
+from torsionnet.explore.overlay import misfit
+from torsionnet.explore.session import Session
+from torsionnet.explore.sliders import sliders
+from torsionnet.explore.state import State
+from torsionnet.response import Conventions, FrequencyResponse, Modes
+from torsionnet.response.frequency_response import ORDERS, FloatArray
+from torsionnet.response.phase import unwrapped
+from torsionnet.solve.grid import vibration_range
+
+MOST_MODES, LARGE = 40, 120
+"""Of more nodes than ``LARGE`` only the lowest modes are looked for: all of them would take longer than a drag."""
+MOST_PEAKS = 6
+DEGREES = Conventions(angle="deg")
+
+
+def answer(session: Session, state: State) -> dict[str, Any]:
+    """Everything that changes with the state, as JSON holds it; what is impossible, in words under ``refused``."""
+    with noted() as notes:
+        try:
+            return _answer(session, state) | {"notes": notes}
+        except TorsionnetError as error:
+            return {"refused": reasons(error)}
+
+
+@contextmanager
+def noted() -> Iterator[list[str]]:
+    """Warnings of the library as texts for the page instead of lines in the terminal."""
+    notes: list[str] = []
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always", TorsionnetWarning)
+        yield notes
+    notes += dict.fromkeys(str(one.message) for one in found if issubclass(one.category, TorsionnetWarning))
+
+
+def reasons(error: TorsionnetError) -> list[str]:
+    """Every fault, with the entry of the model it is about."""
+    if not isinstance(error, ModelError):
+        return [str(error)]
+    return [f"{_where(fault.path)}{fault.text}" for fault in error.faults]
+
+
+def _where(path: tuple[str | int, ...]) -> str:
+    return f"{' '.join(map(str, path[1:]))}: " if len(path) > 1 else ""
+
+
+def _answer(session: Session, state: State) -> dict[str, Any]:
+    plain, rig = session.chosen(state.choice), session.varied(state)
+    shown = session.completed(state)
+    modes = _modes(rig)
+    measured = _measured(rig, shown)
+    found = [modes, measured] if measured else [modes]
+    band = state.band if any(state.band) else vibration_range(*found)
+    response = respond(rig, shown, lines(band, *found))
+    return {
+        "title": rig.title,
+        "band": list(band),
+        "excitation": shown.excitation,
+        "parameters": [slider.to_data() for slider in sliders(plain, rig, state.values)],
+        "response": response_data(response, undamped(*found)),
+        "modes": modes_data(modes),
+        "cut": modes_data(measured) if measured else None,
+        "misfit": misfit(session.overlay, shown, lambda f: respond(rig, shown, f), band),
+        "findings": [fault.text for fault in rig.check() if fault.severity == "warning"],
+        "command": command_text(session, shown),
+    }
+
+
+def _modes(rig: Drivetrain) -> Modes:
+    return rig.modes(lowest=MOST_MODES) if len(rig.nodes) > LARGE else rig.modes()
+
+
+def _measured(rig: Drivetrain, state: State) -> Modes | None:
+    """The poles of the response where its input is measured: those of the drivetrain cut there."""
+    if not state.excitation:
+        return None
+    lowest = MOST_MODES if len(rig.nodes) > LARGE else None
+    return rig.modes(measured_input=state.input, excitation=state.excitation, lowest=lowest)
+
+
+def respond(rig: Drivetrain, state: State, frequencies: FloatArray) -> FrequencyResponse:
+    """The response of one completed state."""
+    response = rig.frequency_response(state.output, state.input, frequencies, excitation=state.excitation or None)
+    is_motion = response.outputs[0].unit in ORDERS
+    return getattr(response, state.quantity)() if state.quantity and is_motion else response
+
+
+def response_data(response: FrequencyResponse, unbounded: FloatArray) -> dict[str, Any]:
+    """Magnitude in SI and continuous phase in degrees, with what it takes to show them in degrees per unit.
+
+    ``unbounded`` are frequencies in Hz at which a peak has no height.
+    """
+    values = response.values[:, 0, 0]
+    magnitude, phase = np.abs(values), unwrapped(values)
+    return {
+        "label": f"{response.outputs[0].name}/{response.inputs[0].name}",
+        "kind": response.kind(),
+        "is_motion": response.outputs[0].unit in ORDERS,
+        "units": {"rad": response.unit(), "deg": response.unit(conventions=DEGREES)},
+        "scale": response.scale(DEGREES),
+        "frequencies": numbers(response.frequencies),
+        "magnitude": numbers(magnitude),
+        "phase": numbers(phase),
+        "peaks": _peaks(response.frequencies, magnitude, phase, unbounded),
+        "notes": list(response.notes),
+    }
+
+
+def _peaks(
+    frequencies: FloatArray, magnitude: FloatArray, phase: FloatArray, unbounded: FloatArray
+) -> list[list[float | None]]:
+    """[Hz, magnitude, degrees] of the largest local maxima, in the order of frequency; None where it has no height."""
+    inner = magnitude[1:-1]
+    with np.errstate(invalid="ignore"):
+        at = 1 + np.flatnonzero((inner > magnitude[:-2]) & (inner >= magnitude[2:]) & np.isfinite(inner))
+    largest = np.sort(at[np.argsort(-magnitude[at])][:MOST_PEAKS])
+    near = [unbounded[np.abs(unbounded - frequencies[k]) < 4 * NEAREST * unbounded] for k in largest]
+    return [
+        [float(pole[0]), None, None] if pole.size else [float(frequencies[k]), float(magnitude[k]), float(phase[k])]
+        for k, pole in zip(largest, near, strict=True)
+    ]
+
+
+def modes_data(modes: Modes) -> dict[str, Any]:
+    """A table of modes by columns; lambda in rad/s."""
+    return {
+        "title": modes.title,
+        "natural": numbers(modes.natural_frequencies),
+        "damped": numbers(modes.damped_frequencies),
+        "ratio": numbers(modes.damping_ratios),
+        "real": numbers(modes.eigenvalues.real),
+        "imag": numbers(modes.eigenvalues.imag),
+        "kinds": list(modes.kinds),
+        "descriptions": list(modes.descriptions),
+        "notes": list(modes.notes),
+    }
+
+
+def numbers(values: NDArray[np.float64]) -> list[float | None]:
+    """A list for JSON, which has neither nan nor inf."""
+    if np.isfinite(values).all():
+        return list(values.tolist())
+    return [float(value) if np.isfinite(value) else None for value in values]

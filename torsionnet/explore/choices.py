@@ -1,0 +1,89 @@
+"""Which responses a page offers: sensors and nodes over inputs, measured inputs and torques on nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.channels import UNITS, Sensor
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import UsageError
+from torsionnet.response import FrequencyResponse
+
+MOTIONS = ("angle", "velocity", "acceleration", "twist")
+
+
+@dataclass(frozen=True)
+class Pair:
+    """A response by the names of its output and input.
+
+    Examples
+    --------
+    >>> read_pair("torque(gearbox, output_shaft)/T_M")
+    Pair(output='torque(gearbox, output_shaft)', input='T_M')
+    """
+
+    output: str
+    input: str
+
+    def __str__(self) -> str:
+        return f"{self.output}/{self.input}"
+
+
+def read_pair(text: str) -> Pair:
+    """``OUTPUT/INPUT``; UsageError where it is something else."""
+    output, slash, into = (part.strip() for part in text.partition("/"))
+    if not (slash and output and into) or "/" in into:
+        msg = f'a transfer function is written OUTPUT/INPUT, as in theta_1/T_M; got "{text}"'
+        raise UsageError(msg)
+    return Pair(output, into)
+
+
+def default_pair(rig: Drivetrain, overlay: FrequencyResponse | None = None) -> Pair:
+    """The measured response if the model knows its names, else the first motion measured over the first input.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> print(default_pair(tn.load("amt_rig")))
+    theta_1/T_M
+    """
+    if overlay is not None:
+        measured = Pair(overlay.outputs[0].name, overlay.inputs[0].name)
+        if measured.output in {*rig.sensors, *rig.nodes} and measured.input in {*rig.inputs, *rig.sensors, *rig.nodes}:
+            return measured
+    motions = [name for name, sensor in rig.sensors.items() if sensor.quantity in MOTIONS]
+    return Pair([*motions, *rig.sensors, *rig.nodes][0], [*rig.inputs, *rig.nodes][0])
+
+
+def choices(rig: Drivetrain, pairs: Sequence[Pair]) -> dict[str, Any]:
+    """Groups of outputs and of inputs for the page, and which inputs are measured."""
+    sensors = [(name, _what(sensor)) for name, sensor in rig.sensors.items()]
+    nodes = [(node, f"angle of {node}") for node in rig.nodes if node not in rig.sensors]
+    inputs = [(name, str(entry)) for name, entry in rig.inputs.items()]
+    torques = [(node, f"torque on {node}") for node in rig.nodes if node not in {*rig.inputs, *rig.sensors}]
+    known = ({name for name, _ in (*sensors, *nodes)}, {name for name, _ in (*inputs, *sensors, *torques)})
+    asked = (_others((pair.output for pair in pairs), known[0]), _others((pair.input for pair in pairs), known[1]))
+    return {
+        "outputs": _groups(("sensors", sensors), ("asked for", asked[0]), ("angles of nodes", nodes)),
+        "inputs": _groups(("inputs", inputs), ("measured", [*sensors, *asked[1]]), ("torques on nodes", torques)),
+        "measured": [*rig.sensors, *(name for name, _ in asked[1])],
+        "excitations": [*rig.inputs, *(() if rig.inputs else rig.nodes)],
+    }
+
+
+def _what(sensor: Sensor) -> str:
+    return f"{sensor}, {UNITS[sensor.quantity]}"
+
+
+def _others(names: Iterable[str], known: set[str]) -> list[tuple[str, str]]:
+    return [(name, name) for name in dict.fromkeys(names) if name not in known]
+
+
+def _groups(*groups: tuple[str, list[tuple[str, str]]]) -> list[dict[str, Any]]:
+    return [
+        {"label": label, "entries": [{"name": name, "what": what} for name, what in entries]}
+        for label, entries in groups
+        if entries
+    ]

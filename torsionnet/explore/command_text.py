@@ -1,0 +1,42 @@
+"""The state of a page as a command line that prints the same numbers."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import subprocess
+from typing import TYPE_CHECKING
+
+from torsionnet.configurations import label
+from torsionnet.explore.state import State
+
+if TYPE_CHECKING:
+    from torsionnet.explore.session import Session
+
+
+def command_text(session: Session, state: State) -> str:
+    """``torsionnet frf MODEL ...`` for a completed state, quoted for the shell of this system.
+
+    Examples
+    --------
+    >>> from torsionnet.explore import open_session
+    >>> rig = open_session("amt_rig")
+    >>> print(command_text(rig, rig.completed(State({"gear": "V"}, {"c_O": 360}, band=(1.0, 50.0)))))
+    torsionnet frf amt_rig -c V --set c_O=360 --output theta_1 --input T_M --from 1 --to 50
+    """
+    words = ["torsionnet", "frf", session.model]
+    if state.choice:
+        words += ["-c", label(dict(state.choice), session.base.definition.axes)]
+    for name, value in state.values.items():
+        words += ["--set", f"{name}={value}"]
+    words += ["--output", state.output, "--input", state.input]
+    if state.excitation and len(session.base.inputs) != 1:
+        words += ["--excitation", state.excitation]
+    if any(state.band):
+        words += ["--from", f"{state.band[0]:g}", "--to", f"{state.band[1]:g}"]
+    if state.quantity:
+        words += ["--quantity", state.quantity]
+    if state.angle != "rad":
+        words += ["--angle", state.angle]
+    words += ["--db"] * state.decibels
+    return subprocess.list2cmdline(words) if os.name == "nt" else shlex.join(words)

@@ -1,0 +1,92 @@
+"""A measured response over the calculated one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from torsionnet.errors import UsageError
+from torsionnet.explore.state import State
+from torsionnet.response import FrequencyResponse
+from torsionnet.response.frequency_response import ORDERS, FloatArray
+
+MOST_LINES = 4000
+
+
+def matching(overlay: FrequencyResponse | None, state: State) -> FrequencyResponse | None:
+    """The pair of a test that is the response shown, in the quantity shown; None if the test holds no such pair."""
+    if overlay is None:
+        return None
+    try:
+        pair = overlay.select(state.output, state.input)
+    except UsageError:
+        return None
+    is_motion = pair.outputs[0].unit in ORDERS
+    pair = getattr(pair, state.quantity)() if state.quantity and is_motion else pair
+    return pair.between(np.nextafter(0, 1), np.inf)
+
+
+def overlay_data(overlay: FrequencyResponse | None, state: State) -> dict[str, Any] | None:
+    """Frequencies, magnitude in SI, phase in degrees and which lines are good, at most :data:`MOST_LINES` of them."""
+    pair = matching(overlay, state)
+    if pair is None:
+        return None
+    step = -(-len(pair.frequencies) // MOST_LINES) or 1
+    values, kept = pair.values[::step, 0, 0], slice(None, None, step)
+    good = np.isfinite(values) & (values != 0)
+    return {
+        "frequencies": pair.frequencies[kept][good].tolist(),
+        "magnitude": np.abs(values[good]).tolist(),
+        "phase": np.degrees(np.angle(values[good])).tolist(),
+        "trusted": _trusted(pair)[kept][good].tolist(),
+        "unit": pair.unit(),
+        "notes": list(pair.notes),
+    }
+
+
+def _trusted(pair: FrequencyResponse) -> FloatArray:
+    from torsionnet.signals.advice import LEAST_COHERENCE  # loads what a page without a test can do without
+
+    good = np.ones(len(pair.frequencies), dtype=bool)
+    if pair.coherence is not None:
+        good &= pair.coherence[:, 0, 0] >= LEAST_COHERENCE
+    if pair.usable_up_to is not None:
+        good &= pair.frequencies <= pair.usable_up_to
+    return np.asarray(good)
+
+
+def misfit(
+    overlay: FrequencyResponse | None,
+    state: State,
+    respond: Callable[[FloatArray], FrequencyResponse],
+    band: tuple[float, float],
+) -> dict[str, Any] | None:
+    """RMS difference in dB and degrees and the FRAC over the trusted lines of a test in the band.
+
+    None where there is no test of this response, or no line that can be trusted.
+    """
+    pair = matching(overlay, state)
+    if pair is None:
+        return None
+    from torsionnet.signals.comparison import difference, frac
+
+    values = pair.values[:, 0, 0]
+    good = _trusted(pair).astype(bool) & np.isfinite(values) & (values != 0)
+    good &= (pair.frequencies >= band[0]) & (pair.frequencies <= band[1])
+    lines = np.flatnonzero(good)
+    lines = lines[:: -(-len(lines) // MOST_LINES) or 1]
+    if not lines.size:
+        return None
+    test = FrequencyResponse(pair.frequencies[lines], pair.values[lines], pair.outputs, pair.inputs)
+    model = respond(test.frequencies)
+    if test.unit() != model.unit():
+        return None
+    apart = difference(test, model)
+    return {
+        "decibels": float(np.sqrt(np.mean(apart.decibels**2))),
+        "degrees": float(np.sqrt(np.mean(apart.degrees**2))),
+        "frac": float(frac(test, model)[0, 0]),
+        "lines": int(lines.size),
+    }

@@ -1,0 +1,145 @@
+"""The server of one page, for the browser on this machine only."""
+
+from __future__ import annotations
+
+import json
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any
+
+from torsionnet.errors import UsageError
+from torsionnet.explore.api import QUESTIONS, reply
+from torsionnet.explore.guard import HEADERS, HOST, Guard, RefusedError
+from torsionnet.explore.pages import pages
+from torsionnet.explore.session import Session
+from torsionnet.explore.state import RequestError
+
+LARGEST = 100_000
+"""Bytes of a request; a state of 2000 parameters has about that many."""
+PATIENCE = 60.0
+"""Seconds until a silent connection is closed."""
+JSON = "application/json"
+
+
+class ExploreServer(ThreadingHTTPServer):
+    """Listens on 127.0.0.1 from the moment it exists; ``serve_forever`` answers.
+
+    Parameters
+    ----------
+    session : Session
+    port : int, optional
+        Default: any that is free.
+
+    Raises
+    ------
+    UsageError
+        The port is taken, or may not be used.
+
+    Examples
+    --------
+    >>> from torsionnet.explore import open_session
+    >>> with ExploreServer(open_session("dmf_rig")) as server:
+    ...     server.address.startswith("http://127.0.0.1:")
+    True
+    """
+
+    daemon_threads = True
+    block_on_close = False
+    allow_reuse_address = False
+
+    def __init__(self, session: Session, port: int = 0) -> None:
+        self.session = session
+        try:
+            super().__init__((HOST, port), Handler)
+        except (OSError, OverflowError) as error:
+            msg = f"port {port} cannot be used ({error}); choose another one with --port, or leave it out"
+            raise UsageError(msg) from None
+        self.guard = Guard(self.server_address[1])
+
+    @property
+    def address(self) -> str:
+        """What to open in a browser, with the token in it."""
+        return self.guard.address
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """A browser that closes a connection early is no event."""
+
+
+class Handler(BaseHTTPRequestHandler):
+    """GET for files of the page, POST for questions; anything else is refused in a sentence."""
+
+    server: ExploreServer
+    protocol_version = "HTTP/1.1"
+    server_version, sys_version = "torsionnet", ""
+    timeout = PATIENCE
+    disable_nagle_algorithm = True  # else small answers wait for the acknowledgement of the one before
+
+    def do_GET(self) -> None:
+        self._guarded(self._page)
+
+    def do_POST(self) -> None:
+        self._guarded(self._answer)
+
+    def send_error(self, code: int, message: str | None = None, explain: str | None = None) -> None:
+        """What the base class refuses before any of the methods above: other methods, lines that are no HTTP."""
+        del explain
+        self.close_connection = True
+        is_method = code == HTTPStatus.NOT_IMPLEMENTED
+        status = HTTPStatus.METHOD_NOT_ALLOWED if is_method else HTTPStatus(code)
+        text = "only GET and POST are answered" if is_method else message or status.phrase
+        self._send(status, _words(text), JSON, **({"Allow": "GET, POST"} if is_method else {}))
+
+    def _guarded(self, respond: Any) -> None:
+        try:
+            self.server.guard.check_headers(self._only("Host"), self._only("Origin"))
+            respond(self.server.guard.path(self.path))
+        except RefusedError as refused:
+            self.close_connection = True  # a body that was not read would be taken for the next request
+            self._send(refused.status, _words(str(refused)), JSON)
+        except RequestError as error:
+            self._send(HTTPStatus.BAD_REQUEST, _words(str(error)), JSON)
+        except (ConnectionError, TimeoutError):
+            self.close_connection = True
+        except Exception as error:  # noqa: BLE001
+            text = f"unexpected {type(error).__name__} (a bug in torsionnet): {error}"
+            self._send(HTTPStatus.INTERNAL_SERVER_ERROR, _words(text), JSON)
+
+    def _only(self, header: str) -> str | None:
+        found = self.headers.get_all(header, [])
+        return (found[0] if len(found) == 1 else "") if found else None
+
+    def _page(self, path: str) -> None:
+        page = pages().get(path)
+        if page is None:
+            raise RefusedError(HTTPStatus.NOT_FOUND, "there is nothing here")
+        self._send(HTTPStatus.OK, page.content, page.media_type)
+
+    def _answer(self, path: str) -> None:
+        if path not in QUESTIONS:
+            raise RefusedError(HTTPStatus.NOT_FOUND, "there is no such question")
+        if (self.headers.get_content_type() if "Content-Type" in self.headers else "") != JSON:
+            raise RefusedError(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, f"a question is {JSON}")
+        self._send(HTTPStatus.OK, reply(self.server.session, path, self._body()), JSON)
+
+    def _body(self) -> bytes:
+        length = self.headers.get("Content-Length", "")
+        if "Transfer-Encoding" in self.headers or not (length.isascii() and length.isdigit()):
+            raise RefusedError(HTTPStatus.LENGTH_REQUIRED, "a question says how long it is")
+        if len(length) > len(str(LARGEST)) or int(length) > LARGEST:
+            raise RefusedError(HTTPStatus.REQUEST_ENTITY_TOO_LARGE, f"a question has at most {LARGEST} bytes")
+        return self.rfile.read(int(length))
+
+    def _send(self, status: HTTPStatus, content: bytes, media_type: str, **headers: str) -> None:
+        """Everything in one write, so that it goes out in one piece."""
+        more = {"Content-Type": media_type, "Content-Length": str(len(content))}
+        more |= {"Connection": "close"} if self.close_connection else {}
+        lines = [f"{name}: {value}" for name, value in (HEADERS | more | headers).items()]
+        head = "\r\n".join([f"{self.protocol_version} {status.value} {status.phrase}", *lines, "", ""])
+        self.wfile.write(head.encode("latin-1") + content)
+
+    def log_message(self, format: str, *args: Any) -> None:
+        """The terminal stays quiet."""
+
+
+def _words(text: str) -> bytes:
+    return json.dumps({"error": text}).encode()

@@ -1,0 +1,182 @@
+"""One model on one page: what the server keeps between requests."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from torsionnet.configurations import parse_choice
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import UsageError
+from torsionnet.explore.choices import Pair, choices, default_pair
+from torsionnet.explore.overlay import overlay_data
+from torsionnet.explore.state import State
+from torsionnet.files.changing import changed_text, place_of
+from torsionnet.files.decoding import decode
+from torsionnet.files.reader import find_model, loads
+from torsionnet.response import FrequencyResponse
+from torsionnet.solve.grid import vibration_range
+
+MOST_SURVEYED = 24
+"""Configurations whose modes are looked at to find the first band of frequencies."""
+
+
+@dataclass(frozen=True, eq=False)
+class Session:
+    """A model, its text and the state a page begins with.
+
+    Attributes
+    ----------
+    model : str
+        As it was named on the command line.
+    file : str
+        Name of its file, without folders.
+    text : str
+        The text of that file.
+    base : Drivetrain
+    start : State
+    pairs : tuple of Pair
+        Responses asked for by name.
+    overlay : FrequencyResponse, optional
+        A test.
+    overlay_name : str
+    """
+
+    model: str
+    file: str
+    text: str
+    base: Drivetrain
+    start: State
+    pairs: tuple[Pair, ...] = ()
+    overlay: FrequencyResponse | None = None
+    overlay_name: str = ""
+    _chosen: dict[str, Drivetrain] = field(default_factory=dict, repr=False)
+
+    def chosen(self, choice: Mapping[str, str]) -> Drivetrain:
+        """The model in a configuration, with the values of its file."""
+        name = ",".join(f"{axis}={alternative}" for axis, alternative in choice.items())
+        if name not in self._chosen:
+            self._chosen[name] = self.base.configured(name) if name else self.base
+        return self._chosen[name]
+
+    def varied(self, state: State) -> Drivetrain:
+        """The model in the configuration and with the values of a state; UsageError for an expression as a value."""
+        changed = self.chosen(state.choice).configured(**state.values) if state.values else self.chosen(state.choice)
+        for name in state.values:
+            if changed.parameter_definitions[name].is_derived:
+                msg = f"{name}: expected a number with its unit; expressions of parameters belong in the model file"
+                raise UsageError(msg)
+        return changed
+
+    def completed(self, state: State) -> State:
+        """The state with the response and the excitation that an empty name stands for.
+
+        Of a state whose input is no sensor the excitation is empty.
+        """
+        output, into = state.output or self.start.output, state.input or self.start.input
+        offered = choices(self.base, self.pairs)
+        if into not in offered["measured"]:
+            return replace(state, output=output, input=into, excitation="")
+        excitation = state.excitation or next(iter(offered["excitations"]))
+        return replace(state, output=output, input=into, excitation=excitation)
+
+    def describe(self) -> dict[str, Any]:
+        """What stays as it is while the page is open."""
+        return {
+            "name": self.base.name,
+            "source": self.base.source,
+            "description": self.base.description,
+            "file": self.file,
+            "parameters": [
+                {"name": name, "description": own.description} for name, own in self.base.parameter_definitions.items()
+            ],
+            "axes": {axis: list(names) for axis, names in self.base.axes.items()},
+            "choices": choices(self.base, self.pairs),
+            "start": self.start.to_data(),
+            "overlay": self.overlay_name,
+        }
+
+    def overlaid(self, state: State) -> dict[str, Any] | None:
+        """The test where it is of the response shown."""
+        return overlay_data(self.overlay, self.completed(state))
+
+    @property
+    def saved_file(self) -> str:
+        """Name of the file with changed values: another one than the author's."""
+        path = Path(self.file)
+        return f"{path.stem}_changed{path.suffix}"
+
+    def saved(self, state: State) -> str:
+        """The model file with the values of a state.
+
+        A value that the configuration chosen sets is changed there, any other one in the table of parameters.
+        """
+        changed = self.varied(state).parameter_definitions
+        changes = {place_of(self.base.definition, state.choice, name): changed[name].value for name in state.values}
+        return changed_text(self.text, self.base.definition, changes, self.file)
+
+
+def open_session(
+    model: str | os.PathLike[str],
+    configuration: str = "",
+    settings: Mapping[str, str] | None = None,
+    pairs: Sequence[Pair] = (),
+    band: tuple[float, float] | None = None,
+    overlay: str | os.PathLike[str] | None = None,
+) -> Session:
+    """Read a model, and a test to lay over it.
+
+    Parameters
+    ----------
+    model : str or path
+        A model file or the name of a library model.
+    configuration : str
+    settings : mapping, optional
+        Parameter -> value that the page begins with.
+    pairs : sequence of Pair
+        Responses to offer; the first one is shown.
+    band : (float, float), optional
+        Hz; default: what suits the modes of all configurations.
+    overlay : str or path, optional
+        A file with a measured frequency response.
+
+    Raises
+    ------
+    ModelError
+        The model or the test is faulty.
+    UsageError
+        A name that does not exist, a file that is missing.
+
+    Examples
+    --------
+    >>> open_session("amt_rig", "V").start.choice
+    {'gear': 'V'}
+    """
+    path = find_model(model)
+    text = decode(path.read_bytes(), str(path))
+    base = loads(text, str(path))
+    test = None if overlay is None else _read_test(overlay)
+    choice = parse_choice(configuration, base.definition.axes) if configuration else {}
+    base.configured(configuration, **(settings or {}))  # refuses what is impossible before a page is opened
+    first = pairs[0] if pairs else default_pair(base, test)
+    start = State(choice, dict(settings or {}), first.output, first.input, band=band or _band(base))
+    name = "" if overlay is None else Path(overlay).name
+    session = Session(str(model), path.name, text, base, start, tuple(pairs), test, name)
+    for pair in pairs:
+        asked = session.completed(replace(start, output=pair.output, input=pair.input))
+        base.frequency_response(asked.output, asked.input, [1.0], excitation=asked.excitation or None)
+    return session
+
+
+def _band(base: Drivetrain) -> tuple[float, float]:
+    names = base.configurations[:MOST_SURVEYED]
+    return vibration_range(base.modes(), *(base.configured(name).modes() for name in names))
+
+
+def _read_test(path: str | os.PathLike[str]) -> FrequencyResponse:
+    from torsionnet.interchange import read_frequency_response  # loads what most pages do without
+
+    return read_frequency_response(path)

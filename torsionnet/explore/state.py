@@ -1,0 +1,144 @@
+"""What a page asks for: a choice of configuration, values of parameters, one response, a band of frequencies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from typing import Any, TypeAlias
+
+from torsionnet.errors import did_you_mean
+from torsionnet.files.scalars import plain_value
+
+QUANTITIES = ("", "receptance", "mobility", "accelerance")
+ANGLES = ("rad", "deg")
+LONGEST = 200
+MOST_VALUES = 2000
+HIGHEST = 1e9
+
+Value: TypeAlias = int | float | str
+
+
+class RequestError(ValueError):
+    """A request that no page of ours would send; the text says what is wrong with it."""
+
+
+@dataclass(frozen=True)
+class State:
+    """One state of the page.
+
+    Attributes
+    ----------
+    choice : mapping
+        Axis -> alternative.
+    values : mapping
+        Parameter -> SI number or text with unit, in place of what the file and the configuration say.
+    output, input, excitation : str
+        As for :meth:`torsionnet.Drivetrain.frequency_response`; an empty excitation is the model's first input.
+    quantity : str
+        ``receptance``, ``mobility``, ``accelerance``, or empty: as the sensor measures.
+    band : (float, float)
+        Lowest and highest frequency in Hz; (0, 0): what suits the modes.
+    angle : str
+        ``rad`` or ``deg``; only the command line takes it from here.
+    decibels : bool
+        Likewise.
+    """
+
+    choice: Mapping[str, str] = field(default_factory=dict)
+    values: Mapping[str, Value] = field(default_factory=dict)
+    output: str = ""
+    input: str = ""
+    excitation: str = ""
+    quantity: str = ""
+    band: tuple[float, float] = (0.0, 0.0)
+    angle: str = "rad"
+    decibels: bool = False
+
+    def to_data(self) -> dict[str, Any]:
+        """The state as JSON holds it."""
+        return {entry.name: getattr(self, entry.name) for entry in fields(self)} | {"band": list(self.band)}
+
+
+def read_state(raw: Any) -> State:
+    """The state in a request.
+
+    Raises
+    ------
+    RequestError
+        Something in it is no state, whatever the model.
+
+    Examples
+    --------
+    >>> read_state({"values": {"c_O": "360 N*m*s/rad", "tau": "3.3"}, "band": [1, 50]}).values
+    {'c_O': '360 N*m*s/rad', 'tau': 3.3}
+    """
+    if not isinstance(raw, Mapping):
+        msg = "a request is a JSON object with the state of the page"
+        raise RequestError(msg)
+    known = [entry.name for entry in fields(State)]
+    for key in raw:
+        if key not in known:
+            msg = f'"{str(key)[:LONGEST]}" is no part of a state{did_you_mean(str(key), known)}'
+            raise RequestError(msg)
+    given: dict[str, Any] = {
+        key: _text(raw, key) for key in ("output", "input", "excitation", "quantity", "angle") if key in raw
+    }
+    given |= {key: _table(raw, key) for key in ("choice", "values") if key in raw}
+    _known("quantity", given.get("quantity", ""), QUANTITIES)
+    _known("angle", given.get("angle", ANGLES[0]), ANGLES)
+    if "decibels" in raw:
+        if not isinstance(raw["decibels"], bool):
+            msg = "decibels is true or false"
+            raise RequestError(msg)
+        given["decibels"] = raw["decibels"]
+    if "band" in raw:
+        given["band"] = _band(raw["band"])
+    return State(**given)
+
+
+def _text(raw: Mapping[str, Any], key: str) -> str:
+    if not isinstance(raw[key], str) or len(raw[key]) > LONGEST:
+        msg = f"{key} is a text of at most {LONGEST} characters"
+        raise RequestError(msg)
+    return str(raw[key])
+
+
+def _known(key: str, value: str, known: tuple[str, ...]) -> None:
+    if value not in known:
+        msg = f'no {key} is named "{value}"{did_you_mean(value, known)}'
+        raise RequestError(msg)
+
+
+def _table(raw: Mapping[str, Any], key: str) -> dict[str, Value]:
+    table = raw[key]
+    if not isinstance(table, Mapping) or len(table) > MOST_VALUES:
+        msg = f"{key} is an object of names and values, at most {MOST_VALUES}"
+        raise RequestError(msg)
+    return {str(name): _value(f'{key} of "{str(name)[:40]}"', value, key) for name, value in table.items()}
+
+
+def _value(what: str, value: Any, key: str) -> Value:
+    if isinstance(value, str) and len(value) <= LONGEST:
+        number = plain_value(value.strip()) if key == "values" else None
+        return number if isinstance(number, int | float) and not isinstance(number, bool) else value
+    if key == "values" and isinstance(value, int | float) and not isinstance(value, bool):
+        if abs(value) < math.inf:
+            return value
+        msg = f"{what}: a parameter needs a finite number"
+        raise RequestError(msg)
+    form = "a number, or a text with a unit" if key == "values" else "a text"
+    msg = f"{what}: expected {form}"
+    raise RequestError(msg)
+
+
+def _band(raw: Any) -> tuple[float, float]:
+    is_pair = isinstance(raw, list | tuple) and len(raw) == 2  # noqa: PLR2004
+    if not is_pair or not all(isinstance(end, int | float) and not isinstance(end, bool) for end in raw):
+        msg = "a band is [lowest, highest] frequency in Hz"
+        raise RequestError(msg)
+    low, high = raw
+    if (low, high) != (0, 0) and not 0 < low < high <= HIGHEST:
+        msg = f"a band of frequencies needs 0 < lowest < highest <= {HIGHEST:g} Hz, got {low:g} and {high:g}"
+        raise RequestError(msg)
+    return float(low), float(high)

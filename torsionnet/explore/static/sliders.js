@@ -1,0 +1,88 @@
+// A row for each parameter: name, value with unit, slider, reset. Rows are made once and only filled afterwards, since
+// replacing a slider under the finger that drags it would end the drag.
+
+import { plain, short, symbol, unit } from "./numbers.js";
+import { STEPS, toPosition, toValue } from "./scale.js";
+
+export function makeSliders(place, parameters, change) {
+  const rows = new Map(parameters.map((one) => [one.name, makeRow(one, change)]));
+  place.replaceChildren(...[...rows.values()].map((row) => row.node));
+  if (!rows.size) place.textContent = "The model has no parameters: name values under parameters: to move them here.";
+  return {
+    fill: (now) => now.forEach((one) => fill(rows.get(one.name), one)),
+    fault: (name) => rows.forEach((row, own) => row.field.toggleAttribute("aria-invalid", own === name)),
+  };
+}
+
+function makeRow(parameter, change) {
+  const id = `parameter-${parameter.name}`;
+  const node = element("div", "parameter");
+  const label = element("label", "name");
+  label.htmlFor = id;
+  label.append(symbol(parameter.name));
+  const description = element("span", "description", parameter.description);
+  description.title = parameter.description;
+  const field = element("input", "value");
+  Object.assign(field, { id, type: "text", inputMode: "decimal", autocomplete: "off", spellcheck: false });
+  const units = element("span", "unit");
+  const slider = element("input", "slider");
+  Object.assign(slider, { type: "range", min: 0, max: STEPS, step: 1, title: "Double-click: back to the file's value" });
+  slider.setAttribute("aria-label", `${parameter.name} ${parameter.description}`.trim());
+  const mark = element("span", "mark");
+  const reset = element("button", "reset", "↺");
+  Object.assign(reset, { type: "button", title: "Back to the file's value" });
+  reset.setAttribute("aria-label", `Reset ${parameter.name}`);
+  const track = element("div", "track");
+  track.append(mark, slider);
+  const derived = element("span", "derived");
+  node.append(label, description, field, units, track, derived, reset);
+  const row = { node, field, units, slider, mark, reset, derived, now: parameter };
+  slider.addEventListener("input", (event) => drag(row, change, event));
+  field.addEventListener("change", (event) => type(row, change, event));
+  const back = (event) => change(row.now.name, null, event.timeStamp);
+  slider.addEventListener("dblclick", back);
+  reset.addEventListener("click", back);
+  return row;
+}
+
+function drag(row, change, event) {
+  const value = toValue(Number(row.slider.value), row.now);
+  row.field.value = plain(value);
+  row.slider.setAttribute("aria-valuetext", `${plain(value)} ${row.now.shown_unit}`);
+  change(row.now.name, value === row.now.default ? null : withUnit(plain(value), row.now), event.timeStamp);
+}
+
+// A bare number is meant in the unit beside the field; any other text goes to the library, which reads units.
+function type(row, change, event) {
+  const text = row.field.value.trim();
+  const bare = text !== "" && Number.isFinite(Number(text));
+  const same = text === "" || (bare && Number(text) === row.now.default);
+  change(row.now.name, same ? null : bare ? withUnit(text, row.now) : text, event.timeStamp);
+}
+
+function withUnit(text, parameter) {
+  return parameter.unit ? `${text} ${parameter.unit}` : text;
+}
+
+function fill(row, parameter) {
+  row.now = parameter;
+  const derived = parameter.expression !== "";
+  row.node.classList.toggle("is-derived", derived);
+  row.node.classList.toggle("is-changed", parameter.changed);
+  row.field.readOnly = derived;
+  if (document.activeElement !== row.field || derived) row.field.value = plain(parameter.value);
+  row.units.textContent = unit(parameter.shown_unit);
+  row.reset.hidden = !parameter.changed;
+  row.derived.textContent = derived ? `= ${unit(parameter.expression)}` : "";
+  const position = toPosition(parameter.value, parameter);
+  if (Number(row.slider.value) !== position) row.slider.value = position;
+  row.slider.setAttribute("aria-valuetext", `${short(parameter.value)} ${parameter.shown_unit}`);
+  row.mark.style.setProperty("--at", toPosition(parameter.default, parameter) / STEPS);
+}
+
+function element(tag, kind, text = "") {
+  const node = document.createElement(tag);
+  node.className = kind;
+  if (text) node.textContent = text;
+  return node;
+}
