@@ -19,11 +19,13 @@ def body(line: Line, disc: Element | None, hanging: Element | None) -> None:
     """A disc, an element to ground, or the one below the other."""
     above = line.plan.texts(disc) if disc else []
     below = line.plan.texts(hanging) if hanging else []
-    middle = line.stretch(max(glyphs.GROUND_WIDTH if hanging else 18.0, widest(above), widest(below)) + GAP)
+    scale = line.plan.scale
+    symbols = glyphs.GROUND_WIDTH if hanging else 18.0 * scale
+    middle = line.stretch(max(symbols, widest(above), widest(below)) + GAP * scale)
     half = line.plan.discs.get(disc.name, 0.0) if disc else 0.0
     if disc:
-        line.block.strokes += glyphs.disc(middle, half)
-        line.block.boxes.append((middle - 8, middle + 8, -half, half))
+        line.block.strokes += glyphs.disc(middle, half, scale * glyphs.DISC_WIDTH)
+        line.block.boxes.append((middle - 8 * scale, middle + 8 * scale, -half, half))
         line.block.write(middle, half + 3, above)
     if hanging:
         _hang(line, hanging, middle, -half, below)
@@ -35,7 +37,7 @@ def _hang(line: Line, element: Element, x: float, y: float, texts: Sequence[tupl
     if element.glyph == "clamp":
         line.block.strokes.append(Stroke(((x, y), (x, y - length))))
     else:
-        glyph = glyphs.inline_glyph(element, line.values)
+        glyph = glyphs.inline_glyph(element, line.values).scaled(line.plan.scale)
         length, reach = glyph.length, glyph.reach
         line.block.strokes += glyph.hanging(x, y)
     line.block.strokes += glyphs.ground(x, y - length)
@@ -47,7 +49,7 @@ def _hang(line: Line, element: Element, x: float, y: float, texts: Sequence[tupl
 def ending(line: Line, element: Element) -> float:
     """A wall the shaft ends in, after the element unless that is a clamp; gives where the shaft stops."""
     texts = line.plan.texts(element)
-    glyph = None if element.glyph == "clamp" else glyphs.inline_glyph(element, line.values)
+    glyph = None if element.glyph == "clamp" else glyphs.inline_glyph(element, line.values).scaled(line.plan.scale)
     length, reach = (glyph.length, glyph.reach) if glyph else (0.0, 0.0)
     middle = line.stretch(max(length + 24, widest(texts) + GAP))
     start, end = middle - length / 2, middle + length / 2

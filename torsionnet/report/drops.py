@@ -11,6 +11,7 @@ import numpy as np
 from torsionnet.elements import Element
 from torsionnet.report import glyphs
 from torsionnet.report.blocks import Block, Stroke, arc, as_array, overlap
+from torsionnet.report.topology import Vertex
 
 STEP, FARTHEST = 4.0, 3000.0
 SMALLEST_WHEELS, LARGEST_WHEELS, FARTHEST_WHEELS, SHORTEST_WIRE = 50.0, 110.0, 170.0, 36.0
@@ -39,6 +40,21 @@ class Stage:
 
 
 @dataclass(frozen=True)
+class Exit:
+    """Where something leaves a line at (x, y): another line, by its head, or a block."""
+
+    x: float
+    y: float
+    what: Vertex | Block
+    stages: tuple[Stage, ...] = ()
+
+    @property
+    def last(self) -> float:
+        """Where the last of its wheels or wires is."""
+        return self.x + (self.stages[-1].offset if self.stages else 0.0)
+
+
+@dataclass(frozen=True)
 class Drop:
     """A finished block that leaves a line at (x, y)."""
 
@@ -46,11 +62,7 @@ class Drop:
     y: float
     block: Block
     stages: tuple[Stage, ...] = ()
-
-    @property
-    def last(self) -> float:
-        """Where the last of its wheels or wires is."""
-        return self.x + (self.stages[-1].offset if self.stages else 0.0)
+    may_rise: bool = True
 
     def connector(self, distance: float) -> Block:
         """What joins the line with one at a distance below it; above, if negative."""
@@ -96,7 +108,7 @@ def attach(base: Block, drops: Sequence[Drop], *, may_rise: bool) -> None:
     """Put every block in its place, the rightmost first: those to its left go past it."""
     for drop in reversed(drops):
         down = _distance(base, drop, 1)
-        up = _distance(base, drop, -1) if may_rise and drop.y == 0 else FARTHEST
+        up = _distance(base, drop, -1) if may_rise and drop.may_rise and drop.y == 0 else FARTHEST
         distance = -up if up < UP_IF * down else down
         if distance >= FARTHEST:
             distance = _below(base, drop)

@@ -6,20 +6,21 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from torsionnet.report import glyphs
-from torsionnet.report.blocks import LEADING, ROLES, Block, LooseEnd, Stroke, text_width, widest
+from torsionnet.report.blocks import LEADING, ROLES, Block, LooseEnd, Stroke, Texts, text_width, widest
 from torsionnet.report.bodies import body, ending
-from torsionnet.report.drops import ELBOW, Drop, Stage, attach, ratio_of
+from torsionnet.report.boxes import box
+from torsionnet.report.drops import ELBOW, Drop, Exit, Stage, attach, ratio_of
 from torsionnet.report.labels import symbol
+from torsionnet.report.texts import broken
 from torsionnet.report.topology import Link, Vertex
 
 if TYPE_CHECKING:
-    from torsionnet.elements import Element
-    from torsionnet.report.layout import Plan
+    from torsionnet.report.plan import Plan
 
-GAP = 10.0
-BOX_HALF = 27.0
-Texts: TypeAlias = list[tuple[str, str]]
-Leaving: TypeAlias = Sequence[tuple[Link, Block]]
+GAP = 9.0
+Leaving: TypeAlias = Sequence[tuple[Link, Vertex]]
+Settle: TypeAlias = Callable[[Exit], Drop]
+"""Gives what leaves a line its block."""
 
 
 class Line:
@@ -29,7 +30,7 @@ class Line:
         self.plan = plan
         self.block = Block()
         self.x = 0.0
-        self.drops: list[Drop] = []
+        self.exits: list[Exit] = []
         self.brackets: list[tuple[float, float, str]] = []
 
     @property
@@ -58,7 +59,7 @@ class Line:
 
     def vertex(self, vertex: Vertex, before: Link | None, after: Link | None, leaving: Leaving) -> None:
         if vertex.is_box:
-            self.box(vertex, before, after, leaving)
+            box(self, vertex, before, after, leaving)
         else:
             self.station(vertex, before, after, leaving)
 
@@ -77,8 +78,8 @@ class Line:
         if held is None:
             self.pad(node, start)
         named = self.x
-        for link, block in leaving:
-            self.leave(link, block, vertex)
+        for link, child in leaving:
+            self.leave(link, child, vertex)
         for number, link, target in loops:
             self.close(number, link, target)
         for number in targets:
@@ -88,17 +89,18 @@ class Line:
             end = ending(self, held)
             named = self.pad(node, start)
         elif leaving and leaving[-1][0].is_gear and not (after or loops or targets):
-            end = self.drops[-1].last
+            end = self.exits[-1].last
         self.block.line((start, 0), (end, 0))
         self.brackets.append((start, named, node))
 
     def pad(self, node: str, start: float) -> float:
         """Make a station wide enough for its name."""
-        self.x += max(0, text_width(node, "node") + 8 - (self.x - start))
+        self.x += max(0, widest(self.plan.node_texts(node)) + 8 - (self.x - start))
         return self.x
 
     def marker(self, texts: Texts, strokes: Callable[[float], list[Stroke]], top: float) -> None:
         """A mark on the shaft with a name above it."""
+        texts = broken(texts)
         middle = self.stretch(max(18.0, widest(texts) + GAP))
         self.block.strokes += strokes(middle)
         self.block.boxes.append((middle - 8, middle + 8, -top if top < 20 else -5, top))  # noqa: PLR2004
@@ -113,14 +115,14 @@ class Line:
 
     def taps(self, node: str, wanted: Callable[[str], bool]) -> None:
         """Torques and twists taken at this node."""
-        for name, quantity, element in self.plan.taps.get(node, ()):
+        for name, what, element in self.plan.taps.get(node, ()):
             if wanted(element):
-                texts = [(symbol(name), "sensor"), (quantity, "what")]
+                texts = [(symbol(name), "sensor"), (what, "what")]
                 self.marker(texts, lambda x: glyphs.sensor_mark(x, torque=True), 20)
 
-    def leave(self, link: Link, block: Block, parent: Vertex) -> None:
+    def leave(self, link: Link, child: Vertex, parent: Vertex) -> None:
         if not link.is_gear:
-            self.drops.append(Drop(self.stretch(18), 0, block))
+            self.exits.append(Exit(self.stretch(18), 0, child))
             return
         widths, stages = self.gear_widths(link), []
         first = self.x + widths[0] / 2
@@ -128,14 +130,14 @@ class Line:
             offset = self.stretch(width) - first
             ratio = ratio_of(element, parent.name, self.values)
             stages.append(Stage(element, offset, self.plan.texts(element), ratio))
-        self.drops.append(Drop(first, 0, block, tuple(stages)))
+        self.exits.append(Exit(first, 0, child, tuple(stages)))
 
     def close(self, number: int, link: Link, end: Vertex) -> None:
         """An element that closes a loop, on a line of its own with a loose end."""
         line = Line(self.plan)
         line.gap(link)
         line.loose(number, end)
-        self.drops.append(Drop(self.stretch(18), 0, line.block))
+        self.exits.append(Exit(self.stretch(18), 0, line.block))
 
     def loose(self, number: int, end: Vertex) -> None:
         """Lead to the node, or name it where no way is free: room for the name is kept either way."""
@@ -151,7 +153,7 @@ class Line:
             self.block.line((self.x, 0), (self.x + 12, 0))
             self.x += 12
             return
-        drawn = [glyphs.inline_glyph(element, self.values) for element in link.elements]
+        drawn = [glyphs.inline_glyph(element, self.values).scaled(self.plan.scale) for element in link.elements]
         texts = [self.plan.texts(element) for element in link.elements]
         rails = 12.0 if len(drawn) > 1 else 0.0
         # The texts of all but the first strand stand between the rails.
@@ -179,58 +181,16 @@ class Line:
             self.block.line((ends[0], y), (begin, y))
             self.block.line((begin + glyph.length, y), (ends[1], y))
 
-    def box(self, vertex: Vertex, before: Link | None, after: Link | None, leaving: Leaving) -> None:
-        """An element with three ports: in on the left, on to the right, the others below."""
-        element, texts = self.plan.found.boxes[vertex.name], self.plan.texts(self.plan.found.boxes[vertex.name])
-        below = self.ports_below(vertex, element, leaving)
-        sides = sum(text_width(link.port, "port") + 8 for link in (before, after) if link is not None)
-        slots = [max(30.0, text_width(port, "port") + 8) for port in below]
-        width = max(70.0, widest(texts) + GAP, sides + 8, sum(slots) + 8)
-        start, middle = self.x, self.stretch(width)
-        self.block.strokes.append(glyphs.rectangle(start, self.x, -BOX_HALF, BOX_HALF, glyphs.WHEEL))
-        self.block.boxes.append((start, self.x, -BOX_HALF, BOX_HALF))
-        self.block.write(middle, BOX_HALF + 3, texts)
-        for link, left in ((before, True), (after, False)):
-            if link is not None:
-                half = text_width(link.port, "port") / 2 + 4
-                self.block.write(start + half if left else self.x - half, -3, [(link.port, "port")])
-        x = middle - sum(slots) / 2
-        for (port, use), slot in zip(below.items(), slots, strict=True):
-            self.block.write(x + slot / 2, -BOX_HALF + 2, [(port, "port")])
-            self.port(x + slot / 2, use)
-            x += slot
-
-    def ports_below(self, vertex: Vertex, element: Element, leaving: Leaving) -> dict[str, Any]:
-        """Port to what is there: a block, a loop, or None for ground."""
-        below: dict[str, Any] = {link.port: block for link, block in leaving}
-        below |= {link.port: (number, end) for number, link, end in self.plan.loops.get(vertex, ())}
-        return below | {port: None for port, node in element.ports.items() if node == "ground"}
-
-    def port(self, x: float, use: Any) -> None:
-        if isinstance(use, Block):
-            self.drops.append(Drop(x, -BOX_HALF, use))
-        elif use is None:
-            self.block.strokes += [
-                Stroke(((x, -BOX_HALF), (x, -BOX_HALF - 10))),
-                *glyphs.ground(x, -BOX_HALF - 10),
-            ]
-            self.block.boxes.append((x - 14, x + 14, -BOX_HALF - 17, -BOX_HALF))
-        else:
-            line = Line(self.plan)
-            line.block.line((0, 0), (12, 0))
-            line.x = 12
-            line.loose(*use)
-            self.drops.append(Drop(x, -BOX_HALF, line.block))
-
-    def finish(self, *, may_rise: bool) -> Block:
+    def finish(self, settle: Settle, *, may_rise: bool) -> Block:
         """Name the nodes above everything else on the line, then let the other lines leave."""
         top = max((box[3] for box in self.block.boxes), default=0.0) + 5
         for x0, x1, node in self.brackets:
-            self.block.strokes.append(
-                Stroke(((x0 + 3, top - 3), (x0 + 3, top), (x1 - 3, top), (x1 - 3, top - 3)), "faint")
-            )
-            self.block.boxes.append((x0 + 3, x1 - 3, top - 2, top + 1))
-            self.block.write((x0 + x1) / 2, top + 1, [(node, "node")])
-        attach(self.block, self.drops, may_rise=may_rise)
+            self.bracket(x0 + 3, x1 - 3, top)
+            self.block.write((x0 + x1) / 2, top + 1, self.plan.node_texts(node))
+        attach(self.block, [settle(each) for each in self.exits], may_rise=may_rise)
         self.block.anchors[-1] = (self.x, 0)
         return self.block
+
+    def bracket(self, x0: float, x1: float, y: float) -> None:
+        self.block.strokes.append(Stroke(((x0, y - 3), (x0, y), (x1, y), (x1, y - 3)), "faint"))
+        self.block.boxes.append((x0, x1, y - 2, y + 1))

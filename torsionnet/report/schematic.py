@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from matplotlib.axes import Axes
@@ -9,9 +10,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
+from torsionnet.errors import UsageError
 from torsionnet.report import style
-from torsionnet.report.blocks import LEADING, ROLES, Block, Label, Stroke, font, is_math
-from torsionnet.report.layout import COMPACT, blocks
+from torsionnet.report.blocks import LEADING, ROLES, Block, Label, Stroke, font, is_math, text_width
+from torsionnet.report.layout import blocks
+from torsionnet.report.plan import COMPACT
+from torsionnet.report.texts import wrapped
 from torsionnet.report.wiring import connect
 
 if TYPE_CHECKING:
@@ -23,22 +27,28 @@ PENS: dict[str, tuple[str, float]] = {
     "shaft": (style.INK, 1.8),
     "wire": (style.MUTED, 1.2),
     "faint": ("#b5b5b5", 0.7),
+    "carrier": (style.MUTED, 2.0),
     "input": (style.PALETTE[1], 1.6),
     "sensor": (style.PALETTE[2], 1.2),
 }
-EDGE, BETWEEN = 14.0, 26.0
-POINTS_PER_INCH = 72
-LARGEST = 24.0
-"""Inches: a drawing that would be larger is made smaller, its texts with it."""
+EDGE, BETWEEN, BESIDE = 10.0, 26.0, 40.0
+POINTS_PER_INCH, MILLIMETRES_PER_INCH = 72, 25.4
+PAPER_WIDTH, LEGIBLE = 170.0, 6.0
+"""Millimetres between the margins of an A4 page; points that the smallest text still has at that width."""
+
+NARROWEST_PAGE = 100.0
+HIGHEST = 24.0
+"""Inches: a drawing that would be higher is made smaller, its texts with it."""
 
 
-def schematic(drivetrain: Drivetrain, *, title: str | None = None) -> Figure:
+def schematic(drivetrain: Drivetrain, *, title: str | None = None, width: float = PAPER_WIDTH) -> Figure:
     r"""Draw a drivetrain.
 
     Shafts run from left to right in the order of the model's nodes, whose names stand above them. Inertias are discs
     whose height grows with the logarithm of the inertia; gear stages and branches go on on lines of their own, and an
     element that closes a loop is led back to its node. Curved arrows are inputs, dots and diamonds are sensors of
-    motion and of torque.
+    motion and of torque. Lines wider than the page go on below, a branch without room begins a line of its own, with
+    flags at both ends. Gears on one moving housing that make up sun, planets and ring are drawn as a planetary set.
 
     Parameters
     ----------
@@ -46,11 +56,19 @@ def schematic(drivetrain: Drivetrain, *, title: str | None = None) -> Figure:
         Only elements that are switched on are drawn. With more than 40 nodes only the nodes are named.
     title : str, optional
         By default name and configuration of the drivetrain.
+    width : float, optional
+        Width of the page in mm, at least 100: lines are broken so that the smallest text has 6 points when the figure
+        is printed that wide. By default the text width of an A4 page.
 
     Returns
     -------
     matplotlib.figure.Figure
-        One axes without ticks; a unit is a point.
+        One axes without ticks; a unit is a point. Its own width is at most 7/6 of the page's.
+
+    Raises
+    ------
+    UsageError
+        The page is narrower than 100 mm.
 
     Examples
     --------
@@ -59,12 +77,15 @@ def schematic(drivetrain: Drivetrain, *, title: str | None = None) -> Figure:
     >>> [text.get_text() for text in figure.axes[0].texts if "460" in text.get_text()]
     ['$k_{\\mathrm{1}}$ = 460 N·m/rad']
     """
-    whole = _arranged(drivetrain)
+    page = _page(width)
+    whole = _arranged(drivetrain, page)
     x0, x1, y0, y1 = whole.extent
     shown = drivetrain.title if title is None else title
-    if shown:
-        whole.labels.append(Label(x0, y1 + 16, shown, "title", left=True))
-        y1 += 16 + LEADING * ROLES["title"].size
+    for line in reversed(wrapped(shown, "title", page)):
+        whole.labels.append(Label(x0, y1 + 16, line, "title", left=True))
+        y1 += LEADING * ROLES["title"].size
+        x1 = max(x1, x0 + text_width(line, "title"))
+    y1 += 16 if shown else 0
     figure, axes, scale = _canvas((x0 - EDGE, x1 + EDGE, y0 - EDGE, y1 + EDGE))
     for order, stroke in enumerate(whole.strokes):
         _draw(axes, stroke, scale, order)
@@ -73,25 +94,48 @@ def schematic(drivetrain: Drivetrain, *, title: str | None = None) -> Figure:
     return figure
 
 
-def _arranged(drivetrain: Drivetrain) -> Block:
+def _page(width: float) -> float:
+    """Points that a drawing may be wide."""
+    if not width >= NARROWEST_PAGE:
+        msg = f"a schematic needs a page at least {NARROWEST_PAGE:g} mm wide; got {width:g}"
+        raise UsageError(msg)
+    smallest = min(role.size for role in ROLES.values())
+    return width / MILLIMETRES_PER_INCH * POINTS_PER_INCH * smallest / LEGIBLE - 2 * EDGE
+
+
+def _arranged(drivetrain: Drivetrain, page: float) -> Block:
     """All parts below each other, with the lines that close loops."""
-    whole = Block()
-    bottom = 0.0
-    for part in blocks(drivetrain):
+    parts = []
+    for bands in blocks(drivetrain, page):
+        part = _packed(bands, page)
         connect(part)
-        x0, _, y0, y1 = part.extent
-        whole.add(part.shifted(-x0, bottom - y1))
-        bottom += y0 - y1 - BETWEEN
+        parts.append(part)
+    whole = _packed(parts, page)
     if len(drivetrain.nodes) > COMPACT:
         note = f"{len(drivetrain.nodes)} nodes: elements are drawn without names and values"
-        whole.labels.append(Label(0, bottom + BETWEEN - 14, note, "note", left=True))
-        whole.boxes.append((0, 200, bottom + BETWEEN - 18, bottom + BETWEEN))
+        x0, _, y0, _ = whole.extent
+        whole.labels.append(Label(x0, y0 - 14, note, "note", left=True))
+        whole.boxes.append((x0, x0 + text_width(note, "note"), y0 - 18, y0 - 4))
+    return whole
+
+
+def _packed(given: Sequence[Block], page: float) -> Block:
+    """Blocks from left to right and from top to bottom, like words on a page."""
+    whole = Block()
+    x = top = bottom = 0.0
+    for block in given:
+        x0, x1, y0, y1 = block.extent
+        if x and x + x1 - x0 > page:
+            x, top = 0.0, bottom - BETWEEN
+        whole.add(block.shifted(x - x0, top - y1))
+        bottom = min(bottom, top + y0 - y1)
+        x += x1 - x0 + BESIDE
     return whole
 
 
 def _canvas(extent: tuple[float, float, float, float]) -> tuple[Figure, Axes, float]:
     width, height = extent[1] - extent[0], extent[3] - extent[2]
-    scale = min(1.0, LARGEST * POINTS_PER_INCH / max(width, height))
+    scale = min(1.0, HIGHEST * POINTS_PER_INCH / height)
     size = (width * scale / POINTS_PER_INCH, height * scale / POINTS_PER_INCH)
     figure = Figure(figsize=size, facecolor=style.PAPER)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
