@@ -29,15 +29,17 @@ def box(
     side = max((text_width(link.port, "port") + 8 for link in (before, after) if link is not None), default=8.0)
     slots = [max(30.0, text_width(port, "port") + 8) for port in below]
     width = max(2 * (emblems.REACH + side), widest(texts) + GAP, sum(slots) + 8)
-    start, middle = line.x, line.stretch(width)
-    line.block.strokes.append(glyphs.rectangle(start, line.x, -HALF, HALF, glyphs.BOX))
+    before_x, middle = line.x, line.keep(width)
+    start, end = middle - width / 2, middle + width / 2
+    line.block.line((before_x, 0), (start, 0))
+    line.block.strokes.append(glyphs.rectangle(start, end, -HALF, HALF, glyphs.BOX))
     line.block.strokes += emblems.emblem(element, middle, HALF - emblems.REACH - 5)
-    line.block.boxes.append((start, line.x, -HALF, HALF))
+    line.block.boxes.append((start, end, -HALF, HALF))
     line.block.write(middle, HALF + 3, texts)
     for link, left in ((before, True), (after, False)):
         if link is not None:
             half = text_width(link.port, "port") / 2 + 4
-            line.block.write(start + half if left else line.x - half, -10, [(link.port, "port")])
+            line.block.write(start + half if left else end - half, -10, [(link.port, "port")])
     x = middle - sum(slots) / 2
     for (port, use), slot in zip(below.items(), slots, strict=True):
         line.block.write(x + slot / 2, -HALF + 2, [(port, "port")])

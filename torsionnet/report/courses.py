@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from typing import NamedTuple
 
 from torsionnet.report.topology import Link, Tree, Vertex, heights
 
-PIECE, MISPLACED, LATE = 2e4, 1e6, 300.0
+PIECE, MISPLACED, LATE = 2e4, 1e6, 30.0
 """Costs, in squared points: of one more piece, of a branch that would fit elsewhere, of a point it begins later."""
 
 
@@ -23,12 +24,31 @@ class Course:
     """Between the vertices; one more where the line is cut."""
     before: Link | None = None
     """The link at the cut."""
+    shares: tuple[tuple[int, int], ...] = ()
+    """Which part of its vertex each entry is, and of how many; all are whole if not given."""
+
+    def share(self, place: int) -> tuple[int, int]:
+        return self.shares[place] if self.shares else (0, 1)
 
     def cut(self, first: int, last: int) -> Course:
         """The piece from one vertex to another, with the link after it."""
         before = self.links[first - 1] if first else self.before
         incoming = None if first else self.incoming
-        return Course(incoming, self.parent, self.vertices[first:last], self.links[first:last], before)
+        shares = self.shares[first:last]
+        return Course(incoming, self.parent, self.vertices[first:last], self.links[first:last], before, shares)
+
+
+    def split(self, crowded: Mapping[Vertex, int]) -> Course:
+        """With vertices in several parts, a piece of shaft between them."""
+        vertices: list[Vertex] = []
+        links: list[Link] = []
+        shares: list[tuple[int, int]] = []
+        for vertex, onward in zip_longest(self.vertices, self.links):
+            parts = crowded.get(vertex, 1)
+            vertices += [vertex] * parts
+            links += [Link(vertex, vertex)] * (parts - 1) + ([onward] if onward is not None else [])
+            shares += [(part, parts) for part in range(parts)]
+        return Course(self.incoming, self.parent, tuple(vertices), tuple(links), self.before, tuple(shares))
 
 
 class Leaving(NamedTuple):
@@ -39,10 +59,16 @@ class Leaving(NamedTuple):
 
 
 class Step(NamedTuple):
-    """One vertex of a course with the elements after it."""
+    """One vertex of a course with the elements after it; its texts may reach beyond it to both sides."""
 
     width: float
+    left: float
+    right: float
     leaving: tuple[Leaving, ...]
+
+    @property
+    def whole(self) -> float:
+        return self.left + self.width + self.right
 
 
 def courses(tree: Tree) -> dict[Vertex, Course]:
@@ -67,9 +93,10 @@ def courses(tree: Tree) -> dict[Vertex, Course]:
 
 def needed(start: float, steps: Sequence[Step]) -> float:
     """Width of a line in one piece, with everything that leaves it."""
-    x, far = start, start
+    x = start + max(0.0, steps[0].left - start)
+    far = x
     for step in steps:
-        far = max(far, x + step.width, *(x + leaving.x + leaving.need for leaving in step.leaving))
+        far = max(far, x + step.width + step.right, *(x + leaving.x + leaving.need for leaving in step.leaving))
         x += step.width
     return far
 
@@ -96,10 +123,10 @@ def cuts(start: float, steps: Sequence[Step], room: float, margin: float) -> lis
 def _firsts(steps: Sequence[Step], end: int, room: float) -> list[int]:
     """Beginnings of a piece with this end that fits; one step always has to do."""
     found = [end - 1]
-    width = steps[end - 1].width
+    width = steps[end - 1].width + steps[end - 1].right
     for first in range(end - 2, -1, -1):
         width += steps[first].width
-        if width > room:
+        if width + steps[first].left > room:
             break
         found.append(first)
     return found
@@ -107,17 +134,12 @@ def _firsts(steps: Sequence[Step], end: int, room: float) -> list[int]:
 
 def _cost(piece: Sequence[Step], start: float, room: float) -> float:
     """Empty room, squared, and what branches that do not fit cost."""
-    x, cost = start, PIECE
+    x, cost = max(start, piece[0].left), PIECE
     for step in piece:
         for leaving in step.leaving:
             begin = x + leaving.x
             if begin + leaving.need > room:
-                cost += MISPLACED * (leaving.x + leaving.need <= room) + LATE * begin
+                cost += MISPLACED * (step.left + leaving.x + leaving.need <= room) + LATE * begin
         x += step.width
-    far = max(x, needed(start, piece) if cost < MISPLACED else x)
+    far = max(x + piece[-1].right, needed(start, piece) if cost < MISPLACED else x)
     return cost + (room - min(far, room)) ** 2 + MISPLACED * max(0.0, x - room)
-
-
-def least(steps: Mapping[Vertex, Sequence[Step]], head: Vertex) -> float:
-    """Width of the widest step of a line: no cutting makes it narrower."""
-    return max(step.width for step in steps[head])

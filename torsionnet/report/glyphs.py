@@ -83,10 +83,10 @@ def torque_arrow(x: float) -> list[Stroke]:
     return [Stroke(path, "input"), Stroke(head, "input", closed=True, fill="input")]
 
 
-def sensor_mark(x: float, *, torque: bool) -> list[Stroke]:
+def sensor_mark(x: float, *, torque: bool, leader: float = 20.0) -> list[Stroke]:
     """A dot for motion, a diamond for torque, with a leader to the name above."""
     dot = ((x - 4.5, 0.0), (x, 4.5), (x + 4.5, 0.0), (x, -4.5)) if torque else arc(x, 0, 3.8, 3.8, 0, 360)
-    return [Stroke(((x, 4), (x, 20)), "sensor"), Stroke(dot, "sensor", closed=True, fill="#ffffff")]
+    return [Stroke(((x, 4), (x, leader)), "sensor"), Stroke(dot, "sensor", closed=True, fill="#ffffff")]
 
 
 def zigzag(start: float, end: float, y: float, amplitude: float = 6.0, teeth: int = 4) -> Stroke:

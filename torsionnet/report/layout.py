@@ -7,13 +7,14 @@ goes on below; a branch for which no room is left begins a band of its own, with
 
 from __future__ import annotations
 
+import math
 from collections import deque
-from itertools import zip_longest
+from itertools import pairwise, zip_longest
 from typing import TYPE_CHECKING
 
 from torsionnet.report.blocks import Block
 from torsionnet.report.courses import Course, Leaving, Step, courses, cuts, needed
-from torsionnet.report.drops import Drop, Exit
+from torsionnet.report.drops import UP_IF, Drop, Exit
 from torsionnet.report.flags import flag
 from torsionnet.report.lines import Line
 from torsionnet.report.plan import Plan, make_plan
@@ -34,6 +35,7 @@ WIRES = 30.0
 NARROWEST = 0.45
 """Part of the page that a branch gets before it begins a band of its own."""
 
+UP_IF_CUT = 1.5
 INDENT = 26.0
 """Pieces of a line that comes from gears stay clear of the wheels."""
 
@@ -61,20 +63,32 @@ class Sheet:
 
     def _measure(self, head: Vertex) -> None:
         """Widths of a line whose branches have been measured before."""
-        course = self.courses[head]
-        line = Line(self.plan)
+        self._steps(head)
+        room = self.plan.page - MARGIN - INDENT
+        wide = zip(self.courses[head].vertices, self.steps[head], strict=True)
+        crowded = {vertex: math.ceil(step.whole / (0.8 * room)) for vertex, step in wide if step.whole > room}
+        if crowded:
+            self.courses[head] = self.courses[head].split(crowded)
+            self._steps(head)
+        self.needs[head] = needed(self.starts[head], self.steps[head])
+
+    def _steps(self, head: Vertex) -> None:
+        course, line = self.courses[head], Line(self.plan)
         if course.incoming is not None:
             line.begin(course.incoming)
         self.starts[head] = line.x
-        self.steps[head] = [self._step(course, place) for place in range(len(course.vertices))]
-        self.needs[head] = needed(self.starts[head], self.steps[head])
+        self.steps[head] = [self._step(line, course.cut(place, place + 1)) for place in range(len(course.vertices))]
 
-    def _step(self, course: Course, place: int) -> Step:
-        line = Line(self.plan)
-        self._fill(line, course.cut(place, place + 1))
-        heads = ((each, each.what) for each in line.exits)
-        leaving = [Leaving(each.x, self.needs[what]) for each, what in heads if isinstance(what, Vertex)]
-        return Step(line.x, tuple(leaving))
+    def _step(self, line: Line, course: Course) -> Step:
+        """Go on by one vertex, and measure what that took."""
+        start, boxes, columns, exits = line.x, len(line.block.boxes), len(line.columns), len(line.exits)
+        self._fill(line, course)
+        taken = [*line.block.boxes[boxes:], *line.columns[columns:]]
+        left = start - min((box[0] for box in taken), default=start)
+        right = max((box[1] for box in taken), default=line.x) - line.x
+        heads = ((each, each.what) for each in line.exits[exits:])
+        leaving = [Leaving(each.x - start, self.needs[what]) for each, what in heads if isinstance(what, Vertex)]
+        return Step(line.x - start, max(0.0, left), max(0.0, right), tuple(leaving))
 
     def bands(self) -> list[Block]:
         """The main line first, then those for which it had no room."""
@@ -89,10 +103,8 @@ class Sheet:
         if course.incoming is None:
             return self._course(head, self.plan.page, top=True)
         came = course.incoming
-        # Gears are drawn where the line leaves; a shaft belongs to the band itself.
-        source = came.elements[0].name if came.is_gear else course.parent.name if course.parent else ""
         line = Line(self.plan)
-        line.x = flag(line.block, 0.0, f"from {source}") + 6
+        line.x = flag(line.block, 0.0, self._shared_node(head)) + 6
         line.block.line((line.x - 6, 0), (line.x, 0))
         if came.elements and not came.is_gear:
             line.gap(came)
@@ -114,14 +126,14 @@ class Sheet:
             elif piece.incoming is not None:
                 line.begin(piece.incoming)
             self._fill(line, piece)
-            built.append(self._finished(line, narrow, may_rise=top and first == 0))
+            built.append(self._finished(line, narrow, may_rise=top and first == 0, loops_up=last < len(course.vertices)))
         return _stacked(built, indent)
 
     def _fill(self, line: Line, course: Course) -> None:
         before = course.incoming or course.before
-        for vertex, onward in zip_longest(course.vertices, course.links):
+        for place, (vertex, onward) in enumerate(zip_longest(course.vertices, course.links)):
             leaving = [pair for pair in self.tree.children[vertex] if self._leaves(pair)]
-            line.vertex(vertex, before, onward, leaving)
+            line.vertex(vertex, before, onward, leaving, course.share(place))
             if onward is not None:
                 line.gap(onward)
             before = onward
@@ -129,38 +141,52 @@ class Sheet:
     def _leaves(self, pair: tuple[Link, Vertex]) -> bool:
         return pair[1] in self.courses and self.courses[pair[1]].incoming is pair[0]
 
-    def _finished(self, line: Line, room: float, *, may_rise: bool) -> Block:
-        return line.finish(lambda each: self._settled(each, room - each.x), may_rise=may_rise)
+    def _finished(self, line: Line, room: float, *, may_rise: bool, loops_up: bool) -> Block:
+        overhang = max(0.0, -min((box[0] for box in line.block.boxes), default=0.0))
+        # Where the line goes on below, what leads a loop around it stays out of its way.
+        return line.finish(
+            lambda each: self._settled(each, room - overhang - each.x, UP_IF_CUT if loops_up else UP_IF),
+            may_rise=may_rise,
+        )
 
-    def _settled(self, leaving: Exit, room: float) -> Drop:
+    def _settled(self, leaving: Exit, room: float, loops_up_if: float) -> Drop:
         """What leaves with its block: the line itself, or a flag where there is no room for it."""
         x, y, what, stages = leaving.x, leaving.y, leaving.what, leaving.stages
         if isinstance(what, Block):
-            return Drop(x, y, what, stages)
+            return Drop(x, y, what, stages, up_if=loops_up_if)
         if self.needs[what] <= room or self._may_be_cut(what, room):
-            return Drop(x, y, self._course(what, room), stages, may_rise=self.needs[what] <= room)
+            return Drop(x, y, self._course(what, room), stages, up_if=UP_IF if self.needs[what] <= room else 0.0)
         self.waiting.append(what)
         block = Block()
         begin = stages[-1].offset + 18 if stages else 12.0
         block.line((0, 0), (begin, 0))
-        flag(block, begin, f"to {what.name}")
+        flag(block, begin, self._shared_node(what))
         return Drop(x, y, block, stages)
 
+    def _shared_node(self, head: Vertex) -> str:
+        """What the flags say: gears are drawn where the line leaves, a shaft belongs to the line itself."""
+        course = self.courses[head]
+        shaft = course.incoming is not None and course.incoming.elements and not course.incoming.is_gear
+        return course.parent.name if shaft and course.parent is not None else head.name
+
     def _may_be_cut(self, head: Vertex, room: float) -> bool:
-        widest = max(step.width for step in self.steps[head])
-        return room >= max(NARROWEST * self.plan.page, widest + MARGIN + INDENT, self.starts[head])
+        """Whether a line that is cut even on a page of its own needs no more pieces here."""
+        steps, start = self.steps[head], self.starts[head]
+        if room < max(NARROWEST * self.plan.page, start, *(step.whole + MARGIN + INDENT for step in steps)):
+            return False
+        return len(cuts(start, steps, room, MARGIN + INDENT)) <= len(cuts(start, steps, self.plan.page, MARGIN)) > 1
 
 
 def _stacked(built: list[Block], indent: float) -> Block:
     """Pieces of a line below each other, each led on to the next."""
     whole = built[0]
-    far = max(piece.extent[1] for piece in built) + 8
-    for piece in built[1:]:
+    for before, piece in pairwise(built):
         bottom = whole.extent[2]
-        left, _, _, top = piece.extent
-        drop, lane, edge = bottom - 30 - top, bottom - 14, indent + left - 14
+        drop, lane, edge = bottom - 30 - piece.extent[3], bottom - 14, indent - 14
+        begin, x_before = indent - piece.extent[0], indent - before.extent[0] if before is not built[0] else 0.0
         x, y = whole.anchors.pop(-1)
-        whole.line((x, y), (far, y), (far, lane), (edge, lane), (edge, drop), (indent, drop))
-        whole.add(piece.shifted(indent, drop))
+        far = x_before + before.extent[1] + 8
+        whole.line((x, y), (far, y), (far, lane), (edge, lane), (edge, drop), (begin, drop))
+        whole.add(piece.shifted(begin, drop))
     whole.anchors.pop(-1, None)
     return whole

@@ -28,9 +28,12 @@ PENS: dict[str, tuple[str, float]] = {
     "wire": (style.MUTED, 1.2),
     "faint": ("#b5b5b5", 0.7),
     "carrier": (style.MUTED, 2.0),
+    "housing": (style.MUTED, 0.9),
     "input": (style.PALETTE[1], 1.6),
+    "leader": (style.PALETTE[1], 1.0),
     "sensor": (style.PALETTE[2], 1.2),
 }
+DASHED = {"housing": (0, (4, 2.5))}
 EDGE, BETWEEN, BESIDE = 10.0, 26.0, 40.0
 POINTS_PER_INCH, MILLIMETRES_PER_INCH = 72, 25.4
 PAPER_WIDTH, LEGIBLE = 170.0, 6.0
@@ -157,6 +160,7 @@ def _draw(axes: Axes, stroke: Stroke, scale: float, order: int) -> None:
         facecolor=fill or style.PAPER,
         fill=bool(fill),
         linewidth=width * scale,
+        linestyle=DASHED.get(stroke.look, "-"),
         zorder=depth + order * 1e-5,
         capstyle="round",
         joinstyle="round",

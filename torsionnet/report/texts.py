@@ -14,7 +14,6 @@ WIDEST = {"input": 64.0, "sensor": 64.0, "what": 70.0}
 """Points per line by role, where a mark stands closer to the next than an element would."""
 
 WIDEST_OTHER = 104.0
-BREAKS = "_ ,"
 
 
 def broken(lines: Iterable[tuple[str, str]]) -> Texts:
@@ -29,10 +28,11 @@ def broken(lines: Iterable[tuple[str, str]]) -> Texts:
 def wrapped(text: str, role: str, limit: float) -> list[str]:
     """A text in lines of a width in points, as far as it has places to break; none if it is empty."""
     pieces = [""]
-    for part in _parts(text):
-        if pieces[-1] and text_width(pieces[-1] + part.rstrip(), role) > limit:
-            pieces.append("")
-        pieces[-1] += part
+    for word in _parts(text, " "):
+        for part in _parts(word, "_") if text_width(word, role) > limit else [word]:
+            if pieces[-1] and text_width(pieces[-1] + part.rstrip(), role) > limit:
+                pieces.append("")
+            pieces[-1] += part
     return [piece.strip() for piece in pieces if piece]
 
 
@@ -46,14 +46,11 @@ def _pieces(text: str, role: str) -> list[str]:
     return wrapped(text, role, limit)
 
 
-def _parts(text: str) -> list[str]:
-    """The text cut behind every place where it may be broken."""
-    parts, begin = [], 0
-    for place, letter in enumerate(text):
-        if letter in BREAKS and place + 1 < len(text):
-            parts.append(text[begin : place + 1])
-            begin = place + 1
-    return [*parts, text[begin:]]
+def _parts(text: str, mark: str) -> list[str]:
+    """The text cut behind every mark but a last one."""
+    *parts, last = text.split(mark)
+    whole = [part + mark for part in parts]
+    return whole if whole and not last else [*whole, last]
 
 
 def set_lines(drawn: EpicyclicSet, values: Mapping[str, Any]) -> Texts:
