@@ -15,6 +15,7 @@ from torsionnet.report import bode, mode_shapes, save, schematic
 from torsionnet.report.blocks import ROLES
 from torsionnet.report.bode import unwrapped
 from torsionnet.report.labels import number, quantity, symbol
+from torsionnet.report.stations import axis_of
 from torsionnet.response import Channel, FrequencyResponse
 
 DEGREES = tn.Conventions(angle="deg", frequency="cpm")
@@ -137,6 +138,11 @@ class TestBode:
         np.testing.assert_array_equal(np.remainder(ticks, 45), 0)
 
 
+def dots(axes):
+    """Real parts of the nodes, without those that stand again where a branch begins."""
+    return np.asarray([line for line in axes.lines if line.get_marker() == "o"][-1].get_ydata())
+
+
 class TestModeShapes:
     def test_a_panel_for_each_mode(self):
         rig = tn.load("amt_rig")
@@ -146,21 +152,105 @@ class TestModeShapes:
         assert figure.axes[0].get_title() == "1: 3.409 Hz, zeta = 22.9 %"
         assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == list(rig.nodes)
 
-    def test_points_are_the_shape(self):
+    def test_points_are_the_shape_of_the_modes_alone(self):
         modes = geared_line().modes()
         points = [line for line in mode_shapes(modes).axes[1].lines if line.get_marker() == "o"]
-        imaginary, real = (np.asarray(line.get_ydata()) for line in points)
-        np.testing.assert_array_equal(real, modes.shapes[:, 1].real)
-        np.testing.assert_array_equal(imaginary, modes.shapes[:, 1].imag)
+        np.testing.assert_array_equal(np.asarray(points[-1].get_ydata()), modes.shapes[:, 1].real)
 
-    def test_only_nodes_that_share_an_element_are_joined(self):
+    def test_angles_are_referred_so_that_a_rigid_gear_makes_no_jump(self):
+        rig = tn.load("amt_rig")
+        modes = rig.modes()
+        figure = mode_shapes(modes, rig)
+        y = dots(figure.axes[1])
+        np.testing.assert_allclose(y[2], y[3], rtol=1e-9)
+        own = modes.shapes[:, 1] * [1, 1, 1, 7.96, 7.96]
+        np.testing.assert_allclose(y, (own / own[np.argmax(abs(own))]).real, atol=1e-12)
+        assert figure.get_supylabel() == "angle referred to motor [-]"
+
+    def test_reference_scales_all_angles_alike(self):
         rig = tn.load("marine_steam_turbine")
         modes = rig.modes()
-        place = {node: index for index, node in enumerate(modes.nodes)}
-        joined = {frozenset((place[a], place[b])) for a, b in rig.graph().edges() if "ground" not in (a, b)}
-        lines = [line for line in mode_shapes(modes, rig).axes[0].lines if line.get_label() == "_edge"]
-        assert {frozenset(int(x) for x in line.get_xdata()) for line in lines} == joined
-        assert not [line for line in mode_shapes(modes).axes[0].lines if line.get_label() == "_edge"]
+        one, other = (mode_shapes(modes, rig, referred_to=node) for node in ("propeller", "lp_turbine"))
+        for first, second in zip(one.axes, other.axes, strict=True):
+            np.testing.assert_allclose(np.abs(dots(first)), np.abs(dots(second)), atol=1e-9)
+        assert other.get_supylabel() == "angle referred to lp_turbine [-]"
+
+    def test_own_angles_jump_at_a_gear_by_its_ratio(self):
+        rig = tn.load("wind_turbine_5mw")
+        y = dots(mode_shapes(rig.modes(), rig, own_angles=True).axes[1])
+        assert y[2] / y[1] == pytest.approx(97)
+
+    def test_branches_stand_in_the_order_of_the_schematic_and_begin_with_the_node_they_leave(self):
+        ship = tn.load("marine_steam_turbine")
+        names = [text.get_text() for text in mode_shapes(ship.modes(), ship, which=[3]).axes[0].get_xticklabels()]
+        assert names[:5] == ["propeller", "bull_gear", "lp_pinion", "lp_wheel", "(bull_gear)"]
+        assert sorted(name for name in names if name[0] != "(") == sorted(ship.nodes)
+
+    def test_only_nodes_that_share_an_element_are_joined(self):
+        ship = tn.load("marine_steam_turbine")
+        axes = mode_shapes(ship.modes(), ship, which=[3]).axes[0]
+        names = dict(zip(axes.get_xticks(), [text.get_text() for text in axes.get_xticklabels()], strict=True))
+        joined = {
+            frozenset(names[x].strip("()") for x in line.get_xdata())
+            for line in axes.lines
+            if line.get_label() == "_join"
+        }
+        edges = {frozenset(pair) for pair in ship.graph().edges() if "ground" not in pair}
+        assert joined == edges
+        alone = mode_shapes(ship.modes()).axes[0]
+        assert not [line for line in alone.lines if line.get_label() == "_join"]
+
+    def test_gears_are_marked_with_their_ratio(self):
+        rig = tn.load("amt_rig")
+        assert r"$\tau$ = 7.96" in [text.get_text() for text in mode_shapes(rig.modes(), rig).axes[0].texts]
+
+    def test_stations_within_a_shaft_stand_between_its_ends(self):
+        rig = tn.load("drill_string")
+        names = [station.node for station in axis_of(rig).stations]
+        assert names == ["table", *rig.elements["pipe"].internal_nodes, "bit"]
+
+    def test_phases_that_scatter_are_told(self):
+        rig = tn.Drivetrain(
+            "one-sided damping",
+            [
+                inertia("a", "x"),
+                tn.Spring("k", nodes=("x", "y"), stiffness=100),
+                inertia("b", "y"),
+                tn.Spring("s", nodes=("y", "ground"), stiffness=100),
+                tn.Damper("c", nodes=("x", "ground"), damping=12),
+            ],
+        )
+        modes = rig.modes()
+        figure = mode_shapes(modes, rig)
+        angles = np.degrees(np.angle(modes.shapes[:, 0] / modes.shapes[np.argmax(abs(modes.shapes[:, 0])), 0]))
+        mean = np.average(abs(angles), weights=abs(modes.shapes[:, 0]))
+        (note,) = [text.get_text() for text in figure.axes[0].texts]
+        assert note == f"phases scatter by {mean:.0f}°"
+        assert legend(figure)[:2] == ["real part", "imaginary part"]
+        still = mode_shapes(tn.load("oil_engine").modes(), tn.load("oil_engine"))
+        assert "imaginary part" not in legend(still)
+
+    def test_behind_an_open_differential_there_is_no_fixed_ratio(self):
+        rig = MODELS["axle"]()
+        assert "no fixed ratio to l, r, wl, wr" in legend(mode_shapes(rig.modes(), rig))
+        locked = MODELS["locked axle"]()
+        assert not [text for text in legend(mode_shapes(locked.modes(), locked)) if "fixed" in text]
+
+    @pytest.mark.parametrize("example", [name for name in MODELS if name != "mesh"])
+    def test_every_node_is_shown_once(self, example):
+        model = MODELS[example]()
+        modes = model.modes()
+        axis = axis_of(model)
+        assert sorted(station.node for station in axis.stations if not station.again) == sorted(modes.nodes)
+        places = [station.x for station in axis.stations]
+        assert places == sorted(set(places))
+
+    def test_referring_without_a_drivetrain_is_refused(self):
+        modes = geared_line().modes()
+        with pytest.raises(tn.UsageError, match="drivetrain"):
+            mode_shapes(modes, referred_to="m")
+        with pytest.raises(tn.UsageError, match='no node is named "motr"'):
+            mode_shapes(modes, geared_line(), referred_to="motr")
 
     def test_at_most_twelve_unless_asked(self):
         rig = build(read_case("uniform_chain_50_free_free"))

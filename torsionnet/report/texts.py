@@ -13,7 +13,7 @@ from torsionnet.report.labels import value_lines
 WIDEST = {"input": 64.0, "sensor": 64.0, "what": 70.0}
 """Points per line by role, where a mark stands closer to the next than an element would."""
 
-WIDEST_OTHER = 104.0
+WIDEST_OTHER, WIDEST_SET = 104.0, 150.0
 
 
 def broken(lines: Iterable[tuple[str, str]]) -> Texts:
@@ -22,7 +22,7 @@ def broken(lines: Iterable[tuple[str, str]]) -> Texts:
     >>> broken([("speed", "sensor"), ("angular_velocity_of_the_rotor", "sensor")])
     [('speed', 'sensor'), ('angular_', 'sensor'), ('velocity_of_', 'sensor'), ('the_rotor', 'sensor')]
     """
-    return [(piece, role) for text, role in lines for piece in _pieces(text, role)]
+    return [(piece, role) for text, role in lines for piece in _pieces(text, role, WIDEST.get(role, WIDEST_OTHER))]
 
 
 def wrapped(text: str, role: str, limit: float) -> list[str]:
@@ -36,8 +36,7 @@ def wrapped(text: str, role: str, limit: float) -> list[str]:
     return [piece.strip() for piece in pieces if piece]
 
 
-def _pieces(text: str, role: str) -> list[str]:
-    limit = WIDEST.get(role, WIDEST_OTHER)
+def _pieces(text: str, role: str, limit: float) -> list[str]:
     if text_width(text, role) <= limit:
         return [text]
     if is_math(text, role):
@@ -57,7 +56,7 @@ def set_lines(drawn: EpicyclicSet, values: Mapping[str, Any]) -> Texts:
     """The meshes of a planetary set and its planets, like ones together."""
     lines = [*_alike(drawn.sun_meshes, values), *_alike(drawn.ring_meshes, values), *_alike(drawn.bodies, values)]
     planets = f"{'planets' if len(drawn.planets) > 1 else 'planet'}: {', '.join(drawn.planets)}"
-    return broken([*lines, (planets, "node")])
+    return [(piece, role) for text, role in [*lines, (planets, "node")] for piece in _pieces(text, role, WIDEST_SET)]
 
 
 def _alike(elements: Sequence[Element], values: Mapping[str, Any]) -> Texts:
