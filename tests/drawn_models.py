@@ -110,7 +110,9 @@ def axle(*, locked=False):
         "rear axle",
         [
             inertia("flange", "p", 0.02),
-            tn.Spring("propeller_shaft", nodes=("p", "pinion"), stiffness="20 kN*m/rad", damping={"zeta": 0.01, "at": "90 Hz"}),
+            tn.Spring(
+                "propeller_shaft", nodes=("p", "pinion"), stiffness="20 kN*m/rad", damping={"zeta": 0.01, "at": "90 Hz"}
+            ),
             tn.Gear("final_drive", nodes=("pinion", "cage"), teeth=(11, 43)),
             tn.Differential("differential", cage="cage", left="l", right="r", locked=locked),
             tn.Spring("half_shaft_left", nodes=("l", "wl"), stiffness="9 kN*m/rad"),
@@ -290,7 +292,9 @@ def long_names():
                 damping="c_lambda",
             ),
             inertia("J_omega", "gearbox_input_spline_drive_side", "Omega_total_inertia_of_the_input"),
-            tn.Gear("reduction_gear_first_stage_left_hand", nodes=("gearbox_input_spline_drive_side", "x_2"), ratio=-2.5),
+            tn.Gear(
+                "reduction_gear_first_stage_left_hand", nodes=("gearbox_input_spline_drive_side", "x_2"), ratio=-2.5
+            ),
             tn.Shaft("x", nodes=("x_2", "theta_psi"), outer_diameter=0.04, length=0.7),
             inertia("Theta_load", "theta_psi", 3),
         ],

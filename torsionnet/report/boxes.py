@@ -1,4 +1,4 @@
-"""Elements with three ports in a schematic: planetary sets and differentials, with their ports at the edges of a box."""
+"""Elements with three ports in a schematic: planetary sets and differentials, their ports at the edges of a box."""
 
 from __future__ import annotations
 
@@ -47,9 +47,7 @@ def box(
         x += slot
 
 
-def _ports_below(
-    line: Line, vertex: Vertex, element: Boxed, leaving: Sequence[tuple[Link, Vertex]]
-) -> dict[str, Any]:
+def _ports_below(line: Line, vertex: Vertex, element: Boxed, leaving: Sequence[tuple[Link, Vertex]]) -> dict[str, Any]:
     """Port to what is there: another line, a loop, or None for ground."""
     below: dict[str, Any] = {link.port: child for link, child in leaving}
     below |= {link.port: (number, end) for number, link, end in line.plan.loops.get(vertex, ())}

@@ -37,7 +37,6 @@ class Course:
         shares = self.shares[first:last]
         return Course(incoming, self.parent, self.vertices[first:last], self.links[first:last], before, shares)
 
-
     def split(self, crowded: Mapping[Vertex, int]) -> Course:
         """With vertices in several parts, a piece of shaft between them."""
         vertices: list[Vertex] = []

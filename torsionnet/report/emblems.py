@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from torsionnet.report.blocks import Stroke, arc
 from torsionnet.report.glyphs import BODY, WHEEL, rectangle
@@ -21,9 +21,8 @@ PLANET = (ROOT - SUN) / 2
 def emblem(element: Boxed, x: float, y: float) -> list[Stroke]:
     """What is drawn around (x, y); nothing for elements without a picture."""
     if element.glyph == "planetary":
-        count = len(element.planets) if isinstance(getattr(element, "planets", None), tuple) else 3
-        planets = getattr(element, "planets", count)
-        return planetary(x, y, planets if isinstance(planets, int) else count)
+        planets: Any = getattr(element, "planets", 3)
+        return planetary(x, y, planets if isinstance(planets, int) else len(planets))
     if element.glyph == "differential":
         return differential(x, y, locked=bool(getattr(element, "locked", False)))
     return []

@@ -126,7 +126,9 @@ class Sheet:
             elif piece.incoming is not None:
                 line.begin(piece.incoming)
             self._fill(line, piece)
-            built.append(self._finished(line, narrow, may_rise=top and first == 0, loops_up=last < len(course.vertices)))
+            built.append(
+                self._finished(line, narrow, may_rise=top and first == 0, loops_up=last < len(course.vertices))
+            )
         return _stacked(built, indent)
 
     def _fill(self, line: Line, course: Course) -> None:

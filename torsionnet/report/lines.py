@@ -7,7 +7,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from torsionnet.report import glyphs
-from torsionnet.report.blocks import LEADING, ROLES, Block, LooseEnd, Stroke, Texts, text_width, widest
+from torsionnet.report.blocks import LEADING, ROLES, Block, LooseEnd, Texts, text_width, widest
 from torsionnet.report.bodies import body, ending
 from torsionnet.report.boxes import box
 from torsionnet.report.drops import ELBOW, Drop, Exit, Stage, attach, ratio_of
@@ -97,12 +97,11 @@ class Line(Row):
         """A part of what is at a node; marks beside each other stand in two rows if there are many."""
         part, parts = share
         size = -(-len(things) // parts)
-        for are_marks, group in groupby(things[part * size : (part + 1) * size], lambda thing: isinstance(thing, Mark)):
-            if are_marks:
-                self.marks([thing for thing in group if isinstance(thing, Mark)])
-            else:
-                for pair in group:
-                    body(self, *pair)
+        for _, group in groupby(things[part * size : (part + 1) * size], lambda thing: isinstance(thing, Mark)):
+            alike = list(group)
+            self.marks([thing for thing in alike if isinstance(thing, Mark)])
+            for pair in (thing for thing in alike if not isinstance(thing, Mark)):
+                body(self, *pair)
 
     def station(
         self, vertex: Vertex, before: Link | None, after: Link | None, leaving: Leaving, share: tuple[int, int]
@@ -210,7 +209,7 @@ class Line(Row):
 def _strand(
     block: Block, glyph: glyphs.Glyph, texts: Texts, ends: tuple[float, float], y: float, *, below: bool
 ) -> None:
-    """An element between two ends; alone on its shaft it has its texts below, out of the way of what is on the shaft."""
+    """An element between two ends; alone on its shaft it has its texts below, out of the way of inputs and discs."""
     middle = (ends[0] + ends[1]) / 2
     begin = middle - glyph.length / 2
     block.strokes += glyph.along(begin, y)

@@ -33,7 +33,7 @@ OUT_OF_PHASE = 10.0
 """Degrees by which the nodes scatter around one phase, weighted by how far they move, before a panel says so."""
 
 REAL, IMAGINARY = style.PALETTE[0], style.PALETTE[5]
-JOINS = {"shaft": "-", "gear": (0, (1, 1.2)), "box": (0, (4, 2))}
+JOINS: dict[str, Any] = {"shaft": "-", "gear": (0, (1, 1.2)), "box": (0, (4, 2))}
 
 
 @dataclass(frozen=True)

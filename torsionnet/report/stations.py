@@ -1,4 +1,4 @@
-"""The nodes of a drivetrain along an axis, branch by branch, as its schematic draws them, with the ratios between them."""
+"""The nodes of a drivetrain along an axis, in the order of its schematic, with the ratios between them."""
 
 from __future__ import annotations
 

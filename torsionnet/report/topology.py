@@ -87,8 +87,8 @@ def connections(drivetrain: Drivetrain) -> Connections:
     for group in parallel.values():
         first, second = _ends(group[0])
         found.links.append(Link(Vertex(first), Vertex(second), tuple(group)))
-    for name, element in found.boxes.items():
-        for port, node in element.ports.items():
+    for name, drawn in found.boxes.items():
+        for port, node in drawn.ports.items():
             if node != GROUND:
                 found.links.append(Link(Vertex(name, is_box=True), Vertex(node), port=port))
     return found
