@@ -5,14 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch
-from matplotlib.path import Path
 
 from torsionnet.errors import UsageError
-from torsionnet.report import style
-from torsionnet.report.blocks import LEADING, ROLES, Block, Label, Stroke, font, is_math, text_width
+from torsionnet.report.blocks import LEADING, ROLES, Block, Label, text_width
+from torsionnet.report.canvas import POINTS_PER_INCH, painted
 from torsionnet.report.layout import blocks
 from torsionnet.report.plan import COMPACT
 from torsionnet.report.texts import wrapped
@@ -21,27 +18,12 @@ from torsionnet.report.wiring import connect
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
-PENS: dict[str, tuple[str, float]] = {
-    "part": (style.INK, 1.2),
-    "thin": (style.INK, 0.7),
-    "shaft": (style.INK, 1.8),
-    "wire": (style.MUTED, 1.2),
-    "faint": ("#b5b5b5", 0.7),
-    "carrier": (style.MUTED, 2.0),
-    "housing": (style.MUTED, 0.9),
-    "input": (style.PALETTE[1], 1.6),
-    "leader": (style.PALETTE[1], 1.0),
-    "sensor": (style.PALETTE[2], 1.2),
-}
-DASHED = {"housing": (0, (4, 2.5))}
 EDGE, BETWEEN, BESIDE = 10.0, 26.0, 40.0
-POINTS_PER_INCH, MILLIMETRES_PER_INCH = 72, 25.4
+MILLIMETRES_PER_INCH = 25.4
 PAPER_WIDTH, LEGIBLE = 170.0, 6.0
 """Millimetres between the margins of an A4 page; points that the smallest text still has at that width."""
 
 NARROWEST_PAGE = 100.0
-HIGHEST = 24.0
-"""Inches: a drawing that would be higher is made smaller, its texts with it."""
 
 
 def schematic(drivetrain: Drivetrain, *, title: str | None = None, width: float = PAPER_WIDTH) -> Figure:
@@ -89,12 +71,7 @@ def schematic(drivetrain: Drivetrain, *, title: str | None = None, width: float 
         y1 += LEADING * ROLES["title"].size
         x1 = max(x1, x0 + text_width(line, "title"))
     y1 += 16 if shown else 0
-    figure, axes, scale = _canvas((x0 - EDGE, x1 + EDGE, y0 - EDGE, y1 + EDGE))
-    for order, stroke in enumerate(whole.strokes):
-        _draw(axes, stroke, scale, order)
-    for label in whole.labels:
-        _write(axes, label, scale)
-    return figure
+    return painted(whole, (x0 - EDGE, x1 + EDGE, y0 - EDGE, y1 + EDGE))
 
 
 def _page(width: float) -> float:
@@ -134,50 +111,3 @@ def _packed(given: Sequence[Block], page: float) -> Block:
         bottom = min(bottom, top + y0 - y1)
         x += x1 - x0 + BESIDE
     return whole
-
-
-def _canvas(extent: tuple[float, float, float, float]) -> tuple[Figure, Axes, float]:
-    width, height = extent[1] - extent[0], extent[3] - extent[2]
-    scale = min(1.0, HIGHEST * POINTS_PER_INCH / height)
-    size = (width * scale / POINTS_PER_INCH, height * scale / POINTS_PER_INCH)
-    figure = Figure(figsize=size, facecolor=style.PAPER)
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    axes.set_axis_off()
-    axes.set_xlim(extent[0], extent[1])
-    axes.set_ylim(extent[2], extent[3])
-    return figure, axes, scale
-
-
-def _draw(axes: Axes, stroke: Stroke, scale: float, order: int) -> None:
-    color, width = PENS[stroke.look]
-    path = Path([*stroke.points, stroke.points[0]] if stroke.closed else stroke.points, closed=stroke.closed)
-    fill = PENS[stroke.fill][0] if stroke.fill in PENS else stroke.fill
-    # Shafts run through discs and behind them; everything else lies as it was drawn.
-    depth = 1.0 if stroke.look in ("shaft", "wire", "faint") and not stroke.closed else 2.0
-    patch = PathPatch(
-        path,
-        edgecolor=color,
-        facecolor=fill or style.PAPER,
-        fill=bool(fill),
-        linewidth=width * scale,
-        linestyle=DASHED.get(stroke.look, "-"),
-        zorder=depth + order * 1e-5,
-        capstyle="round",
-        joinstyle="round",
-    )
-    axes.add_patch(patch)
-
-
-def _write(axes: Axes, label: Label, scale: float) -> None:
-    role = ROLES[label.role]
-    axes.text(
-        label.x,
-        label.y,
-        label.text,
-        ha="left" if label.left else "center",
-        va="baseline",
-        color=role.color,
-        fontproperties=font(label.role, role.size * scale),
-        parse_math=is_math(label.text, label.role),
-        zorder=4,
-    )
