@@ -134,10 +134,8 @@ def gears() -> Block:
     spin(block, x, 0, 71, 115, 55, "sensor")
     block.write(x, 80, [(r"$\omega_{\mathrm{a}} > 0,\ \omega_{\mathrm{b}} > 0$", "sensor")])
     bottom = block.extent[2] - 6
-    for middle, name, sign in ((42, "external mesh", "−"), (x, "internal mesh", "")):
-        law = (
-            rf"$\tau = \omega_{{\mathrm{{a}}}}/\omega_{{\mathrm{{b}}}}$ = {sign}$z_{{\mathrm{{b}}}}/z_{{\mathrm{{a}}}}$"
-        )
+    for middle, name, sign in ((42, "external mesh", "-"), (x, "internal mesh", "")):
+        law = rf"$\tau = \omega_{{\mathrm{{a}}}}/\omega_{{\mathrm{{b}}}} = {sign}z_{{\mathrm{{b}}}}/z_{{\mathrm{{a}}}}$"
         block.write(middle, bottom, [(name, "name"), (law, "value")], upward=False)
     return block
 
@@ -162,8 +160,9 @@ def planetary() -> Block:
         block,
         40,
         "all angles in one sense, whatever the wheels do",
-        r"$\theta_{\mathrm{sun}} + z\,\theta_{\mathrm{ring}} - (1+z)\,\theta_{\mathrm{carrier}}$ = 0, z = ring teeth / sun teeth",
-        r"$T_{\mathrm{carrier}} = (1+z)\,T_{\mathrm{sun}}$ and $T_{\mathrm{ring}} = -z\,T_{\mathrm{sun}}$ for a massless set",
+        r"$\theta_{\mathrm{sun}} + z\,\theta_{\mathrm{ring}} - (1+z)\,\theta_{\mathrm{carrier}} = 0$",
+        r"$z = z_{\mathrm{ring}}/z_{\mathrm{sun}}$, and without inertia of the planets",
+        r"$T_{\mathrm{carrier}} = (1+z)\,T_{\mathrm{sun}},\quad T_{\mathrm{ring}} = -z\,T_{\mathrm{sun}}$",
     )
     return block
 
