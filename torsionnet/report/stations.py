@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise, permutations, zip_longest
 from typing import TYPE_CHECKING
@@ -80,7 +80,7 @@ def axis_of(drivetrain: Drivetrain) -> Axis:
     grown, _ = trees(found, [node for node in drivetrain.nodes if node not in hidden])
     axis = Axis()
     for tree in grown:
-        for course in courses(tree).values():
+        for course in _in_depth(courses(tree)):
             _line(axis, course, drivetrain)
     left = [node for node in drivetrain.nodes if node not in {station.node for station in axis.stations}]
     for place, node in enumerate(left):
@@ -88,6 +88,19 @@ def axis_of(drivetrain: Drivetrain) -> Axis:
             axis.border()
         axis.add(node)
     return axis
+
+
+def _in_depth(found: Mapping[Vertex, Course]) -> Iterator[Course]:
+    """Every line followed by what leaves it, first what leaves its end."""
+    leaving: dict[Vertex | None, list[Course]] = {}
+    for course in found.values():
+        leaving.setdefault(course.parent, []).append(course)
+    stack = leaving.get(None, [])[::-1]
+    while stack:
+        course = stack.pop()
+        yield course
+        following = [other for vertex in reversed(course.vertices) for other in leaving.get(vertex, ())]
+        stack += following[::-1]
 
 
 def _hidden(found: Connections, drivetrain: Drivetrain) -> set[str]:
