@@ -51,7 +51,8 @@ bench: $(VENV)/.group-test  ## run every script in benchmarks/
 
 clean:  ## remove everything that make creates, .venv included
 	rm -rf $(VENV) build dist out docs/_build docs/gallery docs/sg_execution_times.rst
-	rm -f docs/generated/paper.md docs/generated/cases.md docs/generated/signs.svg docs/generated/bench_numbers.md
+	rm -f docs/generated/paper.md docs/generated/cases.md docs/generated/bench_numbers.md
+	rm -f docs/generated/signs_*.svg docs/generated/symbol_*.svg
 	rm -rf .cache .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find torsionnet tests benchmarks examples docs -name __pycache__ -type d -prune -exec rm -rf {} +
 

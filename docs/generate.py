@@ -63,6 +63,7 @@ def element_section(kind: str, cls: type[Element]) -> str:
     parts = [
         f"## {kind}\n",
         f"*In Python:* `torsionnet.{cls.__name__}`\n",
+        f"![How a schematic draws it](generated/symbol_{kind}.svg)\n",
         physics(cls),
         laws(cls),
         f"*Ports:* {', '.join(map(code, ports))}{more}. {sign}\n",
@@ -366,14 +367,22 @@ def refusal(entry: str, written: str) -> str:
     raise AssertionError(written)
 
 
-# Picture
+# Pictures
 
 
-def sign_picture(path: Path) -> None:
-    """Cut torque, gear ratio and lag, as the page on sign conventions explains them."""
-    import sign_picture as picture
+def sign_pictures(folder: Path) -> None:
+    """Torque at ports, ratios, sensors, clamps and lag, as the page on sign conventions explains them."""
+    import sign_picture
 
-    picture.draw(path)
+    sign_picture.write_all(folder)
+
+
+def symbol_pictures(folder: Path) -> None:
+    """How a schematic draws each element."""
+    import symbol_picture
+
+    for kind, cls in ELEMENT_TYPES.items():
+        symbol_picture.write(folder, kind, [sample(cls, full=False), sample(cls, full=True)])
 
 
 PAGES = {
@@ -390,13 +399,14 @@ PAGES = {
 
 
 def write_all(folder: Path = GENERATED) -> None:
-    """All generated pages, and the picture."""
+    """All generated pages, and the pictures."""
     folder.mkdir(exist_ok=True)
     for name, make in PAGES.items():
         (folder / name).write_text(make(), encoding="utf-8")
     if str(DOCS) not in sys.path:
         sys.path.insert(0, str(DOCS))
-    sign_picture(folder / "signs.svg")
+    sign_pictures(folder)
+    symbol_pictures(folder)
 
 
 if __name__ == "__main__":

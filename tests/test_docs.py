@@ -24,6 +24,7 @@ EXAMPLES = sorted((DOCS.parent / "examples").glob("plot_*.py"))
 OWN = ["index", "concepts", "sign_conventions", "model_file", "get_started", "test_bench", "validation"]
 PAGES = [DOCS / f"{name}.md" for name in OWN] + sorted((DOCS / "how_to").glob("*.md"))
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+SHOWN = re.compile(r"generated/(\w+\.svg)")
 FILE_NAME = re.compile(r"# (\w+\.yaml)\n")
 
 
@@ -97,9 +98,39 @@ class TestGeneratedPages:
         assert len(rows) >= 25
         assert max(abs(float(row)) for row in rows) < 5e-4
 
-    def test_picture(self, generate, tmp_path):
-        generate.sign_picture(tmp_path / "signs.svg")
-        assert "<svg" in (tmp_path / "signs.svg").read_text(encoding="utf-8")
+    def test_pictures_are_those_the_pages_show(self, generate, tmp_path):
+        generate.sign_pictures(tmp_path)
+        generate.symbol_pictures(tmp_path)
+        made = {path.name for path in tmp_path.iterdir()}
+        pages = ("sign_conventions.md", "generated/elements.md")
+        shown = [name for page in pages for name in SHOWN.findall((DOCS / page).read_text(encoding="utf-8"))]
+        assert made == set(shown)
+        assert all("<svg" in (tmp_path / name).read_text(encoding="utf-8") for name in made)
+
+    def test_torques_of_a_planetary_set_are_those_of_the_picture(self):
+        sun, ring, carrier = "sun", "ring", "carrier"
+        rig = tn.Drivetrain(
+            "torques",
+            [
+                tn.Planetary("set", sun=sun, ring=ring, carrier=carrier, ratio=2.5),
+                tn.Inertia("J", node=sun, inertia=1),
+                tn.Spring("r", nodes=(ring, "ground"), stiffness=100),
+                tn.Spring("c", nodes=(carrier, "ground"), stiffness=300),
+            ],
+            inputs={"T": {"torque": sun}},
+            sensors={f"at_{port}": {"torque": "set", "at": port} for port in (sun, ring, carrier)},
+        )
+        read = rig.frequency_response(["at_sun", "at_ring", "at_carrier"], "T", [0]).values.ravel()
+        assert read == pytest.approx([1, -2.5, 3.5], rel=1e-12)
+
+    def test_pictures_are_the_same_each_time(self, generate, tmp_path):
+        contents = []
+        for folder in (tmp_path / "first", tmp_path / "second"):
+            folder.mkdir()
+            generate.sign_pictures(folder)
+            generate.symbol_pictures(folder)
+            contents.append({path.name: path.read_bytes() for path in folder.iterdir()})
+        assert contents[0] == contents[1]
 
 
 def is_whole(text):

@@ -6,12 +6,15 @@ import re
 import matplotlib as mpl
 import numpy as np
 import pytest
+from drawn_models import MODELS, chain, full_mesh, inertia, planetary_of_gears, two_sets
 from models import EVERY_ELEMENT, geared_line
 from validation.build import build, case_names, read_case
 
 import torsionnet as tn
 from torsionnet.report import bode, mode_shapes, save, schematic
+from torsionnet.report.blocks import ROLES
 from torsionnet.report.labels import number, quantity, symbol
+from torsionnet.report.stations import axis_of
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.phase import unwrapped
 
@@ -135,6 +138,11 @@ class TestBode:
         np.testing.assert_array_equal(np.remainder(ticks, 45), 0)
 
 
+def dots(axes):
+    """Real parts of the nodes, without those that stand again where a branch begins."""
+    return np.asarray([line for line in axes.lines if line.get_marker() == "o"][-1].get_ydata())
+
+
 class TestModeShapes:
     def test_a_panel_for_each_mode(self):
         rig = tn.load("amt_rig")
@@ -144,21 +152,107 @@ class TestModeShapes:
         assert figure.axes[0].get_title() == "1: 3.409 Hz, zeta = 22.9 %"
         assert [text.get_text() for text in figure.axes[0].get_xticklabels()] == list(rig.nodes)
 
-    def test_points_are_the_shape(self):
+    def test_points_are_the_shape_of_the_modes_alone(self):
         modes = geared_line().modes()
         points = [line for line in mode_shapes(modes).axes[1].lines if line.get_marker() == "o"]
-        imaginary, real = (np.asarray(line.get_ydata()) for line in points)
-        np.testing.assert_array_equal(real, modes.shapes[:, 1].real)
-        np.testing.assert_array_equal(imaginary, modes.shapes[:, 1].imag)
+        np.testing.assert_array_equal(np.asarray(points[-1].get_ydata()), modes.shapes[:, 1].real)
 
-    def test_only_nodes_that_share_an_element_are_joined(self):
+    def test_angles_are_referred_so_that_a_rigid_gear_makes_no_jump(self):
+        rig = tn.load("amt_rig")
+        modes = rig.modes()
+        figure = mode_shapes(modes, rig)
+        y = dots(figure.axes[1])
+        np.testing.assert_allclose(y[2], y[3], rtol=1e-9)
+        own = modes.shapes[:, 1] * [1, 1, 1, 7.96, 7.96]
+        np.testing.assert_allclose(y, (own / own[np.argmax(abs(own))]).real, atol=1e-12)
+        assert figure.get_supylabel() == "angle referred to motor [-]"
+
+    def test_reference_scales_all_angles_alike(self):
         rig = tn.load("marine_steam_turbine")
         modes = rig.modes()
-        place = {node: index for index, node in enumerate(modes.nodes)}
-        joined = {frozenset((place[a], place[b])) for a, b in rig.graph().edges() if "ground" not in (a, b)}
-        lines = [line for line in mode_shapes(modes, rig).axes[0].lines if line.get_label() == "_edge"]
-        assert {frozenset(int(x) for x in line.get_xdata()) for line in lines} == joined
-        assert not [line for line in mode_shapes(modes).axes[0].lines if line.get_label() == "_edge"]
+        one, other = (mode_shapes(modes, rig, referred_to=node) for node in ("propeller", "lp_turbine"))
+        for first, second in zip(one.axes, other.axes, strict=True):
+            np.testing.assert_allclose(np.abs(dots(first)), np.abs(dots(second)), atol=1e-9)
+        assert other.get_supylabel() == "angle referred to lp_turbine [-]"
+
+    def test_own_angles_jump_at_a_gear_by_its_ratio(self):
+        rig = tn.load("wind_turbine_5mw")
+        y = dots(mode_shapes(rig.modes(), rig, own_angles=True).axes[1])
+        assert y[2] / y[1] == pytest.approx(97)
+
+    def test_branches_stand_in_the_order_of_the_schematic_and_begin_with_the_node_they_leave(self):
+        ship = tn.load("marine_steam_turbine")
+        names = [text.get_text() for text in mode_shapes(ship.modes(), ship, which=[3]).axes[0].get_xticklabels()]
+        low = ["lp_pinion", "lp_wheel", "lp_turbine_pinion", "lp_turbine"]
+        assert names[:8] == ["propeller", "bull_gear", *low, "(bull_gear)", "hp_pinion"]
+        assert sorted(name for name in names if name[0] != "(") == sorted(ship.nodes)
+
+    def test_only_nodes_that_share_an_element_are_joined(self):
+        ship = tn.load("marine_steam_turbine")
+        axes = mode_shapes(ship.modes(), ship, which=[3]).axes[0]
+        names = dict(zip(axes.get_xticks(), [text.get_text() for text in axes.get_xticklabels()], strict=True))
+        joined = {
+            frozenset(names[x].strip("()") for x in line.get_xdata())
+            for line in axes.lines
+            if line.get_label() == "_join"
+        }
+        edges = {frozenset(pair) for pair in ship.graph().edges() if "ground" not in pair}
+        assert joined == edges
+        alone = mode_shapes(ship.modes()).axes[0]
+        assert not [line for line in alone.lines if line.get_label() == "_join"]
+
+    def test_gears_are_marked_with_their_ratio(self):
+        rig = tn.load("amt_rig")
+        assert r"$\tau$ = 7.96" in [text.get_text() for text in mode_shapes(rig.modes(), rig).axes[0].texts]
+
+    def test_stations_within_a_shaft_stand_between_its_ends(self):
+        rig = tn.load("drill_string")
+        names = [station.node for station in axis_of(rig).stations]
+        assert names == ["table", *rig.elements["pipe"].internal_nodes, "bit"]
+
+    def test_phases_that_scatter_are_told(self):
+        rig = tn.Drivetrain(
+            "one-sided damping",
+            [
+                inertia("a", "x"),
+                tn.Spring("k", nodes=("x", "y"), stiffness=100),
+                inertia("b", "y"),
+                tn.Spring("s", nodes=("y", "ground"), stiffness=100),
+                tn.Damper("c", nodes=("x", "ground"), damping=12),
+            ],
+        )
+        modes = rig.modes()
+        figure = mode_shapes(modes, rig)
+        shape = modes.shapes[:, 1]
+        angles = np.abs(np.degrees(np.angle(shape / shape[np.argmax(abs(shape))])))
+        mean = np.average(np.minimum(angles, 180 - angles), weights=abs(shape))
+        (note,) = [text.get_text() for text in figure.axes[1].texts]
+        assert note == f"phases scatter by {mean:.0f}°"
+        assert legend(figure)[:2] == ["real part", "imaginary part"]
+        still = mode_shapes(tn.load("oil_engine").modes(), tn.load("oil_engine"))
+        assert "imaginary part" not in legend(still)
+
+    def test_behind_an_open_differential_there_is_no_fixed_ratio(self):
+        rig = MODELS["axle"]()
+        assert "no fixed ratio to l, r, wl, wr" in legend(mode_shapes(rig.modes(), rig))
+        locked = MODELS["locked axle"]()
+        assert not [text for text in legend(mode_shapes(locked.modes(), locked)) if "fixed" in text]
+
+    @pytest.mark.parametrize("example", [name for name in MODELS if name != "mesh"])
+    def test_every_node_is_shown_once(self, example):
+        model = MODELS[example]()
+        modes = model.modes()
+        axis = axis_of(model)
+        assert sorted(station.node for station in axis.stations if not station.again) == sorted(modes.nodes)
+        places = [station.x for station in axis.stations]
+        assert places == sorted(set(places))
+
+    def test_referring_without_a_drivetrain_is_refused(self):
+        modes = geared_line().modes()
+        with pytest.raises(tn.UsageError, match="drivetrain"):
+            mode_shapes(modes, referred_to="m")
+        with pytest.raises(tn.UsageError, match='no node is named "motr"'):
+            mode_shapes(modes, geared_line(), referred_to="motr")
 
     def test_at_most_twelve_unless_asked(self):
         rig = build(read_case("uniform_chain_50_free_free"))
@@ -182,102 +276,6 @@ class TestModeShapes:
         assert (tmp_path / "shapes.png").stat().st_size > 0
 
 
-def inertia(name, node, value=1.0):
-    return tn.Inertia(name, node=node, inertia=value)
-
-
-def hybrid():
-    """Planetary set, differential, branches, a loop through the road, every kind of spring and sensor."""
-    return tn.Drivetrain(
-        "hybrid axle with a title in $",
-        [
-            inertia("engine", "e", 0.2),
-            tn.Spring("damper_spring", nodes=("e", "s"), stiffness=600, damping={"zeta": 0.02, "at": "12 Hz"}),
-            tn.Planetary("split", sun="s", ring="r", carrier="c", teeth=(30, 78), planet_inertia=1e-4),
-            inertia("generator", "s", 0.05),
-            inertia("ring_gear", "r", 0.02),
-            tn.Gear("counter", nodes=("r", "k"), teeth=(30, -44)),
-            tn.Gear("reduction", nodes=("k", "cage"), ratio=-3.5, stiffness=1e6, damping=10),
-            tn.Gear("motor_gear", nodes=("m", "k"), ratio=-2.6),
-            inertia("motor", "m", 0.03),
-            tn.Differential("axle", cage="cage", left="l", right="rr"),
-            tn.Shaft("left_shaft", nodes=("l", "wl"), outer_diameter="28 mm", length="0.6 m", segments=4),
-            tn.Spring("right_shaft", nodes=("rr", "wr"), stiffness=9000),
-            inertia("wheel_left", "wl", 0.9),
-            inertia("wheel_right", "wr", 0.9),
-            tn.HystereticSpring("tyre_left", nodes=("wl", "road"), stiffness=3e4, loss_factor=0.1),
-            tn.TabulatedSpring("tyre_right", nodes=("wr", "road"), table=[[1, 3e4, 2], [20, 4e4, 1]]),
-            inertia("vehicle", "road", 130),
-            tn.Damper("drag", nodes=("road", "ground"), damping=3),
-            tn.Lock("carrier_brake", node="c"),
-            tn.Damper("oil", nodes=("k", "ground"), damping=0.1),
-            tn.Spring("mount", nodes=("m", "ground"), stiffness=5),
-            tn.Spring("pto_shaft", nodes=("e", "pump"), stiffness=800),
-            inertia("pump_inertia", "pump", 0.01),
-        ],
-        inputs={"T_E": {"torque": "e"}, "T_mot": {"torque": "m"}},
-        sensors={
-            "w_e": {"velocity": "e"},
-            "T_left": {"torque": "left_shaft"},
-            "T_cage": {"torque": "reduction", "at": "cage"},
-            "T_brake": {"torque": "carrier_brake"},
-            "twist": {"twist": "right_shaft"},
-        },
-    )
-
-
-def parallel():
-    """Gears side by side, strands side by side, an elastic end, and a loop of gears."""
-    return tn.Drivetrain(
-        "side by side",
-        [
-            inertia("a", "x"),
-            tn.Gear("g1", nodes=("x", "y"), ratio=3, stiffness=1e4),
-            tn.Gear("g2", nodes=("x", "y"), ratio=2.9, stiffness=1e5),
-            inertia("b", "y", 20),
-            tn.Spring("p1", nodes=("y", "z"), stiffness=4),
-            tn.Spring("p2_with_a_long_name", nodes=("y", "z"), stiffness=4, damping=2),
-            tn.Damper("p3", nodes=("z", "y"), damping=2),
-            tn.Damper("across", nodes=("x", "z"), damping=2),
-            inertia("e", "z"),
-            tn.Spring("wall", nodes=("z", "ground"), stiffness=3, damping=1),
-        ],
-    )
-
-
-def chain(count):
-    masses = [inertia(f"J{i}", f"n{i}", 1 + i % 7) for i in range(count)]
-    springs = [tn.Spring(f"k{i}", nodes=(f"n{i}", f"n{i + 1}"), stiffness=1e4) for i in range(count - 1)]
-    return tn.Drivetrain(f"chain of {count}", [*masses, *springs, tn.Lock("end", node=f"n{count - 1}")])
-
-
-def star():
-    arms = [
-        element
-        for i in range(6)
-        for element in (
-            tn.Gear(f"g_{i}", nodes=("h", f"p{i}"), ratio=-2 - i),
-            tn.Spring(f"k_{i}", nodes=(f"p{i}", f"q{i}"), stiffness=9),
-            inertia(f"J_{i}", f"q{i}"),
-        )
-    ]
-    return tn.Drivetrain("star", [inertia("hub", "h"), *arms])
-
-
-def ends_clamped():
-    middle = [tn.Spring(f"k_{i}", nodes=(f"n{i}", f"n{i + 1}"), stiffness=i + 1) for i in range(9)]
-    masses = [inertia(f"J_{i}", f"n{i}") for i in range(10)]
-    return tn.Drivetrain("clamped", [*masses, *middle, tn.Lock("left", node="n0"), tn.Lock("right", node="n9")])
-
-
-def full_mesh():
-    """Every node joined with every other: more loops than lines could show."""
-    nodes = [f"n{i}" for i in range(6)]
-    pairs = itertools.combinations(nodes, 2)
-    springs = [tn.Spring(f"k_{a}_{b}", nodes=(a, b), stiffness=1) for a, b in pairs]
-    return tn.Drivetrain("mesh", [*(inertia(f"J_{node}", node) for node in nodes), *springs])
-
-
 def alone(kind):
     element = EVERY_ELEMENT[kind]
     nodes = [node for node in dict.fromkeys(element.ports.values()) if node != "ground"]
@@ -290,12 +288,7 @@ EXAMPLES = {
     **{name: lambda name=name: tn.load(name) for name in tn.library_models()},
     **{case: lambda case=case: build(read_case(case)) for case in CASES},
     **{kind: lambda kind=kind: alone(kind) for kind in EVERY_ELEMENT},
-    "hybrid": hybrid,
-    "parallel": parallel,
-    "star": star,
-    "clamped": ends_clamped,
-    "mesh": full_mesh,
-    "chain of 41": lambda: chain(41),
+    **MODELS,
 }
 each_example = pytest.mark.parametrize("example", EXAMPLES)
 
@@ -324,19 +317,37 @@ def outside(figure):
 
 
 def crossed(figure):
-    """Texts with a line through them."""
+    """Texts with a line through them, or on a filled symbol other than the box whose port or content they name."""
     figure.canvas.draw()
     renderer, back = figure.canvas.get_renderer(), figure.axes[0].transData.inverted()
     boxes = [
-        (text.get_text(), text.get_window_extent(renderer).transformed(back).padded(-1.5))
+        (text.get_text(), text.get_window_extent(renderer).transformed(back).padded(-1.0))
         for text in figure.axes[0].texts
     ]
-    return [
-        text
-        for patch in figure.axes[0].patches
-        for text, box in boxes
-        if not patch.get_fill() and patch.get_path().intersects_bbox(box, filled=False)
-    ]
+    found = []
+    for patch in figure.axes[0].patches:
+        path, around = patch.get_path(), patch.get_path().get_extents()
+        found += [
+            text
+            for text, box in boxes
+            if path.intersects_bbox(box, filled=patch.get_fill()) and not (patch.get_fill() and contains(around, box))
+        ]
+    return found
+
+
+def contains(outer, inner):
+    return outer.x0 <= inner.x0 and inner.x1 <= outer.x1 and outer.y0 <= inner.y0 and inner.y1 <= outer.y1
+
+
+def on_paper(figure):
+    """Size in points of the smallest text when the figure is printed 170 mm wide."""
+    scale = min(1.0, 170 / 25.4 / figure.get_size_inches()[0])
+    return scale * min(text.get_fontsize() for text in figure.axes[0].texts)
+
+
+def is_round(patch):
+    box = patch.get_path().get_extents()
+    return abs(box.width - box.height) < 0.01 and len(patch.get_path().vertices) > 20
 
 
 def drawable(figure):
@@ -353,6 +364,27 @@ class TestSchematic:
         assert collisions(figure) == []
         assert crossed(figure) == []
         assert outside(figure) == []
+        assert on_paper(figure) > 6.0 - 1e-9
+
+    @pytest.mark.parametrize("width", [100, 250, 400])
+    @pytest.mark.parametrize("example", ["marine_steam_turbine", "hybrid", "crankshaft"])
+    def test_lines_are_broken_to_the_width_of_the_page(self, example, width):
+        figure = drawable(schematic(EXAMPLES[example](), width=width))
+        assert figure.get_size_inches()[0] * 25.4 <= width * 7 / 6 + 1e-6
+        assert collisions(figure) == []
+        assert crossed(figure) == []
+
+    def test_a_page_too_narrow_is_refused(self):
+        with pytest.raises(tn.UsageError, match="at least 100 mm"):
+            schematic(tn.load("dmf_rig"), width=30)
+
+    def test_a_text_on_a_symbol_would_be_found(self):
+        figure = drawable(schematic(tn.load("dmf_rig")))
+        disc = next(patch for patch in figure.axes[0].patches if patch.get_path().get_extents().width == 13)
+        wide = next(text for text in figure.axes[0].texts if text.get_text() == "torque_meter")
+        x, y = disc.get_path().vertices.mean(axis=0)
+        wide.set_position((x, y + 12))
+        assert crossed(figure)
 
     def test_a_line_through_a_text_would_be_found(self):
         figure = drawable(schematic(tn.load("dmf_rig")))
@@ -374,15 +406,18 @@ class TestSchematic:
     @each_example
     def test_everything_is_named_once(self, example):
         model = EXAMPLES[example]()
-        shown = texts(schematic(model))
-        inner = {node for element in model.elements.values() for node in element.internal_nodes}
-        for node in set(model.nodes) - inner:
-            assert node in shown
+        figure = schematic(model)
+        # A name may be broken into lines, which follow each other.
+        running = "".join(texts(figure))
+        for node in model.nodes:
+            assert node in running or node in {n for e in model.elements.values() for n in e.internal_nodes}
         if len(model.nodes) <= 40:
+            names = [text.get_text() for text in figure.axes[0].texts if text.get_fontsize() == ROLES["name"].size]
             for name in model.elements:
-                assert shown.count(name) == 1 + (name in model.nodes), name
+                assert name in "".join(names), name
+                assert names.count(name) <= 1, name
             for name in (*model.inputs, *model.sensors):
-                assert symbol(name) in shown, name
+                assert symbol(name) in running, name
 
     def test_values_in_engineering_units(self):
         shown = texts(schematic(tn.load("amt_rig").configured("V")))
@@ -407,15 +442,16 @@ class TestSchematic:
         figure = schematic(chain(200))
         width, height = figure.get_size_inches()
         assert max(width, height) <= 24.0 + 1e-9
-        assert 0.4 < width / height < 2.5
+        assert 0.25 < width / height < 2.5
         assert any(text.startswith("200 nodes") for text in texts(figure))
 
     def test_loop_is_led_back_by_a_line_of_level_and_upright_pieces(self):
         lines = [
             patch.get_path().vertices
-            for patch in schematic(hybrid()).axes[0].patches
-            if patch.get_edgecolor() == mpl.colors.to_rgba("#6b6b6b") and not patch.get_fill()
+            for patch in schematic(two_sets()).axes[0].patches
+            if patch.get_edgecolor() == mpl.colors.to_rgba("#6b6b6b") and patch.get_linewidth() == pytest.approx(1.2)
         ]
+        lines = [points for points in lines if len(points) < 8]
         assert lines
         for points in lines:
             assert np.all(np.isclose(np.diff(points, axis=0), 0).any(axis=1))
@@ -423,6 +459,37 @@ class TestSchematic:
     def test_many_loops_are_tagged_with_the_name_of_the_node(self):
         shown = texts(schematic(full_mesh()))
         assert sum(shown.count(f"n{i}") for i in range(6)) == 6 + 10
+
+    def test_a_planetary_set_of_gears_is_drawn_as_one(self):
+        figure = schematic(planetary_of_gears())
+        shown = texts(figure)
+        assert {"sun", "ring", "carrier", "planet: planet"} <= set(shown)
+        circles = [patch for patch in figure.axes[0].patches if patch.get_fill() and is_round(patch)]
+        assert sorted({round(patch.get_path().get_extents().width) for patch in circles}, reverse=True)[:2] == [47, 41]
+
+    def test_gears_that_are_no_planetary_set_stay_gears(self):
+        elements = list(planetary_of_gears().elements.values())
+        more = tn.Spring("planet_shaft", nodes=("planet", "elsewhere"), stiffness=1)
+        model = tn.Drivetrain("not a planet", [*elements, more, inertia("mass", "elsewhere")])
+        assert "planet: planet" not in texts(schematic(model))
+
+    @pytest.mark.parametrize(
+        ("gear", "text"),
+        [
+            ({"teeth": (17, -61)}, r"$\tau$ = −61/17 = −3.588"),
+            ({"ratio": "z_b/z_a"}, r"$\tau$ = $z_{\mathrm{b}}$/$z_{\mathrm{a}}$ = 2.5"),
+            ({"ratio": -2}, r"$\tau$ = −2"),
+        ],
+    )
+    def test_ratio_as_it_was_given(self, gear, text):
+        elements = [inertia("a", "x"), tn.Gear("g", nodes=("x", "y"), **gear), inertia("b", "y")]
+        model = tn.Drivetrain("stage", elements, parameters={"z_a": 20, "z_b": 50} if "ratio" in gear else {})
+        assert text in texts(schematic(model))
+
+    def test_torque_of_what_is_not_in_line_says_of_what(self):
+        shown = "".join(texts(schematic(MODELS["crowded"]())))
+        assert "torque of seal" in shown
+        assert "torque of shaft" not in shown
 
     def test_drawing_shows_the_ratio_of_the_inertias(self):
         small, large = (

@@ -18,6 +18,8 @@ from torsionnet.report import style
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]
 """x0, x1, y0, y1."""
+Texts = list[tuple[str, str]]
+"""Lines of a label with their roles, in reading order."""
 
 MARGIN = 6.0
 
@@ -33,14 +35,14 @@ class Role:
 
 
 ROLES = {
-    "name": Role(9.0, style.INK),
-    "value": Role(8.0, style.MUTED),
-    "node": Role(8.0, style.MUTED, italic=True),
+    "name": Role(8.5, style.INK),
+    "value": Role(7.6, style.MUTED),
+    "node": Role(7.8, style.MUTED, italic=True),
     "port": Role(7.0, style.MUTED),
     "input": Role(9.0, style.PALETTE[1]),
     "sensor": Role(9.0, style.PALETTE[2]),
     "what": Role(7.0, style.MUTED),
-    "note": Role(8.0, style.MUTED),
+    "note": Role(7.6, style.MUTED),
     "title": Role(13.0, style.INK, bold=True),
 }
 LEADING = 1.3
@@ -125,14 +127,16 @@ class Block:
     def write(self, x: float, y: float, lines: Iterable[tuple[str, str]], *, upward: bool = True) -> float:
         """Lines of (text, role), in reading order, on top of y or below it; gives the height where they end."""
         ordered = list(lines)
+        labels: list[Label] = []
         for text, role in reversed(ordered) if upward else ordered:
             height = LEADING * ROLES[role].size
             base = y + 0.3 * height if upward else y - height + 0.3 * height
-            self.labels.append(Label(x, base, text, role))
+            labels.append(Label(x, base, text, role))
             half = text_width(text, role) / 2
             low = y if upward else y - height
             self.boxes.append((x - half, x + half, low, low + height))
             y += height if upward else -height
+        self.labels += reversed(labels) if upward else labels
         return y
 
     @property

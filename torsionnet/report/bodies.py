@@ -2,56 +2,55 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from torsionnet.elements import Element
 from torsionnet.report import glyphs
-from torsionnet.report.blocks import Stroke, widest
+from torsionnet.report.blocks import Block, Stroke, Texts
 
 if TYPE_CHECKING:
     from torsionnet.report.lines import Line
 
-GAP, WALL = 10.0, 18.0
+WALL = 18.0
 
 
 def body(line: Line, disc: Element | None, hanging: Element | None) -> None:
     """A disc, an element to ground, or the one below the other."""
     above = line.plan.texts(disc) if disc else []
     below = line.plan.texts(hanging) if hanging else []
-    middle = line.stretch(max(glyphs.GROUND_WIDTH if hanging else 18.0, widest(above), widest(below)) + GAP)
+    scale, piece = line.plan.scale, Block()
     half = line.plan.discs.get(disc.name, 0.0) if disc else 0.0
     if disc:
-        line.block.strokes += glyphs.disc(middle, half)
-        line.block.boxes.append((middle - 8, middle + 8, -half, half))
-        line.block.write(middle, half + 3, above)
+        piece.strokes += glyphs.disc(0, half, scale * glyphs.DISC_WIDTH)
+        piece.boxes.append((-8 * scale, 8 * scale, -half, half))
+        piece.write(0, half + 3, above)
     if hanging:
-        _hang(line, hanging, middle, -half, below)
+        _hang(line, piece, hanging, -half, below)
+    reach = 10.0 * scale
+    line.put(piece, reach, reach)
 
 
-def _hang(line: Line, element: Element, x: float, y: float, texts: Sequence[tuple[str, str]]) -> None:
+def _hang(line: Line, piece: Block, element: Element, y: float, texts: Texts) -> None:
     """An element down to ground, its texts below the hatching."""
     length, reach = 14.0, 8.0
     if element.glyph == "clamp":
-        line.block.strokes.append(Stroke(((x, y), (x, y - length))))
+        piece.strokes.append(Stroke(((0, y), (0, y - length))))
     else:
-        glyph = glyphs.inline_glyph(element, line.values)
+        glyph = glyphs.inline_glyph(element, line.values).scaled(line.plan.scale)
         length, reach = glyph.length, glyph.reach
-        line.block.strokes += glyph.hanging(x, y)
-    line.block.strokes += glyphs.ground(x, y - length)
+        piece.strokes += glyph.hanging(0, y)
+    piece.strokes += glyphs.ground(0, y - length)
     wide = max(reach, glyphs.GROUND_WIDTH / 2 + 1)
-    line.block.boxes.append((x - wide, x + wide, y - length - 7, y))
-    line.block.write(x, y - length - 9, texts, upward=False)
+    piece.boxes.append((-wide, wide, y - length - 7, y))
+    piece.write(0, y - length - 9, texts, upward=False)
 
 
 def ending(line: Line, element: Element) -> float:
     """A wall the shaft ends in, after the element unless that is a clamp; gives where the shaft stops."""
     texts = line.plan.texts(element)
-    glyph = None if element.glyph == "clamp" else glyphs.inline_glyph(element, line.values)
+    glyph = None if element.glyph == "clamp" else glyphs.inline_glyph(element, line.values).scaled(line.plan.scale)
     length, reach = (glyph.length, glyph.reach) if glyph else (0.0, 0.0)
-    middle = line.stretch(max(length + 24, widest(texts) + GAP))
-    start, end = middle - length / 2, middle + length / 2
-    line.block.strokes += [*(glyph.along(start, 0) if glyph else []), *glyphs.wall(end, WALL)]
-    line.block.boxes.append((start, end + 8, -max(WALL, reach), max(WALL, reach)))
-    line.block.write(middle, max(WALL, reach) + 4, texts)
-    return start
+    piece = Block([*(glyph.along(-length / 2, 0) if glyph else []), *glyphs.wall(length / 2, WALL)])
+    piece.boxes.append((-length / 2, length / 2 + 8, -max(WALL, reach), max(WALL, reach)))
+    piece.write(0, max(WALL, reach) + 4, texts)
+    return line.put(piece, length / 2 + 8, length / 2 + 8) - length / 2

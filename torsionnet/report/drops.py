@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.elements import Element
+from torsionnet.elements import GROUND, Element
 from torsionnet.report import glyphs
 from torsionnet.report.blocks import Block, Stroke, arc, as_array, overlap
+from torsionnet.report.topology import Vertex
 
 STEP, FARTHEST = 4.0, 3000.0
 SMALLEST_WHEELS, LARGEST_WHEELS, FARTHEST_WHEELS, SHORTEST_WIRE = 50.0, 110.0, 170.0, 36.0
@@ -39,6 +40,21 @@ class Stage:
 
 
 @dataclass(frozen=True)
+class Exit:
+    """Where something leaves a line at (x, y): another line, by its head, or a block."""
+
+    x: float
+    y: float
+    what: Vertex | Block
+    stages: tuple[Stage, ...] = ()
+
+    @property
+    def last(self) -> float:
+        """Where the last of its wheels or wires is."""
+        return self.x + (self.stages[-1].offset if self.stages else 0.0)
+
+
+@dataclass(frozen=True)
 class Drop:
     """A finished block that leaves a line at (x, y)."""
 
@@ -46,11 +62,8 @@ class Drop:
     y: float
     block: Block
     stages: tuple[Stage, ...] = ()
-
-    @property
-    def last(self) -> float:
-        """Where the last of its wheels or wires is."""
-        return self.x + (self.stages[-1].offset if self.stages else 0.0)
+    up_if: float = UP_IF
+    """Times the way down that the way up may be long; 0: never up."""
 
     def connector(self, distance: float) -> Block:
         """What joins the line with one at a distance below it; above, if negative."""
@@ -88,16 +101,20 @@ def _wheels(block: Block, stage: Stage, x: float, distance: float) -> None:
         start = -first if down else first + mesh
         block.strokes += glyphs.Glyph((spring,), mesh, 4).hanging(x, start)
     low, high = sorted((-side * first, side * (between + second)))
-    block.boxes.append((x - 7, x + 7, low, high))
-    block.write(x, -side * (first + 3), stage.texts, upward=down)
+    half, beyond = 7.0, 3.0
+    if stage.element.ports.get("housing", GROUND) != GROUND:
+        half, beyond = 11.0, 8.0
+        block.strokes.append(glyphs.rectangle(x - half, x + half, low - 5, high + 5, look="housing"))
+    block.boxes.append((x - half, x + half, low, high))
+    block.write(x, -side * (first + beyond), stage.texts, upward=down)
 
 
 def attach(base: Block, drops: Sequence[Drop], *, may_rise: bool) -> None:
     """Put every block in its place, the rightmost first: those to its left go past it."""
     for drop in reversed(drops):
         down = _distance(base, drop, 1)
-        up = _distance(base, drop, -1) if may_rise and drop.y == 0 else FARTHEST
-        distance = -up if up < UP_IF * down else down
+        up = _distance(base, drop, -1) if may_rise and drop.up_if and drop.y == 0 else FARTHEST
+        distance = -up if up < drop.up_if * down else down
         if distance >= FARTHEST:
             distance = _below(base, drop)
         base.add(drop.connector(distance))
@@ -120,7 +137,9 @@ def _distance(base: Block, drop: Drop, sign: int) -> float:
     while distance < FARTHEST:
         connector = drop.connector(sign * distance)
         joined = as_array([*connector.boxes, *connector.wires])
-        if not overlap(block + distance * down, taken) and not overlap(joined, crossed, 2):
+        there = block + distance * down
+        free = not overlap(there, taken) and not overlap(joined, crossed, 2)
+        if free and not overlap(as_array(connector.boxes), there[: len(drop.block.boxes)], 1):
             return distance
         distance += max(STEP, STEP * distance / 200)
     return FARTHEST

@@ -12,7 +12,7 @@ from torsionnet.report.labels import is_zero
 
 DISC_WIDTH, WHEEL_WIDTH = 13.0, 12.0
 GROUND_WIDTH = 26.0
-BODY, WHEEL = "#dbe5ee", "#efe6d8"
+BODY, WHEEL, BOX = "#dbe5ee", "#efe6d8", "#fbf9f5"
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,13 @@ class Glyph:
         """To the right from a point."""
         return [stroke.shifted(x, y) for stroke in self.strokes]
 
+    def scaled(self, factor: float) -> Glyph:
+        strokes = (
+            Stroke(tuple((factor * u, factor * v) for u, v in stroke.points), stroke.look, stroke.closed, stroke.fill)
+            for stroke in self.strokes
+        )
+        return Glyph(tuple(strokes), factor * self.length, factor * self.reach)
+
     def hanging(self, x: float, y: float) -> list[Stroke]:
         """Down from a point."""
         return [
@@ -39,9 +46,9 @@ def rectangle(x0: float, x1: float, y0: float, y1: float, fill: str = "", look: 
     return Stroke(((x0, y0), (x1, y0), (x1, y1), (x0, y1)), look, closed=True, fill=fill)
 
 
-def disc(x: float, half: float) -> list[Stroke]:
+def disc(x: float, half: float, width: float = DISC_WIDTH) -> list[Stroke]:
     """An inertia seen from the side."""
-    return [rectangle(x - DISC_WIDTH / 2, x + DISC_WIDTH / 2, -half, half, BODY)]
+    return [rectangle(x - width / 2, x + width / 2, -half, half, BODY)]
 
 
 def wheel(x: float, y: float, radius: float) -> list[Stroke]:
@@ -76,10 +83,10 @@ def torque_arrow(x: float) -> list[Stroke]:
     return [Stroke(path, "input"), Stroke(head, "input", closed=True, fill="input")]
 
 
-def sensor_mark(x: float, *, torque: bool) -> list[Stroke]:
+def sensor_mark(x: float, *, torque: bool, leader: float = 20.0) -> list[Stroke]:
     """A dot for motion, a diamond for torque, with a leader to the name above."""
     dot = ((x - 4.5, 0.0), (x, 4.5), (x + 4.5, 0.0), (x, -4.5)) if torque else arc(x, 0, 3.8, 3.8, 0, 360)
-    return [Stroke(((x, 4), (x, 20)), "sensor"), Stroke(dot, "sensor", closed=True, fill="#ffffff")]
+    return [Stroke(((x, 4), (x, leader)), "sensor"), Stroke(dot, "sensor", closed=True, fill="#ffffff")]
 
 
 def zigzag(start: float, end: float, y: float, amplitude: float = 6.0, teeth: int = 4) -> Stroke:

@@ -19,6 +19,10 @@ PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
 RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
 SMALLEST, LARGEST = 1e-3, 1e6
 MOST_LINES, DIGITS = 3, 4
+LONGEST_SYMBOL = 14
+"""Letters of a name that is set as a symbol: a longer one has to be broken."""
+
+LONGEST_EXPRESSION = 14
 
 
 def symbol(name: str) -> str:
@@ -28,7 +32,7 @@ def symbol(name: str) -> str:
     ('$k_{\\mathrm{1}}$', '$\\tau$', 'speed')
     """
     match = re.fullmatch(r"([A-Za-z][A-Za-z0-9]*)(?:_(\w+))?", name)
-    if match is None:
+    if match is None or len(name) > LONGEST_SYMBOL:
         return name
     base, below = match[1], match[2]
     if len(base) > 1 and base.lower() not in GREEK:
@@ -80,7 +84,7 @@ def value_lines(element: Element, values: Mapping[str, Any]) -> list[str]:
     if element.kind == "shaft":
         return _shaft_lines(element, values)
     given = element.scalars()
-    teeth = [_teeth_line(element, given["teeth"][1])] if "teeth" in given else []
+    teeth = [_ratio_line(element, given["teeth"][1])] if "teeth" in given else []
     lines = [
         _line(spec, raw, values) for field, (spec, raw) in given.items() if not field.startswith(("planet", "orbit"))
     ]
@@ -106,14 +110,28 @@ def _line(spec: Spec, raw: Any, values: Mapping[str, Any]) -> str:
     value = float(raw.evaluate(values))
     if value == 0:
         return ""
+    if spec.dimension == "1" and raw.names and not isinstance(raw, Name) and len(str(raw)) <= LONGEST_EXPRESSION:
+        return f"{symbol(spec.symbol)} = {expression(str(raw))} = {number(value)}"
     name = raw.name if isinstance(raw, Name) else spec.symbol
     return f"{symbol(name)} = {quantity(value, spec.dimension)}"
 
 
-def _teeth_line(element: Element, teeth: tuple[int, int]) -> str:
+def expression(text: str) -> str:
+    r"""An expression with its names as symbols.
+
+    >>> expression("-z_b/z_a")
+    '−$z_{\\mathrm{b}}$/$z_{\\mathrm{a}}$'
+    """
+    shown = re.sub(r"[A-Za-z]\w*", lambda match: symbol(match[0]), text)
+    return shown.replace("-", "−").replace("*", "·")
+
+
+def _ratio_line(element: Element, teeth: tuple[int, int]) -> str:
+    """Ratio as the quotient of the teeth."""
     ratio = next(spec_of(declared) for declared in element.declared() if declared.name == "ratio")
     name = ratio.symbol if isinstance(ratio, Quantity) else "tau"
-    return f"{symbol(name)} = {number(teeth[1] / teeth[0])} ({number(teeth[0])} : {number(teeth[1])})"
+    sign = "−" if teeth[0] * teeth[1] < 0 else ""
+    return f"{symbol(name)} = {sign}{abs(teeth[1])}/{abs(teeth[0])} = {number(teeth[1] / teeth[0])}"
 
 
 def _shaft_lines(element: Any, values: Mapping[str, Any]) -> list[str]:

@@ -1,254 +1,194 @@
 """Where everything in a schematic goes: shaft lines from left to right, branches and gear stages on lines of their own.
 
 A line is built from its head onwards, every piece in a stretch of its own that is as wide as its symbol and texts; the
-lines that leave it are then moved down (or up) to the nearest free place. Everything is in points.
+lines that leave it are then moved down (or up) to the nearest free place. A line that would leave the page is cut, and
+goes on below; a branch for which no room is left begins a band of its own, with flags at both ends. All in points.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
-from itertools import zip_longest
-from typing import TYPE_CHECKING, TypeAlias
+from collections import deque
+from itertools import pairwise, zip_longest
+from typing import TYPE_CHECKING
 
-from torsionnet.channels import ELEMENT_QUANTITIES
-from torsionnet.elements import GROUND, Element, Inertia
 from torsionnet.report.blocks import Block
-from torsionnet.report.labels import value_lines
+from torsionnet.report.courses import Course, Leaving, Step, courses, cuts, needed
+from torsionnet.report.drops import UP_IF, Drop, Exit
+from torsionnet.report.flags import flag
 from torsionnet.report.lines import Line
-from torsionnet.report.topology import Connections, Link, Tree, Vertex, connections, heights, trees
+from torsionnet.report.plan import Plan, make_plan
+from torsionnet.report.topology import Link, Tree, Vertex
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
-COMPACT = 40
-"""More nodes than this: only nodes are named."""
+PAGE = 545.0
+"""Width of a drawing unless another is asked for."""
 
-PAGE = 980.0
-"""Width in points beyond which the main line goes on below."""
+MARGIN = 24.0
+"""Room for the lines that lead from one piece of a cut line to the next."""
 
-Pairs: TypeAlias = list[tuple[Element | None, Element | None]]
-TOLERATED = 0.3
-"""Part of a page by which a line may be longer before it is cut."""
+WIRES = 30.0
+"""Room at the sides for wires that close loops."""
 
-SMALL_DISC, LARGE_DISC = 15.0, 34.0
+NARROWEST = 0.45
+"""Part of the page that a branch gets before it begins a band of its own."""
+
+UP_IF_CUT = 1.5
+INDENT = 26.0
+"""Pieces of a line that comes from gears stay clear of the wheels."""
 
 
-@dataclass
-class Plan:
-    """What the lines of a drawing need to know about the drivetrain."""
+def blocks(drivetrain: Drivetrain, page: float = PAGE) -> list[list[Block]]:
+    """For each connected part its bands, from top to bottom."""
+    plan, grown = make_plan(drivetrain, page)
+    if plan.loops:
+        plan.page -= WIRES
+    return [Sheet(tree, plan).bands() for tree in grown]
 
-    drivetrain: Drivetrain
-    found: Connections
-    compact: bool
-    discs: Mapping[str, float]
-    """Half the height of each inertia's disc, by name."""
-    loops: dict[Vertex, list[tuple[int, Link, Vertex]]] = field(default_factory=dict)
-    """Links that close loops, at the vertex from which they are drawn."""
-    targets: dict[str, list[int]] = field(default_factory=dict)
-    """Numbers of the loops that end at a node."""
 
-    @cached_property
-    def inputs(self) -> dict[str, list[tuple[str, str]]]:
-        """(input, what it is) by node."""
-        words = {"torque": "torque", "angle": "imposed angle"}
-        return self._by_node((name, words[given.quantity], given.of) for name, given in self.drivetrain.inputs.items())
+class Sheet:
+    """One connected part: its lines, how wide they are, and those that wait for a band of their own."""
 
-    @cached_property
-    def motions(self) -> dict[str, list[tuple[str, str]]]:
-        """(sensor, quantity) of the motion of nodes, by node."""
-        return self._by_node(
-            (name, sensor.quantity, sensor.of)
-            for name, sensor in self.drivetrain.sensors.items()
-            if sensor.quantity not in ELEMENT_QUANTITIES
+    def __init__(self, tree: Tree, plan: Plan) -> None:
+        self.tree, self.plan = tree, plan
+        self.courses = courses(tree)
+        self.starts: dict[Vertex, float] = {}
+        self.steps: dict[Vertex, list[Step]] = {}
+        self.needs: dict[Vertex, float] = {}
+        self.waiting: deque[Vertex] = deque([tree.root])
+        for head in reversed(self.courses):
+            self._measure(head)
+
+    def _measure(self, head: Vertex) -> None:
+        """Widths of a line whose branches have been measured before."""
+        self._steps(head)
+        room = self.plan.page - MARGIN - INDENT
+        wide = zip(self.courses[head].vertices, self.steps[head], strict=True)
+        crowded = {vertex: math.ceil(step.whole / (0.8 * room)) for vertex, step in wide if step.whole > room}
+        if crowded:
+            self.courses[head] = self.courses[head].split(crowded)
+            self._steps(head)
+        self.needs[head] = needed(self.starts[head], self.steps[head])
+
+    def _steps(self, head: Vertex) -> None:
+        course, line = self.courses[head], Line(self.plan)
+        if course.incoming is not None:
+            line.begin(course.incoming)
+        self.starts[head] = line.x
+        self.steps[head] = [self._step(line, course.cut(place, place + 1)) for place in range(len(course.vertices))]
+
+    def _step(self, line: Line, course: Course) -> Step:
+        """Go on by one vertex, and measure what that took."""
+        start, boxes, columns, exits = line.x, len(line.block.boxes), len(line.columns), len(line.exits)
+        self._fill(line, course)
+        taken = [*line.block.boxes[boxes:], *line.columns[columns:]]
+        left = start - min((box[0] for box in taken), default=start)
+        right = max((box[1] for box in taken), default=line.x) - line.x
+        heads = ((each, each.what) for each in line.exits[exits:])
+        leaving = [Leaving(each.x - start, self.needs[what]) for each, what in heads if isinstance(what, Vertex)]
+        return Step(line.x - start, max(0.0, left), max(0.0, right), tuple(leaving))
+
+    def bands(self) -> list[Block]:
+        """The main line first, then those for which it had no room."""
+        found = []
+        while self.waiting:
+            head = self.waiting.popleft()
+            found.append(self._band(head))
+        return found
+
+    def _band(self, head: Vertex) -> Block:
+        course = self.courses[head]
+        if course.incoming is None:
+            return self._course(head, self.plan.page, top=True)
+        came = course.incoming
+        line = Line(self.plan)
+        line.x = flag(line.block, 0.0, self._shared_node(head)) + 6
+        line.block.line((line.x - 6, 0), (line.x, 0))
+        if came.elements and not came.is_gear:
+            line.gap(came)
+        return self._course(head, self.plan.page, top=True, begun=line)
+
+    def _course(self, head: Vertex, room: float, *, top: bool = False, begun: Line | None = None) -> Block:
+        """A line with everything that leaves it, cut into pieces if it is wider than the room."""
+        course = self.courses[head]
+        start = begun.x if begun is not None else self.starts[head]
+        indent = INDENT if begun is None and course.incoming is not None and course.incoming.is_gear else 0.0
+        begins = cuts(start, self.steps[head], room, MARGIN + indent)
+        narrow = room if len(begins) == 1 else room - MARGIN - indent
+        built = []
+        for first, last in zip_longest(begins, begins[1:], fillvalue=len(course.vertices)):
+            piece = course.cut(first, last)
+            line = Line(self.plan)
+            if first == 0 and begun is not None:
+                line = begun
+            elif piece.incoming is not None:
+                line.begin(piece.incoming)
+            self._fill(line, piece)
+            built.append(
+                self._finished(line, narrow, may_rise=top and first == 0, loops_up=last < len(course.vertices))
+            )
+        return _stacked(built, indent)
+
+    def _fill(self, line: Line, course: Course) -> None:
+        before = course.incoming or course.before
+        for place, (vertex, onward) in enumerate(zip_longest(course.vertices, course.links)):
+            leaving = [pair for pair in self.tree.children[vertex] if self._leaves(pair)]
+            line.vertex(vertex, before, onward, leaving, course.share(place))
+            if onward is not None:
+                line.gap(onward)
+            before = onward
+
+    def _leaves(self, pair: tuple[Link, Vertex]) -> bool:
+        return pair[1] in self.courses and self.courses[pair[1]].incoming is pair[0]
+
+    def _finished(self, line: Line, room: float, *, may_rise: bool, loops_up: bool) -> Block:
+        overhang = max(0.0, -min((box[0] for box in line.block.boxes), default=0.0))
+        # Where the line goes on below, what leads a loop around it stays out of its way.
+        return line.finish(
+            lambda each: self._settled(each, room - overhang - each.x, UP_IF_CUT if loops_up else UP_IF),
+            may_rise=may_rise,
         )
 
-    def _by_node(self, channels: Iterable[tuple[str, str, str]]) -> dict[str, list[tuple[str, str]]]:
-        """Stations within a shaft are not drawn: what is there goes to the shaft's first end, and says so."""
-        homes = {
-            inner: next(node for node in element.ports.values() if node != GROUND)
-            for element in self.drivetrain.elements.values()
-            for inner in element.internal_nodes
-        }
-        found: dict[str, list[tuple[str, str]]] = {}
-        for name, what, node in channels:
-            text = f"{what} at {node}" if node in homes else what
-            found.setdefault(homes.get(node, node), []).append((name, text))
-        return found
+    def _settled(self, leaving: Exit, room: float, loops_up_if: float) -> Drop:
+        """What leaves with its block: the line itself, or a flag where there is no room for it."""
+        x, y, what, stages = leaving.x, leaving.y, leaving.what, leaving.stages
+        if isinstance(what, Block):
+            return Drop(x, y, what, stages, up_if=loops_up_if)
+        if self.needs[what] <= room or self._may_be_cut(what, room):
+            return Drop(x, y, self._course(what, room), stages, up_if=UP_IF if self.needs[what] <= room else 0.0)
+        self.waiting.append(what)
+        block = Block()
+        begin = stages[-1].offset + 18 if stages else 12.0
+        block.line((0, 0), (begin, 0))
+        flag(block, begin, self._shared_node(what))
+        return Drop(x, y, block, stages)
 
-    @cached_property
-    def taps(self) -> dict[str, list[tuple[str, str, str]]]:
-        """(sensor, quantity, element) of torques and twists, by the node where they are taken."""
-        found: dict[str, list[tuple[str, str, str]]] = {}
-        for name, sensor in self.drivetrain.sensors.items():
-            element = self.drivetrain.elements.get(sensor.of)
-            if sensor.quantity not in ELEMENT_QUANTITIES or element is None:
-                continue
-            port = sensor.at or next(iter(element.ports))
-            nodes = [element.ports.get(port, port), *element.ports.values()]
-            node = next(node for node in nodes if node != GROUND)
-            found.setdefault(node, []).append((name, sensor.quantity, element.name))
-        return found
+    def _shared_node(self, head: Vertex) -> str:
+        """What the flags say: gears are drawn where the line leaves, a shaft belongs to the line itself."""
+        course = self.courses[head]
+        shaft = course.incoming is not None and course.incoming.elements and not course.incoming.is_gear
+        return course.parent.name if shaft and course.parent is not None else head.name
 
-    def bodies(self, node: str, *, at_end: bool) -> tuple[Pairs, Element | None]:
-        """Discs with what hangs below them, and what the line ends in: a clamp or an element to ground."""
-        attached = self.found.attached[node]
-        discs = [element for element in attached if element.glyph == "disc"]
-        others = [element for element in attached if element.glyph != "disc"]
-        last = next((element for element in others if element.glyph != "damper"), None) if at_end else None
-        hanging = [element for element in others if element is not last]
-        return list(zip_longest(discs, hanging)), last
-
-    def texts(self, element: Element) -> list[tuple[str, str]]:
-        """Name and main values of an element."""
-        if self.compact:
-            return []
-        lines = [(text, "value") for text in value_lines(element, self.drivetrain.exact_values)]
-        if getattr(element, "locked", False):
-            lines.append(("locked", "value"))
-        housing = element.ports.get("housing", "ground")
-        if housing != "ground":
-            lines.append((f"housing: {housing}", "node"))
-        return [(element.name, "name"), *lines]
+    def _may_be_cut(self, head: Vertex, room: float) -> bool:
+        """Whether a line that is cut even on a page of its own needs no more pieces here."""
+        steps, start = self.steps[head], self.starts[head]
+        if room < max(NARROWEST * self.plan.page, start, *(step.whole + MARGIN + INDENT for step in steps)):
+            return False
+        return len(cuts(start, steps, room, MARGIN + INDENT)) <= len(cuts(start, steps, self.plan.page, MARGIN)) > 1
 
 
-def make_plan(drivetrain: Drivetrain) -> tuple[Plan, list[Tree]]:
-    found = connections(drivetrain)
-    inner = {node for element in drivetrain.elements.values() for node in element.internal_nodes}
-    grown, left = trees(found, [node for node in drivetrain.nodes if node not in inner])
-    compact = len(drivetrain.nodes) > COMPACT
-    plan = Plan(drivetrain, found, compact, disc_sizes(drivetrain))
-    places = {vertex: place for tree in grown for place, vertex in enumerate(tree.order)}
-    for number, link in enumerate(left):
-        start, end = sorted((link.first, link.second), key=lambda vertex: (not vertex.is_box, places[vertex]))
-        plan.loops.setdefault(start, []).append((number, link, end))
-        plan.targets.setdefault(end.name, []).append(number)
-    return plan, grown
-
-
-def disc_sizes(drivetrain: Drivetrain) -> dict[str, float]:
-    """Half heights between two limits, by the logarithm of the inertia."""
-    values = {
-        element.name: float(element.inertia.evaluate(drivetrain.exact_values))
-        for element in drivetrain.elements.values()
-        if isinstance(element, Inertia)
-    }
-    logs = {name: math.log10(value) for name, value in values.items() if value > 0}
-    low, high = min(logs.values(), default=0), max(logs.values(), default=0)
-    # Within a decade or two a small difference should not look like a large one.
-    span = max(high - low, 2.0)
-    middle = (low + high) / 2
-    return {
-        name: SMALL_DISC + (LARGE_DISC - SMALL_DISC) * (0.5 + (logs.get(name, low) - middle) / span) for name in values
-    }
-
-
-def blocks(drivetrain: Drivetrain) -> list[Block]:
-    """One block for each connected part."""
-    plan, grown = make_plan(drivetrain)
-    return [_whole(tree, plan) for tree in grown]
-
-
-@dataclass(frozen=True)
-class Course:
-    """Which vertices make up a line, and how it is reached."""
-
-    incoming: Link | None
-    vertices: tuple[Vertex, ...]
-    links: tuple[Link, ...]
-    """Between the vertices; one more where the line is cut."""
-    before: Link | None = None
-    """The link at the cut."""
-
-
-def courses(tree: Tree) -> dict[Vertex, Course]:
-    """The lines of a tree by their heads, those nearer to the root first."""
-    height = heights(tree)
-    found: dict[Vertex, Course] = {}
-    heads: list[tuple[Link | None, Vertex]] = [(None, tree.root)]
-    for incoming, head in heads:
-        vertices, links = [head], []
-        while True:
-            going = [(link, child) for link, child in tree.children[vertices[-1]] if not link.is_gear]
-            onward = max(going, key=lambda pair: (height[pair[1]], -pair[0].rank), default=None)
-            heads += [pair for pair in tree.children[vertices[-1]] if pair != onward]
-            if onward is None:
-                break
-            links.append(onward[0])
-            vertices.append(onward[1])
-        found[head] = Course(incoming, tuple(vertices), tuple(links))
-    return found
-
-
-def _whole(tree: Tree, plan: Plan) -> Block:
-    """Lines from the tips towards the root, so that each finds the lines leaving it finished."""
-    found = courses(tree)
-    done: dict[Vertex, Block] = {}
-    for head, course in reversed(found.items()):
-        pieces = _pieces(course, plan) if head == tree.root else [course]
-        built = [_line(piece, tree, plan, done, top=head == tree.root) for piece in pieces]
-        done[head] = _stacked(built)
-    return done[tree.root]
-
-
-def _line(course: Course, tree: Tree, plan: Plan, done: Mapping[Vertex, Block], *, top: bool) -> Block:
-    line = Line(plan)
-    if course.incoming is not None:
-        line.begin(course.incoming)
-    before = course.incoming or course.before
-    for vertex, onward in zip_longest(course.vertices, course.links):
-        leaving = [(link, done[child]) for link, child in tree.children[vertex] if child in done]
-        line.vertex(vertex, before, onward, leaving)
-        if onward is not None:
-            line.gap(onward)
-        before = onward
-    return line.finish(may_rise=top)
-
-
-def _pieces(course: Course, plan: Plan) -> list[Course]:
-    """A main line cut into pieces of about one width if it is too long; the link at a cut ends the piece before it."""
-    widths = _widths(course, plan)
-    count = max(1, math.ceil(sum(widths) / PAGE - TOLERATED))
-    limit = sum(widths) / count
-    if count == 1:
-        return [course]
-    pieces: list[Course] = []
-    start, width, before = 0, 0.0, None
-    last = len(widths) - 1
-    for place, step in enumerate(widths):
-        width += step
-        if place == last or width > limit - step / 2:
-            piece = slice(start, place + 1)
-            pieces.append(Course(course.incoming, course.vertices[piece], course.links[piece], before))
-            start, width = place + 1, 0.0
-            before = course.links[place] if place < last else None
-    return pieces
-
-
-def _widths(course: Course, plan: Plan) -> list[float]:
-    """Width of each vertex with the elements after it."""
-    widths = []
-    for vertex, onward in zip_longest(course.vertices, course.links):
-        probe = Line(plan)
-        probe.vertex(vertex, None, onward, [])
-        if onward is not None:
-            probe.gap(onward)
-        widths.append(probe.x)
-    return widths
-
-
-def _stacked(built: list[Block]) -> Block:
+def _stacked(built: list[Block], indent: float) -> Block:
     """Pieces of a line below each other, each led on to the next."""
     whole = built[0]
-    far = max(piece.extent[1] for piece in built) + 8
-    for piece in built[1:]:
+    for before, piece in pairwise(built):
         bottom = whole.extent[2]
-        left, _, _, top = piece.extent
-        drop, lane, edge = bottom - 30 - top, bottom - 14, left - 14
+        drop, lane, edge = bottom - 30 - piece.extent[3], bottom - 14, indent - 14
+        begin, x_before = indent - piece.extent[0], indent - before.extent[0] if before is not built[0] else 0.0
         x, y = whole.anchors.pop(-1)
-        whole.line((x, y), (far, y), (far, lane), (edge, lane), (edge, drop), (0, drop))
-        whole.add(piece.shifted(0, drop))
+        far = x_before + before.extent[1] + 8
+        whole.line((x, y), (far, y), (far, lane), (edge, lane), (edge, drop), (begin, drop))
+        whole.add(piece.shifted(begin, drop))
     whole.anchors.pop(-1, None)
     return whole

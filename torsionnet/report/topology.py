@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple
 
 from torsionnet.elements import GROUND, Element
+from torsionnet.report.epicyclic import Boxed, epicyclic_sets
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -49,7 +50,7 @@ class Connections:
 
     links: list[Link] = field(default_factory=list)
     attached: dict[str, list[Element]] = field(default_factory=dict)
-    boxes: dict[str, Element] = field(default_factory=dict)
+    boxes: dict[str, Boxed] = field(default_factory=dict)
 
 
 @dataclass
@@ -70,7 +71,12 @@ def connections(drivetrain: Drivetrain) -> Connections:
     """Sort the elements by how many nodes they join."""
     found = Connections(attached={node: [] for node in drivetrain.nodes})
     parallel: dict[tuple[frozenset[str], bool], list[Element]] = {}
+    sets = epicyclic_sets(drivetrain)
+    found.boxes |= {each.name: each for each in sets}
+    inside = {element.name for each in sets for element in each.elements}
     for element in drivetrain.elements.values():
+        if element.name in inside:
+            continue
         ends = _ends(element)
         if len(element.ports) > 2 and element.glyph != "gear":  # noqa: PLR2004
             found.boxes[element.name] = element
@@ -81,8 +87,8 @@ def connections(drivetrain: Drivetrain) -> Connections:
     for group in parallel.values():
         first, second = _ends(group[0])
         found.links.append(Link(Vertex(first), Vertex(second), tuple(group)))
-    for name, element in found.boxes.items():
-        for port, node in element.ports.items():
+    for name, drawn in found.boxes.items():
+        for port, node in drawn.ports.items():
             if node != GROUND:
                 found.links.append(Link(Vertex(name, is_box=True), Vertex(node), port=port))
     return found
@@ -108,6 +114,7 @@ def trees(found: Connections, nodes: Iterable[str]) -> tuple[list[Tree], list[Li
         if start in seen:
             continue
         joined = _walk(start, table, seen)
+        _open_at_shafts(found.links, joined)
         used |= {id(link) for links in joined.values() for link, _ in links}
         grown.append(_rooted(_best_root(start, joined), joined))
     return grown, [link for link in found.links if id(link) not in used]
@@ -132,6 +139,42 @@ def _walk(
         joined[new] = [(link, vertex)]
         stack.append((new, iter(table[new])))
     return joined
+
+
+def _open_at_shafts(links: Iterable[Link], joined: dict[Vertex, list[tuple[Link, Vertex]]]) -> None:
+    """Let shafts close the loops, not gears: a gear stage is a pair of wheels, which no wire can replace."""
+    for link in links:
+        if not link.is_gear or link.first not in joined or any(link is other for other, _ in joined[link.first]):
+            continue
+        way = _way(joined, link.first, link.second)
+        opened = min((step for step in way if step.elements and not step.is_gear), key=_loose, default=None)
+        if opened is not None:
+            for old in (opened.first, opened.second):
+                joined[old] = [pair for pair in joined[old] if pair[0] is not opened]
+            joined[link.first].append((link, link.second))
+            joined[link.second].append((link, link.first))
+
+
+def _loose(link: Link) -> int:
+    """Dampers open first, then single shafts."""
+    return len(link.elements) - 10 * (link.rank > 0)
+
+
+def _way(joined: Mapping[Vertex, list[tuple[Link, Vertex]]], start: Vertex, end: Vertex) -> list[Link]:
+    """The links of the tree between two vertices, from the end backwards."""
+    came: dict[Vertex, tuple[Link, Vertex] | None] = {start: None}
+    queue = [start]
+    for vertex in queue:
+        for link, other in joined[vertex]:
+            if other not in came:
+                came[other] = (link, vertex)
+                queue.append(other)
+    way = []
+    step = came.get(end)
+    while step is not None:
+        way.append(step[0])
+        step = came[step[1]]
+    return way
 
 
 def _best_root(start: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) -> Vertex:

@@ -15,6 +15,12 @@ CORNER, CROSSING, CROWD = 6, 12, 2
 MOST_LOOPS = 8
 """With more than these, lines would help nobody: all are tagged."""
 
+MOST_CORNERS = 4
+"""A wire that winds more, or has to cross a shaft, is harder to follow than a tag."""
+
+OWN = 3
+"""Cells at each end of a wire that lie on the lines it joins."""
+
 MOVES = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
@@ -51,14 +57,14 @@ def _tag(block: Block, end: LooseEnd) -> None:
     x0, x1, y0, y1 = end.tag
     outline = ((x0, end.y), (x0 + 4, y0), (x1, y0), (x1, y1), (x0 + 4, y1))
     block.strokes.append(Stroke(outline, "thin", closed=True, fill="#ffffff"))
-    block.write((x0 + x1) / 2 + 2, end.y - 6, [(end.node, "node")])
+    block.write((x0 + x1) / 2 + 2, end.y - 5.5, [(end.node, "node")])
 
 
 def _route(block: Block, end: LooseEnd) -> list[Point] | None:
     target = block.anchors[end.loop]
     grid = _grid(block, end, target)
     way = _shortest(grid, grid.cell((end.x, end.y)), grid.cell(target))
-    if way is None:
+    if way is None or _winds(grid, way):
         return None
     # The grid need not pass exactly through the ends: pull the first and last straight pieces onto them.
     return _cornered([grid.point(cell) for cell in way], (end.x, end.y), target)
@@ -116,6 +122,12 @@ def _shortest(grid: Grid, start: tuple[int, int], goal: tuple[int, int]) -> list
                 best[new], came[new] = total, state
                 heapq.heappush(queue, (total, new))
     return None
+
+
+def _winds(grid: Grid, way: list[tuple[int, int]]) -> bool:
+    """Whether a way has many corners, or crosses a line between its ends, where it touches its own."""
+    turns = sum((a[0] == b[0]) != (b[0] == c[0]) for a, b, c in zip(way, way[1:], way[2:], strict=False))
+    return turns > MOST_CORNERS or any(grid.cost[cell] >= CROSSING for cell in way[OWN:-OWN])
 
 
 def _inside(grid: Grid, x: int, y: int) -> bool:

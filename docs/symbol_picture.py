@@ -1,0 +1,103 @@
+"""Pictures of the element reference: the symbol of each element as a schematic draws it, with its ports named."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from sign_picture import EDGE, save
+
+from torsionnet.elements import Element
+from torsionnet.report import emblems, glyphs
+from torsionnet.report.blocks import Block, Stroke
+from torsionnet.report.canvas import painted
+from torsionnet.report.drops import Drop, Stage
+
+BETWEEN = 60.0
+INLINE = ("spring", "damper", "coupling", "shaft")
+
+
+def write(folder: Path, kind: str, samples: Sequence[Element]) -> None:
+    """One picture of the plainest element and, where it looks different, of one with everything given."""
+    whole = Block()
+    drawn: list[tuple[Stroke, ...]] = []
+    for element in samples:
+        block = picture(element)
+        if tuple(block.strokes) in drawn:
+            continue
+        drawn.append(tuple(block.strokes))
+        whole.add(block.shifted(whole.extent[1] + BETWEEN - block.extent[0] if whole.strokes else 0.0, 0.0))
+    x0, x1, y0, y1 = whole.extent
+    save(painted(whole, (x0 - EDGE, x1 + EDGE, y0 - EDGE, y1 + EDGE)), folder / f"symbol_{kind}.svg")
+
+
+def picture(element: Element) -> Block:
+    """By the kind of its symbol."""
+    if element.glyph == "disc":
+        return _disc(element)
+    if element.glyph == "clamp":
+        return _clamp(element)
+    if element.glyph == "gear":
+        return _gear(element)
+    return _inline(element) if element.glyph in INLINE else _box(element)
+
+
+def _disc(element: Element) -> Block:
+    block = Block()
+    block.line((0, 0), (60, 0))
+    block.strokes += glyphs.disc(30, 26)
+    block.boxes.append((23, 37, -26, 26))
+    _port(block, 8, element, 0)
+    return block
+
+
+def _clamp(element: Element) -> Block:
+    block = Block()
+    block.line((0, 0), (50, 0))
+    block.strokes += [stroke.shifted(50, 0) for stroke in glyphs.wall(0)]
+    block.boxes.append((50, 58, -18, 18))
+    _port(block, 14, element, 0)
+    return block
+
+
+def _inline(element: Element) -> Block:
+    """Between two ends."""
+    glyph = glyphs.inline_glyph(element, {})
+    block = Block(glyph.along(44, 0))
+    block.boxes.append((44, 44 + glyph.length, -glyph.reach, glyph.reach))
+    block.line((0, 0), (44, 0))
+    block.line((44 + glyph.length, 0), (88 + glyph.length, 0))
+    _port(block, 16, element, 0)
+    _port(block, 72 + glyph.length, element, 1)
+    return block
+
+
+def _gear(element: Element) -> Block:
+    """Two wheels; a moving housing is a dashed frame."""
+    block, distance = Block(), 70.0
+    block.line((0, 0), (70, 0))
+    block.line((70, -distance), (150, -distance))
+    block.add(Drop(70, 0, Block(), (Stage(element, 0.0, (), 1.6),)).connector(distance))
+    _port(block, 20, element, 0)
+    _port(block, 126, element, 1, y=-distance)
+    if "housing" in element.ports:
+        block.write(112, 6, [("housing", "port")])
+    return block
+
+
+def _box(element: Element) -> Block:
+    """Three ports at the edges of a box."""
+    block, half = Block(), 35.0
+    block.line((-110, 0), (-60, 0))
+    block.line((60, 0), (110, 0))
+    block.line((0, -half), (0, -half - 22))
+    block.strokes += [glyphs.rectangle(-60, 60, -half, half, glyphs.BOX), *emblems.emblem(element, 0, 6)]
+    block.boxes.append((-60, 60, -half, half))
+    first, second, third = element.ports
+    for x, y, name in ((-44, -10, first), (44, -10, second), (0, -half + 2, third)):
+        block.write(x, y, [(name, "port")])
+    return block
+
+
+def _port(block: Block, x: float, element: Element, place: int, *, y: float = 0.0) -> None:
+    block.write(x, y + 4, [(list(element.ports)[place], "port")])

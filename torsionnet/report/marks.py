@@ -1,0 +1,41 @@
+"""Inputs and sensors on a shaft, with their names above it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from torsionnet.report import glyphs
+from torsionnet.report.blocks import Block, Stroke
+from torsionnet.report.texts import broken
+
+TOPS = {"input": 19.0, "motion": 20.0, "torque": 20.0}
+"""Points above the shaft where the name of each kind of mark begins."""
+
+ARROW = 17.0
+"""Half the height of a torque arrow."""
+
+
+@dataclass(frozen=True)
+class Mark:
+    """An input, or a sensor of motion or torque."""
+
+    kind: str
+    name: str
+    what: str
+
+    def drawn(self, lift: float = 0.0) -> Block:
+        """Around x = 0, with the name so much higher than usual."""
+        top = TOPS[self.kind] + lift
+        piece = Block()
+        if self.kind == "input":
+            piece.strokes += glyphs.torque_arrow(0.0)
+            piece.boxes.append((-8, 8, -ARROW - 2, TOPS["input"]))
+        else:
+            piece.strokes += glyphs.sensor_mark(0.0, torque=self.kind == "torque", leader=top)
+            piece.boxes.append((-5, 5, -5, TOPS["torque"]))
+        if lift:
+            leader = Stroke(((0, ARROW), (0, top)), "leader")
+            piece.strokes += [leader] if self.kind == "input" else []
+            piece.boxes.append((-1.5, 1.5, 0, top))
+        piece.write(0, top, broken([(self.name, "input" if self.kind == "input" else "sensor"), (self.what, "what")]))
+        return piece

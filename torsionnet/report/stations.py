@@ -1,0 +1,216 @@
+"""The nodes of a drivetrain along an axis, in the order of its schematic, with the ratios between them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise, permutations, zip_longest
+from typing import TYPE_CHECKING
+
+from torsionnet.elements import Gear
+from torsionnet.errors import UsageError
+from torsionnet.report.courses import Course, courses
+from torsionnet.report.topology import Connections, Link, Vertex, connections, trees
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+
+BETWEEN = 0.7
+"""Room between two branches, in distances between nodes."""
+
+
+@dataclass(frozen=True)
+class Station:
+    """A node at a place of the axis; a branch begins with the node it leaves, once more."""
+
+    x: float
+    node: str
+    again: bool = False
+
+
+@dataclass(frozen=True)
+class Join:
+    """Stations beside each other that share an element: a shaft, a gear of some ratio, or a set with three ports."""
+
+    first: int
+    second: int
+    kind: str
+    label: str = ""
+
+
+@dataclass
+class Axis:
+    """Stations from left to right, what joins them, and the borders between branches."""
+
+    stations: list[Station] = field(default_factory=list)
+    joins: list[Join] = field(default_factory=list)
+    borders: list[float] = field(default_factory=list)
+    begins: bool = False
+    """Whether the next station begins a branch."""
+
+    @property
+    def end(self) -> float:
+        return self.stations[-1].x if self.stations else 0.0
+
+    def add(self, node: str, kind: str = "", label: str = "", *, again: bool = False) -> None:
+        """One distance further on; joined with the station before if the kind says how."""
+        x = self.end + 1.0 if self.stations else 0.0
+        self.stations.append(Station(x + (BETWEEN if self.begins else 0.0), node, again))
+        if kind:
+            place = len(self.stations) - 1
+            self.joins.append(Join(place - 1, place, kind, label))
+        self.begins = False
+
+    def border(self) -> None:
+        """Begin another branch."""
+        if self.stations:
+            self.borders.append(self.end + (1.0 + BETWEEN) / 2)
+            self.begins = True
+
+
+def plain_axis(nodes: Iterable[str]) -> Axis:
+    """Nodes in their own order, joined by nothing."""
+    return Axis([Station(float(place), node) for place, node in enumerate(nodes)])
+
+
+def axis_of(drivetrain: Drivetrain) -> Axis:
+    """Main line first, then the branches in the order of the schematic; what a schematic hides in a box comes last."""
+    found = connections(drivetrain)
+    hidden = _hidden(found, drivetrain)
+    grown, _ = trees(found, [node for node in drivetrain.nodes if node not in hidden])
+    axis = Axis()
+    for tree in grown:
+        for course in _in_depth(courses(tree)):
+            _line(axis, course, drivetrain)
+    left = [node for node in drivetrain.nodes if node not in {station.node for station in axis.stations}]
+    for place, node in enumerate(left):
+        if place == 0:
+            axis.border()
+        axis.add(node)
+    return axis
+
+
+def _in_depth(found: Mapping[Vertex, Course]) -> Iterator[Course]:
+    """Every line followed by what leaves it, first what leaves its end."""
+    leaving: dict[Vertex | None, list[Course]] = {}
+    for course in found.values():
+        leaving.setdefault(course.parent, []).append(course)
+    stack = leaving.get(None, [])[::-1]
+    while stack:
+        course = stack.pop()
+        yield course
+        following = [other for vertex in reversed(course.vertices) for other in leaving.get(vertex, ())]
+        stack += following[::-1]
+
+
+def _hidden(found: Connections, drivetrain: Drivetrain) -> set[str]:
+    drawn = [*drivetrain.elements.values(), *found.boxes.values()]
+    return {node for element in drawn for node in element.internal_nodes}
+
+
+def _line(axis: Axis, course: Course, drivetrain: Drivetrain) -> None:
+    """The nodes of one line; boxes are passed through."""
+    kind, label = "", ""
+    if course.incoming is None or course.parent is None:
+        axis.border()
+    else:
+        # A gear at the end of a line is no branch: the line goes on behind it.
+        if not axis.stations or course.parent.name != axis.stations[-1].node:
+            axis.border()
+            if not course.parent.is_box:
+                axis.add(course.parent.name, again=True)
+        if not course.parent.is_box:
+            label = _ratio_label(course.incoming, drivetrain)
+            kind = _through(axis, course.incoming, course.vertices[0])
+    for vertex, onward in zip_longest(course.vertices, course.links):
+        if not vertex.is_box:
+            axis.add(vertex.name, kind, label)
+        if onward is not None:
+            label = ""
+            following = onward.other(vertex)
+            kind = "" if vertex.is_box and not axis.stations else _through(axis, onward, following)
+
+
+def _through(axis: Axis, link: Link, end: Vertex) -> str:
+    """Stations within a shaft on the way; gives how the next node is joined."""
+    if not link.elements:
+        return "box"
+    if link.is_gear:
+        return "gear"
+    inner = list(link.elements[0].internal_nodes)
+    ports = list(link.elements[0].ports.values())
+    for node in inner if ports[-1] == end.name else reversed(inner):
+        axis.add(node, "shaft")
+    return "shaft"
+
+
+def _ratio_label(link: Link, drivetrain: Drivetrain) -> str:
+    """The ratio of a gear as the model gives it, speed of its first node over that of its second."""
+    gear = link.elements[0] if link.elements else None
+    if not isinstance(gear, Gear):
+        return ""
+    return f"{float(gear.ratio_value(dict(drivetrain.exact_values))):.3g}".replace("-", "−")
+
+
+@dataclass(frozen=True)
+class Ratios:
+    """Speed of a reference over that of each node."""
+
+    of: dict[str, float]
+    free: tuple[str, ...]
+    """Nodes without a fixed ratio: behind an open differential or a free planetary set, or clamped."""
+
+
+def ratios(drivetrain: Drivetrain, reference: str) -> Ratios:
+    """Ratios from a node to all others; where none is fixed, that of the shaft next to it is kept.
+
+    Springs, dampers, couplings and shafts pass a speed on, so that only one node of each shaft line is asked for.
+    """
+    lead = _shaft_lines(drivetrain)
+    asked: dict[str, float | None] = {lead[reference]: 1.0}
+    for node in drivetrain.nodes:
+        if lead[node] not in asked:
+            asked[lead[node]] = _ratio(drivetrain, reference, lead[node])
+    known = {line: ratio for line, ratio in asked.items() if ratio is not None}
+    _spread(drivetrain, lead, known)
+    free = tuple(node for node in drivetrain.nodes if asked[lead[node]] is None)
+    return Ratios({node: known.get(lead[node], 1.0) for node in drivetrain.nodes}, free)
+
+
+def _spread(drivetrain: Drivetrain, lead: dict[str, str], known: dict[str, float]) -> None:
+    """Give every shaft line without a ratio that of one it shares an element with."""
+    pairs = [
+        (lead[one], lead[other])
+        for element in drivetrain.elements.values()
+        for one, other in permutations([node for node in element.ports.values() if node in lead], 2)
+    ]
+    before = -1
+    while len(known) != before:
+        before = len(known)
+        for one, other in pairs:
+            if one in known and other not in known:
+                known[other] = known[one]
+
+
+def _ratio(drivetrain: Drivetrain, reference: str, node: str) -> float | None:
+    try:
+        return drivetrain.ratio_between(reference, node) or None
+    except UsageError:
+        return None
+
+
+def _shaft_lines(drivetrain: Drivetrain) -> dict[str, str]:
+    """The first node of the shaft line each node is on."""
+    lead = {node: node for node in drivetrain.nodes}
+
+    def first(node: str) -> str:
+        while lead[node] != node:
+            node = lead[node]
+        return node
+
+    for element in drivetrain.elements.values():
+        if element.glyph in ("spring", "damper", "coupling", "shaft"):
+            nodes = [node for node in (*element.ports.values(), *element.internal_nodes) if node in lead]
+            for one, other in pairwise(nodes):
+                lead[first(other)] = first(one)
+    return {node: first(node) for node in drivetrain.nodes}
