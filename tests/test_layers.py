@@ -13,6 +13,7 @@ PACKAGE = Path(__file__).parents[1] / "torsionnet"
 
 LAYERS = (  # top to bottom: first name below torsionnet
     {"cli", "demo", "__main__"},
+    {"document"},
     {"report", "interchange"},
     {"identification", "virtual"},
     {"sensitivity"},
@@ -20,6 +21,7 @@ LAYERS = (  # top to bottom: first name below torsionnet
     {"assembly"},
     {
         "bench",
+        "outline",
         "drivetrain",
         "files",
         "checks",
