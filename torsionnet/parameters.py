@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from torsionnet.elements.fields import FieldError, plain_scalar
 from torsionnet.errors import Fault, unknown_key
-from torsionnet.expressions import Expression, ExpressionError, Number, check_name, scalar
-from torsionnet.units import Dimension, UnitError
+from torsionnet.expressions import Expression, ExpressionError, Name, Number, check_name, scalar
+from torsionnet.units import Dimension, UnitError, expected_unit
+
+if TYPE_CHECKING:
+    from torsionnet.elements import Element
 
 KEYS = ("value", "description", "bounds")
 
@@ -183,3 +186,15 @@ def dimensions(parameters: Mapping[str, Parameter]) -> tuple[dict[str, Dimension
             faults.append(Fault(str(error), ("parameters", name)))
             found[name] = None
     return found, faults
+
+
+def parameter_units(parameters: Mapping[str, Parameter], elements: Iterable[Element]) -> dict[str, str]:
+    """SI units by the places of use, which tell N*m from N*m/rad, else by the dimension alone; empty for numbers."""
+    found = dimensions(parameters)[0]
+    units = {name: "" if dimension is None else str(dimension) for name, dimension in found.items()}
+    for element in elements:
+        for spec, value in element.scalars().values():
+            for _, expression, dimension in spec.expressions(value):
+                if isinstance(expression, Name):
+                    units[expression.name] = expected_unit(dimension)
+    return {name: "" if unit == "1" else unit for name, unit in units.items()}

@@ -12,8 +12,8 @@ from torsionnet.damping import DampingMeasure
 from torsionnet.elements import Element, Values
 from torsionnet.elements.fields import NodeName, NodePair, Spec, Text, spec_of
 from torsionnet.elements.laws import Law
-from torsionnet.expressions import Expression, Name, Number
-from torsionnet.parameters import dimensions
+from torsionnet.expressions import Expression, Number
+from torsionnet.parameters import parameter_units
 from torsionnet.response.table import Column, Table
 from torsionnet.units import expected_unit
 
@@ -113,25 +113,13 @@ def resolved(value: Expression, unit: str, rig: Drivetrain) -> str:
 
 
 def parameters_table(rig: Drivetrain) -> Table:
-    units = _parameter_units(rig)
+    units = parameter_units(rig.parameter_definitions, rig.definition.elements.values())
     columns = (Column("parameter"), Column("value"), Column("unit"), Column("as written"), Column("description"))
     rows = tuple(
         (name, rig.parameters[name], units[name], str(parameter.value), parameter.description)
         for name, parameter in rig.parameter_definitions.items()
     )
     return Table("Parameters", columns, rows)
-
-
-def _parameter_units(rig: Drivetrain) -> dict[str, str]:
-    """SI units by the places of use, which tell N*m from N*m/rad, else by the dimension alone."""
-    found = dimensions(rig.parameter_definitions)[0]
-    units = {name: "" if dimension is None else str(dimension) for name, dimension in found.items()}
-    for element in rig.definition.elements.values():
-        for spec, value in element.scalars().values():
-            for _, expression, dimension in spec.expressions(value):
-                if isinstance(expression, Name):
-                    units[expression.name] = expected_unit(dimension)
-    return {name: "" if unit == "1" else unit for name, unit in units.items()}
 
 
 def channels_table(rig: Drivetrain) -> Table:
@@ -176,7 +164,7 @@ def speeds_table(rig: Drivetrain) -> Table:
 
 def as_data(rig: Drivetrain) -> dict[str, Any]:
     """The model for a program: the content of its file, and the resolved values."""
-    units = _parameter_units(rig)
+    units = parameter_units(rig.parameter_definitions, rig.definition.elements.values())
     return {
         "title": rig.title,
         "configuration": rig.configuration,

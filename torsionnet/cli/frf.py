@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from torsionnet.cli.frf_output import Shown
-    from torsionnet.cli.peaks import Solver
+    from torsionnet.solve.peaks import Solver
     from torsionnet.response import FrequencyResponse
     from torsionnet.response.frequency_response import FloatArray
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsionnet.errors import UsageError
+from torsionnet.solve.suitable import BELOW, suitable_range
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,8 +18,6 @@ if TYPE_CHECKING:
     from torsionnet.response.frequency_response import FloatArray
 
 POINTS, MOST_POINTS = 500, 1_000_000
-BELOW, ABOVE = 10.0, 2.0
-WITHOUT_MODES = (0.1, 100.0)
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,7 @@ class Sampling:
             return read_list(self.listed) / scale
         start, stop = self.start, self.stop
         if start is None or stop is None:
-            low, high = suitable_range(cases)
+            low, high = suitable_range([case.drivetrain.modes() for case in cases])
             start = min(low * scale, stop / BELOW if stop else math.inf) if start is None else start
             stop = max(high * scale, start * BELOW) if stop is None else stop
         return spaced(start, stop, self.points or POINTS, self.logarithmic) / scale
@@ -94,24 +93,3 @@ def _part(part: str, text: str) -> FloatArray:
 
 def _unreadable(text: str) -> UsageError:
     return UsageError(f'frequencies are written "start:stop:step" or "1,2,5", got "{text}"')
-
-
-def suitable_range(cases: Sequence[Case]) -> tuple[float, float]:
-    """Hz: from a tenth of the lowest to twice the highest vibration of all cases, on round numbers."""
-    found = [value for case in cases for value in case.drivetrain.modes().damped_frequencies if value > 0]
-    if not found:
-        return WITHOUT_MODES
-    return rounded(float(min(found)) / BELOW, up=False), rounded(float(max(found)) * ABOVE, up=True)
-
-
-def rounded(value: float, *, up: bool) -> float:
-    """The next 1, 2 or 5 times a power of ten.
-
-    >>> rounded(0.71, up=False), rounded(162, up=True)
-    (0.5, 200.0)
-    """
-    decade = 10.0 ** math.floor(math.log10(value))
-    steps = [factor * decade for factor in (1, 2, 5, 10)]
-    return (
-        next(step for step in steps if step >= value) if up else next(step for step in reversed(steps) if step <= value)
-    )

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from torsionnet.errors import UsageError
-from torsionnet.identification import Compared, Fit
 from torsionnet.report import style
 from torsionnet.response import SI, Conventions
+
+if TYPE_CHECKING:
+    from torsionnet.identification import Compared, Fit  # loads scipy.optimize, which pictures can do without
 
 MOST_MEASUREMENTS = 6
 HEIGHTS = (3.0, 2.2, 1.5)

@@ -70,7 +70,7 @@ def mode_shapes(
     if chosen:
         grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
         for index, axes in zip(chosen, grid.flat, strict=False):
-            _panel(axes, modes, index, _edges(modes, drivetrain), conventions)
+            _panel(axes, modes, index, edges_of(modes, drivetrain), conventions)
         for axes in list(grid.flat)[len(chosen) :]:
             axes.remove()
         for axes in grid[-1, :] if len(chosen) % columns == 0 else [*grid[-1, :1], *grid[-2:-1, 1]]:
@@ -91,7 +91,7 @@ def _chosen(modes: Modes, which: Sequence[int] | None) -> list[int]:
     return [number - 1 for number in which]
 
 
-def _edges(modes: Modes, drivetrain: Drivetrain | None) -> list[tuple[int, int]]:
+def edges_of(modes: Modes, drivetrain: Drivetrain | None) -> list[tuple[int, int]]:
     """Positions of the nodes that share an element."""
     if drivetrain is None:
         return []

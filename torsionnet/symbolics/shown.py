@@ -7,6 +7,8 @@ from typing import Any
 
 import sympy
 
+from torsionnet.symbolics.naming import symbol_names
+
 LONG = 12
 """Digits of a rational number from which on it is shown as a decimal."""
 DIGITS = 8
@@ -54,8 +56,8 @@ def where_text(result: Any, table: Mapping[Any, Any]) -> str:
 
 
 def latex(expression: Any) -> str:
-    """LaTeX of an expression."""
-    return str(sympy.latex(shown(expression)))
+    """LaTeX of an expression, with the names as they are printed: ``I_{\\mathrm{MT}}``."""
+    return str(sympy.latex(shown(expression), symbol_names=symbol_names(expression.free_symbols)))
 
 
 def with_where(result: str, table: Mapping[Any, Any]) -> str:

@@ -1,0 +1,83 @@
+"""Names, units and numbers as a reader of a report sees them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+
+from torsionnet.channels import parse_sensor
+from torsionnet.document.tree import Inline, Math, Number
+from torsionnet.outline import Pair
+from torsionnet.symbolics.naming import GREEK, symbol_latex
+
+MOST_DECIMALS = 4
+
+
+def plain(name: str) -> str:
+    """A name from the model as words: ``input_shaft`` is the input shaft."""
+    return name.replace("_", " ")
+
+
+def is_symbol(name: str) -> bool:
+    """Whether a name is one letter or a Greek one, perhaps with an index.
+
+    >>> is_symbol("theta_1"), is_symbol("T_T"), is_symbol("k1"), is_symbol("rotor_speed")
+    (True, True, True, False)
+    """
+    match = re.fullmatch(r"([A-Za-z]+?)(\d*)(_\w+)?", name)
+    return bool(match) and (len(match[1]) == 1 or match[1] in GREEK)
+
+
+def channel_latex(name: str) -> str:
+    """A sensor, input or node in a formula."""
+    sensor = None if is_symbol(name) else parse_sensor(name)
+    if sensor is not None:
+        at = f", {plain(sensor.at)}" if sensor.at else ""
+        return rf"\text{{{sensor.quantity}({plain(sensor.of)}{at})}}"
+    return symbol_latex(name) if is_symbol(name) else rf"\text{{{plain(name)}}}"
+
+
+def pair_latex(pair: Pair) -> str:
+    """A transfer function as a slanted fraction."""
+    return f"{channel_latex(pair.output)} / {channel_latex(pair.input)}"
+
+
+def named(name: str) -> Inline:
+    """A sensor, input or parameter as symbol or words."""
+    return Math(symbol_latex(name)) if is_symbol(name) else plain(name)
+
+
+def sentence(text: str, names: Iterable[str]) -> str:
+    """A sentence of the program in which names from the model become words."""
+    joined = "|".join(re.escape(name) for name in sorted(names, key=len, reverse=True) if "_" in name)
+    return re.sub(rf"\b(?:{joined})\b", lambda match: plain(match[0]), text) if joined else text
+
+
+def unit(text: str) -> str:
+    """An SI unit as it is printed: ``rad/(N·m)``, a dash for none."""
+    return "–" if text in ("", "1") else text.replace("*", "·").replace("^2", "²").replace("^3", "³")
+
+
+def capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def listed(names: Sequence[str], most: int = 12) -> str:
+    """Names with commas; of many the first."""
+    rest = len(names) - most
+    return ", ".join(names[:most]) + (f", … and {rest} more" if rest > 0 else "")
+
+
+def aligned(values: Sequence[float | None], digits: int = 4) -> list[Number]:
+    """Numbers of one column with equally many decimals, so many that the smallest has three digits or more.
+
+    >>> [number.mantissa for number in aligned([3.6909, 40.535, None])]
+    ['3.691', '40.535', '–']
+    """
+    sizes = [abs(value) for value in values if value is not None and math.isfinite(value) and value != 0]
+    if not sizes or max(sizes) >= 1e5 or max(sizes) / min(sizes) > 1e4:  # noqa: PLR2004
+        return [Number(value, digits) for value in values]
+    decimals = digits - 1 - math.floor(math.log10(min(sizes)))
+    decimals = min(max(decimals, 0), max(MOST_DECIMALS, digits - 1 - math.floor(math.log10(max(sizes)))))
+    return [Number(value, digits, decimals) for value in values]
