@@ -19,7 +19,7 @@ from torsionnet.document.sections.comparison import comparison_section
 from torsionnet.document.sections.validity import validity_section
 from torsionnet.document.subject import Subject
 from torsionnet.document.tree import Facts, Report, Section, Text
-from torsionnet.document.words import listed
+from torsionnet.document.words import listed, sentence
 from torsionnet.outline import SECTIONS
 
 BUILDERS: dict[str, Callable[[Subject], Section | None]] = {
@@ -47,7 +47,7 @@ def build(subject: Subject, version: str) -> Report:
         title=outline.title or subject.model.name,
         subtitle="Torsional vibration report",
         facts=Facts(tuple(_facts(subject, version))),
-        notes=outline.notes.strip(),
+        notes=sentence(outline.notes.strip(), subject.model),
         sections=tuple(section for section in made if section is not None),
     )
 

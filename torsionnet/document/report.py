@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from torsionnet.identification import Fit
 
 Model: TypeAlias = "str | os.PathLike[str] | Drivetrain"
+VERSION = str(importlib.import_module("torsionnet").__version__)  # the package itself is above every layer
 WRITERS = {".html": "page", ".htm": "page", ".pdf": "pdf", ".tex": "latex", ".md": "markdown"}
 """Writer by the ending of the file: a module with a function ``write(report, path)``."""
 
@@ -154,10 +155,9 @@ def make_report(
     cases = cases_of(drivetrain, outline.configurations)
     subject = Subject(drivetrain, cases, request, file, digest_of(data))
     require_answers(subject)
-    from torsionnet import __version__
     from torsionnet.document.build import build
 
-    return build(subject, __version__)
+    return build(subject, VERSION)
 
 
 def _read(model: Model) -> tuple[Drivetrain, str, bytes]:

@@ -204,7 +204,7 @@ class Report:
     title: str
     subtitle: str
     facts: Facts
-    notes: str
+    notes: Text
     sections: tuple[Section, ...]
 
     @property

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from torsionnet.channels import parse_sensor
-from torsionnet.document.tree import Inline, Math, Number
+from torsionnet.document.tree import Inline, Math, Number, Text
 from torsionnet.outline import Pair
 from torsionnet.symbolics.naming import GREEK, symbol_latex
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
 
 MOST_DECIMALS = 4
 
@@ -48,10 +52,32 @@ def named(name: str) -> Inline:
     return Math(symbol_latex(name)) if is_symbol(name) else plain(name)
 
 
-def sentence(text: str, names: Iterable[str]) -> str:
-    """A sentence of the program in which names from the model become words."""
-    joined = "|".join(re.escape(name) for name in sorted(names, key=len, reverse=True) if "_" in name)
-    return re.sub(rf"\b(?:{joined})\b", lambda match: plain(match[0]), text) if joined else text
+def sentence(text: str, rig: Drivetrain) -> Text:
+    """A sentence in which names from the model become words, and those of quantities symbols.
+
+    >>> import torsionnet as tn
+    >>> sentence("cut at T_T, without half_shaft", tn.load("amt_rig"))
+    ('cut at ', Math(latex='T_{T}'), ', without half shaft')
+    """
+    symbols = {name for table in (rig.inputs, rig.sensors, rig.parameters) for name in table if _can_be_told(name)}
+    words = {name for name in (*rig.nodes, *rig.definition.elements) if "_" in name} - symbols
+    names = sorted({*symbols, *words}, key=len, reverse=True)
+    if not names:
+        return (text,)
+    parts: list[Inline] = []
+    for piece in re.split(rf"(?<!\w)({'|'.join(map(re.escape, names))})(?!\w)", text):
+        if piece in symbols:
+            parts.append(Math(symbol_latex(piece)))
+        elif parts and isinstance(parts[-1], str):
+            parts[-1] += plain(piece) if piece in words else piece
+        elif piece:
+            parts.append(plain(piece) if piece in words else piece)
+    return tuple(parts)
+
+
+def _can_be_told(name: str) -> bool:
+    """Whether a name in a sentence is surely that of a quantity, and no word or article."""
+    return is_symbol(name) and "_" in name
 
 
 def unit(text: str) -> str:
@@ -80,4 +106,4 @@ def aligned(values: Sequence[float | None], digits: int = 4) -> list[Number]:
         return [Number(value, digits) for value in values]
     decimals = digits - 1 - math.floor(math.log10(min(sizes)))
     decimals = min(max(decimals, 0), max(MOST_DECIMALS, digits - 1 - math.floor(math.log10(max(sizes)))))
-    return [Number(value, digits, decimals) for value in values]
+    return [Number(value, digits, decimals if value else None) for value in values]

@@ -40,8 +40,7 @@ def checks_section(subject: Subject) -> Section:
                 )
             )
         )
-    names = (*subject.model.nodes, *subject.model.definition.elements)
-    blocks += [Remark(fault.severity, (capital(sentence(fault.text, names)) + ".",)) for fault in found]
+    blocks += [Remark(fault.severity, sentence(capital(fault.text) + ".", subject.model)) for fault in found]
     rows = list(_comparisons(subject))
     if rows:
         columns = (Heading("Comparison", wide=True), Heading("Largest relative difference", numeric=True))

@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import sympy
 
 from torsionnet.document.subject import MOST_SYMBOLIC, Case, Form, Subject
 from torsionnet.document.tree import (
     Block, Cell, Code, Formula, Heading, Math, Number, Paragraph, Section, Strong, Table, Terms, Text, table,
 )  # fmt: skip
-from torsionnet.document.words import capital, named, pair_latex, plain, sentence
+from torsionnet.document.words import capital, channel_latex, pair_latex, sentence, unit
 from torsionnet.errors import UsageError
 from torsionnet.outline import Pair
+from torsionnet.response import FrequencyResponse
 from torsionnet.symbolics.equations import sum_terms
 from torsionnet.symbolics.naming import symbol_latex
 from torsionnet.symbolics.shown import latex, polynomial_latex
 
 if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
     from torsionnet.symbolics.transfer_function import TransferFunction
 
 SHORT, LONG = 70, 420
@@ -55,7 +58,7 @@ def _function(pair: Pair, form: Form) -> list[Block]:
     except UsageError as error:
         return [Paragraph((f"Not written in symbols: {error}.",))]
     rig = form.cases[0].drivetrain
-    blocks: list[Block] = [Paragraph(_introduction(found, pair, rig.definition.elements))]
+    blocks: list[Block] = [Paragraph(_introduction(found, rig))]
     if operations > LONG:
         text = f"It takes {operations} additions, multiplications and divisions, which would fill pages. "
         return [*blocks, Paragraph((text, Code(f'model.symbolic().transfer_function("{pair.output}", "{pair.input}")')))]
@@ -67,20 +70,14 @@ def _function(pair: Pair, form: Form) -> list[Block]:
 
 
 def _quotient(pair: Pair) -> str:
-    from torsionnet.document.words import channel_latex
-
     return rf"\frac{{{channel_latex(pair.output)}}}{{{channel_latex(pair.input)}}}"
 
 
-def _introduction(found: TransferFunction, pair: Pair, elements: Any) -> Text:
+def _introduction(found: TransferFunction, rig: Drivetrain) -> Text:
     output, into = found.channels
-    notes = [capital(sentence(note, elements)) for note in found.notes]
-    kind = "a torque" if into.unit == "N*m" else "a motion"
-    what = {"rad": "An angle", "rad/s": "An angular velocity", "rad/s^2": "An angular acceleration"}
-    lead: Text = (f"{what.get(output.unit, 'A torque')} over {kind}. ",)
-    if found.asked is not None and found.asked.measured is not None:
-        lead = (*lead, named(pair.input), " is measured: what lies upstream of it is not part of the formula. ")
-    return (*lead, *(f"{note}. " for note in notes))
+    response = FrequencyResponse(np.empty(0), np.empty((0, 1, 1)), (output,), (into,))
+    lead = f"{capital(response.kind())} in {unit(response.unit())}." if response.unit() != "1" else f"{capital(response.kind())}."
+    return sentence(" ".join([lead, *(f"{capital(note)}." for note in found.notes)]), rig)
 
 
 def _polynomial(found: TransferFunction, pair: Pair, cases: tuple[Case, ...]) -> list[Block]:
@@ -125,11 +122,10 @@ def _exact(value: Any) -> bool:
 
 def _limits(found: TransferFunction, pair: Pair) -> Table:
     arrow = {"low": r"s \to 0", "high": r"s \to \infty"}
-    rows: list[tuple[Cell, ...]] = [
-        ("Static value", _limit(found.static_gain)),
-        (("Low frequency, ", Math(arrow["low"])), _limit(found.low_frequency)),
-        (("High frequency, ", Math(arrow["high"])), _limit(found.high_frequency)),
-    ]
+    static, low, high = found.static_gain, found.low_frequency, found.high_frequency
+    rows: list[tuple[Cell, ...]] = [("Static value", _limit(static))]
+    rows += [(("Low frequency, ", Math(arrow["low"])), _limit(low))] if low != static else []
+    rows.append((("High frequency, ", Math(arrow["high"])), _limit(high)))
     return table(("Limits of ", Math(pair_latex(pair))), (Heading("Limit"), Heading("Leading term", wide=True)), rows)
 
 

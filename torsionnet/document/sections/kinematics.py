@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from torsionnet.document.subject import Form, Subject
 from torsionnet.document.tree import Block, Cell, Heading, Math, Number, Paragraph, Section, Table, Text, table
 from torsionnet.document.words import listed, plain
@@ -45,6 +47,7 @@ def _angles(nodes: tuple[str, ...]) -> Text:
 def _relations(form: Form) -> Table:
     system, first = form.system, form.cases[0].drivetrain
     cases = form.cases[:MOST_COLUMNS]
+    cases = cases[:1] if all(_same_ratios(cases[0].drivetrain, case.drivetrain) for case in cases) else cases
     rows = []
     for index, node in enumerate(system.nodes):
         if node in system.coordinates:
@@ -53,12 +56,15 @@ def _relations(form: Form) -> Table:
         given = [(coefficient, name) for coefficient, name in terms if coefficient != 0]
         numbers = [_ratio(case.drivetrain, node, given) for case in cases]
         rows.append((plain(node), Math(f"{angle_latex(node)} = {_sum(given)}"), _owners(first, node), *numbers))
-    heads = [case.configuration or "ratio" for case in cases]
+    heads = [case.configuration for case in cases] if len(cases) > 1 else ["Ratio"]
     columns = [Heading("Node"), Heading("Angle"), Heading("By", wide=True)]
     columns += [Heading(head, numeric=True) for head in heads]
-    which = ", ".join(case.configuration for case in form.cases)
-    caption = "Nodes that follow others" + (f"; {which}: ratio to the coordinate" if which else "")
-    return table(caption, columns, rows, most=MOST)
+    note = "Ratio: angle of the node over that of the coordinate."
+    return table("Nodes that follow others", columns, rows, [note], most=MOST)
+
+
+def _same_ratios(rig: Drivetrain, other: Drivetrain) -> bool:
+    return bool(np.array_equal(rig.assembly.T, other.assembly.T))
 
 
 def _ratio(rig: Drivetrain, node: str, given: list[tuple[Any, str]]) -> Cell:

@@ -46,9 +46,9 @@ def modes_section(subject: Subject) -> Section:
 
 def _introduction(subject: Subject) -> Text:
     text: Text = (
-        "Free vibration with damping: ", Math(r"f_{n} = |\lambda|/2\pi"), " is the natural frequency, ",
+        "Free vibration with damping: ", Math(r"f_{n} = \left|\lambda\right|/2\pi"), " is the natural frequency, ",
         Math(r"f_{d} = \mathrm{Im}\,\lambda/2\pi"), " the frequency of the damped vibration, ",
-        Math(r"\zeta = -\mathrm{Re}\,\lambda/|\lambda|"), " the damping ratio.",
+        Math(r"\zeta = -\mathrm{Re}\,\lambda/\left|\lambda\right|"), " the damping ratio.",
     )  # fmt: skip
     if subject.is_large or any(len(modes) == MOST_MODES < subject.size for modes in subject.modes):
         text = (*text, f" The model has {subject.size} coordinates; the lowest {MOST_MODES} modes are shown.")
@@ -74,11 +74,10 @@ def _rows(modes: Modes, rig: Drivetrain) -> tuple[tuple[Cell, ...], ...]:
     ratios = aligned(
         [100 * float(value) if shown else None for value, shown in zip(modes.damping_ratios, swings, strict=True)], 3
     )
-    names = (*rig.nodes, *rig.definition.elements)
     return tuple(
         (
             Number(index + 1), KINDS.get(modes.kinds[index], modes.kinds[index]), natural[index], damped[index],
-            ratios[index], capital(sentence(modes.descriptions[index], names)),
+            ratios[index], sentence(capital(modes.descriptions[index]), rig),
         )
         for index in range(len(modes))
     )  # fmt: skip
@@ -94,7 +93,7 @@ def _notes(subject: Subject, found: tuple[Modes, ...]) -> list[Text]:
     listed = "; ".join(str(note[0]) for note in notes)
     remarks = dict.fromkeys(note for modes in found for note in modes.notes)
     lead = ("Undamped natural frequencies: " + listed,)
-    return [lead, *((capital(sentence(note, subject.model.definition.elements)) + ".",) for note in remarks)]
+    return [lead, *(sentence(capital(note) + ".", subject.model) for note in remarks)]
 
 
 def _energies(subject: Subject) -> Table:

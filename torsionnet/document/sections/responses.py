@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +13,9 @@ from torsionnet.document.words import aligned, pair_latex, unit
 from torsionnet.outline import Pair
 from torsionnet.response import FrequencyResponse
 from torsionnet.solve.peaks import Peak, peaks, static_value
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 MOST_PEAKS = 6
 MOST_CURVES = 7
@@ -34,6 +38,7 @@ def _picture(subject: Subject, pair: Pair, found: tuple[FrequencyResponse, ...],
     shown = found[:MOST_CURVES]
     labels = [case.configuration for case in subject.cases[:MOST_CURVES]] if len(shown) > 1 else None
     drawn = bode(shown, conventions=subject.conventions, labels=labels, title="")
+    name_axis(drawn, pair)
     rest = f"; the first {len(shown)} of {len(found)} configurations" if len(found) > len(shown) else ""
     overlaid = ", by configuration" if len(found) > 1 else ""
     kind = found[0].kind()
@@ -41,6 +46,15 @@ def _picture(subject: Subject, pair: Pair, found: tuple[FrequencyResponse, ...],
     low, high = subject.band
     alt = f"Bode plot of {pair}, {low:g} to {high:g} Hz{overlaid}"
     return Picture(f"bode_{number}", drawn, caption, alt)
+
+
+def name_axis(figure: Figure, pair: Pair) -> None:
+    """The names of output and input on the axis as symbols."""
+    from torsionnet.report.labels import symbol
+
+    axes = figure.axes[0]
+    shown = "/".join(symbol(name) for name in (pair.output, pair.input))
+    axes.set_ylabel(axes.get_ylabel().replace(str(pair), shown))
 
 
 def peaks_table(subject: Subject, pair: Pair, found: tuple[FrequencyResponse, ...]) -> Table:

@@ -41,8 +41,9 @@ def _notes(subject: Subject) -> Iterator[Text]:
 
 
 def _always(subject: Subject) -> Iterator[Text]:
-    point = subject.model.definition.operating_point
-    about = " about the operating point" if any(point.speed) or any(point.torque) else ""
+    model = subject.model
+    loaded = any(model.mean_speeds.values()) or any(model.mean_torques.values())
+    about = " about the operating point" if loaded else ""
     yield (
         f"Linear: small torsional vibrations{about}. Backlash, clearances, friction that sticks, slipping clutches and "
         "stops are not in the model; where a gear unloads or a spring reaches another stage it does not hold.",
@@ -85,7 +86,7 @@ def _ideal_parts(subject: Subject) -> Iterator[Text]:
     couplings = _of(subject, RigidCoupling)
     if couplings:
         yield (
-            f"Rigid couplings ({couplings}) neither twist nor damp; their own resonances lie above the band.",
+            f"Rigid couplings ({couplings}) neither twist nor damp; their own resonances are taken to lie above the band.",
         )
     if any("rigid body" in modes.kinds for modes in subject.modes):
         yield (

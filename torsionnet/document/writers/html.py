@@ -21,7 +21,7 @@ def html_page(report: Report) -> str:
     writer = _Writer()
     body = "\n".join(writer.section(section, (number,)) for number, section in enumerate(report.sections, 1))
     style = files("torsionnet.document.writers").joinpath("page.css").read_text(encoding="utf-8")
-    notes = f"<p class=lead>{escaped(report.notes)}</p>" if report.notes else ""
+    notes = f"<p class=lead>{inline(report.notes)}</p>" if any(report.notes) else ""
     return (
         "<!doctype html>\n<html lang=en>\n<head>\n<meta charset=utf-8>\n"
         f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">\n'
@@ -75,7 +75,7 @@ class _Writer:
             case Equations(rows):
                 return "".join(f"<p class=equation>{inline(row)}</p>" for row in rows)
             case Table():
-                return f"<div class=table>{table_html(block, self.label('Table'))}</div>"
+                return table_html(block, self.label("Table"))
             case Picture():
                 return self.picture(block)
             case Facts():

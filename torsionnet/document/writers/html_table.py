@@ -15,10 +15,11 @@ def table_html(block: Table, label: str) -> str:
     body = "".join(_group(group.title, group.rows, block.columns, decimals) for group in block.groups)
     notes = [*(inline(note) for note in block.notes), *([f"… and {block.more} more"] if block.more else [])]
     foot = "".join(f"<p class=note>{note}</p>" for note in notes)
-    caption = f"<caption><b>{escaped(label)}</b> {inline(block.caption)}</caption>"
+    name = label.lower().replace(" ", "-")
+    caption = f"<p class=caption id={name}><b>{escaped(label)}</b> {inline(block.caption)}</p>"
     return (
-        f'<div class=scroll tabindex=0 role=region aria-label="{escaped(label)}">'
-        f"<table>{caption}<thead><tr>{head}</tr></thead>{body}</table></div>{foot}"
+        f"<div class=table>{caption}<div class=scroll tabindex=0 role=region aria-labelledby={name}>"
+        f"<table aria-labelledby={name}><thead><tr>{head}</tr></thead>{body}</table></div>{foot}</div>"
     )
 
 

@@ -27,7 +27,7 @@ def _part(part: Inline) -> str:
         case Math(latex):
             return mathml(latex)
         case Terms(parts):
-            return " ".join(mathml(latex) for latex in parts)
+            return " ".join(_infix(mathml(latex), latex) for latex in parts)
         case Strong(text):
             return f"<strong>{escaped(text)}</strong>"
         case Code(text):
@@ -35,6 +35,11 @@ def _part(part: Inline) -> str:
         case Number():
             return number(part)
     return escaped(part)
+
+
+def _infix(text: str, latex: str) -> str:
+    """A sign that begins a formula stands between two terms here, and keeps its distance from both."""
+    return text.replace("<mo>", "<mo form=infix>", 1) if latex[:1] in ("+", "-", "=") else text
 
 
 def number(value: Number, decimals: int = 0) -> str:
