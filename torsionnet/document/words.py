@@ -59,6 +59,7 @@ def sentence(text: str, rig: Drivetrain) -> Text:
     >>> sentence("cut at T_T, without half_shaft", tn.load("amt_rig"))
     ('cut at ', Math(latex='T_{T}'), ', without half shaft')
     """
+    text = text.replace(" %", "\N{NO-BREAK SPACE}%")
     symbols = {name for table in (rig.inputs, rig.sensors, rig.parameters) for name in table if _can_be_told(name)}
     words = {name for name in (*rig.nodes, *rig.definition.elements) if "_" in name} - symbols
     names = sorted({*symbols, *words}, key=len, reverse=True)

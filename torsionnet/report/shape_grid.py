@@ -23,7 +23,9 @@ if TYPE_CHECKING:
 
 MOST_COLUMNS, WRAPPED = 4, 3
 """Panels side by side at most, and where the modes of a single configuration fill several rows."""
-HALF, TITLES, LETTER = 0.5, 0.44, 0.062
+TALL, LOW, TITLES, LETTER = 0.5, 0.36, 0.42, 0.062
+MANY_ROWS = 3
+"""Rows of panels up to which they are tall."""
 LEFT, RIGHT, BETWEEN, EDGE = 0.32, 0.1, 0.22, 0.2
 TINY = style.SMALL - 1
 
@@ -39,6 +41,7 @@ class Panel:
     x: float
     y: float
     width: float
+    half: float
 
 
 def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels: Sequence[str]) -> Figure:
@@ -67,8 +70,7 @@ def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels
     """
     longest = max(len(node) for one in modes for node in one.nodes)
     below = 0.2 + LETTER * min(longest, 18)
-    panels, rows = _panels(modes, below)
-    height = below + rows * (2 * HALF + TITLES)
+    panels, height = _panels(modes, below)
     figure = Figure(figsize=(style.WIDTH, height), facecolor=style.PAPER)
     axes = figure.add_axes((0, 0, 1, 1), xlim=(0, style.WIDTH), ylim=(0, height))
     axes.set_axis_off()
@@ -78,13 +80,14 @@ def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels
         _frame(axes, panel)
         _shape(axes, panel, one, edges_of(one, drivetrains[panel.case]))
         title = _title(one, panel.mode, labels[panel.case])
-        axes.text(panel.x, panel.y + HALF + 0.11, title, fontsize=style.SMALL, color=style.INK)
+        axes.text(panel.x, panel.y + panel.half + 0.11, title, fontsize=style.SMALL, color=style.INK)
         if panel.row == lowest[panel.column]:
             _names(axes, panel, one.nodes)
     return figure
 
 
-def _panels(modes: Sequence[Modes], below: float) -> tuple[list[Panel], int]:
+def _panels(modes: Sequence[Modes], below: float) -> tuple[list[Panel], float]:
+    """The panels and the height of all."""
     if len(modes) == 1:
         count = len(modes[0])
         across = count if count <= MOST_COLUMNS else WRAPPED
@@ -94,21 +97,23 @@ def _panels(modes: Sequence[Modes], below: float) -> tuple[list[Panel], int]:
         places = [place for place in places if place[1] < MOST_COLUMNS]
     rows, columns = 1 + max(place[2] for place in places), max(2, 1 + max(place[3] for place in places))
     step = (style.WIDTH - LEFT - RIGHT + BETWEEN) / columns
+    half = TALL if rows <= MANY_ROWS else LOW
+    rise = 2 * half + TITLES
     panels = [
-        Panel(*place, LEFT + place[3] * step, below + HALF + (rows - 1 - place[2]) * (2 * HALF + TITLES), step - BETWEEN)
+        Panel(*place, LEFT + place[3] * step, below + half + (rows - 1 - place[2]) * rise, step - BETWEEN, half)
         for place in places
     ]
-    return panels, rows
+    return panels, below + rows * rise
 
 
 def _frame(axes: Axes, panel: Panel) -> None:
     """Zero line, and a scale from -1 to 1 on the left."""
-    x, y = panel.x, panel.y
-    ticks = [[(x - 0.03, y + level), (x, y + level)] for level in (-HALF, 0.0, HALF)]
-    lines = [[(x, y - HALF), (x, y + HALF)], [(x, y), (x + panel.width, y)], *ticks]
+    x, y, half = panel.x, panel.y, panel.half
+    ticks = [[(x - 0.03, y + level), (x, y + level)] for level in (-half, 0.0, half)]
+    lines = [[(x, y - half), (x, y + half)], [(x, y), (x + panel.width, y)], *ticks]
     axes.add_collection(LineCollection(lines, colors=style.MUTED, linewidths=0.7), autolim=False)
     if panel.column == 0:
-        for level, text in ((-HALF, "−1"), (0.0, "0"), (HALF, "1")):
+        for level, text in ((-half, "−1"), (0.0, "0"), (half, "1")):
             axes.text(x - 0.06, y + level, text, fontsize=TINY, ha="right", va="center", color=style.INK)
 
 
@@ -123,7 +128,7 @@ def _shape(axes: Axes, panel: Panel, modes: Modes, edges: Sequence[tuple[int, in
     size = 3.5 if len(x) <= MANY_NODES else 1.8
     parts = ((shape.imag, style.PALETTE[5], 0.9, style.PAPER), (shape.real, style.PALETTE[0], 1.3, style.PALETTE[0]))
     for part, color, width, face in parts:
-        y = panel.y + HALF * part
+        y = panel.y + panel.half * part
         lines = [[(x[a], y[a]), (x[b], y[b])] for a, b in edges]
         axes.add_collection(LineCollection(lines, colors=color, linewidths=width, zorder=2), autolim=False)
         axes.plot(x, y, "o", color=color, markerfacecolor=face, markersize=size, zorder=3)
@@ -131,7 +136,7 @@ def _shape(axes: Axes, panel: Panel, modes: Modes, edges: Sequence[tuple[int, in
 
 def _names(axes: Axes, panel: Panel, nodes: Sequence[str]) -> None:
     x = _stations(panel, len(nodes))
-    y = panel.y - HALF - 0.08
+    y = panel.y - panel.half - 0.08
     look = {"fontsize": TINY, "rotation": 45, "ha": "right", "va": "top", "rotation_mode": "anchor"}
     for index in range(0, len(nodes), -(-len(nodes) // MANY_NODES)):
         axes.text(x[index] + 0.03, y, nodes[index].replace("_", " "), color=style.INK, parse_math=False, **look)

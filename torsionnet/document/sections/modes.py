@@ -122,7 +122,7 @@ def _shares(elements: tuple[str, ...], shares: np.ndarray[tuple[int], np.dtype[n
     """``dmf 79 %, half shaft 21 %``."""
     order = np.argsort(-np.round(shares, 9), kind="stable")[:MOST_SHARES]
     kept = [index for index in order if shares[index] >= NOTEWORTHY]
-    return ", ".join(f"{plain(elements[index])} {100 * shares[index]:.0f} %" for index in kept) or "–"
+    return ", ".join(f"{plain(elements[index])} {100 * shares[index]:.0f}\N{NO-BREAK SPACE}%" for index in kept) or "–"
 
 
 def _shapes(subject: Subject) -> Picture:

@@ -7,6 +7,9 @@ from collections.abc import Sequence
 from torsionnet.document.tree import Cell, Heading, Number, Table
 from torsionnet.document.writers.html_text import escaped, inline, number
 
+FEW = 14
+"""Rows of a table that stays on one page."""
+
 
 def table_html(block: Table, label: str) -> str:
     """A table with caption, repeated head and notes; it scrolls where the screen is narrow."""
@@ -15,10 +18,11 @@ def table_html(block: Table, label: str) -> str:
     body = "".join(_group(group.title, group.rows, block.columns, decimals) for group in block.groups)
     notes = [*(inline(note) for note in block.notes), *([f"… and {block.more} more"] if block.more else [])]
     foot = "".join(f"<p class=note>{note}</p>" for note in notes)
+    keep = " keep" if sum(len(group.rows) for group in block.groups) <= FEW else ""
     name = label.lower().replace(" ", "-")
     caption = f"<p class=caption id={name}><b>{escaped(label)}</b> {inline(block.caption)}</p>"
     return (
-        f"<div class=table>{caption}<div class=scroll tabindex=0 role=region aria-labelledby={name}>"
+        f"<div class='table{keep}'>{caption}<div class=scroll tabindex=0 role=region aria-labelledby={name}>"
         f"<table aria-labelledby={name}><thead><tr>{head}</tr></thead>{body}</table></div>{foot}</div>"
     )
 

@@ -15,6 +15,7 @@ from torsionnet.document.writers.latex_text import displayed, escaped, inline
 PREAMBLE = r"""\documentclass[10pt,a4paper]{article}
 \usepackage[T1]{fontenc}
 \usepackage[utf8]{inputenc}
+\IfFileExists{lmodern.sty}{\usepackage{lmodern}}{}
 \usepackage[margin=20mm]{geometry}
 \usepackage{amsmath,amssymb,array,booktabs,longtable,graphicx,textcomp}
 \usepackage[labelfont=bf,singlelinecheck=false,font=small]{caption}

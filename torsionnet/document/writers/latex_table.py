@@ -22,7 +22,7 @@ def table_latex(block: Table) -> str:
         if group.title:
             lines += [r"\addlinespace"] if number_ else []
             lines.append(rf"\multicolumn{{{len(block.columns)}}}{{@{{}}l}}{{\textbf{{{inline(group.title)}}}}} \\*")
-        lines += [f"{_row(row, decimals)} \\\\" for row in group.rows]
+        lines += [f"{_row(row, decimals)} \\\\{_gap(row)}" for row in group.rows]
     lines.append(r"\end{longtable}")
     notes = [*map(inline, block.notes), *([escaped(f"… and {block.more} more")] if block.more else [])]
     return "\n".join([*lines, *(rf"{{\footnotesize {note}\par}}" for note in notes)])
@@ -31,6 +31,11 @@ def table_latex(block: Table) -> str:
 def _heading(column: Heading) -> str:
     unit = f" [{column.unit}]" if column.unit and column.unit != "–" else ""
     return inline(column.text) + escaped(unit)
+
+
+def _gap(row: tuple[Cell, ...]) -> str:
+    """Matrices need room below them."""
+    return "[7pt]" if any(isinstance(cell, Math) and "matrix" in cell.latex for cell in row) else ""
 
 
 def _row(row: tuple[Cell, ...], decimals: Sequence[int]) -> str:
