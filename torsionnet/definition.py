@@ -130,8 +130,14 @@ def define(
     outline, found = _read_report(report)
     faults += found
     texts = {key: text if isinstance(text, str) else "" for key, text in texts.items()}
-    rest = {"operating_point": point, "bench": plan, "report": outline}
-    return Definition(elements=elements, axes=axes, **rest, **tables, **texts), faults
+    parts: dict[str, Any] = {
+        "elements": elements,
+        "axes": axes,
+        "operating_point": point,
+        "bench": plan,
+        "report": outline,
+    }
+    return Definition(**parts, **tables, **texts), faults
 
 
 def _read_bench(raw: Any) -> tuple[Plan | None, list[Fault]]:

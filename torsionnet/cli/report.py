@@ -14,6 +14,7 @@ from torsionnet.cli.terminal import wrote
 if TYPE_CHECKING:
     from torsionnet.document.request import Measured
     from torsionnet.drivetrain import Drivetrain
+    from torsionnet.identification import Fit
     from torsionnet.response import FrequencyResponse
 
 ENDINGS = (".html", ".pdf", ".tex", ".md", ".htm")
@@ -75,13 +76,12 @@ def command(
     from torsionnet.cli.cases import ALL
     from torsionnet.document.report import make_report, writer_for
     from torsionnet.files import load
-    from torsionnet.identification import load_fit
 
     target = Path(file or f"{Path(model).stem}.html")
     write = writer_for(target)
     rig = load(model)
     named = () if ALL in configurations and ALL not in rig.configurations else configurations
-    fits = [load_fit(name) for name in texts.pop("fits")]
+    fits = [_fit(name) for name in texts.pop("fits")]
     tests = [_measured(name, rig, output, into, preset) for name in records]
     report = make_report(
         model,
@@ -98,6 +98,12 @@ def command(
         wrote(str(path))
 
 
+def _fit(name: str) -> Fit:
+    from torsionnet.identification import load_fit  # loads scipy.optimize
+
+    return load_fit(name)
+
+
 def _measured(name: str, rig: Drivetrain, output: str | None, into: str | None, preset: str | None) -> Measured:
     from torsionnet.document.request import Measured
 
@@ -107,14 +113,14 @@ def _measured(name: str, rig: Drivetrain, output: str | None, into: str | None, 
 
 def split(name: str, rig: Drivetrain) -> tuple[str, str]:
     """Configuration and file: ``V=test.npz``, or the file alone."""
+    from torsionnet.errors import ModelError, UsageError
+
     before, equals, after = name.rpartition("=")
     if not equals or Path(name).exists():
         return "", name
     try:
         return rig.configured(before).configuration, after
-    except Exception as error:
-        from torsionnet.errors import UsageError
-
+    except (UsageError, ModelError) as error:
         msg = f'--record "{name}": {error}'
         raise UsageError(msg) from None
 

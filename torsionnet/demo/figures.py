@@ -106,8 +106,8 @@ def agreements(done: list[Run]) -> Table:
     return Table("Virtual bench against model, theta_1/T_T", columns, tuple(rows))
 
 
-def show(folder: Path) -> None:
-    """A table on the screen, the figures in the folder."""
+def show(folder: Path) -> list[Run]:
+    """A table on the screen, the figures in the folder; gives the tests behind them."""
     dmf, *gears = tests()
     print_table(agreements([dmf, *gears]))
     print()
@@ -117,6 +117,7 @@ def show(folder: Path) -> None:
     for name, figure in figures(dmf, gears):
         report.save(figure, folder / f"{name}.png")
         print(f"  {folder / name}.png")
+    return [dmf, *gears]
 
 
 def main(arguments: list[str] | None = None) -> int:

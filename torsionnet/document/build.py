@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from torsionnet.document.sections.checks import checks_section
+from torsionnet.document.sections.comparison import comparison_section
 from torsionnet.document.sections.elements import elements_section
 from torsionnet.document.sections.equations import equations_section
 from torsionnet.document.sections.fits import fit_section
@@ -15,11 +18,11 @@ from torsionnet.document.sections.parameters import parameters_section
 from torsionnet.document.sections.responses import responses_section
 from torsionnet.document.sections.schematic import schematic_section
 from torsionnet.document.sections.summary import summary_section
-from torsionnet.document.sections.comparison import comparison_section
 from torsionnet.document.sections.validity import validity_section
 from torsionnet.document.subject import Subject
 from torsionnet.document.tree import Facts, Report, Section, Text
 from torsionnet.document.words import listed, sentence
+from torsionnet.errors import TorsionnetWarning
 from torsionnet.outline import SECTIONS
 
 BUILDERS: dict[str, Callable[[Subject], Section | None]] = {
@@ -42,7 +45,10 @@ BUILDERS: dict[str, Callable[[Subject], Section | None]] = {
 def build(subject: Subject, version: str) -> Report:
     """The report on a subject; ``version`` is that of the program."""
     outline = subject.request.outline
-    made = (BUILDERS[name](subject) for name in SECTIONS if subject.request.wants(name))
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always", TorsionnetWarning)
+        subject = replace(subject, heard=heard)
+        made = [BUILDERS[name](subject) for name in SECTIONS if subject.request.wants(name)]
     return Report(
         title=outline.title or subject.model.name,
         subtitle="Torsional vibration report",
@@ -62,7 +68,10 @@ def _facts(subject: Subject, version: str) -> Iterator[tuple[str, Text]]:
     names = [case.configuration for case in subject.cases if case.configuration]
     if names:
         rest = len(model.configurations) - len(names)
-        yield "Configurations", (listed(names, len(names)) + (f" (of {len(model.configurations)})" if rest > 0 else ""),)
+        yield (
+            "Configurations",
+            (listed(names, len(names)) + (f" (of {len(model.configurations)})" if rest > 0 else ""),),
+        )
     if request.settings:
         yield "Changed", ("; ".join(f"{name} = {value}" for name, value in request.settings),)
     if request.outline.author:

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
+from typing import Any
 
 from torsionnet.expressions import Binary, Expression, Name, Negative, Number, Pi, Power, SquareRoot
 from torsionnet.symbolics.naming import symbol_latex
+
+SUM, PRODUCT, QUOTIENT, ATOM = 1, 2, 3, 4
+"""How strongly the parts of an expression hold together."""
 
 
 def expression_latex(tree: Expression) -> str:
@@ -14,28 +19,10 @@ def expression_latex(tree: Expression) -> str:
     >>> from torsionnet.expressions import scalar
     >>> expression_latex(scalar("I_1 - I_MT")), expression_latex(scalar("pi*G*d**4/(32*L)"))
     ('I_{1} - I_{\\mathrm{MT}}', '\\frac{\\pi G d^{4}}{32 L}')
+    >>> expression_latex(scalar("-r_p/(2*(a + b)*3)"))
+    '- \\frac{r_{p}}{2 \\left(a + b\\right) \\cdot 3}'
     """
-    match tree:
-        case Name(name):
-            return symbol_latex(name)
-        case Pi():
-            return r"\pi"
-        case Negative(operand):
-            return f"- {_enclosed(operand, 2)}"
-        case SquareRoot(operand):
-            return rf"\sqrt{{{expression_latex(operand)}}}"
-        case Power(base, exponent):
-            return f"{_enclosed(base, 3)}^{{{exponent}}}"
-        case Binary("/", left, right):
-            return rf"\frac{{{expression_latex(left)}}}{{{expression_latex(right)}}}"
-        case Binary("*", left, right):
-            times = r" \cdot " if _ends_or_begins_with_number(right) else " "
-            return f"{_enclosed(left, 2)}{times}{_enclosed(right, 2)}"
-        case Binary(sign, left, right):
-            return f"{expression_latex(left)} {sign} {_enclosed(right, 2 if sign == '-' else 1)}"
-        case Number():
-            return _number(tree)
-    return rf"\text{{{tree}}}"
+    return _WRITERS[type(tree)](tree)
 
 
 def _number(tree: Number) -> str:
@@ -45,14 +32,37 @@ def _number(tree: Number) -> str:
     return f"{float(value):.6g}"
 
 
-def _ends_or_begins_with_number(tree: Expression) -> bool:
-    return isinstance(tree, Number) or (isinstance(tree, Binary) and _ends_or_begins_with_number(tree.left))
+def _binary(tree: Binary) -> str:
+    left, right = tree.left, tree.right
+    if tree.operator == "/":
+        sign, above = ("- ", left.operand) if isinstance(left, Negative) else ("", left)
+        return rf"{sign}\frac{{{expression_latex(above)}}}{{{expression_latex(right)}}}"
+    if tree.operator == "*":
+        times = r" \cdot " if _begins_with_number(right) else " "
+        return f"{_enclosed(left, PRODUCT)}{times}{_enclosed(right, PRODUCT)}"
+    needed = PRODUCT if tree.operator == "-" or isinstance(right, Negative) else SUM
+    return f"{expression_latex(left)} {tree.operator} {_enclosed(right, needed)}"
+
+
+_WRITERS: dict[type[Expression], Callable[[Any], str]] = {
+    Number: _number,
+    Name: lambda tree: symbol_latex(tree.name),
+    Pi: lambda _: r"\pi",
+    Negative: lambda tree: f"- {_enclosed(tree.operand, PRODUCT)}",
+    Binary: _binary,
+    Power: lambda tree: f"{_enclosed(tree.base, ATOM)}^{{{tree.exponent}}}",
+    SquareRoot: lambda tree: rf"\sqrt{{{expression_latex(tree.operand)}}}",
+}
+
+
+def _begins_with_number(tree: Expression) -> bool:
+    return isinstance(tree, Number) or (isinstance(tree, Binary) and _begins_with_number(tree.left))
 
 
 def _strength(tree: Expression) -> int:
     if isinstance(tree, Binary):
-        return {"+": 1, "-": 1, "*": 2, "/": 3}[tree.operator]
-    return 1 if isinstance(tree, Negative) else 2 if isinstance(tree, Power) else 4
+        return {"+": SUM, "-": SUM, "*": PRODUCT, "/": QUOTIENT}[tree.operator]
+    return SUM if isinstance(tree, Negative) else QUOTIENT if isinstance(tree, Power) else ATOM
 
 
 def _enclosed(tree: Expression, needed: int) -> str:

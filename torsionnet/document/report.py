@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import datetime
+import datetime as dt
 import importlib
 import os
 from collections.abc import Callable, Iterable, Mapping
@@ -97,7 +97,7 @@ def make_report(
     author: str | None = None,
     notes: str | None = None,
     angle: str | None = None,
-    date: str | datetime.date | None = "today",
+    date: str | dt.date | None = "today",
     tests: Iterable[Any] | Mapping[str, Any] = (),
     fits: Iterable[Fit] = (),
 ) -> Report:
@@ -118,7 +118,7 @@ def make_report(
         Parameter -> value.
     title, author, notes : str
     angle : {"rad", "deg"}
-    date : str, datetime.date or None
+    date : str, dt.date or None
         ISO; None: without. Equal models with equal dates give equal files.
     tests : mapping or iterable of FrequencyResponse
         Measured responses, by configuration if there are several.
@@ -143,12 +143,14 @@ def make_report(
     lists = {
         "configurations": tuple(configurations),
         "sections": _sections(sections),
-        "transfer_functions": tuple(pair if isinstance(pair, Pair) else Pair.parse(pair) for pair in transfer_functions),
+        "transfer_functions": tuple(
+            pair if isinstance(pair, Pair) else Pair.parse(pair) for pair in transfer_functions
+        ),
     }
     given |= {key: values for key, values in lists.items() if values}
     given |= {"band": _band(band)} if band else {}
     outline = replace(outline, **given)
-    today = datetime.datetime.now().astimezone().date() if date == "today" else read_date(date)
+    today = dt.datetime.now().astimezone().date() if date == "today" else read_date(date)
     request = Request(
         outline, tuple((key, str(value)) for key, value in (settings or {}).items()), today, _tests(tests), tuple(fits)
     )
@@ -183,7 +185,7 @@ def _band(raw: tuple[float, float] | str) -> tuple[float, float]:
         raise UsageError(str(error)) from None
 
 
-def _tests(raw: Iterable[Any] | Mapping[str, Any]) -> tuple[Measured, ...]:
+def _tests(raw: Any) -> tuple[Measured, ...]:
     if isinstance(raw, Mapping):
-        return tuple(Measured(response, name) for name, response in raw.items())
+        return tuple(Measured(response, str(name)) for name, response in raw.items())
     return tuple(entry if isinstance(entry, Measured) else Measured(entry) for entry in raw)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import datetime
+import datetime as dt
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
@@ -36,7 +36,7 @@ class Request:
         Of the model's file, with what was said against it.
     settings : tuple of (str, str)
         Parameters changed for this report.
-    date : datetime.date, optional
+    date : dt.date, optional
         None: without a date.
     tests : tuple of Measured
     fits : tuple of Fit
@@ -44,7 +44,7 @@ class Request:
 
     outline: Outline = field(default_factory=Outline)
     settings: tuple[tuple[str, str], ...] = ()
-    date: datetime.date | None = None
+    date: dt.date | None = None
     tests: tuple[Measured, ...] = ()
     fits: tuple[Fit, ...] = ()
 
@@ -60,7 +60,7 @@ class Request:
         return self.outline.transfer_functions
 
 
-def read_date(raw: str | datetime.date | None) -> datetime.date | None:
+def read_date(raw: str | dt.date | None) -> dt.date | None:
     """A date from ``2025-03-31``; None for none.
 
     Raises
@@ -73,12 +73,12 @@ def read_date(raw: str | datetime.date | None) -> datetime.date | None:
     >>> read_date("2025-03-31"), read_date("none")
     (datetime.date(2025, 3, 31), None)
     """
-    if raw is None or isinstance(raw, datetime.date):
+    if raw is None or isinstance(raw, dt.date):
         return raw
     if raw.strip().lower() in ("none", ""):
         return None
     try:
-        return datetime.date.fromisoformat(raw.strip())
+        return dt.date.fromisoformat(raw.strip())
     except ValueError:
         msg = f'a date is written 2025-03-31 (year-month-day), or none; got "{raw}"'
         raise UsageError(msg) from None

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import warnings
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -58,6 +59,8 @@ class Subject:
     request : Request
     file, digest : str
         Name of the model's file and its SHA-256; of a model that has no file, those of its text.
+    heard : list of WarningMessage
+        What the calculation warned of on the way.
     """
 
     model: Drivetrain
@@ -65,6 +68,7 @@ class Subject:
     request: Request
     file: str = ""
     digest: str = ""
+    heard: list[warnings.WarningMessage] = field(default_factory=list)
 
     @property
     def conventions(self) -> Conventions:
@@ -137,8 +141,9 @@ class Subject:
         return self._known[pair]
 
     def _response(self, case: Case, pair: Pair, modes: Modes) -> FrequencyResponse:
-        frequencies = Adaptive(*self.band, points=160, per_peak=21).frequencies(modes)
-        return self.solver(case, pair)(frequencies)
+        """Undamped peaks are unbounded: nothing is gained by going near them."""
+        grid = Adaptive(*self.band, points=160, per_peak=21) if is_damped(case) else Adaptive(*self.band, 600, 1)
+        return self.solver(case, pair)(grid.frequencies(*([modes] if is_damped(case) else [])))
 
     def solver(self, case: Case, pair: Pair) -> Callable[[FloatArray], FrequencyResponse]:
         """The response of a case at frequencies in Hz."""
@@ -149,6 +154,12 @@ class Subject:
             )
 
         return solve
+
+
+def is_damped(case: Case) -> bool:
+    """Whether anything takes energy out."""
+    system = case.drivetrain.assembly.system
+    return bool(system.dynamic) or bool((system.damping > 0).any())
 
 
 def _alike(system: SymbolicSystem, other: SymbolicSystem) -> bool:

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
 MOST_DECIMALS = 4
+LARGE, SMALL, SPREAD = 1e5, 1e-3, 1e4
+"""Sizes and spread of a column beyond which each number has digits of its own."""
 
 
 def plain(name: str) -> str:
@@ -30,7 +32,7 @@ def is_symbol(name: str) -> bool:
     (True, True, True, False)
     """
     match = re.fullmatch(r"([A-Za-z]+?)(\d*)(_\w+)?", name)
-    return bool(match) and (len(match[1]) == 1 or match[1] in GREEK)
+    return match is not None and (len(match[1]) == 1 or match[1] in GREEK)
 
 
 def channel_latex(name: str) -> str:
@@ -103,7 +105,7 @@ def aligned(values: Sequence[float | None], digits: int = 4) -> list[Number]:
     ['3.691', '40.535', '–']
     """
     sizes = [abs(value) for value in values if value is not None and math.isfinite(value) and value != 0]
-    if not sizes or max(sizes) >= 1e5 or max(sizes) / min(sizes) > 1e4:  # noqa: PLR2004
+    if not sizes or max(sizes) >= LARGE or min(sizes) < SMALL or max(sizes) / min(sizes) > SPREAD:
         return [Number(value, digits) for value in values]
     decimals = digits - 1 - math.floor(math.log10(min(sizes)))
     decimals = min(max(decimals, 0), max(MOST_DECIMALS, digits - 1 - math.floor(math.log10(max(sizes)))))

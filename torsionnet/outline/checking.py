@@ -36,7 +36,7 @@ def _pair(pair: Pair, definition: Definition) -> Iterator[Fault]:
         is_written_out = what != "input or node" and parse_sensor(name) is not None
         if name and name not in names and not is_written_out:
             text = f'no {what} is named "{name}"{did_you_mean(name, names)}; {_declared(definition, what)}'
-            yield Fault(text, kind="unknown name", about=name)
+            yield Fault(text.replace("?; ", "? "), kind="unknown name", about=name)
 
 
 def _declared(definition: Definition, what: str) -> str:

@@ -45,7 +45,8 @@ def section_fault(name: Any) -> str:
     """Why this is no section of a report, or nothing."""
     if name in SECTIONS:
         return ""
-    return f'no section is named "{name}"{did_you_mean(str(name), SECTIONS)}; known: {", ".join(SECTIONS)}'
+    text = f'no section is named "{name}"{did_you_mean(str(name), SECTIONS)}; known: {", ".join(SECTIONS)}'
+    return text.replace("?; ", "? ")
 
 
 def _text(raw: Any) -> tuple[str, Faults]:
@@ -55,9 +56,7 @@ def _text(raw: Any) -> tuple[str, Faults]:
 def _names(raw: Any) -> tuple[tuple[str, ...], Faults]:
     if not isinstance(raw, (list, tuple)):
         return (), [Fault(f"expected a list of names, got {raw!r}")]
-    faults = [
-        Fault(f"expected a name, got {name!r}", (index,)) for index, name in enumerate(raw) if not _is_name(name)
-    ]
+    faults = [Fault(f"expected a name, got {name!r}", (index,)) for index, name in enumerate(raw) if not _is_name(name)]
     return tuple(map(str, raw)), faults
 
 

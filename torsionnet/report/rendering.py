@@ -11,6 +11,8 @@ from matplotlib.figure import Figure
 from torsionnet.report.save import DPI, METADATA, SETTINGS
 
 _ID = re.compile(r'id="([^"]+)"')
+_PATH = re.compile(r'(?<= )d="([^"]+)"')
+_SURPLUS = re.compile(r"-?\d+\.\d{3,}")
 _USED = re.compile(r'(?:xlink:href="#|url\(#)([^")]+)')
 _STYLE = re.compile(r"<defs>\s*<style[^>]*>\*\{stroke-linejoin: round; stroke-linecap: butt\}</style>\s*</defs>\s*")
 
@@ -21,6 +23,11 @@ def rendered(figure: Figure, form: str) -> bytes:
     with mpl.rc_context(SETTINGS):
         figure.savefig(buffer, format=form, dpi=DPI, metadata=METADATA[form])
     return buffer.getvalue()
+
+
+def _two_decimals(match: re.Match[str]) -> str:
+    """A coordinate in points, or in 1/64 of them: a hundredth is finer than any printer."""
+    return f"{float(match[0]):.2f}".rstrip("0").rstrip(".")
 
 
 def inline_svg(figure: Figure, prefix: str) -> str:
@@ -35,4 +42,5 @@ def inline_svg(figure: Figure, prefix: str) -> str:
     names = {name: f"{prefix}{number:x}" for number, name in enumerate(used)}
     text = _ID.sub(lambda match: f'id="{names[match[1]]}"' if match[1] in names else "", text)
     text = re.sub(r'(xlink:href="#|url\(#)([^")]+)', lambda match: f"{match[1]}{names[match[2]]}", text)
+    text = _PATH.sub(lambda match: f'd="{_SURPLUS.sub(_two_decimals, " ".join(match[1].split()))}"', text)
     return re.sub(r">\s+<", ">\n<", re.sub(r" +(?=/?>)", "", text)).strip()

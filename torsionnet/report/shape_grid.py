@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 MOST_COLUMNS, WRAPPED = 4, 3
 """Panels side by side at most, and where the modes of a single configuration fill several rows."""
-TALL, LOW, TITLES, LETTER = 0.5, 0.36, 0.42, 0.062
+TALL, LOW, TITLES, LABEL, LETTER, NAME = 0.5, 0.36, 0.42, 0.2, 0.062, 0.17
 MANY_ROWS = 3
 """Rows of panels up to which they are tall."""
 LEFT, RIGHT, BETWEEN, EDGE = 0.32, 0.1, 0.22, 0.2
@@ -79,8 +79,9 @@ def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels
         one = modes[panel.case]
         _frame(axes, panel)
         _shape(axes, panel, one, edges_of(one, drivetrains[panel.case]))
-        title = _title(one, panel.mode, labels[panel.case])
-        axes.text(panel.x, panel.y + panel.half + 0.11, title, fontsize=style.SMALL, color=style.INK)
+        axes.text(panel.x, panel.y + panel.half + 0.1, _title(one, panel.mode), fontsize=style.SMALL, color=style.INK)
+        if panel.column == 0 and len(modes) > 1:
+            _label(axes, panel, labels[panel.case])
         if panel.row == lowest[panel.column]:
             _names(axes, panel, one.nodes)
     return figure
@@ -98,7 +99,7 @@ def _panels(modes: Sequence[Modes], below: float) -> tuple[list[Panel], float]:
     rows, columns = 1 + max(place[2] for place in places), max(2, 1 + max(place[3] for place in places))
     step = (style.WIDTH - LEFT - RIGHT + BETWEEN) / columns
     half = TALL if rows <= MANY_ROWS else LOW
-    rise = 2 * half + TITLES
+    rise = 2 * half + TITLES + (LABEL if len(modes) > 1 else 0)
     panels = [
         Panel(*place, LEFT + place[3] * step, below + half + (rows - 1 - place[2]) * rise, step - BETWEEN, half)
         for place in places
@@ -137,13 +138,20 @@ def _shape(axes: Axes, panel: Panel, modes: Modes, edges: Sequence[tuple[int, in
 def _names(axes: Axes, panel: Panel, nodes: Sequence[str]) -> None:
     x = _stations(panel, len(nodes))
     y = panel.y - panel.half - 0.08
-    look = {"fontsize": TINY, "rotation": 45, "ha": "right", "va": "top", "rotation_mode": "anchor"}
-    for index in range(0, len(nodes), -(-len(nodes) // MANY_NODES)):
+    look: dict[str, Any] = {"fontsize": TINY, "rotation": 45, "ha": "right", "va": "top", "rotation_mode": "anchor"}
+    most = max(2, int(panel.width / NAME))
+    for index in range(0, len(nodes), -(-len(nodes) // most)):
         axes.text(x[index] + 0.03, y, nodes[index].replace("_", " "), color=style.INK, parse_math=False, **look)
 
 
-def _title(modes: Modes, index: int, label: str) -> str:
-    where = f"{label}, mode {index + 1}" if label else f"Mode {index + 1}"
+def _label(axes: Axes, panel: Panel, text: str) -> None:
+    """Name of the configuration above its row."""
+    y = panel.y + panel.half + 0.1 + LABEL
+    axes.text(panel.x, y, text, fontsize=style.SMALL, color=style.INK, fontweight="bold", parse_math=False)
+
+
+def _title(modes: Modes, index: int) -> str:
+    where = f"Mode {index + 1}"
     if modes.kinds[index] == "rigid body":
         return f"{where}: rigid body"
     if modes.kinds[index] == "real pole":

@@ -56,8 +56,9 @@ def where_text(result: Any, table: Mapping[Any, Any]) -> str:
 
 
 def latex(expression: Any) -> str:
-    """LaTeX of an expression, with the names as they are printed: ``I_{\\mathrm{MT}}``."""
-    return str(sympy.latex(shown(expression), symbol_names=symbol_names(expression.free_symbols)))
+    """LaTeX of an expression, with names as they are printed (indices of several letters upright)."""
+    names = symbol_names(expression.free_symbols)
+    return str(sympy.latex(shown(expression), symbol_names=names, imaginary_unit="rj"))
 
 
 def with_where(result: str, table: Mapping[Any, Any]) -> str:

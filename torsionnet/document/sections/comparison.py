@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from torsionnet.document.sections.responses import name_axis
 from torsionnet.document.request import Measured
+from torsionnet.document.sections.responses import name_axis
 from torsionnet.document.subject import Case, Subject, cases_of
 from torsionnet.document.tree import Block, Heading, Math, Number, Paragraph, Picture, Section, Table, table
 from torsionnet.document.words import capital, channel_latex, unit
@@ -70,7 +70,8 @@ def _agreement(
     found = agreement(measured, model, shown)
     columns = (Heading("Quantity"), Heading("At", "Hz", numeric=True), Heading("Value", numeric=True), Heading("Unit"))
     rows = [
-        (capital(row[0]), Number(row[1]) if row[1] is not None else "", Number(row[2]), unit(row[3])) for row in found.rows
+        (capital(row[0]), Number(row[1]) if row[1] is not None else "", Number(row[2]), unit(row[3]))
+        for row in found.rows
     ]
     notes = [capital(note) + "." for note in found.notes]
     return table((Math(pair), f", how far test and model are apart{where}"), columns, rows, notes)

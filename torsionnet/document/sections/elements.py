@@ -15,7 +15,8 @@ from torsionnet.elements import Values
 from torsionnet.elements.fields import Choice, Count, Quantity, Spec, Teeth
 from torsionnet.elements.fields import Table as Measurements
 from torsionnet.elements.laws import Law
-from torsionnet.expressions import Expression, Name, Number as Literal
+from torsionnet.expressions import Expression, Name
+from torsionnet.expressions import Number as Literal
 from torsionnet.units import expected_unit
 
 if TYPE_CHECKING:
@@ -51,7 +52,9 @@ def _elements(rig: Drivetrain, *, several: bool) -> Table:
         rows += _rows(element, rig)
     where = f" in configuration {rig.configuration}" if several and rig.configuration else ""
     found = table(f"Elements{where}; values in SI units", columns, rows)
-    return Table(found.caption, found.columns, (Group(found.groups[0].rows),), found.notes, len(shown) - len(shown[:MOST]))
+    return Table(
+        found.caption, found.columns, (Group(found.groups[0].rows),), found.notes, len(shown) - len(shown[:MOST])
+    )
 
 
 def _rows(element: Element, rig: Drivetrain) -> Iterator[Row]:
@@ -81,18 +84,20 @@ def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cel
         elif isinstance(spec, Quantity) and isinstance(value, Expression):
             number = float(value.evaluate(rig.exact_values))
             if number or isinstance(value, Name):
-                yield plain(name), _symbol(spec, value), Number(number, 5), unit(expected_unit(spec.dimension))
+                yield plain(name), _symbol(value), Number(number, 5), unit(expected_unit(spec.dimension))
         elif isinstance(spec, (Teeth, Count, Choice, Measurements)):
             yield plain(name), "", _plain(spec, value), "–"
 
 
-def _symbol(spec: Quantity, value: Expression) -> Inline:
+def _symbol(value: Expression) -> Inline:
     return "" if isinstance(value, Literal) else Math(expression_latex(value))
 
 
 def _plain(spec: Spec, value: Any) -> str:
     if isinstance(spec, Measurements):
-        return f"table of {len(value.frequencies)} frequencies, {value.frequencies[0]:g} to {value.frequencies[-1]:g} Hz"
+        return (
+            f"table of {len(value.frequencies)} frequencies, {value.frequencies[0]:g} to {value.frequencies[-1]:g} Hz"
+        )
     return " : ".join(map(str, value)) if isinstance(value, tuple) else str(value)
 
 

@@ -9,19 +9,36 @@ import numpy as np
 
 from torsionnet.document.subject import MOST_SYMBOLIC, Case, Form, Subject
 from torsionnet.document.tree import (
-    Block, Code, Equations, Formula, Heading, Math, Number, Paragraph, Remark, Section, Strong, Table, Terms, Text, table,
-)  # fmt: skip
+    Block,
+    Code,
+    Equations,
+    Formula,
+    Heading,
+    Math,
+    Number,
+    Paragraph,
+    Remark,
+    Section,
+    Strong,
+    Table,
+    Terms,
+    Text,
+    table,
+)
+from torsionnet.document.widths import MATRIX, matrix_letters
 from torsionnet.document.words import plain
 from torsionnet.symbolics.equations import bracketed, complex_stiffness, equation_terms, matrix_latex, to_latex
 from torsionnet.symbolics.shown import latex
 
 if TYPE_CHECKING:
     from torsionnet.response.frequency_response import FloatArray
+    from torsionnet.symbolics.system import SymbolicSystem
 
 UNITS = {"M": "kg·m²", "C": "N·m·s/rad", "K": "N·m/rad"}
+DOTS = {"M": r"\ddot{\mathbf{q}}", "C": r"\dot{\mathbf{q}}", "K": r"\mathbf{q}"}
 NAMES = {"M": "inertia", "C": "viscous damping", "K": "stiffness"}
-WIDEST, WIDEST_NUMBERS = 62, 84
-"""Characters of a matrix that fits the page, roughly."""
+WIDEST_NUMBERS = 84
+"""Characters of a matrix of numbers that fits the page, roughly."""
 MOST_NUMBERS = 12
 """Coordinates of a system whose matrices are printed in numbers."""
 
@@ -48,26 +65,33 @@ def _form(form: Form, *, several: bool) -> list[Block]:
         blocks.append(Paragraph((Strong(f"Configuration {_where(form.cases)}"),)))
     rows = tuple(Terms(tuple(equation_terms(system, row))) for row in range(len(system.coordinates)))
     blocks += [Paragraph((_introduction(system),)), Equations(rows)]
-    wide = [key for key in UNITS if _width(getattr(system, key)) > WIDEST]
-    if not wide:
-        blocks.append(Paragraph(("In matrices:",)))
-        q = to_latex(system, "q")
-        load = rf"\mathbf{{B}}\,\mathbf{{u}}" if system.inputs else r"\mathbf{0}"
-        more = r" + \mathbf{D}(\omega)" if any(complex_stiffness(system)) else ""
-        stiffness = rf"\left(\mathbf{{K}}{more}\right)\,\mathbf{{q}}" if more else r"\mathbf{K}\,\mathbf{q}"
-        left = rf"\mathbf{{M}}\,\ddot{{\mathbf{{q}}}} + \mathbf{{C}}\,\dot{{\mathbf{{q}}}} + {stiffness}"
-        blocks.append(Formula(rf"{left} = {load}, \qquad \mathbf{{q}} = {q}"))
-        blocks += [Formula(rf"\mathbf{{{key}}} = {to_latex(system, key)}") for key in UNITS]
-        if more:
-            blocks.append(Formula(rf"\mathbf{{D}}(\omega) = {matrix_latex(complex_stiffness(system).tolist())}"))
-        if system.inputs:
-            blocks.append(Formula(rf"\mathbf{{B}} = {to_latex(system, 'B')}, \qquad \mathbf{{u}} = {to_latex(system, 'u')}"))
+    if all(matrix_letters(getattr(system, key)) <= MATRIX for key in UNITS):
+        blocks += _matrices(system)
     if system.conditions:
         zero = [Math(f"{latex(condition)} = 0") for condition in system.conditions]
         parts: list[Any] = []
         for number, condition in enumerate(zero):
             parts += ([", "] if number else []) + [condition]
         blocks.append(Remark("note", ("The values fulfil, and the equations presume, ", *parts, ".")))
+    return blocks
+
+
+def _matrices(system: SymbolicSystem) -> list[Block]:
+    """The equations as a sum of matrices, and what these are; those without an entry are left out."""
+    filled = [key for key in UNITS if any(getattr(system, key))]
+    terms = [rf"\mathbf{{{key}}}\,{DOTS[key]}" for key in filled]
+    dynamic = complex_stiffness(system)
+    terms += [r"\mathbf{D}(\omega)\,\mathbf{q}"] if any(dynamic) else []
+    load = r"\mathbf{B}\,\mathbf{u}" if system.inputs else r"\mathbf{0}"
+    q = to_latex(system, "q")
+    blocks: list[Block] = [Paragraph(("In matrices:",))]
+    blocks.append(Formula(rf"{' + '.join(terms) or '0'} = {load}, \qquad \mathbf{{q}} = {q}"))
+    blocks += [Formula(rf"\mathbf{{{key}}} = {to_latex(system, key)}") for key in filled]
+    if any(dynamic):
+        blocks.append(Formula(rf"\mathbf{{D}}(\omega) = {matrix_latex(dynamic.tolist())}"))
+    if system.inputs:
+        both = [rf"\mathbf{{{key}}} = {to_latex(system, key)}" for key in ("B", "u")]
+        blocks.append(Formula(r", \qquad ".join(both)))
     return blocks
 
 
@@ -79,24 +103,12 @@ def _introduction(system: Any) -> str:
     return text
 
 
-def _width(matrix: Any) -> int:
-    """Roughly the characters a symbolic matrix is wide."""
-    rows = [[_letters(cell) for cell in row] for row in matrix.tolist()]
-    return sum(max(column) + 2 for column in zip(*rows, strict=True)) if rows else 0
-
-
-def _letters(cell: Any) -> int:
-    """Letters of an expression side by side: a fraction is as wide as its wider half."""
-    if cell.is_Add:
-        return sum(_letters(term) + 3 for term in cell.args) - 3
-    above, below = cell.as_numer_denom()
-    return max(len(str(part).replace("_", "").replace("*", "").replace("(", "").replace(")", "")) for part in (above, below))
-
-
 def _numbers(subject: Subject) -> Table | Paragraph:
     """M, C, K of every case; a matrix that is the same in all of them once."""
     found = [(key, [getattr(case.drivetrain.assembly.system, key) for case in subject.cases]) for key in UNITS]
-    if subject.size > MOST_NUMBERS or any(_number_width(matrix) > WIDEST_NUMBERS for _, all_of in found for matrix in all_of):
+    if subject.size > MOST_NUMBERS or any(
+        _number_width(matrix) > WIDEST_NUMBERS for _, all_of in found for matrix in all_of
+    ):
         return Paragraph(("The matrices in numbers are too wide for the page. ", *_export()))
     rows = []
     for key, matrices in found:
@@ -115,8 +127,10 @@ def _numbers(subject: Subject) -> Table | Paragraph:
 
 def numbers_latex(matrix: FloatArray) -> str:
     """A matrix of numbers, with a power of ten in front where that shortens it."""
+    if not matrix.any():
+        return r"\mathbf{0}"
     sizes = np.abs(matrix[matrix != 0])
-    power = 3 * math.floor(math.log10(sizes.max()) / 3) if sizes.size else 0
+    power = 3 * math.floor(math.log10(sizes.max()) / 3)
     power = power if abs(power) > 3 else 0  # noqa: PLR2004
     rows = [[_cell(value / 10.0**power) for value in row] for row in matrix.tolist()]
     return (rf"10^{{{power}}} \cdot " if power else "") + bracketed(rows)
@@ -139,14 +153,23 @@ def _sizes(subject: Subject) -> tuple[Block, ...]:
             matrix = getattr(system, key)
             filled = int(np.count_nonzero(matrix))
             share = Number(100 * filled / matrix.size if matrix.size else 0.0, 3)
-            rows.append((case.configuration, Math(rf"\mathbf{{{key}}}"), NAMES[key], f"{len(matrix)} × {len(matrix)}", Number(filled, 9), share))
+            rows.append(
+                (
+                    case.configuration,
+                    Math(rf"\mathbf{{{key}}}"),
+                    NAMES[key],
+                    f"{len(matrix)} × {len(matrix)}",
+                    Number(filled, 9),
+                    share,
+                )
+            )
     columns = (
         Heading("Configuration"), Heading("Matrix"), Heading("Of"), Heading("Size"),
         Heading("Entries that are not zero", numeric=True), Heading("Share", "%", numeric=True),
     )  # fmt: skip
     text: Text = (f"The model has {subject.size} coordinates; its equations are not written out here. ", *_export())
-    system = subject.cases[0].drivetrain.assembly.kinematics
-    first = ", ".join(plain(name) for name in system.coordinates[:4])
+    names = subject.cases[0].drivetrain.assembly.kinematics.coordinates[:4]
+    first = ", ".join(map(plain, names))
     order = Paragraph((f"Rows and columns are in the order of the coordinates: {first}, …",))
     return (Paragraph(text), table("Matrices of the equations of motion", columns, rows), order)
 

@@ -9,8 +9,22 @@ import sympy
 
 from torsionnet.document.subject import MOST_SYMBOLIC, Case, Form, Subject
 from torsionnet.document.tree import (
-    Block, Cell, Code, Formula, Heading, Math, Number, Paragraph, Section, Strong, Table, Terms, Text, table,
-)  # fmt: skip
+    Block,
+    Cell,
+    Code,
+    Formula,
+    Heading,
+    Math,
+    Number,
+    Paragraph,
+    Section,
+    Strong,
+    Table,
+    Terms,
+    Text,
+    table,
+)
+from torsionnet.document.widths import FORMULA, letters
 from torsionnet.document.words import capital, channel_latex, pair_latex, sentence, unit
 from torsionnet.errors import UsageError
 from torsionnet.outline import Pair
@@ -40,7 +54,7 @@ def formulas_section(subject: Subject) -> Section | None:
             if len(subject.forms) > 1 and subject.size <= MOST_SYMBOLIC:
                 names = ", ".join(case.configuration for case in form.cases)
                 inner.append(Paragraph((Strong(f"Configuration {names}"),)))
-            inner += _function(pair, form)
+            inner += _function(subject, pair, form)
         blocks.append(Section(f"formula-{number}", (Math(pair_latex(pair)),), tuple(inner)))
     return Section("formulas", ("Transfer functions in symbols",), tuple(blocks))
 
@@ -51,7 +65,7 @@ def _forms(subject: Subject) -> tuple[Form, ...]:
     return (Form(subject.cases[:1], subject.cases[0].drivetrain.symbolic()),)
 
 
-def _function(pair: Pair, form: Form) -> list[Block]:
+def _function(subject: Subject, pair: Pair, form: Form) -> list[Block]:
     try:
         found = form.system.transfer_function(pair.output, pair.input, pair.excitation or None)
         operations = found.program.operations
@@ -59,10 +73,15 @@ def _function(pair: Pair, form: Form) -> list[Block]:
         return [Paragraph((f"Not written in symbols: {error}.",))]
     rig = form.cases[0].drivetrain
     blocks: list[Block] = [Paragraph(_introduction(found, rig))]
-    if operations > LONG:
-        text = f"It takes {operations} additions, multiplications and divisions, which would fill pages. "
-        return [*blocks, Paragraph((text, Code(f'model.symbolic().transfer_function("{pair.output}", "{pair.input}")')))]
-    if operations <= SHORT and found.nested_leaves <= 10 * SHORT:
+    asked = pair in subject.request.pairs
+    if operations > (LONG if asked else SHORT):
+        text = f"Written out it takes {operations} additions, multiplications and divisions"
+        how = f"--tf {pair.output}/{pair.input}" if operations <= LONG else (
+            f'model.symbolic().transfer_function("{pair.output}", "{pair.input}").python_code()'
+        )  # fmt: skip
+        lead = "; " if operations <= LONG else ", which would fill pages; in Python "
+        return [*blocks, Paragraph((f"{text}{lead}", Code(how), " gives them."))]
+    if operations <= SHORT and found.nested_leaves <= 10 * SHORT and letters(found.mechanical) <= FORMULA:
         blocks.append(Formula(rf"{_quotient(pair)} = {latex(found.mechanical)}"))
         blocks += [*_polynomial(found, pair, form.cases), _limits(found, pair)]
         return blocks
@@ -75,8 +94,12 @@ def _quotient(pair: Pair) -> str:
 
 def _introduction(found: TransferFunction, rig: Drivetrain) -> Text:
     output, into = found.channels
-    response = FrequencyResponse(np.empty(0), np.empty((0, 1, 1)), (output,), (into,))
-    lead = f"{capital(response.kind())} in {unit(response.unit())}." if response.unit() != "1" else f"{capital(response.kind())}."
+    response = FrequencyResponse(np.empty(0), np.empty((0, 1, 1), dtype=complex), (output,), (into,))
+    lead = (
+        f"{capital(response.kind())} in {unit(response.unit())}."
+        if response.unit() != "1"
+        else f"{capital(response.kind())}."
+    )
     return sentence(" ".join([lead, *(f"{capital(note)}." for note in found.notes)]), rig)
 
 
@@ -87,7 +110,9 @@ def _polynomial(found: TransferFunction, pair: Pair, cases: tuple[Case, ...]) ->
         text = f"As a quotient of polynomials in s it has order {order}; the coefficients are too long to be read."
         return [Paragraph((text,))]
     above, below = (
-        polynomial_latex([sympy.Symbol(f"{letter}_{k}") if value != 0 else sympy.Integer(0) for k, value in enumerate(part)])
+        polynomial_latex(
+            [sympy.Symbol(f"{letter}_{k}") if value != 0 else sympy.Integer(0) for k, value in enumerate(part)]
+        )
         for letter, part in (("b", rational.numerator), ("a", rational.denominator))
     )
     where = list(rational.where.items())
@@ -108,7 +133,13 @@ def _terms(expression: Any) -> int:
 def _numbers(where: list[tuple[Any, Any]], pair: Pair, cases: tuple[Case, ...]) -> Table:
     columns = [Heading("Coefficient")]
     columns += [Heading(case.configuration or "Value", numeric=True) for case in cases]
-    values = [{sympy.Symbol(n): sympy.Rational(str(v)) if _exact(v) else sympy.Float(v) for n, v in case.drivetrain.exact_values.items()} for case in cases]
+    values = [
+        {
+            sympy.Symbol(n): sympy.Rational(str(v)) if _exact(v) else sympy.Float(v)
+            for n, v in case.drivetrain.exact_values.items()
+        }
+        for case in cases
+    ]
     rows: list[tuple[Cell, ...]] = []
     for name, expression in where:
         numbers = [Number(float(expression.xreplace(known)), 5) for known in values]
@@ -132,19 +163,21 @@ def _limits(found: TransferFunction, pair: Pair) -> Table:
 def _limit(expression: Any) -> Cell:
     if expression in (sympy.oo, sympy.zoo):
         return "infinite: nothing holds the drivetrain"
-    if sympy.count_ops(expression) > 6 * SHORT:
+    if sympy.count_ops(expression) > LONG or max(map(letters, sympy.Add.make_args(expression))) > FORMULA:
         return "too long to be read"
     return Terms(tuple(sum_terms(expression)))
 
 
 def _steps(found: TransferFunction, pair: Pair) -> list[Block]:
     names, result = found.program.where()
+    above, below = sympy.fraction(result)
+    names = {**names, sympy.Symbol("N"): above, sympy.Symbol("D"): below}
     rows = [(Math(symbol_latex(str(name))), Terms(tuple(sum_terms(value)))) for name, value in names.items()]
     columns = (Heading("Step"), Heading("Expression", wide=True))
     lead = "Written in steps, each of which uses those before it:"
     return [
         Paragraph((lead,)),
         table(("Steps of ", Math(pair_latex(pair))), columns, rows),
-        Formula(rf"{_quotient(pair)} = {latex(result)}"),
+        Formula(rf"{_quotient(pair)} = \frac{{N}}{{D}}"),
         _limits(found, pair),
     ]

@@ -8,9 +8,20 @@ import numpy as np
 
 from torsionnet.document.subject import MOST_MODES, Subject
 from torsionnet.document.tree import (
-    Block, Cell, Group, Heading, Math, Number, Paragraph, Picture, Section, Table, Text, inlines,
-)  # fmt: skip
-from torsionnet.document.words import aligned, capital, pair_latex, plain, sentence
+    Block,
+    Cell,
+    Group,
+    Heading,
+    Math,
+    Number,
+    Paragraph,
+    Picture,
+    Section,
+    Table,
+    Text,
+    inlines,
+)
+from torsionnet.document.words import aligned, capital, named, pair_latex, plain, sentence
 from torsionnet.response.modes import OSCILLATORY
 
 if TYPE_CHECKING:
@@ -20,6 +31,7 @@ if TYPE_CHECKING:
 NOTEWORTHY, MOST_SHARES = 0.05, 4
 MOST_DRAWN = 6
 """Configurations whose shapes are drawn."""
+SHOWS_THESE = " shows these, not the modes of the whole drivetrain."
 KINDS = {"oscillatory": "vibration"}
 COLUMNS = (
     Heading("Mode", numeric=True),
@@ -105,23 +117,29 @@ def _energies(subject: Subject) -> Table:
     )
     groups = []
     for case, modes in zip(subject.cases, subject.modes, strict=True):
-        rows = tuple(
-            (Number(index + 1), *(_shares(modes.elements, table[:, index]) for table in _tables(modes)))
-            for index in range(len(modes))
-        )
+        rows = tuple((Number(index + 1), *_energy(modes, index)) for index in range(len(modes)))
         groups.append(Group(rows, f"Configuration {case.configuration}" if len(subject.cases) > 1 else ""))
     note = f"Shares of at least {100 * NOTEWORTHY:.0f} %, the {MOST_SHARES} largest."
     return Table(("Where the energy of each mode is",), columns, tuple(groups), ((note,),))
 
 
-def _tables(modes: Modes) -> tuple[np.ndarray[tuple[int, int], np.dtype[np.float64]], ...]:
-    return modes.kinetic, modes.strain, modes.dissipated
+def _energy(modes: Modes, index: int) -> tuple[str, str, str]:
+    """Kinetic, elastic, dissipated, in words."""
+    return (
+        _shares(modes.elements, modes.kinetic[:, index]),
+        _shares(modes.elements, modes.strain[:, index]),
+        _shares(modes.elements, modes.dissipated[:, index]),
+    )
 
 
 def _shares(elements: tuple[str, ...], shares: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
     """``dmf 79 %, half shaft 21 %``."""
     order = np.argsort(-np.round(shares, 9), kind="stable")[:MOST_SHARES]
     kept = [index for index in order if shares[index] >= NOTEWORTHY]
+    if not kept and shares.any():
+        return (
+            f"spread over many, at most {100 * shares[order[0]]:.1f}\N{NO-BREAK SPACE}% in {plain(elements[order[0]])}"
+        )
     return ", ".join(f"{plain(elements[index])} {100 * shares[index]:.0f}\N{NO-BREAK SPACE}%" for index in kept) or "–"
 
 
@@ -141,11 +159,7 @@ def _shapes(subject: Subject) -> Picture:
 
 
 def _cut(subject: Subject, pair: str, measured: str, cut: tuple[Modes, ...]) -> list[Block]:
-    from torsionnet.document.words import named
-
-    text: Text = (
-        "Against the measured ", named(measured), " the poles are others: those of the drivetrain cut where it is "
-        "measured. A test of ", Math(pair), " shows these, not the modes of the whole drivetrain.",
-    )  # fmt: skip
+    poles = " the poles are others: those of the drivetrain cut where it is measured. A test of "
+    text: Text = ("Against the measured ", *inlines(named(measured)), poles, Math(pair), SHOWS_THESE)
     caption: Text = ("Poles of ", Math(pair), ", the drivetrain cut at ", *inlines(named(measured)))
     return [Paragraph(text), modes_table(subject, cut, caption)]

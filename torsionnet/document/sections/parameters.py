@@ -118,5 +118,5 @@ def _operating_point(rig: Drivetrain) -> Table | None:
     columns = (Heading("Node"), Heading("Mean speed", "rpm", numeric=True), Heading("Mean torque", "N·m", numeric=True))
     turned = aligned([speeds[node] * 30 / math.pi if node in speeds else None for node in nodes])
     loads = aligned([torques.get(node) for node in nodes])
-    rows = [(plain(node), *pair) for node, *pair in zip(nodes, turned, loads, strict=True)]
+    rows = [(plain(node), speed, load) for node, speed, load in zip(nodes, turned, loads, strict=True)]
     return table("Operating point", columns, rows, most=MOST)

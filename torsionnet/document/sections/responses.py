@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet.document.subject import Subject
+from torsionnet.document.subject import Subject, is_damped
 from torsionnet.document.tree import Block, Cell, Group, Heading, Math, Number, Picture, Section, Table
 from torsionnet.document.words import aligned, pair_latex, unit
 from torsionnet.outline import Pair
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 MOST_PEAKS = 6
+PROMINENCE = 1.001
 MOST_CURVES = 7
 """Curves that can be told apart in one plot."""
 
@@ -88,12 +90,27 @@ def peaks_table(subject: Subject, pair: Pair, found: tuple[FrequencyResponse, ..
     return Table(caption, columns, (Group(tuple(rows)),), notes)
 
 
+def _stands_out(response: FrequencyResponse, frequency: float) -> bool:
+    """Whether the response falls by a thousandth or more to either side before it rises above the peak."""
+    size = response.magnitude[:, 0, 0]
+    place = int(np.argmin(np.abs(response.frequencies - frequency)))
+    window = slice(max(place - 1, 0), place + 2)
+    top = int(np.argmax(size[window])) + window.start
+    valleys = []
+    for side in (size[top::-1], size[top:]):
+        higher = np.flatnonzero(side > size[top])
+        valleys.append(float(side[: higher[0] if higher.size else None].min()))
+    return bool(size[top] > PROMINENCE * max(valleys))
+
+
 def read_off(subject: Subject, pair: Pair, response: FrequencyResponse, index: int) -> list[tuple[str, Peak]]:
     """What it is and where, of one case."""
     solve = subject.solver(subject.cases[index], pair)
     value = static_value(solve, 0, 0)
     phase = math.degrees(np.angle(value)) if math.isfinite(abs(value)) else math.nan
-    found = list(peaks(response, solve, 0, 0))
+    found = [peak for peak in peaks(response, solve, 0, 0) if _stands_out(response, peak.frequency)]
+    if not is_damped(subject.cases[index]):
+        found = [replace(peak, magnitude=math.inf, phase=math.nan) for peak in found]
     highest = sorted(sorted(found, key=lambda peak: -peak.magnitude)[:MOST_PEAKS], key=lambda peak: peak.frequency)
     rest = [(f"peak {number}", peak) for number, peak in enumerate(highest, 1)]
     return [("static value", Peak(0.0, abs(value), phase)), *rest]

@@ -47,7 +47,9 @@ def _response(subject: Subject, pair: Pair) -> Table:
     scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
     points = [read_off(subject, pair, response, index) for index, response in enumerate(found)]
     static = [entries[0][1].magnitude * scale for entries in points]
-    highest = [max((peak for _, peak in entries[1:]), key=lambda peak: peak.magnitude, default=None) for entries in points]
+    highest = [
+        max((peak for _, peak in entries[1:]), key=lambda peak: peak.magnitude, default=None) for entries in points
+    ]
     columns = (
         Heading("Configuration"),
         Heading("Static value", shown, numeric=True),

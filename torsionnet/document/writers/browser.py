@@ -55,8 +55,8 @@ def find_browser() -> str:
         if found:
             return found
     msg = (
-        "a PDF is printed by a browser, and there is neither Chromium nor Chrome nor Edge: install one, name its program "
-        f"in the environment variable {VARIABLE}, or write -o report.html and print that from any browser"
+        "a PDF is printed by a browser, and there is neither Chromium nor Chrome nor Edge: install one, name its "
+        f"program in the environment variable {VARIABLE}, or write -o report.html and print that from any browser"
     )
     raise MissingExtraError(msg)
 

@@ -3,12 +3,24 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from importlib.resources import files
+from typing import Any
 
 from torsionnet.document.tree import (
-    Block, Equations, Facts, Formula, Listing, Paragraph, Picture, Remark, Report, Section, Table,
-)  # fmt: skip
+    Block,
+    Equations,
+    Facts,
+    Formula,
+    Listing,
+    Paragraph,
+    Picture,
+    Remark,
+    Report,
+    Section,
+    Table,
+)
 from torsionnet.document.writers.html_table import table_html
 from torsionnet.document.writers.html_text import escaped, inline
 from torsionnet.document.writers.mathml import mathml
@@ -62,25 +74,26 @@ class _Writer:
         return f'<section id="{escaped(section.name)}">\n{head}\n' + "\n".join(parts) + "\n</section>"
 
     def block(self, block: Block) -> str:
-        match block:
-            case Paragraph(text):
-                return f"<p>{inline(text)}</p>"
-            case Listing(items):
-                return f"<ul>{''.join(f'<li>{inline(item)}</li>' for item in items)}</ul>"
-            case Remark(kind, text):
-                return f"<p class='remark {escaped(kind)}'><b>{escaped(kind.capitalize())}:</b> {inline(text)}</p>"
-            case Formula(latex):
-                number = self.label("Formula").removeprefix("Formula ")
-                return f"<div class=formula><div class=scroll>{mathml(latex, block=True)}</div><span>({number})</span></div>"
-            case Equations(rows):
-                return "".join(f"<p class=equation>{inline(row)}</p>" for row in rows)
-            case Table():
-                return table_html(block, self.label("Table"))
-            case Picture():
-                return self.picture(block)
-            case Facts():
-                return self.facts(block)
-        return self.section(block, (0,))
+        writers: dict[type, Callable[[Any], str]] = {
+            Paragraph: lambda one: f"<p>{inline(one.text)}</p>",
+            Listing: lambda one: f"<ul>{''.join(f'<li>{inline(item)}</li>' for item in one.items)}</ul>",
+            Remark: self.remark,
+            Formula: self.formula,
+            Equations: lambda one: "".join(f"<p class=equation>{inline(row)}</p>" for row in one.rows),
+            Table: lambda one: table_html(one, self.label("Table")),
+            Picture: self.picture,
+            Facts: self.facts,
+        }
+        return writers[type(block)](block)
+
+    @staticmethod
+    def remark(block: Remark) -> str:
+        return f"<p class='remark {escaped(block.kind)}'><b>{block.kind.capitalize()}:</b> {inline(block.text)}</p>"
+
+    def formula(self, block: Formula) -> str:
+        number = self.label("Formula").removeprefix("Formula ")
+        shown = f"<div class=scroll>{mathml(block.latex, block=True)}</div>"
+        return f"<div class=formula>{shown}<span>({number})</span></div>"
 
     @staticmethod
     def facts(facts: Facts) -> str:

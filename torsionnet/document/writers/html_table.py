@@ -36,9 +36,7 @@ def _class(column: Heading) -> str:
     return " class=num" if column.numeric else " class=wide" if column.wide else ""
 
 
-def _group(
-    title: Cell, rows: Sequence[tuple[Cell, ...]], columns: Sequence[Heading], decimals: Sequence[int]
-) -> str:
+def _group(title: Cell, rows: Sequence[tuple[Cell, ...]], columns: Sequence[Heading], decimals: Sequence[int]) -> str:
     lead = f"<tr class=group><th colspan={len(columns)} scope=rowgroup>{inline(title)}</th></tr>" if title else ""
     body = "".join(f"<tr{_continued(row)}>{_cells(row, columns, decimals)}</tr>" for row in rows)
     return f"<tbody>{lead}{body}</tbody>\n"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import unicodedata
 
 from torsionnet.document.tree import Cell, Code, Inline, Math, Number, Strong, Terms, inlines
 from torsionnet.document.writers.mathml import mathml
@@ -14,7 +15,11 @@ def escaped(text: str) -> str:
     >>> escaped('<b>A & "B"</b>')
     '&lt;b&gt;A &amp; &quot;B&quot;&lt;/b&gt;'
     """
-    return html.escape("".join(char if char.isprintable() or char in " \n" else "\N{REPLACEMENT CHARACTER}" for char in text))
+    return html.escape("".join("\N{REPLACEMENT CHARACTER}" if _is_control(char) else char for char in text))
+
+
+def _is_control(char: str) -> bool:
+    return unicodedata.category(char) in ("Cc", "Cs") and char not in "\n\t"
 
 
 def inline(cell: Cell) -> str:

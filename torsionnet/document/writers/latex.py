@@ -2,12 +2,24 @@ r"""A report as a LaTeX document for pdfTeX, with its figures as PDF in a folder
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from torsionnet.atomic import write_text
 from torsionnet.document.tree import (
-    Block, Equations, Facts, Formula, Listing, Paragraph, Picture, Remark, Report, Section, Table,
-)  # fmt: skip
+    Block,
+    Equations,
+    Facts,
+    Formula,
+    Listing,
+    Paragraph,
+    Picture,
+    Remark,
+    Report,
+    Section,
+    Table,
+)
 from torsionnet.document.writers.figures import figure_folder, write_figures
 from torsionnet.document.writers.latex_table import table_latex
 from torsionnet.document.writers.latex_text import displayed, escaped, inline
@@ -34,6 +46,9 @@ PREAMBLE = r"""\documentclass[10pt,a4paper]{article}
 \pdfinfoomitdate=1
 \pdftrailerid{}
 """
+FACTS = r"@{}l>{\raggedright\arraybackslash}p{0.78\linewidth}@{}"
+LONG = 60
+"""Letters of a word that is set smaller, such as a check sum."""
 LEVELS = ("section", "subsection", "subsubsection", "paragraph")
 
 
@@ -60,43 +75,48 @@ def _section(section: Section, level: int, folder: str) -> str:
     command = LEVELS[min(level, len(LEVELS) - 1)]
     title = inline(section.title)
     shown = rf"\texorpdfstring{{{title}}}{{{escaped(section.name)}}}" if "$" in title else title
-    parts = [rf"\{command}{{{shown}}}"]
-    for block in section.blocks:
-        parts.append(_section(block, level + 1, folder) if isinstance(block, Section) else _block(block, folder))
-    return "\n\n".join(parts)
+    parts = (
+        _section(block, level + 1, folder) if isinstance(block, Section) else _block(block, folder)
+        for block in section.blocks
+    )
+    return "\n\n".join([rf"\{command}{{{shown}}}", *parts])
 
 
 def _block(block: Block, folder: str) -> str:
-    match block:
-        case Paragraph(text):
-            return inline(text)
-        case Listing(items):
-            points = "\n".join(rf"\item {inline(item)}" for item in items)
-            return f"\\begin{{itemize}}\n{points}\n\\end{{itemize}}"
-        case Remark(kind, text):
-            return rf"\textbf{{{escaped(kind.capitalize())}:}} {inline(text)}"
-        case Formula(latex):
-            return f"\\begin{{equation}}\n{displayed(latex)}\n\\end{{equation}}"
-        case Equations(rows):
-            lead = r"\hangindent=2.5em\hangafter=1\noindent "
-            return "\n\n".join(f"{lead}{displayed(inline(row))}" for row in rows)
-        case Table():
-            return f"{{\\small\n{table_latex(block)}\n}}"
-        case Picture():
-            return _picture(block, folder)
-        case Facts():
-            return _facts(block)
-    return _section(block, 1, folder)
+    writers: dict[type, Callable[[Any], str]] = {
+        Paragraph: lambda one: inline(one.text),
+        Listing: _listing,
+        Remark: lambda one: rf"\textbf{{{escaped(one.kind.capitalize())}:}} {inline(one.text)}",
+        Formula: lambda one: f"\\begin{{equation}}\n{displayed(one.latex)}\n\\end{{equation}}",
+        Equations: _equations,
+        Table: lambda one: f"{{\\small\n{table_latex(one)}\n}}",
+        Picture: lambda one: _picture(one, folder),
+        Facts: _facts,
+    }
+    return writers[type(block)](block)
+
+
+def _listing(block: Listing) -> str:
+    points = "\n".join(rf"\item {inline(item)}" for item in block.items)
+    return f"\\begin{{itemize}}\n{points}\n\\end{{itemize}}"
+
+
+def _equations(block: Equations) -> str:
+    lead = r"\hangindent=2.5em\hangafter=1\noindent "
+    return "\n\n".join(f"{lead}{displayed(inline(row))}" for row in block.rows)
 
 
 def _facts(facts: Facts) -> str:
     rows = "\n".join(rf"{escaped(word)} & {_breakable(inline(text))} \\" for word, text in facts.rows)
-    return f"\\begin{{tabular}}{{@{{}}l>{{\\raggedright\\arraybackslash}}p{{0.78\\linewidth}}@{{}}}}\n{rows}\n\\end{{tabular}}"
+    return f"\\begin{{tabular}}{{{FACTS}}}\n{rows}\n\\end{{tabular}}"
 
 
 def _breakable(text: str) -> str:
-    """A long word such as a check sum in a smaller size."""
-    return " ".join(rf"{{\footnotesize\texttt{{{word}}}}}" if len(word) > 60 and word.isalnum() else word for word in text.split(" "))  # noqa: PLR2004
+    """Long words in a smaller size."""
+    return " ".join(
+        rf"{{\footnotesize\texttt{{{word}}}}}" if len(word) > LONG and word.isalnum() else word
+        for word in text.split(" ")
+    )
 
 
 def _picture(block: Picture, folder: str) -> str:

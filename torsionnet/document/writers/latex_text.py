@@ -6,6 +6,7 @@ import re
 import unicodedata
 
 from torsionnet.document.tree import Cell, Code, Inline, Math, Number, Strong, Terms, inlines
+from torsionnet.symbolics import naming
 
 SPECIAL = {
     "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "%": r"\%", "_": r"\_",
@@ -16,9 +17,10 @@ SPECIAL = {
     "‘": "`", "’": "'", "“": "``", "”": "''", "≤": r"$\le$", "≥": r"$\ge$", "→": r"$\to$",
 }  # fmt: skip
 GREEK = {
-    unicodedata.lookup(f"GREEK SMALL LETTER {name.upper().replace('LAMBDA', 'LAMDA')}"): rf"$\{name}$"
-    for name in "alpha beta gamma delta epsilon zeta eta theta kappa lambda mu nu xi pi rho sigma tau phi chi psi omega".split()
-}  # fmt: skip
+    unicodedata.lookup(f"GREEK {size} LETTER {name.upper().replace('LAMBDA', 'LAMDA')}"): rf"$\{name}$"
+    for name in sorted(naming.GREEK)
+    for size in ("CAPITAL" if name[0].isupper() else "SMALL",)
+}
 LATIN = 0x180
 """Code points below are letters that T1 fonts have, or are taken apart into such."""
 

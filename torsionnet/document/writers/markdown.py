@@ -4,14 +4,34 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from torsionnet.atomic import write_text
 from torsionnet.document.tree import (
-    Block, Cell, Code, Equations, Facts, Formula, Heading, Inline, Listing, Math, Number, Paragraph, Picture, Remark,
-    Report, Section, Strong, Table, Terms, inlines,
-)  # fmt: skip
+    Block,
+    Cell,
+    Code,
+    Equations,
+    Facts,
+    Formula,
+    Heading,
+    Inline,
+    Listing,
+    Math,
+    Number,
+    Paragraph,
+    Picture,
+    Remark,
+    Report,
+    Section,
+    Strong,
+    Table,
+    Terms,
+    inlines,
+)
 from torsionnet.document.writers.figures import figure_folder, write_figures
 
 _MARKS = re.compile(r"([\\`*_{}\[\]<>#|$~&])")
@@ -73,6 +93,10 @@ def number(value: Number) -> str:
     return text if value.exponent is None else f"{text}·10{str(value.exponent).translate(raised)}"
 
 
+def _display(latex: str) -> str:
+    return f"$$\n{_safe(latex)}\n$$"
+
+
 @dataclass
 class _Writer:
     """Counts tables and figures as it goes."""
@@ -96,25 +120,21 @@ class _Writer:
         return "\n\n".join(parts)
 
     def block(self, block: Block) -> str:
-        match block:
-            case Paragraph(text):
-                return inline(text)
-            case Listing(items):
-                return "\n".join(f"- {inline(item)}" for item in items)
-            case Remark(kind, text):
-                return f"> **{kind.capitalize()}:** {inline(text)}"
-            case Formula(latex):
-                return f"$$\n{_safe(latex)}\n$$"
-            case Equations(rows):
-                return "\n\n".join(f"$$\n{_safe(' '.join(row.parts))}\n$$" for row in rows)
-            case Table():
-                return self.table(block)
-            case Picture():
-                label = self.label("Figure")
-                return f"![{escaped(block.alt)}]({self.folder}/{block.name}.svg)\n\n**{label}** {inline(block.caption)}"
-            case Facts():
-                return self.facts(block)
-        return self.section(block, (0,))
+        writers: dict[type, Callable[[Any], str]] = {
+            Paragraph: lambda one: inline(one.text),
+            Listing: lambda one: "\n".join(f"- {inline(item)}" for item in one.items),
+            Remark: lambda one: f"> **{one.kind.capitalize()}:** {inline(one.text)}",
+            Formula: lambda one: _display(one.latex),
+            Equations: lambda one: "\n\n".join(_display(" ".join(row.parts)) for row in one.rows),
+            Table: self.table,
+            Picture: self.picture,
+            Facts: self.facts,
+        }
+        return writers[type(block)](block)
+
+    def picture(self, block: Picture) -> str:
+        caption = f"**{self.label('Figure')}** {inline(block.caption)}"
+        return f"![{escaped(block.alt)}]({self.folder}/{block.name}.svg)\n\n{caption}"
 
     @staticmethod
     def facts(facts: Facts) -> str:
