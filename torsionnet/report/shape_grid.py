@@ -65,8 +65,9 @@ def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels
     --------
     >>> import torsionnet as tn
     >>> rig = tn.load("dmf_rig")
-    >>> [text.get_text() for text in shape_grid([rig.modes()], [rig], [""]).axes[0].texts[:1]]
-    ['Mode 1: 7.105 Hz']
+    >>> texts = [text.get_text() for text in shape_grid([rig.modes()], [rig], [""]).axes[0].texts]
+    >>> [text for text in texts if "Hz" in text]
+    ['Mode 1: 7.105 Hz', 'Mode 2: 80.98 Hz']
     """
     longest = max(len(node) for one in modes for node in one.nodes)
     below = 0.2 + LETTER * min(longest, 18)

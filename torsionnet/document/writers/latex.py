@@ -103,7 +103,8 @@ def _listing(block: Listing) -> str:
 
 def _equations(block: Equations) -> str:
     lead = r"\hangindent=2.5em\hangafter=1\noindent "
-    return "\n\n".join(f"{lead}{displayed(inline(row))}" for row in block.rows)
+    rows = "\n\n".join(f"{lead}{displayed(inline(row))}" for row in block.rows)
+    return f"{{\\raggedright\n{rows}\n\\par}}"
 
 
 def _facts(facts: Facts) -> str:
