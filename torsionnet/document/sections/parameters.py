@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from torsionnet.document.expressions import expression_latex
 from torsionnet.document.subject import Case, Subject
-from torsionnet.document.tree import Block, Cell, Heading, Math, Number, Paragraph, Section, Strong, Table, Text, table
+from torsionnet.document.tree import Block, Cell, Heading, Math, Number, Section, Table, Text, table
 from torsionnet.document.words import aligned, named, plain, unit
 from torsionnet.expressions import Number as Literal
 from torsionnet.parameters import parameter_units
@@ -22,8 +22,6 @@ MOST, MOST_COLUMNS = 60, 12
 def parameters_section(subject: Subject) -> Section | None:
     rig = subject.model
     blocks: list[Block] = []
-    if rig.source:
-        blocks.append(Paragraph((Strong("Source of the values: "), rig.source)))
     if rig.parameters:
         blocks.append(_parameters(rig, dict(subject.request.settings)))
     changed = _changed(subject.cases)
