@@ -228,12 +228,13 @@ class TestLatex:
         )
         assert latex_escaped("Ω é 中 \x07") == r"$\Omega$ é [U+4E2D] [U+0007]"
 
-    def test_same_bytes(self, tmp_path):
+    @pytest.mark.parametrize("ending", ["tex", "md"])
+    def test_same_bytes(self, tmp_path, ending):
         texts = []
         for name in ("a", "b"):
             folder = tmp_path / name
             folder.mkdir()
-            files = tn.write_report("dmf_rig", folder / "r.tex", date=DATE)
+            files = tn.write_report("dmf_rig", folder / f"r.{ending}", date=DATE)
             texts.append([file.read_bytes() for file in files])
         assert texts[0] == texts[1]
 

@@ -9,6 +9,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from torsionnet.document.request import Request
 from torsionnet.errors import UsageError
 from torsionnet.outline import Pair
@@ -105,6 +107,10 @@ class Subject:
         """The equations in symbols: cases with the same ones together."""
         found: list[tuple[list[Case], SymbolicSystem]] = []
         for case in self.cases:
+            alike = next((cases for cases, _ in found if _same_structure(case.drivetrain, cases[0].drivetrain)), None)
+            if alike is not None:
+                alike.append(case)
+                continue
             system = case.drivetrain.symbolic()
             alike = next((cases for cases, other in found if _alike(system, other)), None)
             if alike is None:
@@ -165,6 +171,19 @@ def is_damped(case: Case) -> bool:
 def _alike(system: SymbolicSystem, other: SymbolicSystem) -> bool:
     same = (system.coordinates, system.nodes, system.inputs) == (other.coordinates, other.nodes, other.inputs)
     return same and all(getattr(system, key) == getattr(other, key) for key in ("M", "C", "K", "H", "tables", "T"))
+
+
+def _same_structure(rig: Drivetrain, other: Drivetrain) -> bool:
+    """Whether two configurations differ by values only, and by none that makes a term vanish: one formula does."""
+    if rig.definition.active != other.definition.active or _derived(rig) != _derived(other):
+        return False
+    pairs = ((rig.assembly.T, other.assembly.T), (rig.assembly.system.rows, other.assembly.system.rows))
+    return all(np.array_equal(one != 0, two != 0) for one, two in pairs)
+
+
+def _derived(rig: Drivetrain) -> dict[str, str]:
+    """Parameters that are expressions of others."""
+    return {name: str(entry.value) for name, entry in rig.parameter_definitions.items() if entry.value.names}
 
 
 def cases_of(model: Drivetrain, names: tuple[str, ...]) -> tuple[Case, ...]:

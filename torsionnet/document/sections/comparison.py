@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from torsionnet.document.request import Measured
-from torsionnet.document.sections.responses import name_axis
+from torsionnet.document.sections.responses import finish
 from torsionnet.document.subject import Case, Subject, cases_of
 from torsionnet.document.tree import Block, Heading, Math, Number, Paragraph, Picture, Section, Table, table
 from torsionnet.document.words import capital, channel_latex, unit
@@ -44,7 +44,7 @@ def _test(subject: Subject, test: Measured, number: int) -> list[Block]:
     alt = f"Test over model of {measured.outputs[0].name}/{measured.inputs[0].name}{where}"
     notes = [capital(note.removeprefix("warning: ")) + "." for note in measured.notes]
     drawn = comparison(measured, model, conventions=shown, title="")
-    name_axis(drawn, Pair(measured.outputs[0].name, measured.inputs[0].name))
+    finish(drawn, Pair(measured.outputs[0].name, measured.inputs[0].name))
     return [
         Picture(f"test_{number}", drawn, caption, alt),
         _agreement(measured, model, shown, pair, where),

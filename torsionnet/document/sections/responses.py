@@ -40,7 +40,7 @@ def _picture(subject: Subject, pair: Pair, found: tuple[FrequencyResponse, ...],
     shown = found[:MOST_CURVES]
     labels = [case.configuration for case in subject.cases[:MOST_CURVES]] if len(shown) > 1 else None
     drawn = bode(shown, conventions=subject.conventions, labels=labels, title="")
-    name_axis(drawn, pair)
+    finish(drawn, pair)
     rest = f"; the first {len(shown)} of {len(found)} configurations" if len(found) > len(shown) else ""
     overlaid = ", by configuration" if len(found) > 1 else ""
     kind = found[0].kind()
@@ -50,10 +50,12 @@ def _picture(subject: Subject, pair: Pair, found: tuple[FrequencyResponse, ...],
     return Picture(f"bode_{number}", drawn, caption, alt)
 
 
-def name_axis(figure: Figure, pair: Pair) -> None:
-    """The names of output and input on the axis as symbols."""
+def finish(figure: Figure, pair: Pair) -> None:
+    """The names of output and input on the axis as symbols, and no ticks without a number, which take long to draw."""
     from torsionnet.report.labels import symbol
 
+    for panel in figure.axes:
+        panel.minorticks_off()
     axes = figure.axes[0]
     shown = "/".join(symbol(name) for name in (pair.output, pair.input))
     axes.set_ylabel(axes.get_ylabel().replace(str(pair), shown))

@@ -2,6 +2,7 @@ r"""Tables in LaTeX: ``longtable``, so that long ones break over pages with thei
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from torsionnet.document.tree import Cell, Code, Heading, Inline, Math, Number, Strong, Table, Terms, inlines
@@ -9,6 +10,8 @@ from torsionnet.document.writers.latex_text import displayed, escaped, inline, n
 
 PAGE, FEWEST, GAP = 104, 14, 2
 """Letters across the page in the size of tables, of the narrowest wide column, and of the gap between two."""
+
+_MARKUP = re.compile(r"(begin|end)\{bmatrix\}|\\[a-zA-Z]+|[{}_^~\\ &]")
 
 
 def table_latex(block: Table) -> str:
@@ -86,11 +89,9 @@ def _shown(cell: Cell) -> str:
 
 
 def _letters(part: Inline) -> str:
-    import re
-
     match part:
         case Math(latex):
-            return re.sub(r"\\[a-zA-Z]+|[{}_^~\\ &]", "", latex)
+            return max((re.sub(_MARKUP, "", row) for row in latex.split(r"\\")), key=len)
         case Terms(parts):
             return "   ".join(_letters(Math(latex)) for latex in parts)
         case Strong(text) | Code(text):
