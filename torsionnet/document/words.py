@@ -89,7 +89,12 @@ def unit(text: str) -> str:
 
 
 def capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
+    """The text as a sentence begins; names from the model stay as they are.
+
+    >>> capital("measured input"), capital("theta_1 moves")
+    ('Measured input', 'theta_1 moves')
+    """
+    return text if "_" in text.partition(" ")[0] else text[:1].upper() + text[1:]
 
 
 def listed(names: Sequence[str], most: int = 12) -> str:

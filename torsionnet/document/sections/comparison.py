@@ -8,7 +8,7 @@ from torsionnet.document.request import Measured
 from torsionnet.document.sections.responses import finish
 from torsionnet.document.subject import Case, Subject, cases_of
 from torsionnet.document.tree import Block, Heading, Math, Number, Paragraph, Picture, Section, Table, table
-from torsionnet.document.words import capital, channel_latex, unit
+from torsionnet.document.words import capital, channel_latex, sentence, unit
 from torsionnet.errors import UsageError
 from torsionnet.outline import Pair
 from torsionnet.response import Conventions, FrequencyResponse
@@ -48,7 +48,7 @@ def _test(subject: Subject, test: Measured, number: int) -> list[Block]:
     return [
         Picture(f"test_{number}", drawn, caption, alt),
         _agreement(measured, model, shown, pair, where),
-        *([Paragraph((" ".join(notes),))] if notes else []),
+        *([Paragraph(sentence(" ".join(notes), case.drivetrain))] if notes else []),
     ]
 
 

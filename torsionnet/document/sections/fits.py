@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from torsionnet.document.subject import Subject
 from torsionnet.document.tree import Block, Cell, Heading, Listing, Number, Paragraph, Picture, Section, Table, table
-from torsionnet.document.words import capital, named, unit
+from torsionnet.document.words import capital, named, sentence, unit
 
 if TYPE_CHECKING:
     from torsionnet.identification import Fit
@@ -25,7 +25,7 @@ def _fit(subject: Subject, fit: Fit, number: int) -> list[Block]:
 
     blocks: list[Block] = [_table(subject, fit)]
     if fit.verdicts:
-        blocks.append(Listing(tuple((capital(verdict) + ".",) for verdict in fit.verdicts)))
+        blocks.append(Listing(tuple(sentence(capital(verdict) + ".", subject.model) for verdict in fit.verdicts)))
     if fit.notes:
         blocks.append(Paragraph((" ".join(capital(note) + "." for note in fit.notes),)))
     if fit.comparisons:
