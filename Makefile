@@ -16,7 +16,7 @@ PIP := $(RUN) -m pip --disable-pip-version-check
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' Makefile
 
-demo: $(VENV)/.installed  ## tables on the screen, plots in out/
+demo: $(VENV)/.installed  ## tables on the screen, plots and reports in out/
 	$(RUN) -m torsionnet.demo
 
 figures: $(VENV)/.installed  ## only the figures of the virtual test bench, in out/

@@ -26,6 +26,7 @@ from torsionnet.elements import ELEMENT_TYPES, Constraint, Element, Law, Part, V
 from torsionnet.elements import fields as spec
 from torsionnet.errors import ModelError
 from torsionnet.expressions import Algebra
+from torsionnet.outline import SECTIONS
 from torsionnet.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimension, expected_unit
 
 DOCS = Path(__file__).parent
@@ -324,6 +325,14 @@ def _entries_table(title: str, entries: dict[str, tuple[spec.Spec, bool]]) -> st
     return f"**{title}**\n\n" + table(["entry", "", "meaning", "unit"], rows)
 
 
+# The sections of a report
+
+
+def report_page() -> str:
+    """Every section with what it holds."""
+    return table(["section", "what it holds"], [[code(name), prose(text)] for name, text in SECTIONS.items()])
+
+
 # What is refused
 
 TRAP_MODEL = """\
@@ -395,6 +404,7 @@ PAGES = {
     "cases.md": cases_page,
     "bench.md": bench_page,
     "bench_numbers.md": bench_numbers_page,
+    "report.md": report_page,
 }
 
 

@@ -50,6 +50,8 @@ def test_writes_the_figures_schematics_and_curves(shown):
         "amt_gears.png",
         "dmf_schematic.svg",
         "amt_schematic.svg",
+        "amt_report.html",
+        "dmf_report.html",
         *(f"{slug}_theta_1_{against}.csv" for slug in SLUGS for against in ("T_T", "T_M")),
         *FIGURES,
     }

@@ -77,7 +77,7 @@ class TestGeneratedPages:
         assert all(f"| `{name}` |" in units for name in _BASE)
         assert all(f"| `{name}` |" in damping for name in MEASURES)
 
-    @pytest.mark.parametrize("name", ["elements", "units", "damping", "traps", "bench", "file_entries"])
+    @pytest.mark.parametrize("name", ["elements", "units", "damping", "traps", "bench", "file_entries", "report"])
     def test_pages_in_the_repository_are_current(self, generate, name):
         """They are read on the web without a build; `python docs/generate.py` writes them."""
         committed = (DOCS / "generated" / f"{name}.md").read_text(encoding="utf-8")

@@ -13,7 +13,7 @@ PACKAGE = Path(__file__).parents[1] / "torsionnet"
 
 LAYERS = (  # top to bottom: first name below torsionnet
     {"cli", "demo", "__main__"},
-    {"explore"},
+    {"document", "explore"},
     {"report", "interchange"},
     {"identification", "virtual"},
     {"sensitivity"},
@@ -21,6 +21,7 @@ LAYERS = (  # top to bottom: first name below torsionnet
     {"assembly"},
     {
         "bench",
+        "outline",
         "drivetrain",
         "files",
         "checks",

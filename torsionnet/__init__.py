@@ -57,16 +57,18 @@ _HOMES = {
     "load": "files",
     "load_bench": "virtual",
     "loads": "files",
+    "write_report": "document",
 }
 
-_PACKAGES = ("bench", "identification", "interchange", "modal", "report", "sensitivity", "signals", "units")
+_PACKAGES = ("bench", "document", "identification", "interchange", "modal", "report", "sensitivity", "signals", "units")
 
 __all__ = ["__version__", *_HOMES, *_PACKAGES]  # noqa: PLE0604
 
 if TYPE_CHECKING:
-    from torsionnet import bench, identification, interchange, modal, report, sensitivity, signals, units
+    from torsionnet import bench, document, identification, interchange, modal, report, sensitivity, signals, units
     from torsionnet.channels import Input, Sensor
     from torsionnet.damping import convert_damping
+    from torsionnet.document import write_report
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.elements import (
         Damper,

@@ -16,10 +16,11 @@ from torsionnet.parameters import Parameter, read_parameters
 
 if TYPE_CHECKING:
     from torsionnet.bench import Plan
+    from torsionnet.outline import Outline
 
 VERSION = 1
 TEXTS = ("name", "source", "description")
-TABLES = ("parameters", "elements", "inputs", "sensors", "configurations", "operating_point", "bench")
+TABLES = ("parameters", "elements", "inputs", "sensors", "configurations", "operating_point", "bench", "report")
 KEYS = ("torsionnet", *TEXTS, *TABLES)
 
 
@@ -37,6 +38,7 @@ class Definition:
     source: str = ""
     description: str = ""
     bench: Plan | None = None
+    report: Outline | None = None
 
     @property
     def active(self) -> tuple[Element, ...]:
@@ -73,6 +75,8 @@ class Definition:
             data["operating_point"] = self.operating_point.to_data()
         if self.bench:
             data["bench"] = self.bench.to_data()
+        if self.report:
+            data["report"] = self.report.to_data()
         return data
 
 
@@ -98,6 +102,7 @@ def define(
     source: Any = "",
     description: Any = "",
     bench: Any = None,
+    report: Any = None,
 ) -> tuple[Definition, list[Fault]]:
     """Type the content of a model; the definition holds what could be read, the faults say what could not."""
     faults: list[Fault] = []
@@ -122,8 +127,17 @@ def define(
     faults += found
     plan, found = _read_bench(bench)
     faults += found
+    outline, found = _read_report(report)
+    faults += found
     texts = {key: text if isinstance(text, str) else "" for key, text in texts.items()}
-    return Definition(elements=elements, axes=axes, operating_point=point, bench=plan, **tables, **texts), faults
+    parts: dict[str, Any] = {
+        "elements": elements,
+        "axes": axes,
+        "operating_point": point,
+        "bench": plan,
+        "report": outline,
+    }
+    return Definition(**parts, **tables, **texts), faults
 
 
 def _read_bench(raw: Any) -> tuple[Plan | None, list[Fault]]:
@@ -132,6 +146,14 @@ def _read_bench(raw: Any) -> tuple[Plan | None, list[Fault]]:
     from torsionnet.bench.plan import read_plan  # loads numpy, which most models can do without
 
     return read_plan(raw)
+
+
+def _read_report(raw: Any) -> tuple[Outline | None, list[Fault]]:
+    if raw is None:
+        return None, []
+    from torsionnet.outline.reading import read_outline
+
+    return read_outline(raw)
 
 
 def collect_elements(elements: Iterable[Element]) -> tuple[dict[str, Element], list[Fault]]:

@@ -192,6 +192,15 @@ def unfit_bench(definition: Definition) -> list[Fault]:
     return check_plan(definition.bench, definition)
 
 
+def unfit_report(definition: Definition) -> list[Fault]:
+    """A report that names what the model does not have."""
+    if definition.report is None:
+        return []
+    from torsionnet.outline.checking import check_outline
+
+    return check_outline(definition.report, definition)
+
+
 CHECKS = (
     undefined_parameters,
     unknown_nodes,
@@ -202,4 +211,5 @@ CHECKS = (
     hidden_names,
     dead_ends,
     unfit_bench,
+    unfit_report,
 )

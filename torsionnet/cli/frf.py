@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from torsionnet.cli.frf_output import Shown
-    from torsionnet.cli.peaks import Solver
     from torsionnet.response import FrequencyResponse
     from torsionnet.response.frequency_response import FloatArray
+    from torsionnet.solve.peaks import Solver
 
 QUANTITIES = ("receptance", "mobility", "accelerance", "dynamic_stiffness")
 

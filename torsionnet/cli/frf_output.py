@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from torsionnet.cli.cases import Case
-from torsionnet.cli.peaks import Peak, Solver, peaks, static_value
 from torsionnet.response import Column, Conventions, FrequencyResponse, Table
 from torsionnet.response.frequency_response import SIGN_NOTE
+from torsionnet.solve.peaks import Peak, Solver, peaks, static_value
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,7 @@ class Sampling:
             return read_list(self.listed) / scale
         start, stop = self.start, self.stop
         if start is None or stop is None:
-            low, high = suitable_range(cases)
+            low, high = vibration_range(*(case.drivetrain.modes() for case in cases))
             start = min(low * scale, stop / BELOW if stop else math.inf) if start is None else start
             stop = max(high * scale, start * BELOW) if stop is None else stop
         return spaced(start, stop, self.points or POINTS, self.logarithmic) / scale
@@ -93,8 +93,3 @@ def _part(part: str, text: str) -> FloatArray:
 
 def _unreadable(text: str) -> UsageError:
     return UsageError(f'frequencies are written "start:stop:step" or "1,2,5", got "{text}"')
-
-
-def suitable_range(cases: Sequence[Case]) -> tuple[float, float]:
-    """Hz: from a tenth of the lowest to twice the highest vibration of all cases, on round numbers."""
-    return vibration_range(*(case.drivetrain.modes() for case in cases))

@@ -7,16 +7,18 @@ from pathlib import Path
 
 
 def main(arguments: list[str] | None = None) -> int:
-    from torsionnet.demo import figures, identification, rigs
+    from torsionnet.demo import figures, identification, reports, rigs
 
     given = sys.argv[1:] if arguments is None else arguments
     folder = Path(given[0] if given else "out")
     folder.mkdir(parents=True, exist_ok=True)
     rigs.show(folder)
     print()
-    figures.show(folder)
+    tests = figures.show(folder)
     print()
-    identification.show(folder)
+    fits = identification.show(folder)
+    print()
+    reports.show(folder, tests, fits)
     return 0
 
 

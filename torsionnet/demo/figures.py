@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from torsionnet import report
-from torsionnet.cli.compare import summary
 from torsionnet.cli.terminal import print_table
 from torsionnet.response import Column, Conventions, FrequencyResponse, Table
 from torsionnet.signals import PAPER, Recording, decimate, estimate, spectrogram
+from torsionnet.signals.agreement import agreement
 from torsionnet.virtual import Bench, load_bench
 
 if TYPE_CHECKING:
@@ -82,7 +82,7 @@ PAPER_AT_ONCE = type(PAPER)(PAPER.window, PAPER.seconds, PAPER.overlap)
 """The paper's windows, for a record that is decimated already."""
 
 
-def agreement(done: list[Run]) -> Table:
+def agreements(done: list[Run]) -> Table:
     """How far each estimate is from its model where it can be used."""
     columns = (
         Column("case"),
@@ -93,7 +93,7 @@ def agreement(done: list[Run]) -> Table:
     )
     rows = []
     for test in done:
-        found = {row[0]: row for row in summary(test.estimated, test.model, DEGREES).rows}
+        found = {row[0]: row for row in agreement(test.estimated, test.model, DEGREES).rows}
         rows.append(
             (
                 test.case,
@@ -106,10 +106,10 @@ def agreement(done: list[Run]) -> Table:
     return Table("Virtual bench against model, theta_1/T_T", columns, tuple(rows))
 
 
-def show(folder: Path) -> None:
-    """A table on the screen, the figures in the folder."""
+def show(folder: Path) -> list[Run]:
+    """A table on the screen, the figures in the folder; gives the tests behind them."""
     dmf, *gears = tests()
-    print_table(agreement([dmf, *gears]))
+    print_table(agreements([dmf, *gears]))
     print()
     print(REMARKS)
     print()
@@ -117,6 +117,7 @@ def show(folder: Path) -> None:
     for name, figure in figures(dmf, gears):
         report.save(figure, folder / f"{name}.png")
         print(f"  {folder / name}.png")
+    return [dmf, *gears]
 
 
 def main(arguments: list[str] | None = None) -> int:

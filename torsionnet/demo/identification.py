@@ -49,8 +49,8 @@ def transmission(gears: tuple[str, ...] = GEARS) -> Fit:
     return identify(load("amt_rig"), tests, {name: BEGIN[name] for name in ("c_O", "c_B")})
 
 
-def show(folder: Path) -> None:
-    """Fitted against true values on the screen, pictures in the folder."""
+def show(folder: Path) -> dict[str, Fit]:
+    """Fitted against true values on the screen, pictures in the folder; gives the fits."""
     fits = {"fit_dmf": flywheel(), "fit_amt": transmission()}
     for fit in fits.values():
         print_table(fit.table(true=TRUE))
@@ -64,6 +64,7 @@ def show(folder: Path) -> None:
         path = folder / f"{name}.png"
         report.save(report.fit(fit, conventions=Conventions(angle="deg")), path)
         print(f"  {path}")
+    return fits
 
 
 def main(arguments: list[str] | None = None) -> int:

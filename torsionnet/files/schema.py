@@ -15,6 +15,7 @@ from torsionnet.channels import INPUT_QUANTITIES, SENSOR_QUANTITIES
 from torsionnet.definition import VERSION
 from torsionnet.elements import ELEMENT_TYPES, Element
 from torsionnet.elements.fields import SCALAR_SCHEMA, spec_of
+from torsionnet.outline.schema import definitions as report_definitions
 
 Schema = dict[str, Any]
 
@@ -46,6 +47,7 @@ def json_schema() -> Schema:
             "alternative": _alternative(),
             "axis": _table("alternative", "the alternatives on this axis, by name"),
             **bench_definitions(),
+            **report_definitions(),
         },
     }
 
@@ -89,6 +91,7 @@ def _entries() -> Schema:
             "description": "mean speeds and torques the model is linear about",
         },
         "bench": _ref("bench"),
+        "report": _ref("report"),
         "model": _text("of a file with a bench and no elements: name of a library model, or path of a model file"),
         "configuration": _text("of a file with a bench and no elements: configuration in which the model is tested"),
     }

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from torsionnet.modal import CircleFit
 from torsionnet.report import style
+
+if TYPE_CHECKING:
+    from torsionnet.modal import CircleFit
 
 
 def circle(fit: CircleFit, *, title: str | None = None) -> Figure:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from torsionnet.errors import UsageError
-from torsionnet.identification import Compared, Fit
 from torsionnet.report import style
+from torsionnet.report.labels import symbol
 from torsionnet.response import SI, Conventions
+
+if TYPE_CHECKING:
+    from torsionnet.identification import Compared, Fit  # loads scipy.optimize, which pictures can do without
 
 MOST_MEASUREMENTS = 6
 HEIGHTS = (3.0, 2.2, 1.5)
@@ -71,9 +76,10 @@ def correlation(found: Fit, *, title: str | None = None) -> Figure:
     side = max(3.0, 0.55 * len(names) + 1.6)
     figure = style.new_figure(side + 0.8, side)
     axes = figure.subplots()
-    shown = axes.imshow(found.correlation, cmap="RdBu_r", vmin=-1, vmax=1)
-    axes.set_xticks(range(len(names)), names, rotation=45, ha="right", fontsize=style.SMALL)
-    axes.set_yticks(range(len(names)), names, fontsize=style.SMALL)
+    shown_names = [symbol(name) for name in names]
+    shown = axes.imshow(found.correlation, cmap="RdBu_r", vmin=-1, vmax=1, aspect="auto")
+    axes.set_xticks(range(len(names)), shown_names, rotation=45, ha="right", fontsize=style.SMALL)
+    axes.set_yticks(range(len(names)), shown_names, fontsize=style.SMALL)
     for i in range(len(names)):
         for j in range(len(names)):
             value = float(found.correlation[i, j])
@@ -81,6 +87,7 @@ def correlation(found: Fit, *, title: str | None = None) -> Figure:
             axes.text(j, i, f"{value:.2f}", ha="center", va="center", fontsize=style.SMALL, color=colour)
     bar = figure.colorbar(shown, ax=axes)
     bar.set_label("correlation [-]", fontsize=style.FONT)
+    bar.ax.tick_params(labelsize=style.SMALL)
     style.heading(figure, found.title if title is None else title)
     return figure
 

@@ -96,13 +96,14 @@ def mode_shapes(
     ['1: 7.105 Hz, zeta = 22.3 %', '2: 80.98 Hz, zeta = 1.39 %']
     """
     chosen = _chosen(modes, which)
-    view = _view(modes, drivetrain, referred_to, own=own_angles)
+    view = view_of(modes, drivetrain, referred_to, own=own_angles)
     figure = _panels(modes, chosen, view, conventions)
     style.heading(figure, modes.title if title is None else title)
     return figure
 
 
-def _view(modes: Modes, drivetrain: Drivetrain | None, referred_to: str | None, *, own: bool) -> View:
+def view_of(modes: Modes, drivetrain: Drivetrain | None, referred_to: str | None = None, *, own: bool = False) -> View:
+    """Axis and factors for shapes referred to one shaft, or for each node's own angle."""
     if referred_to is not None and referred_to not in modes.nodes:
         msg = f'no node is named "{referred_to}"{did_you_mean(referred_to, modes.nodes)}'
         raise UsageError(msg)
@@ -155,7 +156,7 @@ def _chosen(modes: Modes, which: Sequence[int] | None) -> list[int]:
     return [number - 1 for number in which]
 
 
-def _shown(modes: Modes, index: int, view: View) -> NDArray[np.complex128]:
+def shown(modes: Modes, index: int, view: View) -> NDArray[np.complex128]:
     """The shape at the stations, turned and scaled so that its largest value is 1."""
     place = {node: index for index, node in enumerate(modes.nodes)}
     shape = modes.shapes[:, index] * view.factors
@@ -186,7 +187,7 @@ def scatter(shape: NDArray[np.complex128]) -> float:
 
 def _panel(axes: Axes, modes: Modes, index: int, view: View, conventions: Conventions) -> bool:
     """One mode; gives whether its imaginary part is shown."""
-    shape = _shown(modes, index, view)
+    shape = shown(modes, index, view)
     x = np.array([station.x for station in view.axis.stations])
     out = scatter(shape)
     style.dress(axes)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -9,7 +11,9 @@ from matplotlib.figure import Figure
 from torsionnet.errors import UsageError
 from torsionnet.report import style
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.sensitivity import ModeSensitivities
+
+if TYPE_CHECKING:
+    from torsionnet.sensitivity import ModeSensitivities
 
 MOST_MODES, MOST_PARAMETERS = 4, 12
 FAINTEST = 5e-3

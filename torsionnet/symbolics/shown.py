@@ -7,6 +7,8 @@ from typing import Any
 
 import sympy
 
+from torsionnet.symbolics.naming import symbol_names
+
 LONG = 12
 """Digits of a rational number from which on it is shown as a decimal."""
 DIGITS = 8
@@ -54,8 +56,9 @@ def where_text(result: Any, table: Mapping[Any, Any]) -> str:
 
 
 def latex(expression: Any) -> str:
-    """LaTeX of an expression."""
-    return str(sympy.latex(shown(expression)))
+    """LaTeX of an expression, with names as they are printed (indices of several letters upright)."""
+    names = symbol_names(expression.free_symbols)
+    return str(sympy.latex(shown(expression), symbol_names=names, imaginary_unit="rj"))
 
 
 def with_where(result: str, table: Mapping[Any, Any]) -> str:

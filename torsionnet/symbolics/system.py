@@ -24,6 +24,10 @@ if TYPE_CHECKING:
     from torsionnet.symbolics.simplified import Simplified
 
 
+MOST_SHOWN = 8
+"""Coordinates of a system that a notebook shows as matrices."""
+
+
 @dataclass(frozen=True, eq=False)
 class SymbolicSystem(SymbolicMatrices):
     """Matrices over the kept coordinates, and transfer functions; in the matrices imposed angles stand still.
@@ -127,6 +131,22 @@ class SymbolicSystem(SymbolicMatrices):
         from torsionnet.symbolics.simplified import simplified
 
         return simplified(self._model, output, input, excitation, tolerance=tolerance, band=band)
+
+    def to_latex(self, part: str = "") -> str:
+        r"""LaTeX of the equations of motion as a matrix equation, or of one part: M, C, K, H, q, B, u.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> print(tn.load("amt_rig").symbolic().to_latex("K"))
+        \begin{bmatrix} k_{1} & - k_{1} \\ - k_{1} & k_{1} + \frac{k_{2}}{\tau^{2}} \end{bmatrix}
+        """
+        from torsionnet.symbolics.equations import to_latex
+
+        return to_latex(self, part)
+
+    def _repr_latex_(self) -> str | None:
+        return f"$\\displaystyle {self.to_latex()}$" if len(self.coordinates) <= MOST_SHOWN else None
 
     @property
     def _model(self) -> Drivetrain:

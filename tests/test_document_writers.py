@@ -1,0 +1,318 @@
+"""The report as HTML, LaTeX, Markdown and PDF."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from html.parser import HTMLParser
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import torsionnet as tn
+from torsionnet.document import make_report
+from torsionnet.document.tree import Facts, Heading, Math, Number, Report, Section, table
+from torsionnet.document.writers import browser, markdown, mathml, pdf
+from torsionnet.document.writers.html import html_page
+from torsionnet.document.writers.latex import latex_document
+from torsionnet.document.writers.latex_text import escaped as latex_escaped
+
+HOSTILE = '<b>A & "B"</b> $x_1$ 100% #~^\\{} <script>alert(1)</script> 中 Ω `c` *d* | é'
+DATE = "2025-03-31"
+CHROMIUM = next((found for name in browser.COMMANDS if (found := shutil.which(name))), None)
+needs_browser = pytest.mark.skipif(
+    CHROMIUM is None, reason="no Chromium, Chrome or Edge on the path to open pages with"
+)
+needs_latex = pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
+
+
+def hostile():
+    elements = [
+        tn.Inertia("r", node="a", inertia=1, description=HOSTILE),
+        tn.Spring("s", nodes=("a", "b"), stiffness="k", damping=0.1),
+        tn.Inertia("q", node="b", inertia=2),
+    ]
+    channels = {"inputs": {"T": {"torque": "a"}}, "sensors": {"S": {"torque": "s"}}}
+    return tn.Drivetrain(HOSTILE, elements, {"k": 100}, source=HOSTILE, description=HOSTILE, **channels)
+
+
+class Page(HTMLParser):
+    """Tags, ids, references and text of a page."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.ids, self.links, self.texts, self.open = [], [], [], [], []
+        self.feed(text)
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        attributes = dict(attrs)
+        self.ids += [attributes["id"]] if "id" in attributes else []
+        self.links += [value for key, value in attrs if key in ("href", "src", "xlink:href")]
+        if tag not in ("meta", "link", "br", "img", "mspace"):
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.handle_starttag(tag, attrs)
+        if self.open and self.open[-1] == tag:
+            self.open.pop()
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.texts.append(data)
+
+
+@pytest.fixture(scope="module")
+def amt():
+    return html_page(make_report("amt_rig", date=DATE))
+
+
+class TestHtml:
+    def test_is_well_formed_and_its_names_are_unique(self, amt):
+        page = Page(amt)
+        assert len(page.ids) == len(set(page.ids))
+        assert {link[1:] for link in page.links if link.startswith("#")} <= set(page.ids)
+
+    def test_needs_nothing_from_elsewhere(self, amt):
+        page = Page(amt)
+        assert all(link.startswith("#") for link in page.links)
+        assert "script" not in page.tags
+        assert "@import" not in amt
+        assert not re.findall(r"url\((?!#)", amt)
+
+    def test_is_small(self, amt):
+        assert len(amt.encode()) < 1_500_000
+
+    def test_markup_in_texts_is_text(self):
+        page = Page(html_page(make_report(hostile(), title=HOSTILE, author=HOSTILE, notes=HOSTILE, date=None)))
+        assert "script" not in page.tags
+        assert "img" not in page.tags
+        text = "".join(page.texts)
+        assert text.count("<script>alert(1)</script>") >= 6
+
+    def test_same_input_same_bytes(self, amt):
+        assert html_page(make_report("amt_rig", date=DATE)) == amt
+        assert html_page(make_report("amt_rig", date="2025-04-01")) != amt
+
+    def test_bytes_do_not_depend_on_the_hash_seed(self, tmp_path):
+        program = "import sys, torsionnet as tn; tn.write_report('dmf_rig', sys.argv[1], date=None)"
+        pages = []
+        for seed in ("1", "2"):
+            path = tmp_path / f"{seed}.html"
+            environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(Path(tn.__file__).parents[1])}
+            subprocess.run([sys.executable, "-c", program, str(path)], check=True, env=environment)
+            pages.append(path.read_bytes())
+        assert pages[0] == pages[1]
+
+    def test_every_formula_became_mathml(self, amt):
+        assert "\\frac" not in amt
+        assert "\\mathrm" not in amt
+        assert amt.count("<math") > 50
+
+    def test_columns_are_aligned_at_the_decimal_point(self):
+        columns = (Heading("x", numeric=True),)
+        found = table("t", columns, [(Number(13300.0),), (Number(0.078),), (Number(4.0),)])
+        report = Report("r", "", Facts(()), (), (Section("s", ("s",), (found,)),))
+        assert '13300<span class="pad" aria-hidden="true">.000</span>' in html_page(report)
+
+    def test_missing_package_is_named(self, monkeypatch):
+        mathml.mathml.cache_clear()
+        monkeypatch.setitem(sys.modules, "latex2mathml.converter", None)
+        with pytest.raises(tn.MissingExtraError, match="pip install latex2mathml"):
+            html_page(make_report("dmf_rig", sections=["equations"], date=None))
+        mathml.mathml.cache_clear()
+
+    def test_write_leaves_an_old_file_alone_if_it_fails(self, tmp_path):
+        path = tmp_path / "r.html"
+        path.write_text("old", encoding="utf-8")
+        with pytest.raises(tn.UsageError):
+            tn.write_report("dmf_rig", path, transfer_functions=["no/such"])
+        assert path.read_text(encoding="utf-8") == "old"
+
+    def test_unknown_ending(self, tmp_path):
+        with pytest.raises(tn.UsageError, match=r"\.html"):
+            tn.write_report("dmf_rig", tmp_path / "r.docx")
+
+
+@pytest.fixture(scope="module")
+def pages():
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed to open pages with")
+    with playwright.sync_playwright() as run:
+        chromium = run.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield chromium
+        chromium.close()
+
+
+@needs_browser
+class TestInBrowser:
+    @pytest.mark.parametrize("width", [400, 1200])
+    @pytest.mark.parametrize("model", ["amt_rig", "planetary_set", "hostile"])
+    def test_opens_without_error_request_or_overflow(self, pages, tmp_path, model, width):
+        path = tmp_path / "r.html"
+        tn.write_report(hostile() if model == "hostile" else model, path, date=None)
+        page = pages.new_page(viewport={"width": width, "height": 900})
+        messages, requests = [], []
+        page.on("console", lambda message: messages.append(message.text))
+        page.on("pageerror", lambda error: messages.append(str(error)))
+        page.on("dialog", lambda dialog: messages.append(dialog.message))
+        page.on("request", lambda request: requests.append(request.url))
+        page.goto(path.as_uri())
+        assert messages == []
+        assert requests == [path.as_uri()]
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        assert page.evaluate("document.querySelectorAll('merror').length") == 0
+        page.close()
+
+    @pytest.mark.parametrize("model", ["amt_rig", "dmf_rig", "six_cylinder_diesel"])
+    def test_fits_an_a4_page(self, pages, tmp_path, model):
+        """174 mm of text at 96 px to the inch; nothing may be wider when printed."""
+        path = tmp_path / "r.html"
+        tn.write_report(model, path, date=None)
+        page = pages.new_page(viewport={"width": 664, "height": 1000})
+        page.emulate_media(media="print")
+        page.goto(path.as_uri())
+        wide = page.evaluate(
+            "[...document.querySelectorAll('table, .formula, figure svg, p')]"
+            ".filter(e => e.getBoundingClientRect().right > 665).map(e => e.outerHTML.slice(0, 200))"
+        )
+        assert wide == []
+        page.close()
+
+    def test_pdf(self, tmp_path, monkeypatch):
+        """The browser's own date is taken out; how it numbers its tags is its own affair."""
+        monkeypatch.setenv(browser.VARIABLE, CHROMIUM)
+        path = tmp_path / "a.pdf"
+        assert tn.write_report("dmf_rig", path, sections=["summary", "modes"], date=DATE) == (path,)
+        data = path.read_bytes()
+        assert data.startswith(b"%PDF")
+        assert data.rstrip().endswith(b"%%EOF")
+        assert set(re.findall(rb"Date \(D:(\d{14})", data)) == {b"20000101000000"}
+        assert [entry.name for entry in tmp_path.iterdir()] == ["a.pdf"]
+
+
+class TestPdf:
+    def test_no_browser(self, monkeypatch, tmp_path):
+        monkeypatch.delenv(browser.VARIABLE, raising=False)
+        monkeypatch.setattr(browser.shutil, "which", lambda _: None)
+        with pytest.raises(tn.MissingExtraError, match=r"-o report\.html") as caught:
+            tn.write_report("dmf_rig", tmp_path / "r.pdf", sections=["validity"])
+        assert caught.value.exit_code == 4
+        assert list(tmp_path.iterdir()) == []
+
+    def test_wrong_variable(self, monkeypatch):
+        monkeypatch.setenv(browser.VARIABLE, "/no/such/program")
+        with pytest.raises(tn.MissingExtraError, match="/no/such/program"):
+            browser.find_browser()
+
+    def test_usual_places_on_windows(self, monkeypatch):
+        monkeypatch.delenv(browser.VARIABLE, raising=False)
+        monkeypatch.setenv("PROGRAMFILES", "C:/Program Files")
+        monkeypatch.setattr(browser.shutil, "which", lambda name: name if "msedge.exe" in name else None)
+        assert "Edge" in browser.find_browser()
+
+    def test_a_browser_that_fails(self, monkeypatch, tmp_path):
+        monkeypatch.setenv(browser.VARIABLE, shutil.which("false") or "false")
+        with pytest.raises(tn.SolveError, match="did not print"):
+            pdf.write(make_report("dmf_rig", sections=["validity"], date=None), tmp_path / "r.pdf")
+
+
+class TestLatex:
+    def test_special_characters(self):
+        assert latex_escaped("50 % of a_b & c\\d {e} $f$ #g ~h ^i") == (
+            r"50 \% of a\_b \& c\textbackslash{}d \{e\} \$f\$ \#g \textasciitilde{}h \textasciicircum{}i"
+        )
+        assert latex_escaped("Ω é 中 \x07") == r"$\Omega$ é [U+4E2D] [U+0007]"
+
+    @pytest.mark.parametrize("ending", ["tex", "md"])
+    def test_same_bytes(self, tmp_path, ending):
+        texts = []
+        for name in ("a", "b"):
+            folder = tmp_path / name
+            folder.mkdir()
+            files = tn.write_report("dmf_rig", folder / f"r.{ending}", date=DATE)
+            texts.append([file.read_bytes() for file in files])
+        assert texts[0] == texts[1]
+
+    @needs_latex
+    @pytest.mark.parametrize("model", ["amt_rig", "planetary_set", "hostile"])
+    def test_compiles(self, tmp_path, model):
+        options = {"transfer_functions": ["theta_S/T_S"]} if model == "planetary_set" else {}
+        tn.write_report(hostile() if model == "hostile" else model, tmp_path / "my report.tex", date=DATE, **options)
+        done = subprocess.run(
+            ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "my report.tex"],
+            cwd=tmp_path,
+            capture_output=True,
+            check=False,
+        )
+        log = done.stdout.decode(errors="replace")
+        assert done.returncode == 0, log[-2000:]
+        wide = [float(found) for found in re.findall(r"Overfull \\hbox \((\d+\.\d+)pt", log)]
+        assert max(wide, default=0) < 12, log
+
+    def test_captions_are_in_the_document(self):
+        text = latex_document(make_report("dmf_rig", date=None), "figures")
+        assert text.count(r"\begin{longtable}") == text.count(r"\caption{")
+        assert r"\drawing{figures/schematic.pdf}" in text
+
+
+class TestMarkdown:
+    def test_formulas_and_figures(self, tmp_path):
+        path = tmp_path / "my rig.md"
+        files = tn.write_report("dmf_rig", path, date=DATE)
+        text = path.read_text(encoding="utf-8")
+        links = re.findall(r"\]\(([^)]+)\)", text)
+        assert {tmp_path / link for link in links} == set(files[1:])
+        assert all(" " not in link for link in links)
+        assert "$\\theta_{1} / T_{T}$" in text
+        assert text.count("$$") % 2 == 0
+
+    def test_no_escape_that_markdown_eats(self):
+        text = markdown.markdown_text(make_report("amt_rig", date=None), "f")
+        for formula in re.findall(r"\$\$?(.+?)\$\$?", text, re.DOTALL):
+            assert "\\\\" not in formula
+            assert "\\," not in formula
+
+    def test_tables_have_equal_rows(self):
+        text = markdown.markdown_text(make_report(hostile(), date=None), "f")
+        lines = [re.sub(r"\\.", "", line) for line in text.splitlines()]
+        tables = [list(group) for group in _runs(lines)]
+        assert len(tables) > 8
+        for found in tables:
+            assert len({line.count("|") for line in found}) == 1, found
+
+    def test_math_with_bars(self):
+        assert (
+            markdown.inline(Math(r"\left|\lambda\right| a_{1} \\ b")) == r"$\left\vert \lambda\right\vert  a_{1} \cr b$"
+        )
+
+
+def _runs(lines):
+    """Lines of tables that follow each other."""
+    found = []
+    for line in [*lines, ""]:
+        if line.startswith("|"):
+            found.append(line)
+        elif found:
+            yield found
+            found = []
+
+
+def test_names_in_svg_are_unique_and_all_used():
+    from torsionnet.report.rendering import inline_svg
+
+    rig = tn.load("dmf_rig")
+    figure = tn.report.bode(rig.frequency_response("theta_1", "T_T", np.linspace(1, 20, 30)))
+    first, second = inline_svg(figure, "a-"), inline_svg(figure, "b-")
+    ids, used = (
+        set(re.findall(r'\bid="([^"]+)"', first)),
+        set(re.findall(r"#([\w-]+)", re.sub(r"#[0-9a-f]{6}", "", first))),
+    )
+    assert ids == used
+    assert ids.isdisjoint(re.findall(r'\bid="([^"]+)"', second))
+    assert "<style" not in first
+    assert "<metadata" not in first

@@ -1,0 +1,142 @@
+"""``torsionnet report``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from torsionnet.cli.options import OutputFile, model_options
+from torsionnet.cli.record_options import PRESETS, Averaging, Reading
+from torsionnet.cli.terminal import wrote
+
+if TYPE_CHECKING:
+    from torsionnet.document.request import Measured
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.identification import Fit
+    from torsionnet.response import FrequencyResponse
+
+ENDINGS = (".html", ".pdf", ".tex", ".md", ".htm")
+
+
+@click.command("report")
+@model_options
+@click.option(
+    "-o",
+    "--out",
+    "file",
+    type=OutputFile(ENDINGS),
+    help="Ends in .html, .pdf, .tex or .md.  [default: MODEL.html]",
+)
+@click.option("--section", "sections", metavar="NAME", multiple=True, help="Repeatable.  [default: all that apply]")
+@click.option(
+    "--tf", "pairs", metavar="OUTPUT/INPUT", multiple=True, help='Transfer function, "theta_1/T_T". Repeatable.'
+)
+@click.option("--band", type=float, nargs=2, metavar="LOW HIGH", help="Frequencies of the plots in Hz.")
+@click.option("--angle", type=click.Choice(["rad", "deg"]), help="Unit of angles.  [default: that of the model]")
+@click.option("--title", help="Title of the report.")
+@click.option("--author", help="Who signs it.")
+@click.option("--date", default="today", show_default=True, help='As 2025-03-31; "none" leaves it out.')
+@click.option("--fit", "fits", metavar="FIT.yaml", multiple=True, help="Result of torsionnet fit -o. Repeatable.")
+@click.option(
+    "--record",
+    "records",
+    metavar="[CONFIGURATION=]FILE",
+    multiple=True,
+    help="Test over model: record of signals, or a measured response. Repeatable.",
+)
+@click.option("--output", metavar="NAME", help="Channel of the records, and sensor of the model.")
+@click.option("--input", "into", metavar="NAME", help="Channel of the records, and input or sensor.")
+@click.option("--preset", type=click.Choice(PRESETS), help="How the records are averaged; paper: Galvagno (2015).")
+def command(
+    model: str,
+    configurations: tuple[str, ...],
+    settings: tuple[tuple[str, str], ...],
+    file: str | None,
+    sections: tuple[str, ...],
+    pairs: tuple[str, ...],
+    band: tuple[float, float] | None,
+    records: tuple[str, ...],
+    output: str | None,
+    into: str | None,
+    preset: str | None,
+    **texts: Any,
+) -> None:
+    """Write a report on a model: schematic, values, equations, modes, transfer functions, checks, validity.
+
+    What is in it says the report: section of the model file; options say it for this time. Sections: summary,
+    schematic, elements, parameters, kinematics, equations, modes, formulas, responses, test, fit, checks, validity.
+
+    \b
+    torsionnet report amt_rig
+    torsionnet report dmf_rig -o dmf.pdf --author "A. Engineer" --band 0.3 150
+    torsionnet report amt_rig -c V --record test.npz --output theta_1 --input T_T --preset paper
+    """  # noqa: D301
+    from torsionnet.cli.cases import ALL
+    from torsionnet.document.report import make_report, writer_for
+    from torsionnet.files import load
+
+    target = Path(file or f"{Path(model).stem}.html")
+    write = writer_for(target)
+    rig = load(model)
+    named = () if ALL in configurations and ALL not in rig.configurations else configurations
+    fits = [_fit(name) for name in texts.pop("fits")]
+    tests = [_measured(name, rig, output, into, preset) for name in records]
+    report = make_report(
+        model,
+        configurations=named or (rig.configurations if configurations else ()),
+        sections=sections,
+        transfer_functions=pairs,
+        band=band,
+        settings=dict(settings),
+        tests=tests,
+        fits=fits,
+        **texts,
+    )
+    for path in write(report, target)[:1]:
+        wrote(str(path))
+
+
+def _fit(name: str) -> Fit:
+    from torsionnet.identification import load_fit  # loads scipy.optimize
+
+    return load_fit(name)
+
+
+def _measured(name: str, rig: Drivetrain, output: str | None, into: str | None, preset: str | None) -> Measured:
+    from torsionnet.document.request import Measured
+
+    configuration, file = split(name, rig)
+    return Measured(_response(file, output, into, preset), configuration)
+
+
+def split(name: str, rig: Drivetrain) -> tuple[str, str]:
+    """Configuration and file: ``V=test.npz``, or the file alone."""
+    from torsionnet.errors import ModelError, UsageError
+
+    before, equals, after = name.rpartition("=")
+    if not equals or Path(name).exists():
+        return "", name
+    try:
+        return rig.configured(before).configuration, after
+    except (UsageError, ModelError) as error:
+        msg = f'--record "{name}": {error}'
+        raise UsageError(msg) from None
+
+
+def _response(file: str, output: str | None, into: str | None, preset: str | None) -> FrequencyResponse:
+    """A measured response as it is in its file, or estimated from a record."""
+    from torsionnet.errors import ModelError, UsageError
+
+    try:
+        from torsionnet.interchange import read_frequency_response
+
+        found = read_frequency_response(file)
+        return found.select(output, into)
+    except (ModelError, UsageError):
+        if not (output and into):
+            raise
+    from torsionnet.cli.estimate import estimated
+
+    return estimated(file, Reading(), (str(output),), (str(into),), Averaging(preset=preset), 0.0, None)

@@ -1,0 +1,24 @@
+"""The reports on both rigs, with the virtual tests and the fits in them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from torsionnet.demo.figures import Run
+from torsionnet.document import write_report
+
+if TYPE_CHECKING:
+    from torsionnet.identification import Fit
+
+
+def show(folder: Path, tests: Sequence[Run], fits: Mapping[str, Fit]) -> None:
+    """Write the pages, and say where they are."""
+    dmf, *gears = tests
+    measured = {test.case.removeprefix("AMT "): test.estimated for test in gears}
+    print("Wrote")
+    for rig, responses, fit in (("dmf", [dmf.estimated], fits["fit_dmf"]), ("amt", measured, fits["fit_amt"])):
+        path = folder / f"{rig}_report.html"
+        write_report(f"{rig}_rig", path, tests=responses, fits=[fit])
+        print(f"  {path}")

@@ -1,0 +1,130 @@
+"""Elements with their values, inputs and sensors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.channels import UNITS
+from torsionnet.damping import MEASURES, DampingMeasure
+from torsionnet.document.expressions import expression_latex
+from torsionnet.document.subject import Subject
+from torsionnet.document.tree import Block, Cell, Group, Heading, Inline, Math, Number, Section, Table, table
+from torsionnet.document.words import capital, named, plain, unit
+from torsionnet.elements import Values
+from torsionnet.elements.fields import Choice, Count, Quantity, Spec, Teeth
+from torsionnet.elements.fields import Table as Measurements
+from torsionnet.elements.laws import Law
+from torsionnet.expressions import Expression, Name
+from torsionnet.expressions import Number as Literal
+from torsionnet.units import expected_unit
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.elements import Element
+
+MOST = 40
+Row = tuple[Cell, ...]
+
+
+def elements_section(subject: Subject) -> Section:
+    rig = subject.cases[0].drivetrain
+    blocks: list[Block] = [_elements(rig, several=len(subject.cases) > 1)]
+    if rig.inputs or rig.sensors:
+        blocks.append(_channels(rig))
+    return Section("elements", ("Elements",), tuple(blocks))
+
+
+def _elements(rig: Drivetrain, *, several: bool) -> Table:
+    columns = (
+        Heading("Element"),
+        Heading("Type"),
+        Heading("Between"),
+        Heading("Property"),
+        Heading("Symbol"),
+        Heading("Value", numeric=True),
+        Heading("Unit"),
+        Heading("Remark", wide=True),
+    )
+    rows: list[Row] = []
+    shown = list(rig.definition.elements.values())
+    for element in shown[:MOST]:
+        rows += _rows(element, rig)
+    where = f" in configuration {rig.configuration}" if several and rig.configuration else ""
+    found = table(f"Elements{where}; values in SI units", columns, rows)
+    return Table(
+        found.caption, found.columns, (Group(found.groups[0].rows),), found.notes, len(shown) - len(shown[:MOST])
+    )
+
+
+def _rows(element: Element, rig: Drivetrain) -> Iterator[Row]:
+    """A row for each property; the element itself stands in the first only."""
+    head: Row = (plain(element.name), plain(element.kind), between(element))
+    values = list(_values(element, rig)) or [("", "", "", "")]
+    for number, row in enumerate(values):
+        yield (*(head if not number else ("", "", "")), *row, _remark(element) if not number else "")
+
+
+def _remark(element: Element) -> str:
+    return "; ".join([*([] if element.enabled else ["switched off"]), *filter(None, [element.description])])
+
+
+def between(element: Element) -> str:
+    """``motor – ground``, or the ports by name where there are others."""
+    if set(element.ports) <= {"first", "second", "node"}:
+        return " – ".join(map(plain, element.ports.values()))
+    return ", ".join(f"{plain(port)}: {plain(node)}" for port, node in element.ports.items())
+
+
+def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cell, Cell]]:
+    """Property, symbol, value and unit of everything that was given."""
+    for name, (spec, value) in element.scalars().items():
+        if isinstance(value, DampingMeasure):
+            yield from _measure(element, value, rig)
+        elif isinstance(spec, Quantity) and isinstance(value, Expression):
+            number = float(value.evaluate(rig.exact_values))
+            if number or isinstance(value, Name):
+                yield plain(name), _symbol(value), Number(number, 5), unit(expected_unit(spec.dimension))
+        elif isinstance(spec, (Teeth, Count, Choice, Measurements)):
+            yield plain(name), "", _plain(spec, value), "–"
+
+
+def _symbol(value: Expression) -> Inline:
+    return "" if isinstance(value, Literal) else Math(expression_latex(value))
+
+
+def _plain(spec: Spec, value: Any) -> str:
+    if isinstance(spec, Measurements):
+        return (
+            f"table of {len(value.frequencies)} frequencies, {value.frequencies[0]:g} to {value.frequencies[-1]:g} Hz"
+        )
+    return " : ".join(map(str, value)) if isinstance(value, tuple) else str(value)
+
+
+def _measure(element: Element, value: DampingMeasure, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cell, Cell]]:
+    """A measure of damping, and the coefficient it comes to."""
+    dimension = MEASURES[value.measure].dimension
+    at = f" at {float(value.at.evaluate(rig.exact_values)):g} Hz" if value.at is not None else ""
+    number = float(value.value.evaluate(rig.exact_values))
+    what = MEASURES[value.measure].description.partition(",")[0]
+    symbol = Math(expression_latex(value.value)) if not isinstance(value.value, Literal) else ""
+    yield f"damping as {what}{at}", symbol, Number(number, 5), unit(expected_unit(dimension))
+    laws = [part for part in element.parts(Values(rig.exact_values)) if isinstance(part, Law)]
+    if len(laws) == 1 and laws[0].damping:
+        yield "damping, from that", "", Number(float(laws[0].damping), 5), unit(expected_unit("damping"))
+
+
+def _channels(rig: Drivetrain) -> Table:
+    columns = (Heading("Symbol"), Heading("Kind"), Heading("Quantity"), Heading("Unit"), Heading("Sign", wide=True))
+    rows: list[Row] = [
+        (named(name), "input", f"{capital(entry.quantity)} on {plain(entry.of)}", unit(UNITS[entry.quantity]), "")
+        for name, entry in rig.inputs.items()
+    ]
+    for name, sensor in rig.sensors.items():
+        element = rig.elements.get(sensor.of) if sensor.quantity == "torque" else None
+        sign = element.sign_at(sensor.at) if element else ""
+        at = f" at {plain(sensor.at)}" if sensor.at else ""
+        link = "through" if sensor.quantity == "torque" else "of"
+        what = f"{capital(sensor.quantity)} {link} {plain(sensor.of)}{at}"
+        rows.append((named(name), "sensor", what, unit(UNITS[sensor.quantity]), sign.replace("_", " ")))
+    return table("Inputs and sensors", columns, rows, most=MOST)

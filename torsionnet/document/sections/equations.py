@@ -1,0 +1,178 @@
+"""Equations of motion in symbols, and their matrices in symbols and numbers."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from torsionnet.document.subject import MOST_SYMBOLIC, Case, Form, Subject
+from torsionnet.document.tree import (
+    Block,
+    Code,
+    Equations,
+    Formula,
+    Heading,
+    Math,
+    Number,
+    Paragraph,
+    Remark,
+    Section,
+    Strong,
+    Table,
+    Terms,
+    Text,
+    table,
+)
+from torsionnet.document.widths import MATRIX, matrix_letters
+from torsionnet.document.words import plain
+from torsionnet.symbolics.equations import bracketed, complex_stiffness, equation_terms, matrix_latex, to_latex
+from torsionnet.symbolics.shown import latex
+
+if TYPE_CHECKING:
+    from torsionnet.response.frequency_response import FloatArray
+    from torsionnet.symbolics.system import SymbolicSystem
+
+UNITS = {"M": "kg·m²", "C": "N·m·s/rad", "K": "N·m/rad"}
+DOTS = {"M": r"\ddot{\mathbf{q}}", "C": r"\dot{\mathbf{q}}", "K": r"\mathbf{q}"}
+NAMES = {"M": "inertia", "C": "viscous damping", "K": "stiffness"}
+WIDEST_NUMBERS = 84
+"""Characters of a matrix of numbers that fits the page, roughly."""
+MOST_NUMBERS = 12
+"""Coordinates of a system whose matrices are printed in numbers."""
+
+
+def equations_section(subject: Subject) -> Section:
+    if subject.size > MOST_SYMBOLIC:
+        return Section("equations", ("Equations of motion",), _sizes(subject))
+    blocks: list[Block] = []
+    for form in subject.forms:
+        blocks += _form(form, several=len(subject.forms) > 1)
+    blocks.append(_numbers(subject))
+    return Section("equations", ("Equations of motion",), tuple(blocks))
+
+
+def _where(cases: tuple[Case, ...]) -> str:
+    return ", ".join(case.configuration for case in cases)
+
+
+def _form(form: Form, *, several: bool) -> list[Block]:
+    """One system of equations: as a sum of matrices if they fit, else line by line."""
+    system = form.system
+    blocks: list[Block] = []
+    if several:
+        blocks.append(Paragraph((Strong(f"Configuration {_where(form.cases)}"),)))
+    rows = tuple(Terms(tuple(equation_terms(system, row))) for row in range(len(system.coordinates)))
+    blocks += [Paragraph((_introduction(system),)), Equations(rows)]
+    if all(matrix_letters(getattr(system, key)) <= MATRIX for key in UNITS):
+        blocks += _matrices(system)
+    if system.conditions:
+        zero = [Math(f"{latex(condition)} = 0") for condition in system.conditions]
+        parts: list[Any] = []
+        for number, condition in enumerate(zero):
+            parts += ([", "] if number else []) + [condition]
+        blocks.append(Remark("note", ("The values fulfil, and the equations presume, ", *parts, ".")))
+    return blocks
+
+
+def _matrices(system: SymbolicSystem) -> list[Block]:
+    """The equations as a sum of matrices, and what these are; those without an entry are left out."""
+    filled = [key for key in UNITS if any(getattr(system, key))]
+    terms = [rf"\mathbf{{{key}}}\,{DOTS[key]}" for key in filled]
+    dynamic = complex_stiffness(system)
+    terms += [r"\mathbf{D}(\omega)\,\mathbf{q}"] if any(dynamic) else []
+    load = r"\mathbf{B}\,\mathbf{u}" if system.inputs else r"\mathbf{0}"
+    q = to_latex(system, "q")
+    blocks: list[Block] = [Paragraph(("In matrices:",))]
+    blocks.append(Formula(rf"{' + '.join(terms) or '0'} = {load}, \qquad \mathbf{{q}} = {q}"))
+    blocks += [Formula(rf"\mathbf{{{key}}} = {to_latex(system, key)}") for key in filled]
+    if any(dynamic):
+        blocks.append(Formula(rf"\mathbf{{D}}(\omega) = {matrix_latex(dynamic.tolist())}"))
+    if system.inputs:
+        both = [rf"\mathbf{{{key}}} = {to_latex(system, key)}" for key in ("B", "u")]
+        blocks.append(Formula(r", \qquad ".join(both)))
+    return blocks
+
+
+def _introduction(system: Any) -> str:
+    reflected = any(key.has(symbol) for key in (system.M, system.C, system.K) for symbol in system.T.free_symbols)
+    text = "Angles of the coordinates, a dot for a derivative with respect to time."
+    if reflected:
+        text += " What lies behind a gear stage appears reflected, with the square of its ratio."
+    return text
+
+
+def _numbers(subject: Subject) -> Table | Paragraph:
+    """M, C, K of every case; a matrix that is the same in all of them once."""
+    found = [(key, [getattr(case.drivetrain.assembly.system, key) for case in subject.cases]) for key in UNITS]
+    if subject.size > MOST_NUMBERS or any(
+        _number_width(matrix) > WIDEST_NUMBERS for _, all_of in found for matrix in all_of
+    ):
+        return Paragraph(("The matrices in numbers are too wide for the page. ", *_export()))
+    rows = []
+    for key, matrices in found:
+        alike = all(np.array_equal(matrices[0], other) for other in matrices[1:])
+        shown = [("all" if len(matrices) > 1 else "", matrices[0])] if alike else [
+            (case.configuration, matrix) for case, matrix in zip(subject.cases, matrices, strict=True)
+        ]  # fmt: skip
+        for number, (where, matrix) in enumerate(shown):
+            head = (Math(rf"\mathbf{{{key}}}"), NAMES[key]) if not number else ("", "")
+            rows.append((*head, where, Math(numbers_latex(matrix)), UNITS[key]))
+    columns = (Heading("Matrix"), Heading("Of"), Heading("Configuration"), Heading("Value"), Heading("Unit"))
+    dynamic = any(case.drivetrain.assembly.system.dynamic for case in subject.cases)
+    notes = ["Stiffness that depends on frequency, or is complex, is not included."] if dynamic else []
+    return table("Matrices in numbers, in the order of the coordinates", columns, rows, notes)
+
+
+def numbers_latex(matrix: FloatArray) -> str:
+    """A matrix of numbers, with a power of ten in front where that shortens it."""
+    if not matrix.any():
+        return r"\mathbf{0}"
+    sizes = np.abs(matrix[matrix != 0])
+    power = 3 * math.floor(math.log10(sizes.max()) / 3)
+    power = power if abs(power) > 3 else 0  # noqa: PLR2004
+    rows = [[_cell(value / 10.0**power) for value in row] for row in matrix.tolist()]
+    return (rf"10^{{{power}}} \cdot " if power else "") + bracketed(rows)
+
+
+def _cell(value: float) -> str:
+    number = Number(value, 5)
+    return number.mantissa + (rf" \cdot 10^{{{number.exponent}}}" if number.exponent is not None else "")
+
+
+def _number_width(matrix: FloatArray) -> int:
+    return sum(max((len(f"{value:.4g}") for value in column), default=0) + 2 for column in matrix.T.tolist())
+
+
+def _sizes(subject: Subject) -> tuple[Block, ...]:
+    rows = []
+    for case in subject.cases:
+        system = case.drivetrain.assembly.system
+        for key in UNITS:
+            matrix = getattr(system, key)
+            filled = int(np.count_nonzero(matrix))
+            share = Number(100 * filled / matrix.size if matrix.size else 0.0, 3)
+            rows.append(
+                (
+                    case.configuration,
+                    Math(rf"\mathbf{{{key}}}"),
+                    NAMES[key],
+                    f"{len(matrix)} × {len(matrix)}",
+                    Number(filled, 9),
+                    share,
+                )
+            )
+    columns = (
+        Heading("Configuration"), Heading("Matrix"), Heading("Of"), Heading("Size"),
+        Heading("Entries that are not zero", numeric=True), Heading("Share", "%", numeric=True),
+    )  # fmt: skip
+    text: Text = (f"The model has {subject.size} coordinates; its equations are not written out here. ", *_export())
+    names = subject.cases[0].drivetrain.assembly.kinematics.coordinates[:4]
+    first = ", ".join(map(plain, names))
+    order = Paragraph((f"Rows and columns are in the order of the coordinates: {first}, …",))
+    return (Paragraph(text), table("Matrices of the equations of motion", columns, rows), order)
+
+
+def _export() -> Text:
+    return (Code("torsionnet export MODEL -o matrices.mat"), " writes them for Matlab and Octave.")

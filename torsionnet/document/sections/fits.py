@@ -1,0 +1,65 @@
+"""Fitted parameters with their intervals."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from torsionnet.document.subject import Subject
+from torsionnet.document.tree import Block, Cell, Heading, Listing, Number, Paragraph, Picture, Section, Table, table
+from torsionnet.document.words import capital, named, sentence, unit
+
+if TYPE_CHECKING:
+    from torsionnet.identification import Fit
+
+
+def fit_section(subject: Subject) -> Section:
+    blocks: list[Block] = []
+    for number, fit in enumerate(subject.request.fits, 1):
+        blocks += _fit(subject, fit, number)
+    return Section("fit", ("Fitted parameters",), tuple(blocks))
+
+
+def _fit(subject: Subject, fit: Fit, number: int) -> list[Block]:
+    from torsionnet.report.fits import correlation
+    from torsionnet.report.fits import fit as drawing
+
+    blocks: list[Block] = [_table(subject, fit)]
+    if fit.verdicts:
+        blocks.append(Listing(tuple(sentence(capital(verdict) + ".", subject.model) for verdict in fit.verdicts)))
+    if fit.notes:
+        blocks.append(Paragraph((" ".join(capital(note) + "." for note in fit.notes),)))
+    if fit.comparisons:
+        caption = "Test, fitted model estimated alike, and what is left over in units of its noise."
+        drawn = drawing(fit, conventions=subject.conventions, title="")
+        blocks.append(Picture(f"fit_{number}", drawn, (caption,), caption))
+    if len(fit.values) > 1:
+        caption = "Correlation of the fitted parameters; near 1 or −1 the data cannot tell two of them apart."
+        blocks.append(Picture(f"correlation_{number}", correlation(fit, title=""), (caption,), caption))
+    return blocks
+
+
+def _table(subject: Subject, fit: Fit) -> Table:
+    intervals = fit.intervals()
+    columns = (
+        Heading("Parameter"),
+        Heading("In the model", numeric=True),
+        Heading("Fitted", numeric=True),
+        Heading("Standard error", numeric=True),
+        Heading("95 % from", numeric=True),
+        Heading("to", numeric=True),
+        Heading("Unit"),
+    )
+    known = subject.model.parameters
+    rows: list[tuple[Cell, ...]] = [
+        (
+            named(name),
+            Number(known[name]) if name in known else "",
+            Number(value, 5),
+            Number(fit.standard_errors[name], 2),
+            *(Number(edge, 5) for edge in intervals[name]),
+            unit(fit.units.get(name, "")),
+        )
+        for name, value in fit.values.items()
+    ]
+    chi = f"Chi squared {fit.chi_squared:.4g} with {fit.degrees_of_freedom} degrees of freedom."
+    return table(fit.title or "Fitted parameters", columns, rows, [chi])

@@ -1,0 +1,167 @@
+"""Modes of every configuration: frequencies, damping, energies, shapes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsionnet.document.subject import MOST_MODES, Subject
+from torsionnet.document.tree import (
+    Block,
+    Cell,
+    Group,
+    Heading,
+    Math,
+    Number,
+    Paragraph,
+    Picture,
+    Section,
+    Table,
+    Text,
+    inlines,
+)
+from torsionnet.document.words import aligned, capital, named, pair_latex, plain, sentence
+from torsionnet.response.modes import OSCILLATORY
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.response import Modes
+
+NOTEWORTHY, MOST_SHARES = 0.05, 4
+MOST_DRAWN = 6
+"""Configurations whose shapes are drawn."""
+SHOWS_THESE = " shows these, not the modes of the whole drivetrain."
+KINDS = {"oscillatory": "vibration"}
+COLUMNS = (
+    Heading("Mode", numeric=True),
+    Heading("Kind"),
+    Heading((Math("f_{n}"),), "Hz", numeric=True),
+    Heading((Math("f_{d}"),), "Hz", numeric=True),
+    Heading((Math(r"\zeta"),), "%", numeric=True),
+    Heading("Description", wide=True),
+)
+
+
+def modes_section(subject: Subject) -> Section:
+    blocks: list[Block] = [Paragraph(_introduction(subject))]
+    caption = "Modes" if len(subject.cases) == 1 else "Modes by configuration"
+    if not any(map(len, subject.modes)):
+        return Section("modes", ("Modes",), (Paragraph(("Nothing can move: there are no modes.",)),))
+    blocks += [modes_table(subject, subject.modes, (caption,)), _energies(subject), _shapes(subject)]
+    for pair in subject.pairs:
+        cut = subject.cut_modes(pair)
+        if cut is not None and len(cut[0]):
+            blocks += _cut(subject, pair_latex(pair), pair.input, cut)
+    return Section("modes", ("Modes",), tuple(blocks))
+
+
+def _introduction(subject: Subject) -> Text:
+    text: Text = (
+        "Free vibration with damping: ", Math(r"f_{n} = \left|\lambda\right|/2\pi"), " is the natural frequency, ",
+        Math(r"f_{d} = \mathrm{Im}\,\lambda/2\pi"), " the frequency of the damped vibration, ",
+        Math(r"\zeta = -\mathrm{Re}\,\lambda/\left|\lambda\right|"), " the damping ratio.",
+    )  # fmt: skip
+    if subject.is_large or any(len(modes) == MOST_MODES < subject.size for modes in subject.modes):
+        text = (*text, f" The model has {subject.size} coordinates; the lowest {MOST_MODES} modes are shown.")
+    return text
+
+
+def modes_table(subject: Subject, found: tuple[Modes, ...], caption: Text) -> Table:
+    """A group of rows for each case."""
+    groups = []
+    for case, modes in zip(subject.cases, found, strict=True):
+        title = f"Configuration {case.configuration}" if len(subject.cases) > 1 else ""
+        groups.append(Group(_rows(modes, case.drivetrain), title))
+    return Table(caption, COLUMNS, tuple(groups), tuple(_notes(subject, found)))
+
+
+def _rows(modes: Modes, rig: Drivetrain) -> tuple[tuple[Cell, ...], ...]:
+    swings = [kind == OSCILLATORY for kind in modes.kinds]
+
+    def column(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[Number]:
+        return aligned([float(value) if shown else None for value, shown in zip(values, swings, strict=True)], 5)
+
+    natural, damped = column(modes.natural_frequencies), column(modes.damped_frequencies)
+    ratios = aligned(
+        [100 * float(value) if shown else None for value, shown in zip(modes.damping_ratios, swings, strict=True)], 3
+    )
+    return tuple(
+        (
+            Number(index + 1), KINDS.get(modes.kinds[index], modes.kinds[index]), natural[index], damped[index],
+            ratios[index], sentence(capital(modes.descriptions[index]), rig),
+        )
+        for index in range(len(modes))
+    )  # fmt: skip
+
+
+def _notes(subject: Subject, found: tuple[Modes, ...]) -> list[Text]:
+    """Undamped natural frequencies, and what the calculation has to say."""
+    notes: list[Text] = []
+    for case, modes in zip(subject.cases, found, strict=True):
+        where = f"{case.configuration}: " if len(subject.cases) > 1 else ""
+        undamped = [f"{value:.4g}" for value in modes.undamped_natural_frequencies[:MOST_MODES] if value > 0]
+        notes.append((f"{where}{', '.join(undamped)} Hz",))
+    listed = "; ".join(str(note[0]) for note in notes)
+    remarks = dict.fromkeys(note for modes in found for note in modes.notes)
+    lead = ("Undamped natural frequencies: " + listed,)
+    return [lead, *(sentence(capital(note) + ".", subject.model) for note in remarks)]
+
+
+def _energies(subject: Subject) -> Table:
+    columns = (
+        Heading("Mode", numeric=True),
+        Heading("Kinetic energy", wide=True),
+        Heading("Strain energy", wide=True),
+        Heading("Dissipated power", wide=True),
+    )
+    groups = []
+    for case, modes in zip(subject.cases, subject.modes, strict=True):
+        rows = tuple((Number(index + 1), *_energy(modes, index)) for index in range(len(modes)))
+        groups.append(Group(rows, f"Configuration {case.configuration}" if len(subject.cases) > 1 else ""))
+    note = f"Shares of at least {100 * NOTEWORTHY:.0f} %, the {MOST_SHARES} largest."
+    return Table(("Where the energy of each mode is",), columns, tuple(groups), ((note,),))
+
+
+def _energy(modes: Modes, index: int) -> tuple[str, str, str]:
+    """Kinetic, elastic, dissipated, in words."""
+    return (
+        _shares(modes.elements, modes.kinetic[:, index]),
+        _shares(modes.elements, modes.strain[:, index]),
+        _shares(modes.elements, modes.dissipated[:, index]),
+    )
+
+
+def _shares(elements: tuple[str, ...], shares: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
+    """``dmf 79 %, half shaft 21 %``."""
+    order = np.argsort(-np.round(shares, 9), kind="stable")[:MOST_SHARES]
+    kept = [index for index in order if shares[index] >= NOTEWORTHY]
+    if not kept and shares.any():
+        return (
+            f"spread over many, at most {100 * shares[order[0]]:.1f}\N{NO-BREAK SPACE}% in {plain(elements[order[0]])}"
+        )
+    return ", ".join(f"{plain(elements[index])} {100 * shares[index]:.0f}\N{NO-BREAK SPACE}%" for index in kept) or "–"
+
+
+def _shapes(subject: Subject) -> Picture:
+    from torsionnet.report.shape_grid import shape_grid
+    from torsionnet.report.shapes import view_of
+
+    cases, modes = subject.cases[:MOST_DRAWN], subject.modes[:MOST_DRAWN]
+    drawn = shape_grid(modes, [case.drivetrain for case in cases], [case.configuration for case in cases])
+    rest = len(subject.cases) - len(cases)
+    caption = (
+        f"Mode shapes: {view_of(modes[0], cases[0].drivetrain).label.removesuffix(' [-]')}, the largest 1; dotted "
+        "lines are gears. Filled dots are the real part; open dots the imaginary part, where the nodes do not move in "
+        "phase or against each other."
+        + (f" The first {len(cases)} of {len(subject.cases)} configurations." if rest else "")
+    )
+    alt = "Mode shapes of " + "; ".join(modes[index].title for index in range(len(modes)))
+    return Picture("mode_shapes", drawn, (caption,), alt)
+
+
+def _cut(subject: Subject, pair: str, measured: str, cut: tuple[Modes, ...]) -> list[Block]:
+    poles = " the poles are others: those of the drivetrain cut where it is measured. A test of "
+    text: Text = ("Against the measured ", *inlines(named(measured)), poles, Math(pair), SHOWS_THESE)
+    caption: Text = ("Poles of ", Math(pair), ", the drivetrain cut at ", *inlines(named(measured)))
+    return [Paragraph(text), modes_table(subject, cut, caption)]

@@ -1,0 +1,120 @@
+"""Parameters as written and in SI, configurations, operating point."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from torsionnet.checks.units_in_use import parameter_units
+from torsionnet.document.expressions import expression_latex
+from torsionnet.document.subject import Case, Subject
+from torsionnet.document.tree import Block, Cell, Heading, Math, Number, Section, Table, Text, table
+from torsionnet.document.words import aligned, named, plain, unit
+from torsionnet.expressions import Number as Literal
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.parameters import Parameter
+
+MOST, MOST_COLUMNS = 60, 12
+
+
+def parameters_section(subject: Subject) -> Section | None:
+    rig = subject.model
+    blocks: list[Block] = []
+    if rig.parameters:
+        blocks.append(_parameters(rig, dict(subject.request.settings)))
+    changed = _changed(subject.cases)
+    if len(subject.cases) > 1 and changed:
+        blocks.append(_configurations(subject.cases, changed, rig))
+    switched = _switched(subject.cases)
+    if len(subject.cases) > 1 and switched:
+        blocks.append(_switches(subject.cases, switched))
+    speeds = _operating_point(rig)
+    blocks += [speeds] if speeds else []
+    return Section("parameters", ("Parameters",), tuple(blocks)) if blocks else None
+
+
+def _units(rig: Drivetrain) -> dict[str, str]:
+    return parameter_units(rig.definition)
+
+
+def _parameters(rig: Drivetrain, settings: dict[str, str]) -> Table:
+    units = _units(rig)
+    columns = (
+        Heading("Symbol"),
+        Heading("As given"),
+        Heading("SI value", numeric=True),
+        Heading("SI unit"),
+        Heading("Plausible"),
+        Heading("Description", wide=True),
+    )
+    rows = [
+        (
+            named(name),
+            _written(parameter),
+            Number(rig.parameters[name], 6),
+            unit(units[name]),
+            _bounds(parameter),
+            parameter.description + ("; changed for this report" if name in settings else ""),
+        )
+        for name, parameter in rig.parameter_definitions.items()
+    ]
+    return table("Parameters", columns, rows, most=MOST)
+
+
+def _written(parameter: Parameter) -> Cell:
+    value = parameter.value
+    if isinstance(value, Literal):
+        return str(value).replace("*", "·").replace("^2", "²")
+    return Math(expression_latex(value))
+
+
+def _bounds(parameter: Parameter) -> Text:
+    if parameter.bounds is None:
+        return ()
+    low, high = parameter.bounds
+    return (Number(low), " to ", Number(high))
+
+
+def _changed(cases: tuple[Case, ...]) -> list[str]:
+    """Parameters that do not have one value in all cases."""
+    first = cases[0].drivetrain.parameters
+    return [name for name in first if len({case.drivetrain.parameters[name] for case in cases}) > 1]
+
+
+def _configurations(cases: tuple[Case, ...], names: list[str], rig: Drivetrain) -> Table:
+    units = _units(rig)
+    shown = names[:MOST_COLUMNS]
+    columns = (Heading("Configuration"), *(Heading(named(name), unit(units[name]), numeric=True) for name in shown))
+    values = [[Number(case.drivetrain.parameters[name], 6) for case in cases] for name in shown]
+    rows = [(case.configuration, *row) for case, row in zip(cases, zip(*values, strict=True), strict=True)]
+    rest = len(names) - len(shown)
+    notes = [f"… and {rest} more parameters"] if rest > 0 else []
+    return table("Parameters that differ between the configurations", columns, rows, notes)
+
+
+def _switched(cases: tuple[Case, ...]) -> list[str]:
+    every = cases[0].drivetrain.definition.elements
+    return [name for name in every if len({name in case.drivetrain.elements for case in cases}) > 1]
+
+
+def _switches(cases: tuple[Case, ...], names: list[str]) -> Table:
+    columns = (Heading("Configuration"), *(Heading(plain(name)) for name in names))
+    rows = [
+        (case.configuration, *("on" if name in case.drivetrain.elements else "off" for name in names)) for case in cases
+    ]
+    return table("Elements that are switched", columns, rows)
+
+
+def _operating_point(rig: Drivetrain) -> Table | None:
+    speeds = rig.mean_speeds if any(rig.mean_speeds.values()) else {}
+    torques = {node: value for node, value in rig.mean_torques.items() if value}
+    nodes = [node for node in rig.nodes if node in speeds or node in torques]
+    if not nodes:
+        return None
+    columns = (Heading("Node"), Heading("Mean speed", "rpm", numeric=True), Heading("Mean torque", "N·m", numeric=True))
+    turned = aligned([speeds[node] * 30 / math.pi if node in speeds else None for node in nodes])
+    loads = aligned([torques.get(node) for node in nodes])
+    rows = [(plain(node), speed, load) for node, speed, load in zip(nodes, turned, loads, strict=True)]
+    return table("Operating point", columns, rows, most=MOST)

@@ -1,0 +1,118 @@
+"""Transfer functions over frequency: Bode plots overlaid by configuration, static values and peaks."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsionnet.document.subject import Subject, is_damped
+from torsionnet.document.tree import Block, Cell, Group, Heading, Math, Number, Picture, Section, Table
+from torsionnet.document.words import aligned, pair_latex, unit
+from torsionnet.outline import Pair
+from torsionnet.response import FrequencyResponse
+from torsionnet.solve.peaks import Peak, peaks, static_value
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MOST_PEAKS = 6
+PROMINENCE = 1.001
+MOST_CURVES = 7
+"""Curves that can be told apart in one plot."""
+
+
+def responses_section(subject: Subject) -> Section | None:
+    if not subject.pairs:
+        return None
+    blocks: list[Block] = []
+    for number, pair in enumerate(subject.pairs, 1):
+        found = subject.responses(pair)
+        blocks += [_picture(subject, pair, found, number), peaks_table(subject, pair, found)]
+    return Section("responses", ("Frequency responses",), tuple(blocks))
+
+
+def _picture(subject: Subject, pair: Pair, found: tuple[FrequencyResponse, ...], number: int) -> Picture:
+    from torsionnet.report.bode import bode
+
+    shown = found[:MOST_CURVES]
+    labels = [case.configuration for case in subject.cases[:MOST_CURVES]] if len(shown) > 1 else None
+    drawn = bode(shown, conventions=subject.conventions, labels=labels, title="")
+    finish(drawn, pair)
+    rest = f"; the first {len(shown)} of {len(found)} configurations" if len(found) > len(shown) else ""
+    overlaid = ", by configuration" if len(found) > 1 else ""
+    kind = found[0].kind()
+    caption = (Math(pair_latex(pair)), f" ({kind}): magnitude and phase{overlaid}{rest}.")
+    low, high = subject.band
+    alt = f"Bode plot of {pair}, {low:g} to {high:g} Hz{overlaid}"
+    return Picture(f"bode_{number}", drawn, caption, alt)
+
+
+def finish(figure: Figure, pair: Pair) -> None:
+    """The names of output and input on the axis as symbols, and no ticks without a number, which take long to draw."""
+    from torsionnet.report.labels import symbol
+
+    for panel in figure.axes:
+        panel.minorticks_off()
+    axes = figure.axes[0]
+    shown = "/".join(symbol(name) for name in (pair.output, pair.input))
+    axes.set_ylabel(axes.get_ylabel().replace(str(pair), shown))
+
+
+def peaks_table(subject: Subject, pair: Pair, found: tuple[FrequencyResponse, ...]) -> Table:
+    """Static value and peaks of every case."""
+    scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
+    groups = []
+    for case, response in zip(subject.cases, found, strict=True):
+        points = read_off(subject, pair, response, list(subject.cases).index(case))
+        groups.append((case.configuration, points))
+    several = len(groups) > 1
+    columns = (
+        *([Heading("Configuration")] if several else []),
+        Heading("At"),
+        Heading("Frequency", "Hz", numeric=True),
+        Heading("Magnitude", shown, numeric=True),
+        Heading("Phase", "deg", numeric=True),
+    )
+    flat = [(name, what, peak) for name, points in groups for what, peak in points]
+    cells = zip(
+        aligned([peak.frequency for *_, peak in flat]),
+        aligned([peak.magnitude * scale for *_, peak in flat]),
+        [Number(peak.phase, 4, 1) for *_, peak in flat],
+        strict=True,
+    )
+    rows: list[tuple[Cell, ...]] = []
+    for (name, what, _), row in zip(flat, cells, strict=True):
+        first = not rows or what == "static value"
+        rows.append((*([name if first else ""] if several else []), what, *row))
+    notes = (("A negative phase is a lag. Torques are positive as their signs are given with the sensors.",),)
+    caption = ("Static values and peaks of ", Math(pair_latex(pair)))
+    return Table(caption, columns, (Group(tuple(rows)),), notes)
+
+
+def _stands_out(response: FrequencyResponse, frequency: float) -> bool:
+    """Whether the response falls by a thousandth or more to either side before it rises above the peak."""
+    size = response.magnitude[:, 0, 0]
+    place = int(np.argmin(np.abs(response.frequencies - frequency)))
+    window = slice(max(place - 1, 0), place + 2)
+    top = int(np.argmax(size[window])) + window.start
+    valleys = []
+    for side in (size[top::-1], size[top:]):
+        higher = np.flatnonzero(side > size[top])
+        valleys.append(float(side[: higher[0] if higher.size else None].min()))
+    return bool(size[top] > PROMINENCE * max(valleys))
+
+
+def read_off(subject: Subject, pair: Pair, response: FrequencyResponse, index: int) -> list[tuple[str, Peak]]:
+    """What it is and where, of one case."""
+    solve = subject.solver(subject.cases[index], pair)
+    value = static_value(solve, 0, 0)
+    phase = math.degrees(np.angle(value)) if math.isfinite(abs(value)) else math.nan
+    found = [peak for peak in peaks(response, solve, 0, 0) if _stands_out(response, peak.frequency)]
+    if not is_damped(subject.cases[index]):
+        found = [replace(peak, magnitude=math.inf, phase=math.nan) for peak in found]
+    highest = sorted(sorted(found, key=lambda peak: -peak.magnitude)[:MOST_PEAKS], key=lambda peak: peak.frequency)
+    rest = [(f"peak {number}", peak) for number, peak in enumerate(highest, 1)]
+    return [("static value", Peak(0.0, abs(value), phase)), *rest]

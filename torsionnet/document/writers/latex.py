@@ -1,0 +1,125 @@
+r"""A report as a LaTeX document for pdfTeX, with its figures as PDF in a folder beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from torsionnet.atomic import write_text
+from torsionnet.document.tree import (
+    Block,
+    Equations,
+    Facts,
+    Formula,
+    Listing,
+    Paragraph,
+    Picture,
+    Remark,
+    Report,
+    Section,
+    Table,
+)
+from torsionnet.document.writers.figures import figure_folder, write_figures
+from torsionnet.document.writers.latex_table import table_latex
+from torsionnet.document.writers.latex_text import displayed, escaped, inline
+
+PREAMBLE = r"""\documentclass[10pt,a4paper]{article}
+\usepackage[T1]{fontenc}
+\usepackage[utf8]{inputenc}
+\IfFileExists{lmodern.sty}{\usepackage{lmodern}}{}
+\usepackage[margin=20mm]{geometry}
+\usepackage{amsmath,amssymb,array,booktabs,longtable,graphicx,textcomp}
+\usepackage[labelfont=bf,singlelinecheck=false,font=small]{caption}
+\usepackage[hidelinks]{hyperref}
+\setlength{\parindent}{0pt}
+\setlength{\parskip}{4pt plus 1pt}
+\setlength{\LTleft}{0pt}
+\setlength{\LTright}{\fill}
+\setlength{\tabcolsep}{5pt}
+\renewcommand{\arraystretch}{1.15}
+\emergencystretch=3em
+\newsavebox{\drawn}
+\newcommand{\drawing}[1]{\sbox{\drawn}{\includegraphics{#1}}%
+  \ifdim\wd\drawn>\linewidth\resizebox{\linewidth}{!}{\usebox{\drawn}}\else\usebox{\drawn}\fi}
+\allowdisplaybreaks
+\pdfinfoomitdate=1
+\pdftrailerid{}
+"""
+FACTS = r"@{}l>{\raggedright\arraybackslash}p{0.78\linewidth}@{}"
+LONG = 60
+"""Letters of a word that is set smaller, such as a check sum."""
+LEVELS = ("section", "subsection", "subsubsection", "paragraph")
+
+
+def write(report: Report, path: Path) -> tuple[Path, ...]:
+    """Write the document and its figures."""
+    figures = write_figures(report, path, "pdf")
+    write_text(path, latex_document(report, figure_folder(path).name))
+    return (path, *figures)
+
+
+def latex_document(report: Report, folder: str) -> str:
+    """The text of the document; ``folder`` holds the figures."""
+    body = "\n\n".join(_section(section, 0, folder) for section in report.sections)
+    title = escaped(report.title)
+    notes = f"\n{inline(report.notes)}\n" if any(report.notes) else ""
+    return (
+        f"{PREAMBLE}\\hypersetup{{pdftitle={{{title}}}}}\n\\begin{{document}}\n"
+        f"{{\\small {escaped(report.subtitle)}\\par}}\n{{\\LARGE\\bfseries\\raggedright {title}\\par}}\n\\medskip\n"
+        f"{_facts(report.facts)}\n{notes}\n\\bigskip\\hrule\n\\tableofcontents\n\n{body}\n\\end{{document}}\n"
+    )
+
+
+def _section(section: Section, level: int, folder: str) -> str:
+    command = LEVELS[min(level, len(LEVELS) - 1)]
+    title = inline(section.title)
+    shown = rf"\texorpdfstring{{{title}}}{{{escaped(section.name)}}}" if "$" in title else title
+    parts = (
+        _section(block, level + 1, folder) if isinstance(block, Section) else _block(block, folder)
+        for block in section.blocks
+    )
+    return "\n\n".join([rf"\{command}{{{shown}}}", *parts])
+
+
+def _block(block: Block, folder: str) -> str:
+    writers: dict[type, Callable[[Any], str]] = {
+        Paragraph: lambda one: inline(one.text),
+        Listing: _listing,
+        Remark: lambda one: rf"\textbf{{{escaped(one.kind.capitalize())}:}} {inline(one.text)}",
+        Formula: lambda one: f"\\begin{{equation}}\n{displayed(one.latex)}\n\\end{{equation}}",
+        Equations: _equations,
+        Table: lambda one: f"{{\\small\n{table_latex(one)}\n}}",
+        Picture: lambda one: _picture(one, folder),
+        Facts: _facts,
+    }
+    return writers[type(block)](block)
+
+
+def _listing(block: Listing) -> str:
+    points = "\n".join(rf"\item {inline(item)}" for item in block.items)
+    return f"\\begin{{itemize}}\n{points}\n\\end{{itemize}}"
+
+
+def _equations(block: Equations) -> str:
+    lead = r"\hangindent=2.5em\hangafter=1\noindent "
+    rows = "\n\n".join(f"{lead}{displayed(inline(row))}" for row in block.rows)
+    return f"{{\\raggedright\n{rows}\n\\par}}"
+
+
+def _facts(facts: Facts) -> str:
+    rows = "\n".join(rf"{escaped(word)} & {_breakable(inline(text))} \\" for word, text in facts.rows)
+    return f"\\begin{{tabular}}{{{FACTS}}}\n{rows}\n\\end{{tabular}}"
+
+
+def _breakable(text: str) -> str:
+    """Long words in a smaller size."""
+    return " ".join(
+        rf"{{\footnotesize\texttt{{{word}}}}}" if len(word) > LONG and word.isalnum() else word
+        for word in text.split(" ")
+    )
+
+
+def _picture(block: Picture, folder: str) -> str:
+    file = rf"\drawing{{{folder}/{block.name}.pdf}}"
+    return f"\\begin{{center}}\n{file}\n\\captionof{{figure}}{{{inline(block.caption)}}}\n\\end{{center}}"

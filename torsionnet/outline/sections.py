@@ -1,0 +1,20 @@
+"""The sections of a report, in their order."""
+
+from __future__ import annotations
+
+SECTIONS = {
+    "summary": "natural frequencies, damping ratios, static values and peaks at a glance",
+    "schematic": "the drivetrain drawn",
+    "elements": "elements with their values, inputs and sensors",
+    "parameters": "parameters, configurations, operating point",
+    "kinematics": "which node follows which, and by what ratio",
+    "equations": "equations of motion, M, C and K in symbols and numbers",
+    "modes": "modes of every configuration, energy shares, shapes",
+    "formulas": "transfer functions in symbols with their limits",
+    "responses": "transfer functions over frequency, overlaid by configuration",
+    "test": "tests over the model",
+    "fit": "fitted parameters with intervals",
+    "checks": "findings of the checks, and how well the numbers agree with a second way to them",
+    "validity": "what the results rest on",
+}
+"""Name -> what it holds."""

@@ -1,0 +1,52 @@
+"""Test against model in a few numbers."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.response import Column, Conventions, FrequencyResponse, Table
+from torsionnet.signals.advice import LEAST_COHERENCE
+from torsionnet.signals.comparison import difference, frac
+
+
+def agreement(test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions) -> Table:
+    """Highest peaks, largest differences and FRAC where the test can be trusted."""
+    limit = test.usable_up_to if test.usable_up_to is not None else float(test.frequencies[-1])
+    good = test.frequencies <= limit
+    if test.coherence is not None:
+        good &= test.coherence[:, 0, 0] >= LEAST_COHERENCE
+    if not good.any():
+        return Table(model.title, (Column("nothing can be compared"),), (), ("no frequency at which the test is good",))
+    picked = [_picked(response, good) for response in (test, model)]
+    apart = difference(*picked)
+    f, decibels, degrees = picked[0].frequencies, apart.decibels[:, 0, 0], apart.degrees[:, 0, 0]
+    unit, scale = test.unit(conventions=conventions), test.scale(conventions)
+    peaks = [(one.frequencies[k := int(np.argmax(one.magnitude[:, 0, 0]))], one.magnitude[k, 0, 0]) for one in picked]
+    rows: list[tuple[Any, ...]] = [
+        ("largest response of the test", float(peaks[0][0]), float(peaks[0][1] * scale), unit),
+        ("largest response of the model", float(peaks[1][0]), float(peaks[1][1] * scale), unit),
+    ]
+    for what, values, name in (("magnitude", decibels, "dB"), ("phase", degrees, "deg")):
+        worst = int(np.abs(values).argmax())
+        rows.append((f"largest difference in {what}", float(f[worst]), float(values[worst]), name))
+        rows.append((f"RMS difference in {what}", None, float(np.sqrt(np.mean(values**2))), name))
+    rows.append(("FRAC", None, float(frac(*picked)[0, 0]), "1"))
+    columns = (Column("test against model"), Column("at", "Hz", 4), Column("value", "", 4), Column("unit"))
+    span = f"over {len(f)} lines from {f[0]:g} to {f[-1]:g} Hz with coherence of {LEAST_COHERENCE:g} or more"
+    usable = f"the test can be used up to {limit:.4g} Hz" if test.usable_up_to is not None else ""
+    notes = tuple(filter(None, (span, usable, "differences are test - model; positive degrees: the test leads")))
+    return Table(f"{model.title}: {test.outputs[0].name}/{test.inputs[0].name}", columns, tuple(rows), notes)
+
+
+def _picked(response: FrequencyResponse, good: NDArray[np.bool_]) -> FrequencyResponse:
+    return replace(
+        response,
+        frequencies=response.frequencies[good],
+        values=response.values[good],
+        coherence=None,
+        conditioning=None,
+    )

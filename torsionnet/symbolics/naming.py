@@ -1,0 +1,51 @@
+r"""Names of parameters and nodes as LaTeX: ``k_1`` is an italic letter with an index, ``tau`` a Greek one.
+
+>>> symbol_latex("k_1"), symbol_latex("tau"), symbol_latex("I_MT"), symbol_latex("stiffness")
+('k_{1}', '\\tau', 'I_{\\mathrm{MT}}', '\\mathrm{stiffness}')
+>>> angle_latex("input_shaft")
+'\\theta_{\\mathrm{input~shaft}}'
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from typing import Any
+
+GREEK = frozenset(
+    (
+        *("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "kappa", "lambda", "mu", "nu", "xi"),
+        *("pi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega"),
+        *("Gamma", "Delta", "Theta", "Lambda", "Xi", "Pi", "Sigma", "Phi", "Psi", "Omega"),
+    )
+)
+_TRAILING = re.compile(r"([A-Za-z]+?)(\d+)")
+
+
+def symbol_latex(name: str) -> str:
+    """A name of letters, digits and ``_``: the part before the first ``_`` is the symbol, the rest its index."""
+    base, _, index = name.partition("_")
+    trailing = _TRAILING.fullmatch(base)
+    if trailing and not index and _is_symbol(trailing[1]):
+        base, index = trailing[1], trailing[2]
+    shown = f"\\{base}" if base in GREEK else base if len(base) == 1 else rf"\mathrm{{{base}}}"
+    return f"{shown}_{{{_upright(index.replace('_', ','))}}}" if index else shown
+
+
+def angle_latex(node: str) -> str:
+    """The angle of a node."""
+    return rf"\theta_{{{_upright(node.replace('_', '~'))}}}"
+
+
+def symbol_names(symbols: Iterable[Any]) -> dict[Any, str]:
+    """For ``symbol_names`` of sympy's printer."""
+    return {symbol: symbol_latex(str(symbol)) for symbol in symbols}
+
+
+def _is_symbol(base: str) -> bool:
+    return len(base) == 1 or base in GREEK
+
+
+def _upright(index: str) -> str:
+    """Numbers and single letters stay as they are; words and abbreviations stand upright."""
+    return index if index.isdigit() or len(index) == 1 else rf"\mathrm{{{index}}}"
