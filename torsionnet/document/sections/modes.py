@@ -150,10 +150,12 @@ def _shapes(subject: Subject) -> Picture:
     cases, modes = subject.cases[:MOST_DRAWN], subject.modes[:MOST_DRAWN]
     drawn = shape_grid(modes, [case.drivetrain for case in cases], [case.configuration for case in cases])
     rest = len(subject.cases) - len(cases)
+    views = [view_of(one, case.drivetrain) for one, case in zip(modes, cases, strict=True)]
+    geared = any(join.kind == "gear" for view in views for join in view.axis.joins)
     caption = (
-        f"Mode shapes: {view_of(modes[0], cases[0].drivetrain).label.removesuffix(' [-]')}, the largest 1; dotted "
-        "lines are gears. Filled dots are the real part; open dots the imaginary part, where the nodes do not move in "
-        "phase or against each other."
+        f"Mode shapes: {views[0].label.removesuffix(' [-]')}, the largest 1. Filled dots are the real part; open dots "
+        "the imaginary part, where the nodes do not move in phase or against each other."
+        + (" Dotted lines are gears." if geared else "")
         + (f" The first {len(cases)} of {len(subject.cases)} configurations." if rest else "")
     )
     alt = "Mode shapes of " + "; ".join(modes[index].title for index in range(len(modes)))
