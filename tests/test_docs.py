@@ -219,7 +219,7 @@ def test_broken_links_are_found(tmp_path):
     ]
 
 
-PUBLIC = ("", "bench", "identification", "interchange", "modal", "report", "sensitivity", "signals")
+PUBLIC = ("", "bench", "document", "identification", "interchange", "modal", "report", "sensitivity", "signals")
 CURRENT_MODULE = re.compile(r"currentmodule:: (\S+)|auto(?:class|function|data|module):: (\S+)|:members: (.+)")
 
 
