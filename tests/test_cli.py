@@ -560,6 +560,31 @@ def test_each_warning_is_shown_once_and_without_the_place_in_the_program(monkeyp
     assert run("modes", "dmf_rig").stderr == "warning: the table is not passive\n"
 
 
+CLUTCH = """\
+torsionnet: 1
+elements:
+  a: {type: inertia, node: a, inertia: 1}
+  clutch: {type: spring, nodes: [a, b], stiffness: 100}
+  b: {type: inertia, node: b, inertia: 1}
+inputs: {T: {torque: a}}
+sensors: {T_c: {torque: clutch}}
+configurations:
+  closed: {on: [clutch]}
+  open: {off: [clutch, b]}
+"""
+
+
+def test_configurations_without_what_is_asked_for_are_left_out(tmp_path):
+    path = tmp_path / "clutch.yaml"
+    path.write_text(CLUTCH, encoding="utf-8")
+    shown = run("frf", path, "-c", "all", "--output", "T_c", "--input", "T")
+    assert "closed" in shown.stdout
+    assert "configuration open is left out: " in shown.stderr
+    wrong = run("frf", path, "-c", "all", "--output", "T_q", "--input", "T", code=2)
+    assert "left out" not in wrong.stderr
+    assert 'did you mean "T_c"?' in wrong.stderr
+
+
 # documentation
 
 

@@ -9,7 +9,8 @@ import click
 
 from torsionnet.cli.cases import Case, joined, load_cases
 from torsionnet.cli.options import csv_option, frequency_unit_option, json_option, model_options, plot_option
-from torsionnet.cli.terminal import print_json, print_table, wrote
+from torsionnet.cli.terminal import message, print_json, print_table, wrote
+from torsionnet.errors import UsageError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -116,8 +117,8 @@ def command(
     shown = Shown(Conventions(angle=angle, frequency=frequency_unit), decibels)
     sampling = Sampling(start, stop, points, logarithmic, listed)
     frequencies = sampling.frequencies(cases, shown.conventions.frequency_scale)
-    solvers = [Question(outputs, inputs, excitations, quantity).solver(case) for case in cases]
-    responses = [solve(frequencies) for solve in solvers]
+    question = Question(outputs, inputs, excitations, quantity)
+    cases, solvers, responses = _answered(question, cases, frequencies)
     picture = _picture(responses, shown) if plot_file else None  # refuses unlike units before anything is printed
     if as_json:
         print_json([as_data(*trio, shown.conventions) for trio in zip(cases, responses, solvers, strict=True)])
@@ -136,6 +137,26 @@ def command(
 
         report.save(picture, plot_file)
         wrote(plot_file)
+
+
+def _answered(
+    question: Question, cases: list[Case], frequencies: FloatArray
+) -> tuple[list[Case], list[Solver], list[FrequencyResponse]]:
+    """The cases that have what is asked for; the others are named, unless there is none."""
+    found: list[tuple[Case, Solver, FrequencyResponse]] = []
+    refusals: dict[str, UsageError] = {}
+    for case in cases:
+        solve = question.solver(case)
+        try:
+            found.append((case, solve, solve(frequencies)))
+        except UsageError as error:
+            refusals[case.configuration] = error
+    if not found:
+        raise next(iter(refusals.values()))
+    for name, error in refusals.items():
+        message("note", f"configuration {name} is left out: {error}")
+    left, solvers, responses = zip(*found, strict=True)
+    return list(left), list(solvers), list(responses)
 
 
 def _picture(responses: list[FrequencyResponse], shown: Shown) -> Figure:
