@@ -153,8 +153,8 @@ def _answered(
             refusals[case.configuration] = error
     if not found:
         raise next(iter(refusals.values()))
-    for name, error in refusals.items():
-        message("note", f"configuration {name} is left out: {error}")
+    for name, refusal in refusals.items():
+        message("note", f"configuration {name} is left out: {refusal}")
     left, solvers, responses = zip(*found, strict=True)
     return list(left), list(solvers), list(responses)
 

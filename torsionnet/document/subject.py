@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import warnings
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -145,6 +145,26 @@ class Subject:
             self._known[pair] = tuple(self._response(case, pair, modes) for case, modes in trios)
         return self._known[pair]
 
+    def about(self, pair: Pair) -> Subject:
+        """The same, for the configurations that have what the transfer function is about."""
+        kept = tuple(case for case in self.cases if self.refusal(case, pair) is None)
+        if len(kept) in (0, len(self.cases)):
+            return self
+        names = tuple(case.configuration for case in kept)
+        return self._parts.setdefault(names, replace(self, cases=kept))
+
+    @cached_property
+    def _parts(self) -> dict[tuple[str, ...], Subject]:
+        return {}
+
+    def refusal(self, case: Case, pair: Pair) -> UsageError | None:
+        """Why a case has no such transfer function: a name nobody has, or one that is switched off."""
+        try:
+            self.solver(case, pair)(Adaptive(1, 2, 2, 1).frequencies())
+        except UsageError as error:
+            return error
+        return None
+
     def _response(self, case: Case, pair: Pair, modes: Modes) -> FrequencyResponse:
         """Undamped peaks are unbounded: nothing is gained by going near them."""
         grid = Adaptive(*self.band, points=160, per_peak=21) if is_damped(case) else Adaptive(*self.band, 600, 1)
@@ -212,9 +232,8 @@ def require_answers(subject: Subject) -> None:
     """
     found = []
     for pair in subject.pairs:
-        try:
-            subject.solver(subject.cases[0], pair)(Adaptive(1, 2, 2, 1).frequencies())
-        except UsageError as error:
-            found.append(f"{pair}: {error}")
+        refusals = [subject.refusal(case, pair) for case in subject.cases]
+        if all(refusals):
+            found.append(f"{pair}: {refusals[0]}")
     if found:
         raise UsageError("\n".join(found))

@@ -60,7 +60,7 @@ def _comparisons(subject: Subject) -> Iterator[tuple[Cell, ...]]:
     frequencies = np.geomspace(*subject.band, POINTS)
     for pair in subject.pairs:
         worst = 0.0
-        for case in subject.cases:
+        for case in subject.about(pair).cases:
             try:
                 first, second = (
                     case.drivetrain.frequency_response(

@@ -50,11 +50,12 @@ def formulas_section(subject: Subject) -> Section | None:
     blocks: list[Block] = []
     for number, pair in enumerate(subject.pairs, 1):
         inner: list[Block] = []
-        for form in _forms(subject):
+        part = subject.about(pair)
+        for form in _forms(part):
             if len(subject.forms) > 1 and subject.size <= MOST_SYMBOLIC:
                 names = ", ".join(case.configuration for case in form.cases)
                 inner.append(Paragraph((Strong(f"Configuration {names}"),)))
-            inner += _function(subject, pair, form)
+            inner += _function(part, pair, form)
         blocks.append(Section(f"formula-{number}", (Math(pair_latex(pair)),), tuple(inner)))
     return Section("formulas", ("Transfer functions in symbols",), tuple(blocks))
 

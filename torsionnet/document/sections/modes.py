@@ -50,9 +50,10 @@ def modes_section(subject: Subject) -> Section:
         return Section("modes", ("Modes",), (Paragraph(("Nothing can move: there are no modes.",)),))
     blocks += [modes_table(subject, subject.modes, (caption,)), _energies(subject), _shapes(subject)]
     for pair in subject.pairs:
-        cut = subject.cut_modes(pair)
+        part = subject.about(pair)
+        cut = part.cut_modes(pair)
         if cut is not None and len(cut[0]):
-            blocks += _cut(subject, pair_latex(pair), pair.input, cut)
+            blocks += _cut(part, pair_latex(pair), pair.input, cut)
     return Section("modes", ("Modes",), tuple(blocks))
 
 

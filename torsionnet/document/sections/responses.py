@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from torsionnet.document.subject import Subject, is_damped
-from torsionnet.document.tree import Block, Cell, Group, Heading, Math, Number, Picture, Section, Table
-from torsionnet.document.words import aligned, pair_latex, unit
+from torsionnet.document.tree import Block, Cell, Group, Heading, Math, Number, Paragraph, Picture, Section, Table
+from torsionnet.document.words import aligned, pair_latex, sentence, unit
 from torsionnet.outline import Pair
 from torsionnet.response import FrequencyResponse
 from torsionnet.solve.peaks import Peak, peaks, static_value
@@ -29,9 +30,20 @@ def responses_section(subject: Subject) -> Section | None:
         return None
     blocks: list[Block] = []
     for number, pair in enumerate(subject.pairs, 1):
-        found = subject.responses(pair)
-        blocks += [_picture(subject, pair, found, number), peaks_table(subject, pair, found)]
+        part = subject.about(pair)
+        found = part.responses(pair)
+        blocks += [_picture(part, pair, found, number), peaks_table(part, pair, found), *left_out(subject, pair)]
     return Section("responses", ("Frequency responses",), tuple(blocks))
+
+
+def left_out(subject: Subject, pair: Pair) -> Iterator[Block]:
+    """Which configurations lack the transfer function, and why."""
+    part = subject.about(pair)
+    if part is not subject:
+        for case in subject.cases:
+            refusal = subject.refusal(case, pair)
+            if refusal is not None:
+                yield Paragraph(sentence(f"Not in configuration {case.configuration}: {refusal}.", subject.model))
 
 
 def _picture(subject: Subject, pair: Pair, found: tuple[FrequencyResponse, ...], number: int) -> Picture:

@@ -14,7 +14,7 @@ MOST_VIBRATIONS, MOST_PAIRS = 3, 4
 
 def summary_section(subject: Subject) -> Section:
     blocks: list[Block] = [_vibrations(subject)] if any(OSCILLATORY in modes.kinds for modes in subject.modes) else []
-    blocks += [_response(subject, pair) for pair in subject.pairs[:MOST_PAIRS]]
+    blocks += [_response(subject.about(pair), pair) for pair in subject.pairs[:MOST_PAIRS]]
     if not blocks:
         blocks.append(Paragraph(("No vibration and no transfer function.",)))
     return Section("summary", ("Results at a glance",), tuple(blocks))

@@ -95,7 +95,7 @@ def _readings(subject: Subject) -> Iterator[Cell]:
     if any("rigid body" in modes.kinds for modes in subject.modes):
         yield FREE
     for pair in subject.pairs:
-        if pair.input in subject.cases[0].drivetrain.sensors:
+        if pair.input in subject.model.sensors:
             where = " are those of the drivetrain cut at "
             yield ("Poles of ", Math(pair_latex(pair)), where, *inlines(named(pair.input)), CUT)
     imposed = [name for name, channel in subject.model.inputs.items() if channel.quantity == "angle"]
