@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from test_cli import run
+from test_cli import CLUTCH, run
 
 import torsionnet as tn
 from torsionnet.files import json_schema
@@ -222,3 +222,14 @@ class TestSection:
         text = (tmp_path / "r.md").read_text(encoding="utf-8")
         assert "| Configurations | heavy (of 2) |" in text
         assert re.findall(r"^## (.*)$", text, re.MULTILINE) == ["1 Modes"]
+
+
+def test_configurations_without_a_transfer_function_are_left_out_of_it(folder):
+    (folder / "clutch.yaml").write_text(CLUTCH, encoding="utf-8")
+    run("report", "clutch.yaml", "--tf", "T_c/T", "--tf", "a/T", "-o", "clutch.md", *DATE)
+    text = (folder / "clutch.md").read_text(encoding="utf-8")
+    assert text.count("Not in configuration open: element") == 1
+    # Free to turn: s^2 above and below has gone, the load of the closed clutch is half of all.
+    assert r"\frac{b_{0}}{a_{0} + a_{2} s^{2}}" in text
+    refused = run("report", "clutch.yaml", "--tf", "T_q/T", code=2)
+    assert 'T_q/T: no sensor or node is named "T_q"' in refused.stderr

@@ -46,8 +46,11 @@ class Rational:
 
     @cached_property
     def _written(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-        above, below = self.coefficients.written()
-        return _trimmed(above), _trimmed(below)
+        above, below = (list(_trimmed(part)) for part in self.coefficients.written())
+        # A drivetrain that turns freely has powers of s above and below.
+        while min(len(above), len(below)) > 1 and above[0] == 0 and below[0] == 0:
+            del above[0], below[0]
+        return tuple(above), tuple(below)
 
     @property
     def numerator(self) -> tuple[Any, ...]:
