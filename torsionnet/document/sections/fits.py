@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from torsionnet.document.subject import Subject
@@ -10,6 +11,8 @@ from torsionnet.document.words import capital, named, sentence, unit
 
 if TYPE_CHECKING:
     from torsionnet.identification import Fit
+
+USUAL, FEWEST, MOST = 5, 2, 9
 
 
 def fit_section(subject: Subject) -> Section:
@@ -38,6 +41,17 @@ def _fit(subject: Subject, fit: Fit, number: int) -> list[Block]:
     return blocks
 
 
+def digits(value: float, error: float) -> int:
+    """Significant digits of a value down to the second one of its standard error.
+
+    >>> digits(169.9971, 0.0541), digits(4.0, math.inf), digits(1.5, 0.0)
+    (6, 5, 5)
+    """
+    if not (math.isfinite(error) and error > 0 and value):
+        return USUAL
+    return min(max(math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2, FEWEST), MOST)
+
+
 def _table(subject: Subject, fit: Fit) -> Table:
     intervals = fit.intervals()
     columns = (
@@ -54,9 +68,9 @@ def _table(subject: Subject, fit: Fit) -> Table:
         (
             named(name),
             Number(known[name]) if name in known else "",
-            Number(value, 5),
+            Number(value, shown := digits(value, fit.standard_errors[name])),
             Number(fit.standard_errors[name], 2),
-            *(Number(edge, 5) for edge in intervals[name]),
+            *(Number(edge, shown) for edge in intervals[name]),
             unit(fit.units.get(name, "")),
         )
         for name, value in fit.values.items()
