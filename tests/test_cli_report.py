@@ -233,3 +233,14 @@ def test_configurations_without_a_transfer_function_are_left_out_of_it(folder):
     assert r"\frac{b_{0}}{a_{0} + a_{2} s^{2}}" in text
     refused = run("report", "clutch.yaml", "--tf", "T_q/T", code=2)
     assert 'T_q/T: no sensor or node is named "T_q"' in refused.stderr
+
+
+def test_operating_point_of_the_configuration_reported(folder):
+    run("report", "wind_turbine_5mw", "-c", "cut_in", "--section", "parameters", "-o", "wind.md", *DATE)
+    text = (folder / "wind.md").read_text(encoding="utf-8")
+    speeds = tn.load("wind_turbine_5mw").configured("cut_in").mean_speeds
+    slowest = min(abs(speed) for speed in speeds.values() if speed) * 30 / 3.141592653589793
+    assert f"{slowest:.3g}" in text
+    run("report", "wind_turbine_5mw", "--section", "parameters", "-o", "both.md", *DATE)
+    both = (folder / "both.md").read_text(encoding="utf-8")
+    assert both.count("Operating point, configuration") == 2

@@ -50,3 +50,10 @@ def test_place_is_the_entry():
         fault for fault in tn.loads(MODEL.format(**USUAL | {"diameter": "70"})).check() if fault.severity == "warning"
     ]
     assert (fault.position.line, fault.position.column) == (5, 55)
+
+
+def test_a_value_on_its_bound_is_inside():
+    text = MODEL.format(**USUAL).replace("half: 0.02", "half: {value: 0.02 kg*m^2, bounds: [0.02, 0.15]}")
+    text = text.replace("both: D*half", "both: D*0.01")
+    text = text.replace("inertia: 1}", "inertia: half}", 1)
+    assert [fault.message for fault in tn.loads(text).check() if "bounds" in fault.message] == []

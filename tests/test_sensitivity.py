@@ -320,3 +320,18 @@ def test_values_at_which_the_drivetrain_cannot_be_calculated():
     response = parametric_response(one_mass(J=1, k=1, c=1), "a", "a", [1.0], ["q"])
     with pytest.raises(SolveError, match="cannot be calculated at q = 0"):
         response.at([0.0])
+
+
+def test_modes_have_the_numbers_of_their_table():
+    """Rigid-body modes count, though they have no derivative."""
+    from torsionnet import report
+
+    ship = tn.load("marine_steam_turbine").configured("undamped")
+    table, found = ship.modes(), mode_sensitivities(ship)
+    for index, number in enumerate(found.numbers):
+        assert found.natural_frequencies[index] == pytest.approx(table.natural_frequencies[number - 1])
+    assert found.numbers[0] == 2
+    assert found.words()[0].startswith("mode 2 (")
+    assert "mode 3: 3.67 Hz" in report.tornado(found, modes=[3]).axes[0].get_title()
+    with pytest.raises(UsageError, match="there is no mode 1; there are 2, 3"):
+        report.tornado(found, modes=[1])

@@ -1,5 +1,7 @@
 """Elimination on the graph against LAPACK, and against 60 digits where LAPACK is not good enough."""
 
+from dataclasses import replace
+
 import mpmath
 import numpy as np
 import pytest
@@ -403,3 +405,10 @@ def test_adaptive_frequencies_resolve_poles_of_a_measured_input():
 def test_impossible_range_is_refused():
     with pytest.raises(tn.UsageError, match="0 <= start < stop"):
         tn.Adaptive(10, 1)
+
+
+def test_modes_in_common_but_for_rounding_give_one_set_of_points():
+    modes = tn.load("dmf_rig").modes()
+    shifted = replace(modes, eigenvalues=modes.eigenvalues * (1 + 1e-15))
+    grid = tn.Adaptive(1, 200)
+    assert len(grid.frequencies(modes, shifted)) == len(grid.frequencies(modes))

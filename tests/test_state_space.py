@@ -68,3 +68,9 @@ def test_frequency_response_data():
     data = H.to_control()
     np.testing.assert_array_equal(np.moveaxis(data.frdata, 2, 0), H.values)
     assert data.output_labels == ["angle", "T"]
+
+
+def test_a_dot_in_the_name_of_a_model():
+    parts = [tn.Inertia("j", node="a", inertia=2), tn.Spring("k", nodes=("a", "ground"), stiffness=300)]
+    model = tn.Drivetrain("2.0 l diesel", parts, inputs={"T": {"torque": "a"}}, sensors={"phi": {"angle": "a"}})
+    assert agrees(model).name == "2_0 l diesel"

@@ -484,3 +484,20 @@ class TestLongExpressions:
     def test_values_are_exact_fractions(self):
         values = tn.load("dmf_rig").symbolic().values
         assert Fraction(values[c_1].p, values[c_1].q) == Fraction(1, 10)
+
+
+@pytest.mark.parametrize("form", ["polynomial", "normalised"])
+def test_coefficients_that_would_fill_pages_are_refused_at_once(form):
+    parts = [tn.Inertia("J0", node="n0", inertia="J0")]
+    values = {"J0": 1}
+    for i in range(1, 14):
+        parts += [
+            tn.Inertia(f"J{i}", node=f"n{i}", inertia=f"J{i}"),
+            tn.Spring(f"k{i}", nodes=(f"n{i - 1}", f"n{i}"), stiffness=f"k{i}", damping=f"c{i}"),
+        ]
+        values |= {f"J{i}": 1, f"k{i}": 100 + i, f"c{i}": 0.1}
+    chain = tn.Drivetrain("chain", parts, parameters=values, inputs={"T": {"torque": "n0"}})
+    found = chain.symbolic().transfer_function("n13", "T")
+    with pytest.raises(tn.UsageError, match='ask for "program"'):
+        found.to_latex(form)
+    assert found.to_latex("program")

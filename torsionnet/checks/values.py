@@ -84,7 +84,7 @@ def sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
     faults: list[Fault] = []
     for name, value in numbers.items():
         bounds = definition.parameters[name].bounds
-        if bounds and not bounds[0] <= value <= bounds[1]:
+        if bounds and not bounds[0] <= float(value) <= bounds[1]:  # as written: 0.05 is a bound, and 1/20 a value
             text = f"{name} = {float(value):g} is outside its bounds {bounds[0]:g} to {bounds[1]:g}"
             faults.append(Fault(text, ("parameters", name), "warning"))
     for element in definition.elements.values():

@@ -54,7 +54,7 @@ def command(
         )
         for case in cases
     ]
-    tables = [_chosen(one.table(), modes) for one in results]
+    tables = [_chosen(one, modes) for one in results]
     if as_json:
         print_json([_as_data(case, one, modes) for case, one in zip(cases, results, strict=True)])
     else:
@@ -71,19 +71,21 @@ def command(
             wrote(path)
 
 
-def _chosen(table: Table, modes: tuple[int, ...]) -> Table:
+def _chosen(found: ModeSensitivities, modes: tuple[int, ...]) -> Table:
     """Only some modes, of them what moves at all."""
     from dataclasses import replace
 
+    table = found.table()
     rows = tuple(
         row for row in table.rows if (not modes or row[0] in modes) and max(abs(row[4]), abs(row[5])) > ROUNDING
     )
-    notes = tuple(note for number, note in enumerate(table.notes, 1) if not modes or number in modes)
+    notes = tuple(note for index, note in enumerate(table.notes) if not modes or found.number(index) in modes)
     return replace(table, rows=rows, notes=notes)
 
 
 def _as_data(case: Case, found: ModeSensitivities, modes: tuple[int, ...]) -> dict[str, Any]:
-    chosen = [number - 1 for number in modes if number <= len(found.poles)] or range(len(found.poles))
+    every = range(len(found.poles))
+    chosen = [mode for mode in every if found.number(mode) in modes] or every
     return {
         "title": found.title,
         "configuration": case.configuration,
@@ -91,7 +93,7 @@ def _as_data(case: Case, found: ModeSensitivities, modes: tuple[int, ...]) -> di
         "values": found.values.tolist(),
         "modes": [
             {
-                "mode": mode + 1,
+                "mode": found.number(mode),
                 "natural_frequency_Hz": float(found.natural_frequencies[mode]),
                 "damping_ratio": float(found.damping_ratios[mode]),
                 "frequency_percent_per_percent": found.relative_frequencies[mode].tolist(),

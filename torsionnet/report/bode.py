@@ -24,6 +24,8 @@ POOR = 1e-10
 """Conditioning of a measured input below which a response cannot be trusted."""
 
 SHORT_LABEL = 14
+LONGEST_LABEL = 32
+"""Letters beside the magnitude that fit at full size."""
 FloatArray = NDArray[np.float64]
 
 
@@ -279,7 +281,8 @@ def _dress_magnitude(axes: Axes, what: str, unit: str, *, decibels: bool, conven
         reference = f"{conventions.db_reference:g}" + (f" {shown}" if unit != "1" else "")
         axes.set_ylabel(f"{what} [dB re {reference}]")
         return
-    axes.set_ylabel(f"{what} [{shown}]")
+    text = f"{what} [{shown}]"
+    axes.set_ylabel(text, fontsize=style.FONT * min(1.0, LONGEST_LABEL / len(text)))
     axes.set_yscale("log")
     style.log_ticks(axes.yaxis, *axes.get_ylim())
 

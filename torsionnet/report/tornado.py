@@ -26,7 +26,7 @@ def tornado(found: ModeSensitivities, *, modes: list[int] | None = None, title: 
     ----------
     found : ModeSensitivities
     modes : list of int, optional
-        Numbers of modes, from 1; by default the first four.
+        Numbers of modes as in their table, where rigid-body modes count; by default the first four vibrations.
     title : str, optional
 
     Returns
@@ -40,11 +40,13 @@ def tornado(found: ModeSensitivities, *, modes: list[int] | None = None, title: 
     >>> len(tornado(found, modes=[1]).axes)
     2
     """
-    chosen = [number - 1 for number in (modes or range(1, min(MOST_MODES, len(found.poles)) + 1))]
-    wrong = [number + 1 for number in chosen if not 0 <= number < len(found.poles)]
-    if wrong or not chosen:
-        msg = f"there is no mode {wrong[0] if wrong else 1}; there are {len(found.poles)}"
+    known = [found.number(index) for index in range(len(found.poles))]
+    wrong = [number for number in modes or () if number not in known]
+    if wrong or not known:
+        have = f"there are {', '.join(map(str, known))}" if known else "there is none that vibrates"
+        msg = f"there is no mode {wrong[0] if wrong else 1}; {have}"
         raise UsageError(msg)
+    chosen = [known.index(number) for number in modes or known[:MOST_MODES]]
     size = (np.abs(found.relative_frequencies) + np.abs(found.relative_dampings))[chosen].max(axis=0)
     shown = [int(p) for p in np.argsort(-size)[:MOST_PARAMETERS] if size[p] > FAINTEST * size.max()]
     figure = style.new_figure(style.WIDTH, 1.2 + len(chosen) * (0.6 + 0.22 * len(shown)))
@@ -54,7 +56,7 @@ def tornado(found: ModeSensitivities, *, modes: list[int] | None = None, title: 
         _bars(row[1], found.relative_dampings[mode, shown], style.PALETTE[1])
         row[0].set_yticks(range(len(shown)), [found.parameters[p] for p in shown])
         zeta = 100 * found.damping_ratios[mode]
-        row[0].set_title(f"mode {mode + 1}: {found.natural_frequencies[mode]:.4g} Hz", fontsize=style.FONT)
+        row[0].set_title(f"mode {found.number(mode)}: {found.natural_frequencies[mode]:.4g} Hz", fontsize=style.FONT)
         real = found.poles[mode].imag == 0
         row[1].set_title("real pole" if real else f"damping ratio {zeta:.3g} %", fontsize=style.FONT)
     panels[0][0].invert_yaxis()  # all panels share the axis: once for all of them

@@ -49,6 +49,8 @@ class ModeSensitivities:
     pole_slopes : (n_modes, n_p) complex array
         d lambda / dp; nan where two poles meet at critical damping, and move with the root of a change.
     title : str
+    numbers : tuple of int
+        Of the modes, as :class:`~torsionnet.response.Modes` has them: rigid-body modes count.
     """
 
     parameters: tuple[str, ...]
@@ -56,6 +58,7 @@ class ModeSensitivities:
     poles: ComplexArray
     pole_slopes: ComplexArray
     title: str = ""
+    numbers: tuple[int, ...] = ()
 
     @property
     def natural_frequencies(self) -> FloatArray:
@@ -65,7 +68,7 @@ class ModeSensitivities:
     @property
     def damping_ratios(self) -> FloatArray:
         """``-Re lambda / |lambda|``."""
-        return np.asarray(-self.poles.real / np.abs(self.poles))
+        return np.asarray(0.0 - self.poles.real / np.abs(self.poles))
 
     @property
     def frequency_slopes(self) -> FloatArray:
@@ -96,12 +99,18 @@ class ModeSensitivities:
             found = self.damping_slopes * self.values / ratios
         return np.asarray(np.where(np.abs(ratios) > 0, found, 0.0))
 
+    def number(self, index: int) -> int:
+        """Of the mode at this place."""
+        return self.numbers[index] if self.numbers else index + 1
+
     def words(self, most: int = 3) -> tuple[str, ...]:
         """Of every mode, the parameters that move it most."""
         found = []
         for mode, (f, z) in enumerate(zip(self.natural_frequencies, self.damping_ratios, strict=True)):
             if np.isnan(self.pole_slopes[mode]).any():
-                found.append(f"mode {mode + 1} ({f:.4g} Hz): two poles meet (critical damping) and have no derivative")
+                found.append(
+                    f"mode {self.number(mode)} ({f:.4g} Hz): two poles meet (critical damping) and have no derivative"
+                )
                 continue
             kind = "real pole" if self.poles[mode].imag == 0 else f"{100 * z:.3g} % damping"
             parts = [
@@ -109,7 +118,9 @@ class ModeSensitivities:
                 for what, relative in (("frequency", self.relative_frequencies), ("damping", self.relative_dampings))
                 if np.abs(relative[mode]).max(initial=0.0) > STRONG
             ]
-            found.append(f"mode {mode + 1} ({f:.4g} Hz, {kind}): {'; '.join(parts) or 'hardly moved by any of these'}")
+            found.append(
+                f"mode {self.number(mode)} ({f:.4g} Hz, {kind}): {'; '.join(parts) or 'hardly moved by any of these'}"
+            )
         return tuple(found)
 
     def table(self) -> Table:
@@ -126,7 +137,7 @@ class ModeSensitivities:
         )
         rows = tuple(
             (
-                mode + 1,
+                self.number(mode),
                 float(self.natural_frequencies[mode]),
                 float(self.damping_ratios[mode]),
                 name,
@@ -182,11 +193,12 @@ def mode_sensitivities(
     chosen = unknowns(drivetrain, names)
     system = _System(drivetrain, chosen, measured_input, excitation)
     modes = drivetrain.modes(measured_input=measured_input, excitation=excitation)
-    poles = np.array([pole for pole, kind in zip(modes.eigenvalues, modes.kinds, strict=True) if "rigid" not in kind])
+    numbers = tuple(number for number, kind in enumerate(modes.kinds, 1) if "rigid" not in kind)
+    poles = np.array([modes.eigenvalues[number - 1] for number in numbers])
     slopes = np.zeros((len(poles), len(names)), dtype=complex)
     for group in _groups(poles):
         slopes[group] = system.slopes(complex(np.mean(poles[group])), len(group))
-    return ModeSensitivities(tuple(names), np.array(chosen.start), poles, slopes, modes.title)
+    return ModeSensitivities(tuple(names), np.array(chosen.start), poles, slopes, modes.title, numbers)
 
 
 def _basic(drivetrain: Drivetrain) -> list[str]:

@@ -66,7 +66,7 @@ def to_control(drivetrain: Drivetrain) -> control.StateSpace:
         D,
         inputs=list(present.inputs),
         outputs=list(present.sensors),
-        name=drivetrain.title,
+        name=drivetrain.title.replace(".", "_"),  # python-control keeps dots for the signals of a system
         remove_useless_states=False,
     )
 

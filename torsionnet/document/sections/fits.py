@@ -75,5 +75,8 @@ def _table(subject: Subject, fit: Fit) -> Table:
         )
         for name, value in fit.values.items()
     ]
-    chi = f"Chi squared {fit.chi_squared:.4g} with {fit.degrees_of_freedom} degrees of freedom."
+    chi = (
+        f"Chi squared {fit.chi_squared:.4g}. Neighbouring lines share noise: together they are worth "
+        f"{fit.degrees_of_freedom} degrees of freedom, with which the intervals are made."
+    )
     return table(fit.title or "Fitted parameters", columns, rows, [chi])

@@ -30,8 +30,7 @@ def parameters_section(subject: Subject) -> Section | None:
     switched = _switched(subject.cases)
     if len(subject.cases) > 1 and switched:
         blocks.append(_switches(subject.cases, switched))
-    speeds = _operating_point(rig)
-    blocks += [speeds] if speeds else []
+    blocks += _operating_points(subject.cases)
     return Section("parameters", ("Parameters",), tuple(blocks)) if blocks else None
 
 
@@ -107,7 +106,21 @@ def _switches(cases: tuple[Case, ...], names: list[str]) -> Table:
     return table("Elements that are switched", columns, rows)
 
 
-def _operating_point(rig: Drivetrain) -> Table | None:
+def _operating_points(cases: tuple[Case, ...]) -> list[Block]:
+    """One table for the configurations that share it."""
+    alike: dict[tuple[object, ...], list[Case]] = {}
+    for case in cases:
+        rig = case.drivetrain
+        alike.setdefault((*rig.mean_speeds.items(), None, *rig.mean_torques.items()), []).append(case)
+    found: list[Block] = []
+    for group in alike.values():
+        names = ", ".join(case.configuration for case in group) if len(alike) > 1 else ""
+        shown = _operating_point(group[0].drivetrain, f", configuration {names}" if names else "")
+        found += [shown] if shown else []
+    return found
+
+
+def _operating_point(rig: Drivetrain, where: str) -> Table | None:
     speeds = rig.mean_speeds if any(rig.mean_speeds.values()) else {}
     torques = {node: value for node, value in rig.mean_torques.items() if value}
     nodes = [node for node in rig.nodes if node in speeds or node in torques]
@@ -117,4 +130,4 @@ def _operating_point(rig: Drivetrain) -> Table | None:
     turned = aligned([speeds[node] * 30 / math.pi if node in speeds else None for node in nodes])
     loads = aligned([torques.get(node) for node in nodes])
     rows = [(plain(node), speed, load) for node, speed, load in zip(nodes, turned, loads, strict=True)]
-    return table("Operating point", columns, rows, most=MOST)
+    return table(f"Operating point{where}", columns, rows, most=MOST)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from torsionnet.document.sections.responses import read_off
-from torsionnet.document.subject import Subject
+from torsionnet.document.subject import Subject, is_damped
 from torsionnet.document.tree import Block, Cell, Heading, Math, Paragraph, Section, Table, table
 from torsionnet.document.words import aligned, pair_latex, unit
 from torsionnet.outline import Pair
@@ -37,7 +37,8 @@ def _vibrations(subject: Subject) -> Table:
         cells.append(list(aligned([None if i is None else float(m.natural_frequencies[i]) for m, i in pairs])))
         cells.append(list(aligned([None if i is None else 100 * float(m.damping_ratios[i]) for m, i in pairs], 3)))
     rows = list(zip(*cells, strict=True))
-    note = "Damped vibrations of the whole drivetrain; rigid-body motion and overdamped modes are in the section Modes."
+    damped = "Damped vibrations" if any(map(is_damped, subject.cases)) else "Vibrations"
+    note = f"{damped} of the whole drivetrain; rigid-body motion and overdamped modes are in the section Modes."
     return table("Lowest natural frequencies and damping ratios", columns, rows, [note])
 
 

@@ -29,8 +29,8 @@ LINEAR = (
     "stops are not in the model; where a gear unloads or a spring reaches another stage it does not hold."
 )
 LUMPED = (
-    "Lumped: inertia is in discs, compliance in springs between them. It holds well below the first torsional "
-    "resonance within any one part. Bending, lateral and axial motion are not considered."
+    "Lumped: what is no shaft from its dimensions is a disc or a spring between discs. It holds well below the first "
+    "torsional resonance within any one part. Bending, lateral and axial motion are not considered."
 )
 VISCOUS = (
     "Viscous damping: its torque is proportional to frequency and fades out towards 0 Hz. Parts whose losses do not "
@@ -39,7 +39,10 @@ VISCOUS = (
 UNDAMPED = "Without damping: peaks are unbounded; their heights in a plot say nothing."
 HYSTERETIC = "Hysteretic damping ({names}) is meant for steady vibration; it cannot be simulated over time."
 TABULATED = "Stiffness from a table ({names}) holds at the amplitude, preload and temperature it was measured at."
-SHAFTS = "Shafts from their dimensions ({names}) are uniform and of circular section."
+SHAFTS = (
+    "Shafts from their dimensions ({names}) are uniform and of circular section, in segments with inertia of their "
+    "own; modes with a node of vibration in nearly every segment are not to be trusted: use more segments."
+)
 GEARS = (
     "Gears ({names}) transmit without play and without errors of the teeth, always in contact. What lies behind a "
     "stage counts with the square of its ratio: an error of 1 % in a ratio is one of 2 % there."
@@ -47,8 +50,8 @@ GEARS = (
 CLAMPS = "Clamps ({names}) are rigid. A real support gives way, which lowers natural frequencies."
 COUPLINGS = "Rigid couplings ({names}) neither twist nor damp; their own resonances are taken to lie above the band."
 FREE = (
-    "The drivetrain can turn freely: angles over torques grow without bound towards 0 Hz; only twists, torques and "
-    "differences of angles have a static value."
+    "The drivetrain can turn freely: angles over torques grow without bound towards 0 Hz. Twists, torques and "
+    "differences of angles have a static value, speeds only where something drags on the whole of it."
 )
 CUT = (
     ". What lies upstream of it has no influence on this transfer function, and a test of it says nothing about that "

@@ -41,7 +41,8 @@ PREAMBLE = r"""\documentclass[10pt,a4paper]{article}
 \emergencystretch=3em
 \newsavebox{\drawn}
 \newcommand{\drawing}[1]{\sbox{\drawn}{\includegraphics{#1}}%
-  \ifdim\wd\drawn>\linewidth\resizebox{\linewidth}{!}{\usebox{\drawn}}\else\usebox{\drawn}\fi}
+  \ifdim\wd\drawn>\linewidth\sbox{\drawn}{\resizebox{\linewidth}{!}{\usebox{\drawn}}}\fi
+  \ifdim\ht\drawn>0.86\textheight\resizebox{!}{0.86\textheight}{\usebox{\drawn}}\else\usebox{\drawn}\fi}
 \allowdisplaybreaks
 \pdfinfoomitdate=1
 \pdftrailerid{}

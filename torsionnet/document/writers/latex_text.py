@@ -59,7 +59,7 @@ def _part(part: Inline) -> str:
         case Strong(text):
             return rf"\textbf{{{escaped(text)}}}"
         case Code(text):
-            return rf"\texttt{{{escaped(text)}}}"
+            return rf"\texttt{{{escaped(text).replace('--', '-{}-')}}}"
         case Number():
             return number(part)
     return escaped(part)
