@@ -17,7 +17,7 @@ import numpy as np
 
 import torsionnet as tn
 from torsionnet.assembly.law_stiffness import law_stiffness
-from torsionnet.assembly.rows import RowSystem
+from torsionnet.assembly.rows import Rows, RowSystem
 from torsionnet.solve import starmesh
 from torsionnet.solve.transfer import METHODS
 
@@ -47,7 +47,7 @@ def chain(n, extra=(), parent=None, ratio=None):
     for number, (i, j, tau) in enumerate(links):
         rows[n + number, i], rows[n + number, j] = 1.0, -tau
     kind = np.arange(len(rows)) < n
-    return RowSystem(rows, 1.0 * kind, np.where(kind, 0.1, 10.0), np.where(kind, 0.0, 1e6))
+    return RowSystem(Rows.of(rows), 1.0 * kind, np.where(kind, 0.1, 10.0), np.where(kind, 0.0, 1e6))
 
 
 def graph(system, omega, method="graph", at=-1):

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from torsionnet.assembly.rows import RowSystem
+from torsionnet.assembly.rows import Rows, RowSystem
 from torsionnet.errors import SolveError
 from torsionnet.solve import refine
 from torsionnet.solve import spectrum as spectrum_module
@@ -22,7 +22,9 @@ from torsionnet.solve.reduction import null_basis
 def system(*laws, dynamic=()):
     """Rows from (row, J, c, k)."""
     rows, J, c, k = zip(*laws, strict=True)
-    return RowSystem(np.array(rows, float), np.array(J, float), np.array(c, float), np.array(k, float), tuple(dynamic))
+    return RowSystem(
+        Rows.of(np.array(rows, float)), np.array(J, float), np.array(c, float), np.array(k, float), tuple(dynamic)
+    )
 
 
 def chain(inertias, springs, dampers=None, ground=None, drag=None):
@@ -509,6 +511,6 @@ def test_undamped_modes_ignore_nodes_held_by_dampers_only():
 
 
 def test_nothing_left_to_move():
-    locked = RowSystem(np.zeros((1, 0)), np.ones(1), np.zeros(1), np.zeros(1))
+    locked = RowSystem(Rows.of(np.zeros((1, 0))), np.ones(1), np.zeros(1), np.zeros(1))
     assert complex_modes(locked).kinds == ()
     assert undamped_modes(locked)[0].shape == (0,)

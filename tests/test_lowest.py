@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import torsionnet as tn
-from torsionnet.assembly.rows import RowSystem
+from torsionnet.assembly.rows import Rows, RowSystem
 from torsionnet.errors import SolveError
 from torsionnet.solve import eigen
 from torsionnet.solve.eigen import complex_modes, undamped_modes
@@ -30,7 +30,7 @@ def tree(seed, n, *, damped=True, geared=True, branched=True, massless=0, ground
         J.append(0.0)
     for i in rng.choice(n, ground, replace=False):
         k[i] = 10 ** rng.uniform(4, 6)
-    return RowSystem(np.array(rows), np.array(J), np.array(c) * damped, np.array(k))
+    return RowSystem(Rows.of(np.array(rows)), np.array(J), np.array(c) * damped, np.array(k))
 
 
 @pytest.fixture
@@ -99,7 +99,7 @@ def test_identical_branches_keep_all_their_modes(damping, sparse_only):
         rows.append(row)
         k.append(1e5)
     k, link = np.array(k), np.arange(len(rows)) >= n
-    system = RowSystem(np.array(rows), 1.0 * ~link, damping * k, k)
+    system = RowSystem(Rows.of(np.array(rows)), 1.0 * ~link, damping * k, k)
     sparse_only()
     found = complex_modes(system, 11)
     clamped = 2 * np.sqrt(1e5) * np.sin(np.pi * (2 * np.arange(1, 4) - 1) / (4 * length + 2))
@@ -115,7 +115,7 @@ def test_chain_in_closed_form(sparse_only):
     n, k, beta = 400, 1e6, 1e-5
     rows = np.vstack([np.eye(n), np.eye(n)[1:] - np.eye(n)[:-1]])
     link = np.arange(len(rows)) >= n
-    system = RowSystem(rows, 1.0 * ~link, beta * k * link, k * link)
+    system = RowSystem(Rows.of(rows), 1.0 * ~link, beta * k * link, k * link)
     sparse_only()
     omega = 2 * np.sqrt(k) * np.sin(np.arange(20) * np.pi / (2 * n))
     np.testing.assert_allclose(np.abs(complex_modes(system, 20).eigenvalues), omega, rtol=1e-12)
@@ -128,7 +128,7 @@ def test_slow_real_poles_come_first():
     system = tree(3, 80, geared=False, branched=False, ground=1)
     damping = np.array(system.damping)
     damping[:80] = 1e4
-    heavy = RowSystem(system.rows, system.inertia, damping, system.stiffness)
+    heavy = RowSystem(system.law_rows, system.inertia, damping, system.stiffness)
     every = complex_modes(heavy)
     assert every.kinds[0] == "real pole"
     few = complex_modes(heavy, 8)
@@ -150,7 +150,7 @@ def test_rigid_bodies_alone():
 def test_nothing_acting_is_still_refused():
     system = tree(1, 80)
     loose = RowSystem(
-        np.hstack([system.rows, np.zeros((len(system.rows), 1))]),
+        Rows.of(np.hstack([system.rows, np.zeros((len(system.rows), 1))])),
         *(np.array(part) for part in (system.inertia, system.damping, system.stiffness)),
     )
     with pytest.raises(SolveError, match="neither inertia nor spring nor damper"):

@@ -10,7 +10,7 @@ Solvers that care about accuracy use the rows; the assembled matrices are for th
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -25,14 +25,77 @@ DynamicStiffness: TypeAlias = Callable[[FloatArray], ComplexArray]
 """kappa(omega): complex stiffness in N m/rad at omega in rad/s; shape in = shape out."""
 
 
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Rows over columns, stored by their few entries that are not zero.
+
+    A drivetrain of n nodes has rows with one to three entries, so that n x n arrays cost the square of what there is to
+    say: ``dense`` is for small systems and for methods that need such an array anyway.
+
+    Attributes
+    ----------
+    maps : tuple of dict
+        Column -> coefficient of every row.
+    n_columns : int
+
+    Examples
+    --------
+    >>> rows = Rows.of(np.array([[1.0, 0.0], [1.0, -1.0]]))
+    >>> rows.maps
+    ({0: 1.0}, {0: 1.0, 1: -1.0})
+    >>> rows.dense.shape
+    (2, 2)
+    """
+
+    maps: tuple[dict[int, float], ...]
+    n_columns: int
+
+    @classmethod
+    def of(cls, dense: FloatArray) -> Rows:
+        """The rows of an array."""
+        found: list[dict[int, float]] = [{} for _ in dense]
+        for i, j in zip(*(part.tolist() for part in np.nonzero(dense)), strict=True):
+            found[i][j] = float(dense[i, j])
+        return cls(tuple(found), int(dense.shape[1]))
+
+    @classmethod
+    def named(cls, rows: Iterable[Mapping[str, Any]], columns: Mapping[str, int]) -> Rows:
+        """Rows over names, restricted to the names that have a column."""
+        maps = [{columns[name]: float(value) for name, value in row.items() if name in columns} for row in rows]
+        return cls(tuple(maps), len(columns))
+
+    def __len__(self) -> int:
+        return len(self.maps)
+
+    @cached_property
+    def dense(self) -> FloatArray:
+        """Array (n_rows, n_columns); not to be changed."""
+        array = np.zeros((len(self.maps), self.n_columns))
+        for index, row in enumerate(self.maps):
+            for column, value in row.items():
+                array[index, column] = value
+        array.setflags(write=False)
+        return array
+
+    @cached_property
+    def csr(self) -> Any:
+        """scipy.sparse.csr_array (n_rows, n_columns)."""
+        from scipy import sparse
+
+        indices = [column for row in self.maps for column in row]
+        values = [value for row in self.maps for value in row.values()]
+        starts = np.cumsum([0, *map(len, self.maps)])
+        return sparse.csr_array((values, indices, starts), shape=(len(self.maps), self.n_columns), dtype=float)
+
+
 @dataclass(frozen=True)
 class RowSystem:
     """Rows and coefficients of every law of a drivetrain, in the kept coordinates q.
 
     Attributes
     ----------
-    rows : (n_laws, n_q) array
-        gamma = rows @ q, the scalar motion on which each law acts, in rad.
+    law_rows : Rows
+        gamma = row @ q, the scalar motion on which each law acts, in rad.
     inertia, damping, stiffness : (n_laws,) arrays
         J in kg m^2, c in N m s/rad, k in N m/rad of each law; all >= 0.
     dynamic : tuple of (law index, kappa)
@@ -41,25 +104,30 @@ class RowSystem:
         What solvers have worked out from the rows alone; systems with the same rows share it.
     """
 
-    rows: FloatArray
+    law_rows: Rows
     inertia: FloatArray
     damping: FloatArray
     stiffness: FloatArray
     dynamic: tuple[tuple[int, DynamicStiffness], ...] = ()
     plans: dict[Any, Any] = field(default_factory=dict, compare=False, repr=False)
 
-    @cached_property
-    def sparse_rows(self) -> list[dict[int, float]]:
-        """Every row as a map from coordinate to coefficient."""
-        return sparse(self.rows)
-
     def __post_init__(self) -> None:
-        for array in (self.rows, self.inertia, self.damping, self.stiffness):
+        for array in (self.inertia, self.damping, self.stiffness):
             array.setflags(write=False)
 
     @property
+    def rows(self) -> FloatArray:
+        """The rows as an array (n_laws, n_q): not for large systems."""
+        return self.law_rows.dense
+
+    @property
+    def sparse_rows(self) -> tuple[dict[int, float], ...]:
+        """Every row as a map from coordinate to coefficient."""
+        return self.law_rows.maps
+
+    @property
     def n_coordinates(self) -> int:
-        return int(self.rows.shape[1])
+        return self.law_rows.n_columns
 
     def _gram(self, coefficients: FloatArray) -> FloatArray:
         used = np.flatnonzero(coefficients)
@@ -87,11 +155,3 @@ class RowSystem:
         for index, law in self.dynamic:
             values[index] += law(np.array([omega]))[0]
         return values
-
-
-def sparse(rows: FloatArray) -> list[dict[int, float]]:
-    """Rows as maps from coordinate to coefficient."""
-    found: list[dict[int, float]] = [{} for _ in rows]
-    for i, j in zip(*(part.tolist() for part in np.nonzero(rows)), strict=True):
-        found[i][j] = float(rows[i, j])
-    return found

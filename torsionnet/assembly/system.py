@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.rows import DynamicStiffness, FloatArray, RowSystem
+from torsionnet.assembly.rows import DynamicStiffness, FloatArray, Rows, RowSystem
 from torsionnet.definition import Definition
 from torsionnet.elements import Law, Values
 from torsionnet.kinematics import Kinematics, exact_row, pseudo_node, solve_kinematics
@@ -26,26 +26,41 @@ class Assembly:
     kinematics : Kinematics
     system : RowSystem
         The laws over the coordinates q.
-    T : (n_nodes, n_q) array
+    node_rows : Rows
         Angles of all nodes from the coordinates.
-    S : (n_nodes, n_x) array
+    imposed_node_rows : Rows
         Angles of all nodes from the imposed angles.
-    imposed_rows : (n_laws, n_x) array
-        The part of gamma that follows imposed angles.
+    imposed_law_rows : Rows
+        The part of gamma of every law that follows imposed angles.
     owners : tuple of str
         Element of each law.
     """
 
     kinematics: Kinematics
     system: RowSystem
-    T: FloatArray
-    S: FloatArray
-    imposed_rows: FloatArray
+    node_rows: Rows
+    imposed_node_rows: Rows
+    imposed_law_rows: Rows
     owners: tuple[str, ...]
 
     @property
     def nodes(self) -> tuple[str, ...]:
         return self.kinematics.nodes
+
+    @property
+    def T(self) -> FloatArray:
+        """Angles theta = T q of all nodes as an array (n_nodes, n_q): not for large systems."""
+        return self.node_rows.dense
+
+    @property
+    def S(self) -> FloatArray:
+        """Angles theta = S x of all nodes as an array (n_nodes, n_x)."""
+        return self.imposed_node_rows.dense
+
+    @property
+    def imposed_rows(self) -> FloatArray:
+        """The part of gamma that follows imposed angles as an array (n_laws, n_x)."""
+        return self.imposed_law_rows.dense
 
     @cached_property
     def node_index(self) -> dict[str, int]:
@@ -54,7 +69,8 @@ class Assembly:
     def rows_of(self, row: Mapping[str, Any]) -> tuple[FloatArray, FloatArray]:
         """A row over nodes as arrays over coordinates (n_q,) and imposed angles (n_x,)."""
         reduced = self.kinematics.reduced(row)
-        return _dense([reduced], self._columns[0])[0], _dense([reduced], self._columns[1])[0]
+        free, imposed = (Rows.named([reduced], columns).dense[0] for columns in self._columns)
+        return free, imposed
 
     @cached_property
     def _columns(self) -> tuple[dict[str, int], dict[str, int]]:
@@ -85,19 +101,17 @@ def assemble(
     laws = [(owner, law) for owner, law in kinematics.laws if law.acts]
     if like is not None and _same_rows(kinematics, like.kinematics):
         shared = like.system
-        system = RowSystem(shared.rows, *_coefficients(laws), plans=shared.plans)
-        if "sparse_rows" in shared.__dict__:
-            system.__dict__["sparse_rows"] = shared.sparse_rows
+        system = RowSystem(shared.law_rows, *_coefficients(laws), plans=shared.plans)
         return replace(like, kinematics=kinematics, system=system)
     coordinates, imposed = _columns(kinematics)
     nodes = [kinematics.reduced({node: 1}) for node in kinematics.nodes]
     rows = [kinematics.reduced(law.row) for _, law in laws]
     return Assembly(
         kinematics,
-        RowSystem(_dense(rows, coordinates), *_coefficients(laws)),
-        T=_dense(nodes, coordinates),
-        S=_dense(nodes, imposed),
-        imposed_rows=_dense(rows, imposed),
+        RowSystem(Rows.named(rows, coordinates), *_coefficients(laws)),
+        node_rows=Rows.named(nodes, coordinates),
+        imposed_node_rows=Rows.named(nodes, imposed),
+        imposed_law_rows=Rows.named(rows, imposed),
         owners=tuple(owner for owner, _ in laws),
     )
 
@@ -125,16 +139,6 @@ def _coefficients(
 def _columns(kinematics: Kinematics) -> tuple[dict[str, int], dict[str, int]]:
     coordinates = {name: index for index, name in enumerate(kinematics.coordinates)}
     return coordinates, {pseudo_node(name): index for index, name in enumerate(kinematics.imposed)}
-
-
-def _dense(rows: Iterable[Mapping[str, Any]], columns: Mapping[str, int]) -> FloatArray:
-    rows = list(rows)
-    matrix = np.zeros((len(rows), len(columns)))
-    for index, row in enumerate(rows):
-        for name, coefficient in row.items():
-            if name in columns:
-                matrix[index, columns[name]] = float(coefficient)
-    return matrix
 
 
 def _dynamic(index: int, law: Law) -> tuple[int, DynamicStiffness]:

@@ -3,7 +3,7 @@
     (s^2 M + s C + K) q = 0,    lambda = -zeta omega_0 +- j omega_0 sqrt(1 - zeta^2)
 
 >>> import numpy as np
->>> rows = np.array([[1.0, 0.0], [0.0, 1.0], [1.0, -1.0]])
+>>> rows = Rows.of(np.array([[1.0, 0.0], [0.0, 1.0], [1.0, -1.0]]))
 >>> two_mass = RowSystem(rows, np.array([2.0, 2.0, 0.0]), np.array([0.0, 0.0, 0.2]), np.array([0.0, 0.0, 100.0]))
 >>> modes = complex_modes(two_mass)
 >>> modes.kinds
@@ -19,7 +19,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.assembly.rows import ComplexArray, FloatArray, Rows, RowSystem
 from torsionnet.solve import frozen
 from torsionnet.solve.lowest import Motions, lowest_vibrations
 from torsionnet.solve.reduction import LARGE, AnyArray, echelon, null_basis, orthogonal_complement, subspaces
@@ -166,7 +166,7 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
         if few is not None:
             return _sorted_undamped(motions.rigid, few, lowest)
     basis = _held_coordinates(system, stiff)
-    system = RowSystem(system.rows @ basis, system.inertia, system.damping, system.stiffness, system.dynamic)
+    system = RowSystem(Rows.of(system.rows @ basis), system.inertia, system.damping, system.stiffness, system.dynamic)
     spaces = subspaces(system, stiff, np.zeros_like(stiff))
     if system.dynamic:
         found = frozen.modes(system, spaces, undamped=True)

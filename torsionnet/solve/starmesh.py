@@ -2,8 +2,8 @@
 
 >>> import numpy as np
 >>> from torsionnet.assembly.law_stiffness import law_stiffness
->>> free = RowSystem(np.array([[1.0, 0.0], [0.0, 1.0], [1.0, -1.0]]), np.array([1.0, 3.0, 0.0]), np.zeros(3),
-...     np.array([0.0, 0.0, 1e9]))
+>>> rows = Rows.of(np.array([[1.0, 0.0], [0.0, 1.0], [1.0, -1.0]]))
+>>> free = RowSystem(rows, np.array([1.0, 3.0, 0.0]), np.zeros(3), np.array([0.0, 0.0, 1e9]))
 >>> kappa = law_stiffness([free], np.array([1e-3]))
 >>> motion = respond(free, kappa, np.array([[[1.0], [0.0]]]), np.array([[0.0, 1.0], [1.0, -1.0]]))
 >>> [f"{value.real:.12g}" for value in motion[0, :, 0]]
@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.law_stiffness import LawStiffness
-from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem, sparse
+from torsionnet.assembly.rows import ComplexArray, FloatArray, Rows, RowSystem
 from torsionnet.solve import dense
 from torsionnet.solve.graph_plan import Plan, make_plan
 from torsionnet.solve.sweep import Array, Sweep, sweep
@@ -120,7 +120,7 @@ def plan_for(system: RowSystem, rows: FloatArray, support: list[int]) -> Plan:
     key = (rows.shape, rows.tobytes(), tuple(support))
     if key not in system.plans:
         last = support[0] if support else None
-        system.plans[key] = make_plan(system.sparse_rows, sparse(rows), support, last)
+        system.plans[key] = make_plan(system.sparse_rows, Rows.of(rows).maps, support, last)
     plan: Plan = system.plans[key]
     return plan
 
