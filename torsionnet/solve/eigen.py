@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import ComplexArray, FloatArray, Rows, RowSystem
 from torsionnet.solve import frozen
 from torsionnet.solve.lowest import Motions, lowest_vibrations
-from torsionnet.solve.reduction import LARGE, AnyArray, echelon, null_basis, orthogonal_complement, subspaces
+from torsionnet.solve.reduction import LARGE, AnyArray, acting, echelon, null_basis, orthogonal_complement, subspaces
 from torsionnet.solve.spectrum import physical, refined, solve
 
 RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
@@ -75,6 +75,7 @@ def complex_modes(system: RowSystem, lowest: int | None = None) -> EigenSolution
     SolveError
         Where coordinates have neither inertia nor spring nor damper.
     """
+    system = acting(system)
     stiff = frozen.stiff_laws(system)
     if lowest is not None and (few := _few_modes(system, stiff, lowest)) is not None:
         return few.first(lowest)
@@ -160,6 +161,7 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
     shapes : (n_q, n) array
         Real shapes; the largest component of each is 1.
     """
+    system = acting(system)
     stiff = frozen.stiff_laws(system)
     if lowest is not None and (motions := _motions(system, stiff, np.zeros_like(stiff))) is not None:
         few = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=True)

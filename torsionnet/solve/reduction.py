@@ -20,7 +20,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import FloatArray, RowSystem
+from torsionnet.assembly.rows import FloatArray, Rows, RowSystem
 from torsionnet.errors import SolveError
 
 AnyArray: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]
@@ -178,13 +178,29 @@ def _mass_basis(scaled_rows: FloatArray, rank: int) -> FloatArray:
     lengths = np.linalg.norm(scaled_rows, axis=0)
     used = np.flatnonzero(lengths)
     basis = np.zeros((scaled_rows.shape[1], rank))
-    unit = scaled_rows[:, used] / lengths[used]
-    if np.count_nonzero(unit) == len(unit) == len(used):
+    if np.all(np.count_nonzero(scaled_rows, axis=1) <= 1):
         basis[used, np.arange(rank)] = 1.0 / lengths[used]
         return basis
+    unit = scaled_rows[:, used] / lengths[used]
     _, sigma, vt = np.linalg.svd(unit, full_matrices=False)
     basis[used] = vt[:rank].T / sigma[:rank] / lengths[used, None]
     return basis
+
+
+def acting(system: RowSystem) -> RowSystem:
+    """The system without the laws whose row is empty: on clamped nodes alone they neither move nor load anything."""
+    rows = system.law_rows
+    kept = [index for index, row in enumerate(rows.maps) if row]
+    if len(kept) == len(rows):
+        return system
+    place = {index: number for number, index in enumerate(kept)}
+    return RowSystem(
+        Rows(tuple(rows.maps[index] for index in kept), rows.n_columns),
+        system.inertia[kept],
+        system.damping[kept],
+        system.stiffness[kept],
+        tuple((place[index], law) for index, law in system.dynamic if index in place),
+    )
 
 
 def subspaces(system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bool_]) -> Subspaces:
