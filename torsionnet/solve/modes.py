@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import FloatArray, RowSystem
+from torsionnet.assembly.rows import ComplexArray, FloatArray, Rows, RowSystem
 from torsionnet.assembly.system import Assembly
 from torsionnet.channels import Sensor
 from torsionnet.drivetrain import Drivetrain
@@ -17,6 +17,7 @@ from torsionnet.errors import TorsionnetWarning, UsageError
 from torsionnet.response import Modes
 from torsionnet.solve.cut import poles_of_measured
 from torsionnet.solve.eigen import EigenSolution, complex_modes, scaled, undamped_modes
+from torsionnet.solve.reduction import LARGE
 from torsionnet.solve.words import describe
 
 UNCERTAIN = 1e-6
@@ -57,7 +58,7 @@ def natural_modes(drivetrain: Drivetrain, lowest: int | None = None) -> Modes:
         warnings.warn(text, TorsionnetWarning, stacklevel=4)
     elements = tuple(drivetrain.elements)
     kinetic, strain, dissipated = energies(assembly, solution, elements)
-    shapes = scaled(assembly.T @ solution.vectors).astype(complex)
+    shapes = scaled(_motion(assembly.node_rows, solution.vectors)).astype(complex)
     return Modes(
         eigenvalues=solution.eigenvalues,
         kinds=solution.kinds,
@@ -72,6 +73,11 @@ def natural_modes(drivetrain: Drivetrain, lowest: int | None = None) -> Modes:
         descriptions=describe(assembly, solution, shapes, elements, strain, dissipated),
         title=drivetrain.title,
     )
+
+
+def _motion(rows: Rows, vectors: ComplexArray) -> ComplexArray:
+    """Rows times vectors; sparse where that pays for the import of scipy."""
+    return np.asarray((rows.csr if rows.n_columns > LARGE else rows.dense) @ vectors)
 
 
 def _undamped_rates(system: RowSystem, solution: EigenSolution, lowest: int | None) -> FloatArray:
@@ -90,8 +96,9 @@ def energies(
     frequency-dependent k is taken at |Im lambda|.
     """
     system = assembly.system
-    motion = np.abs(system.rows @ solution.vectors) ** 2
-    motion[motion < (1e-12 * np.abs(system.rows).sum(axis=1, keepdims=True)) ** 2] = 0.0
+    motion = np.abs(_motion(system.law_rows, solution.vectors)) ** 2
+    sizes = np.array([sum(map(abs, row.values())) for row in system.sparse_rows])
+    motion[motion < (1e-12 * sizes[:, None]) ** 2] = 0.0
     rate = np.abs(solution.eigenvalues)
     dynamic = (
         np.stack([system.kappa(float(abs(value.imag))) for value in solution.eigenvalues], axis=1)
