@@ -18,10 +18,7 @@ from torsionnet.response import Modes
 from torsionnet.solve.cut import poles_of_measured
 from torsionnet.solve.eigen import EigenSolution, complex_modes, scaled, undamped_modes
 from torsionnet.solve.reduction import LARGE
-from torsionnet.solve.words import describe
-
-UNCERTAIN = 1e-6
-"""Relative error of an eigenvalue that is worth a warning."""
+from torsionnet.solve.words import describe, uncertain, unsettled
 
 
 def modes(
@@ -36,30 +33,25 @@ def modes(
         msg = f"lowest={lowest}: at least one mode must be asked for"
         raise UsageError(msg)
     if measured_input is not None:
-        found = poles_of_measured(drivetrain, measured_input, excitation, partial(natural_modes, lowest=lowest))
-        return found.first(lowest)
-    if excitation is not None:
+        found, doubts = poles_of_measured(drivetrain, measured_input, excitation, partial(natural_modes, lowest=lowest))
+    elif excitation is not None:
         msg = "excitation= goes with measured_input=; the modes of the drivetrain itself need none"
         raise UsageError(msg)
-    return natural_modes(drivetrain, lowest)
+    else:
+        found, doubts = natural_modes(drivetrain, lowest)
+    for doubt in doubts:
+        warnings.warn(doubt, TorsionnetWarning, stacklevel=3)
+    return found.first(lowest)
 
 
-def natural_modes(drivetrain: Drivetrain, lowest: int | None = None) -> Modes:
-    """Modes of the drivetrain as it stands; nodes with an imposed angle stand still."""
+def natural_modes(drivetrain: Drivetrain, lowest: int | None = None) -> tuple[Modes, tuple[str, ...]]:
+    """Modes of the drivetrain as it stands, and what is doubtful; nodes with an imposed angle stand still."""
     assembly = drivetrain.assembly
     solution = complex_modes(assembly.system, lowest)
-    if not solution.converged.all():
-        stuck = ", ".join(f"{abs(value) / (2 * np.pi):.4g} Hz" for value in solution.eigenvalues[~solution.converged])
-        text = f"the frequency-dependent stiffness did not settle for the mode(s) near {stuck}"
-        warnings.warn(text, TorsionnetWarning, stacklevel=4)
-    uncertain = np.flatnonzero(solution.errors > UNCERTAIN)
-    if len(uncertain):
-        text = f"{len(uncertain)} eigenvalues are uncertain, the worst by {solution.errors.max():.1g} of its size"
-        warnings.warn(text, TorsionnetWarning, stacklevel=4)
     elements = tuple(drivetrain.elements)
     kinetic, strain, dissipated = energies(assembly, solution, elements)
     shapes = scaled(_motion(assembly.node_rows, solution.vectors)).astype(complex)
-    return Modes(
+    found = Modes(
         eigenvalues=solution.eigenvalues,
         kinds=solution.kinds,
         nodes=assembly.nodes,
@@ -73,6 +65,7 @@ def natural_modes(drivetrain: Drivetrain, lowest: int | None = None) -> Modes:
         descriptions=describe(assembly, solution, shapes, elements, strain, dissipated),
         title=drivetrain.title,
     )
+    return found, (*unsettled(solution), *uncertain(solution.errors))
 
 
 def _motion(rows: Rows, vectors: ComplexArray) -> ComplexArray:

@@ -29,7 +29,7 @@ SparseRow: TypeAlias = Mapping[int, float]
 LOOP = 1e-11
 """A row closes its loop where its terms cancel to this share; consistent ratios meet to about 1e-15."""
 ROUNDING = 1e-13
-"""Relative rounding with which coefficients of wider rows start: entries are right to 1e-16, products of ratios nearly."""
+"""Relative rounding with which coefficients of wider rows start: entries are right to 1e-16, long products nearly."""
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,8 @@ from torsionnet.solve.eigen import EigenSolution
 
 NOTEWORTHY = 0.1
 STILL = 1e-6
+UNCERTAIN = 1e-6
+"""Relative error of an eigenvalue that is worth a warning."""
 NOISE = 1e-10
 """Angles below this share of the largest are rounding, and their signs mean nothing."""
 
@@ -39,6 +41,22 @@ def describe(
             grows = "unstable, it grows; " if solution.eigenvalues[index].real > 0 else ""
             sentences.append(grows + _vibration(elements, strain[:, index], crossings))
     return tuple(sentences)
+
+
+def unsettled(solution: EigenSolution) -> tuple[str, ...]:
+    """Name the modes for which the frequency of a law and that of the mode did not meet."""
+    if solution.converged.all():
+        return ()
+    stuck = ", ".join(f"{abs(value) / (2 * np.pi):.4g} Hz" for value in solution.eigenvalues[~solution.converged])
+    return (f"the frequency-dependent stiffness did not settle for the mode(s) near {stuck}",)
+
+
+def uncertain(errors: FloatArray) -> tuple[str, ...]:
+    """Count the eigenvalues of which rounding may have taken too much."""
+    count = int(np.count_nonzero(errors > UNCERTAIN))
+    if not count:
+        return ()
+    return (f"{count} eigenvalues are uncertain, the worst by {errors.max():.1g} of its size",)
 
 
 def _rigid(assembly: Assembly, shape: ComplexArray) -> str:
