@@ -1,5 +1,5 @@
 # Needs make and Python >= 3.11, nothing else: each target first installs what it needs into .venv (once).
-# Choose an interpreter with `make PYTHON=python3.13 ...`; further arguments for pytest with `make test ARGS="-k gear"`.
+# Choose an interpreter with `make PYTHON=python3.13 ...`; further arguments with `make test ARGS="-k gear"`.
 
 PYTHON ?= python3
 ARGS ?=
@@ -11,7 +11,7 @@ PIP := $(RUN) -m pip --disable-pip-version-check
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo figures identify test lint format types docs bench clean
+.PHONY: help demo figures identify test compare lint format types docs bench clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' Makefile
@@ -27,6 +27,9 @@ identify: $(VENV)/.installed  ## the paper's identification on the virtual bench
 
 test: $(VENV)/.group-test  ## all tests and docstring examples, on all cores
 	$(RUN) -m pytest -n auto $(ARGS)
+
+compare: $(VENV)/.group-test  ## 300 random models against exact mechanics; make compare ARGS="--models 3000 --seed 1"
+	cd tests && ../$(RUN) -m oracle $(ARGS)
 
 lint: $(VENV)/.group-lint  ## ruff: rules and formatting
 	$(RUN) -m ruff check .
