@@ -12,7 +12,7 @@ BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo figures identify test lint format types docs bench bench-short clean
+.PHONY: help demo figures identify test mutation lint format types docs bench bench-short clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -28,6 +28,9 @@ identify: $(VENV)/.installed  ## the paper's identification on the virtual bench
 
 test: $(VENV)/.group-test  ## all tests and docstring examples, on all cores
 	$(RUN) -m pytest -n auto $(ARGS)
+
+mutation: $(VENV)/.group-test  ## small faults in a copy of the package: which does no test notice?
+	PYTHONPATH=tests $(RUN) -m mutation $(ARGS)
 
 lint: $(VENV)/.group-lint  ## ruff: rules and formatting
 	$(RUN) -m ruff check .
