@@ -7,7 +7,6 @@ import random
 import tempfile
 from collections import Counter
 from collections.abc import Iterator
-from functools import cache
 from itertools import chain, zip_longest
 from pathlib import Path
 
@@ -41,9 +40,8 @@ def tried(chosen: list[Mutant], most: float) -> Iterator[tuple[Mutant, bool]]:
     """Faults and whether they survive."""
     with tempfile.TemporaryDirectory() as folder:
         trials = Trials(Path(folder))
-        usual = cache(trials.seconds_without_fault)
         for mutant in chosen:
-            elapsed, cpu = usual(mutant.module)
+            elapsed, cpu = trials.seconds_without_fault(mutant.module)
             if cpu > most:
                 raise SystemExit(f"{mutant.module}: its tests take {cpu:.0f} s of the processor, more than {most:g}")
             yield mutant, trials.survives(mutant, 3 * elapsed + SPARE)
