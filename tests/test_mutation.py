@@ -63,8 +63,13 @@ def test_no_faults_where_no_result_depends_on_it(text):
 def test_a_fault_is_one_piece_of_the_text():
     text = "c = (\n    ä\n    + b  # sum\n)\nd = 1\n"
     first, second = mutants("module.py", text)
-    assert (first.line, first.applied(text)) == (2, "c = (\n    (ä - b)  # sum\n)\nd = 1\n")
-    assert (second.line, second.applied(text)) == (5, "c = (\n    ä\n    + b  # sum\n)\nd = 2\n")
+    assert (first.line, first.function, first.applied(text)) == (2, 0, "c = (\n    (ä - b)  # sum\n)\nd = 1\n")
+    assert (second.line, second.function, second.applied(text)) == (5, 0, "c = (\n    ä\n    + b  # sum\n)\nd = 2\n")
+
+
+def test_the_function_around_a_fault():
+    text = "class A:\n    @cache\n    def f(self):\n        def g():\n            return -a\n        return g\n\nb = 1"
+    assert [mutant.function for mutant in mutants("module.py", text)] == [2, 0]
 
 
 def test_sample_is_seeded_spread_and_valid():
@@ -94,7 +99,7 @@ def test_trials_in_a_copy(tmp_path, monkeypatch):
     module = "torsionnet/signals/timing.py"
     text, trials = (ROOT / module).read_text(encoding="utf-8"), Trials(tmp_path)
     faults = {mutant.old: mutant for mutant in mutants(module, text)}
-    assert 0 < trials.seconds_without_fault(module)[1] < 60
+    assert 0 < trials.usual(module)[1] < 60
     assert not trials.survives(faults["intervals > GAP * np.median(intervals)"], 60)
     assert trials.survives(faults["0"], 60)
     assert not trials.survives(faults["0"], 0.1)

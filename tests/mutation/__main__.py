@@ -41,7 +41,7 @@ def tried(chosen: list[Mutant], most: float) -> Iterator[tuple[Mutant, bool]]:
     with tempfile.TemporaryDirectory() as folder:
         trials = Trials(Path(folder))
         for mutant in chosen:
-            elapsed, cpu = trials.seconds_without_fault(mutant.module)
+            elapsed, cpu = trials.usual(mutant.module)
             if cpu > most:
                 raise SystemExit(f"{mutant.module}: its tests take {cpu:.0f} s of the processor, more than {most:g}")
             yield mutant, trials.survives(mutant, 3 * elapsed + SPARE)

@@ -1,4 +1,4 @@
-"""Which tests look at which module: the first entry that a path begins with; a module's own doctests always."""
+"""Which tests look at which module: the first entry that a path begins with; beside the module's own doctests."""
 
 from __future__ import annotations
 
@@ -66,9 +66,9 @@ CHOSEN: dict[str, tuple[str, ...]] = {
 
 
 def chosen_for(module: str) -> list[str]:
-    """Arguments for pytest: the module's doctests, then its tests, fast ones first."""
+    """Files of tests, fast ones first."""
     chosen = next((names for start, names in CHOSEN.items() if module.startswith(start)), None)
     if chosen is None:
         msg = f"{module}: no tests are chosen for it in tests/mutation/chosen.py"
         raise SystemExit(msg)
-    return [module, *(f"tests/{name}.py" for name in dict.fromkeys(chosen))]
+    return [f"tests/{name}.py" for name in dict.fromkeys(chosen)]

@@ -40,10 +40,11 @@ DISPLAYS = (ast.List, ast.Tuple, ast.ListComp, ast.JoinedStr)
 
 @dataclass(frozen=True)
 class Mutant:
-    """One replaced piece of a module's text."""
+    """One replaced piece of a module's text; ``function`` is where the outermost one around it begins, or 0."""
 
     module: str
     line: int
+    function: int
     start: int
     end: int
     old: str
@@ -61,15 +62,29 @@ def mutants(module: str, text: str) -> list[Mutant]:
     begins = [0]
     for line in text.splitlines(keepends=True):
         begins.append(begins[-1] + len(line.encode()))
-    raw, found = text.encode(), {}
-    for node, new in _in_block(ast.parse(text)):
+    raw, found, tree = text.encode(), {}, ast.parse(text)
+    functions = _functions(tree)
+    for node, new in _in_block(tree):
         start, end = begins[node.lineno - 1] + node.col_offset, begins[node.end_lineno - 1] + node.end_col_offset
         ends = len(raw[:start].decode()), len(raw[:end].decode())
         written = ast.unparse(new)
         if isinstance(new, ast.expr) and not isinstance(new, (ast.Constant, ast.Name, ast.Call, ast.Attribute)):
             written = f"({written})"
-        found[*ends, written] = Mutant(module, node.lineno, *ends, text[slice(*ends)], written)
+        found[*ends, written] = Mutant(
+            module, node.lineno, functions.get(node.lineno, 0), *ends, text[slice(*ends)], written
+        )
     return sorted(found.values(), key=lambda mutant: (mutant.start, mutant.end, mutant.new))
+
+
+def _functions(tree: ast.AST) -> dict[int, int]:
+    """By line, where the outermost function around it begins; its decorators belong to it."""
+    found: dict[int, int] = {}
+    for node in ast.walk(tree):
+        if isinstance(node, ast.FunctionDef):
+            begin = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+            for line in range(begin, node.end_lineno + 1):
+                found.setdefault(line, begin)
+    return found
 
 
 def _in_block(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST]]:

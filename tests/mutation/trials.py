@@ -18,7 +18,7 @@ from mutation.mutants import Mutant
 
 ROOT = Path(__file__).parents[2]
 FOLDERS = ("torsionnet", "tests", "library", "benchmarks")
-OPTIONS = ("-x", "-q", "-m", "not slow", "-p", "mutation.hasty", "-p", "no:cacheprovider", "--tb=no")
+OPTIONS = ("-x", "-q", "-m", "not slow", "-p", "mutation.plugin", "-p", "no:cacheprovider", "--tb=no")
 COULD_NOT_COLLECT, TOO_LATE = 2, -1
 """Exit codes: pytest's for tests that cannot be imported, after 1 for tests that fail; and one for none at all."""
 SPARE = 20.0
@@ -33,24 +33,27 @@ class Trials:
 
     def __post_init__(self) -> None:
         self._ticks = count(1)
-        self._usual: dict[tuple[str, ...], tuple[float, float]] = {}
+        self._usual: dict[str, tuple[float, float]] = {}
+        self._notes = self.root / "notes.json"
+        self._notes.write_text("{}")
         for name in FOLDERS:
             ignored = shutil.ignore_patterns("__pycache__", ".hypothesis")
             shutil.copytree(ROOT / name, self.root / name, ignore=ignored)
         shutil.copy(ROOT / "pyproject.toml", self.root)
 
-    def seconds_without_fault(self, module: str) -> tuple[float, float]:
-        """How long the chosen tests take, by the clock and of the processor; they have to pass."""
-        chosen = tuple(chosen_for(module)[1:])
-        if chosen not in self._usual:
-            self._usual[chosen] = self._measured(module)
-        return self._usual[chosen]
+    def usual(self, module: str) -> tuple[float, float]:
+        """Seconds that the tests of a module take without a fault, by the clock and of the processor."""
+        for tests in chosen_for(module):
+            if tests not in self._usual:
+                self._usual[tests] = self._measured(tests)
+        elapsed, cpu = zip(*(self._usual[tests] for tests in chosen_for(module)), strict=True)
+        return sum(elapsed), sum(cpu)
 
-    def _measured(self, module: str) -> tuple[float, float]:
+    def _measured(self, tests: str) -> tuple[float, float]:
         began, before = time.perf_counter(), resource.getrusage(resource.RUSAGE_CHILDREN)
-        code, said = self._run(module, None, keep_bytecode=True)
+        code, said = self._run([tests], None)
         if code != 0:
-            raise SystemExit(f"{module}: its tests fail without a fault\n{said}")
+            raise SystemExit(f"{tests}: fails without a fault\n{said}")
         after = resource.getrusage(resource.RUSAGE_CHILDREN)
         return time.perf_counter() - began, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
@@ -61,8 +64,9 @@ class Trials:
         path.write_text(mutant.applied(text), encoding="utf-8")
         # Bytecode is told apart by whole seconds and size alone.
         os.utime(path, (stat.st_atime, stat.st_mtime + 60 * next(self._ticks)))
+        changes = {"MUTATION_FAULTY": f"{mutant.module}:{mutant.function}", "PYTHONDONTWRITEBYTECODE": "1"}
         try:
-            code, said = self._run(mutant.module, limit)
+            code, said = self._run([mutant.module, *chosen_for(mutant.module)], limit, **changes)
         finally:
             path.write_text(text, encoding="utf-8")
             os.utime(path, ns=(stat.st_atime_ns, stat.st_mtime_ns))
@@ -70,11 +74,11 @@ class Trials:
             raise SystemExit(f"pytest stopped with {code}\n{said}")
         return code == 0
 
-    def _run(self, module: str, limit: float | None, *, keep_bytecode: bool = False) -> tuple[int, str]:
-        environment = {**os.environ, "PYTHONPATH": f"{self.root}{os.pathsep}{self.root / 'tests'}"}
-        environment |= {"OPENBLAS_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
-        environment["PYTHONDONTWRITEBYTECODE"] = "" if keep_bytecode else "1"
-        command = [sys.executable, "-m", "pytest", *OPTIONS, *chosen_for(module)]
+    def _run(self, tests: list[str], limit: float | None, **changes: str) -> tuple[int, str]:
+        environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+        environment |= {"PYTHONPATH": f"{self.root}{os.pathsep}{self.root / 'tests'}", "OPENBLAS_NUM_THREADS": "1"}
+        environment |= {"MPLBACKEND": "Agg", "MUTATION_NOTES": str(self._notes), **changes}
+        command = [sys.executable, "-m", "pytest", *OPTIONS, *tests]
         pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
         with subprocess.Popen(command, cwd=self.root, env=environment, start_new_session=True, **pipes) as run:
             try:
