@@ -53,6 +53,7 @@ def test_faults(text, expected):
         "c = a + [b]",
         "class A:\n    def __repr__(self):\n        return 1",
         "c = zip(a, b, strict=True)",
+        'c = Column("name", "", 3)',
         "@cache(1)\nclass A: ...",
     ],
 )

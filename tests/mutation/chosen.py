@@ -10,7 +10,7 @@ ELIMINATION = ("test_row_algebra", "test_transfer", "test_closed_forms", "test_s
 RESPONSES = ("test_transfer", "test_closed_forms", "test_state_space")
 EIGENVALUES = ("test_modes", "test_eigen", "test_closed_forms", "test_damping")
 MODAL_FIT = ("test_modal_single", "test_modal_shapes", "test_modal_report", "test_modal_fit")
-FIT = ("test_identification", "test_virtual_chain")
+FIT = ("test_fit_closed_forms", "test_identification", "test_virtual_chain")
 RECORDS = ("test_recordings", "test_processing")
 
 CHOSEN: dict[str, tuple[str, ...]] = {

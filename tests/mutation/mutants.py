@@ -104,7 +104,12 @@ def _in_block(node: ast.AST) -> Iterator[tuple[ast.AST, ast.AST]]:
 def _of_no_matter(node: ast.AST) -> bool:
     """Whether no result depends on it: types, messages and what is only shown."""
     match node:
-        case ast.JoinedStr() | ast.Import() | ast.ImportFrom() | ast.Call(func=ast.Name("cast" | "isinstance")):
+        case (
+            ast.JoinedStr()
+            | ast.Import()
+            | ast.ImportFrom()
+            | ast.Call(func=ast.Name("cast" | "isinstance" | "Column"))
+        ):
             return True
         case ast.If(test=ast.Name("TYPE_CHECKING")) | ast.AnnAssign(annotation=ast.Name("TypeAlias")):
             return True
