@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 
@@ -68,6 +69,17 @@ class LawStiffness:
         for law, values in self.sampled:
             kappa[law] += values
         return kappa.reshape(self.n_laws, self.n_lanes)
+
+    def at(self, lanes: NDArray[np.intp]) -> LawStiffness:
+        """Some lanes, as frequencies of one variant."""
+        some = replace(self, omega=self.omega[lanes % len(self.omega)])
+        return some.sampled_as(self.by_law[:, lanes])
+
+    def sampled_as(self, values: ComplexArray) -> LawStiffness:
+        """At the same frequencies of one variant, but with stiffnesses (n_laws, n_f) of any values."""
+        nothing = np.zeros((1, self.n_laws))
+        sampled = tuple((law, value[None]) for law, value in enumerate(values))
+        return LawStiffness(nothing, nothing, nothing, self.omega, sampled)
 
     def blocks(self, size: int) -> Iterator[LawStiffness]:
         """Parts of at most ``size`` lanes that follow each other: several variants, or frequencies of one."""

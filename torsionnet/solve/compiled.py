@@ -14,7 +14,8 @@ from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.errors import MissingExtraError
 from torsionnet.solve import tape as ops
-from torsionnet.solve.sweep import LARGE, Sweep
+from torsionnet.solve.doubt import LARGE
+from torsionnet.solve.sweep import Sweep
 from torsionnet.solve.tape import Tape
 
 try:
@@ -27,31 +28,20 @@ LANES = 64
 """Lanes worked on at once: enough for vector instructions, few enough for a thousand registers in the cache."""
 
 SET_LAW, ADD_LAW, SET_SUM, ADD_SUM, SET_PRODUCT = ops.SET_LAW, ops.ADD_LAW, ops.SET_SUM, ops.ADD_SUM, ops.SET_PRODUCT
-ADD_PRODUCT, LOAD, INVERSE, WATCH, OUTPUT, ZERO = (
-    ops.ADD_PRODUCT, ops.LOAD, ops.INVERSE, ops.WATCH, ops.OUTPUT, ops.ZERO,
-)  # fmt: skip
+ADD_PRODUCT, CONSTANT, INVERSE, OUTPUT = ops.ADD_PRODUCT, ops.CONSTANT, ops.INVERSE, ops.OUTPUT
 
 
-def run(tape: Tape, kappa: LawStiffness, loads: ComplexArray, n_outputs: int) -> Sweep:
-    """Walk along the tape for all lanes.
-
-    Parameters
-    ----------
-    tape : Tape
-    kappa : LawStiffness
-    loads : (n_support, n_exc, n_lanes or 1) array
-    n_outputs : int
-    """
-    motion = np.zeros((n_outputs, loads.shape[1], kappa.n_lanes), dtype=complex)
+def run(tape: Tape, kappa: LawStiffness, n_read: int) -> Sweep:
+    """Walk along the tape for all lanes; values are (n_read, n_exc, n_lanes)."""
+    values = np.zeros((n_read, tape.n_excitations, kappa.n_lanes), dtype=complex)
     doubtful = np.zeros(kappa.n_lanes, dtype=bool)
     place, sampled = _sampled(kappa)
     registers = np.empty((tape.n_registers, 2, LANES))
     n_f = len(kappa.omega)
     for variant in range(len(kappa.stiffness)):
-        coefficients = (kappa.inertia[variant], kappa.damping[variant], kappa.stiffness[variant])
-        _walk(tape.operations, tape.factors, *coefficients, place, sampled[:, variant], kappa.omega, loads, registers,
-              motion, doubtful, variant * n_f)  # fmt: skip
-    return Sweep(motion, doubtful)
+        _walk(tape.operations, tape.factors, kappa.inertia[variant], kappa.damping[variant], kappa.stiffness[variant],
+              place, sampled[:, variant], kappa.omega, registers, values, doubtful, variant * n_f)  # fmt: skip
+    return Sweep(values, doubtful)
 
 
 def _sampled(kappa: LawStiffness) -> tuple[Any, ComplexArray]:
@@ -65,17 +55,19 @@ def _sampled(kappa: LawStiffness) -> tuple[Any, ComplexArray]:
 
 def _loop(  # noqa: PLR0912, PLR0915
     operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
-    loads: Any, registers: Any, motion: Any, doubtful: Any, offset: int,
+    registers: Any, values: Any, doubtful: Any, offset: int,
 ) -> None:  # fmt: skip
     """All operations for LANES lanes, then for the next; ``offset`` is the first lane of this variant."""
     n_f = omega.shape[0]
     w, w2 = np.empty(LANES), np.empty(LANES)
+    lost = np.empty(LANES)
     r = registers
     for first in range(0, n_f, LANES):
         n = min(LANES, n_f - first)
         for i in range(LANES):
             w[i] = omega[first + min(i, n - 1)]
             w2[i] = w[i] * w[i]
+            lost[i] = 0.0
         for number in range(operations.shape[0]):
             operation, t, a, b = operations[number]
             f = factors[number]
@@ -85,21 +77,30 @@ def _loop(  # noqa: PLR0912, PLR0915
                         r[t, 0, i] = 0.0
                         r[t, 1, i] = 0.0
                 k, J, c = f * stiffness[a], f * inertia[a], f * damping[a]
+                sampled_at = place[a]
                 for i in range(LANES):
-                    r[t, 0, i] += k - J * w2[i]
-                    r[t, 1, i] += c * w[i]
-                if place[a] >= 0:
-                    for i in range(n):
-                        r[t, 0, i] += f * sampled[place[a], first + i].real
-                        r[t, 1, i] += f * sampled[place[a], first + i].imag
+                    real, imag = k - J * w2[i], c * w[i]
+                    if sampled_at >= 0:
+                        real += f * sampled[sampled_at, first + min(i, n - 1)].real
+                        imag += f * sampled[sampled_at, first + min(i, n - 1)].imag
+                    before = abs(r[t, 0, i]) + abs(r[t, 1, i])
+                    r[t, 0, i] += real
+                    r[t, 1, i] += imag
+                    if before > LARGE * (abs(r[t, 0, i]) + abs(r[t, 1, i])):
+                        lost[i] = 1.0
             elif operation == SET_SUM:
                 for i in range(LANES):
                     r[t, 0, i] = f * r[a, 0, i]
                     r[t, 1, i] = f * r[a, 1, i]
             elif operation == ADD_SUM:
                 for i in range(LANES):
-                    r[t, 0, i] += f * r[a, 0, i]
-                    r[t, 1, i] += f * r[a, 1, i]
+                    before = abs(r[t, 0, i]) + abs(r[t, 1, i])
+                    real = r[t, 0, i] + f * r[a, 0, i]
+                    imag = r[t, 1, i] + f * r[a, 1, i]
+                    r[t, 0, i] = real
+                    r[t, 1, i] = imag
+                    if before > LARGE * (abs(real) + abs(imag)):
+                        lost[i] = 1.0
             elif operation == SET_PRODUCT:
                 for i in range(LANES):
                     real = r[a, 0, i] * r[b, 0, i] - r[a, 1, i] * r[b, 1, i]
@@ -108,31 +109,30 @@ def _loop(  # noqa: PLR0912, PLR0915
                     r[t, 1, i] = f * imag
             elif operation == ADD_PRODUCT:
                 for i in range(LANES):
+                    before = abs(r[t, 0, i]) + abs(r[t, 1, i])
                     real = r[a, 0, i] * r[b, 0, i] - r[a, 1, i] * r[b, 1, i]
                     imag = r[a, 0, i] * r[b, 1, i] + r[a, 1, i] * r[b, 0, i]
-                    r[t, 0, i] += f * real
-                    r[t, 1, i] += f * imag
+                    real = r[t, 0, i] + f * real
+                    imag = r[t, 1, i] + f * imag
+                    r[t, 0, i] = real
+                    r[t, 1, i] = imag
+                    if before > LARGE * (abs(real) + abs(imag)):
+                        lost[i] = 1.0
             elif operation == INVERSE:
                 for i in range(LANES):
                     scale = 1.0 / (r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
                     real, imag = r[a, 0, i] * scale, -r[a, 1, i] * scale
                     r[t, 0, i] = real
                     r[t, 1, i] = imag
-            elif operation == LOAD:
-                for i in range(n):
-                    load = loads[a, b, (offset + first + i) if loads.shape[2] > 1 else 0]
-                    r[t, 0, i] = load.real
-                    r[t, 1, i] = load.imag
-                r[t, :, n:] = 0.0
             elif operation == OUTPUT:
                 for i in range(n):
-                    motion[t, b, offset + first + i] = complex(f * r[a, 0, i], f * r[a, 1, i])
-            elif operation == WATCH:
-                for i in range(n):
-                    if not (abs(r[a, 0, i]) < LARGE and abs(r[a, 1, i]) < LARGE):
-                        doubtful[offset + first + i] = True
-            elif operation == ZERO:
-                r[t] = 0.0
+                    values[t, b, offset + first + i] = complex(f * r[a, 0, i], f * r[a, 1, i])
+            elif operation == CONSTANT:
+                for i in range(LANES):
+                    r[t, 0, i] = f
+                    r[t, 1, i] = 0.0
+        for i in range(n):
+            doubtful[offset + first + i] = lost[i] > 0.0
 
 
 _walk = numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})(_loop)

@@ -5,23 +5,23 @@ A register holds one complex number for every lane. Operations either set their 
     LAW       target (+)= factor * kappa[a]
     SUM       target (+)= factor * register a
     PRODUCT   target (+)= factor * register a * register b
-    LOAD      target   = load on the coordinate in place a, excitation b
+    CONSTANT  target   = factor
     INVERSE   target   = 1 / register a
-    WATCH     the lane is doubtful where register a is large
     OUTPUT    output number target of excitation b = factor * register a
+
+A lane in which anything that is added to comes out much smaller than before is in doubt.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.solve.graph_plan import Plan, Step
+from torsionnet.solve.plan import Plan, Step
 
-SET_LAW, ADD_LAW, SET_SUM, ADD_SUM, SET_PRODUCT, ADD_PRODUCT, LOAD, INVERSE, WATCH, OUTPUT, ZERO = range(11)
+SET_LAW, ADD_LAW, SET_SUM, ADD_SUM, SET_PRODUCT, ADD_PRODUCT, CONSTANT, INVERSE, OUTPUT = range(9)
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,34 +31,30 @@ class Tape:
     operations: NDArray[np.int64]
     factors: NDArray[np.float64]
     n_registers: int
+    n_excitations: int
 
 
-def make_tape(plan: Plan, support: Sequence[int], n_exc: int) -> Tape:
-    """The tape of a plan for loads on the coordinates of ``support`` under ``n_exc`` excitations.
+def make_tape(plan: Plan) -> Tape:
+    """The tape of a plan.
 
     Examples
     --------
     >>> from torsionnet.solve.graph_plan import make_plan
-    >>> tape = make_tape(make_plan([{0: 1.0}, {0: 1.0, 1: -1.0}], [{1: 1.0}], [1], 1), [1], 1)
+    >>> tape = make_tape(make_plan([{0: 1.0}, {0: 1.0, 1: -1.0}], 2, [{1: 1.0}], [{}], [{1: 1.0}], ()))
     >>> len(tape.operations), tape.n_registers
-    (13, 11)
+    (12, 10)
     """
     writer = _Writer(plan.n_slots)
     for slot, source in enumerate(plan.sources):
         for law, factor in source:
             writer.add(SET_LAW, slot, law, factor=factor)
-    loads = [{j: writer.load(place, e) for place, j in enumerate(support)} for e in range(n_exc)]
-    back = [_eliminate(step, writer, loads) for step in plan.steps]
-    for e in range(n_exc):
-        _walk_back(
-            plan,
-            [(step, shares, quotients[e]) for step, (shares, quotients) in zip(plan.steps, back, strict=True)],
-            e,
-            writer,
-        )
-    return Tape(
-        np.array(writer.operations, dtype=np.int64).reshape(-1, 4), np.array(writer.factors), writer.n_registers
-    )
+    weights = [_weights(plan, excitation, writer) for excitation in range(plan.n_excitations)]
+    back = [_eliminate(step, writer, weights) for step in plan.steps]
+    for excitation in range(plan.n_excitations):
+        loads = [(shares, quotients[excitation]) for shares, quotients in back]
+        _read(plan, _walk_back(plan, loads, excitation, writer), weights[excitation], excitation, writer)
+    operations = np.array(writer.operations, dtype=np.int64).reshape(-1, 4)
+    return Tape(operations, np.array(writer.factors), writer.n_registers, plan.n_excitations)
 
 
 @dataclass
@@ -81,9 +77,9 @@ class _Writer:
         self.write(operation + (target in self.filled), target, a, b, factor)
         self.filled.add(target)
 
-    def load(self, place: int, excitation: int) -> int:
+    def constant(self, value: float) -> int:
         target = self.register()
-        self.write(LOAD, target, place, excitation)
+        self.write(CONSTANT, target, factor=value)
         self.filled.add(target)
         return target
 
@@ -93,48 +89,64 @@ class _Writer:
         return target
 
 
-def _eliminate(step: Step, writer: _Writer, loads: list[dict[int, int]]) -> tuple[dict[int, int], list[int | None]]:
+def _weights(plan: Plan, excitation: int, writer: _Writer) -> dict[int, int]:
+    """Registers of the loads to begin with."""
+    sizes: dict[int, float] = {}
+    for slot, number, factor in plan.weights:
+        if number == excitation:
+            sizes[slot] = sizes.get(slot, 0.0) + factor
+    return {slot: writer.constant(size) for slot, size in sizes.items()}
+
+
+def _eliminate(step: Step, writer: _Writer, weights: list[dict[int, int]]) -> tuple[dict[int, int], list[int | None]]:
     """Registers of the shares kappa_i / S, and of the load over S under each excitation."""
-    for slot, parts in step.splits:
+    for slot, parts in step.handed_on:
         for target, weight in parts:
             writer.add(SET_SUM, target, slot, factor=weight)
+    if not step.shared and not step.loads:
+        return {}, [None] * len(weights)
     inverse = _inverse_of_pivot(step, writer)
     slots = [slot for slot, _ in step.terms]
     shares = {i: writer.product(slots[i], inverse) for i in step.shared}
     for i, j, factor, target in step.pairs:
         writer.add(SET_PRODUCT, target, shares[i], slots[j], factor)
-    if step.closes_loop:
-        for share in shares.values():
-            writer.write(WATCH, 0, share)
-    return shares, [_pass_load(step, writer, here, shares, inverse) for here in loads]
+    return shares, [_pass_loads(step, writer, here, shares, inverse) for here in weights]
 
 
 def _inverse_of_pivot(step: Step, writer: _Writer) -> int:
     pivot, inverse = writer.register(), writer.register()
     if not step.terms:
-        writer.write(ZERO, pivot)
+        writer.write(CONSTANT, pivot, factor=0.0)
     for slot, square in step.terms:
         writer.add(SET_SUM, pivot, slot, factor=square)
     writer.write(INVERSE, inverse, pivot)
     return inverse
 
 
-def _pass_load(step: Step, writer: _Writer, loads: dict[int, int], shares: dict[int, int], inverse: int) -> int | None:
-    load = loads.pop(step.coordinate, None)
-    if load is None:
+def _pass_loads(
+    step: Step, writer: _Writer, weights: dict[int, int], shares: dict[int, int], inverse: int
+) -> int | None:
+    for slot, i, factor, target in step.passed:
+        if slot in weights:
+            register = weights.setdefault(target, writer.n_registers)
+            if register == writer.n_registers:
+                writer.register()
+            writer.add(SET_PRODUCT, register, weights[slot], shares[i], factor)
+    present = [(weights[slot], factor) for slot, factor in step.loads if slot in weights]
+    if not present:
         return None
-    for i, j, factor in step.loads:
-        if j not in loads:
-            loads[j] = writer.register()
-        writer.add(SET_PRODUCT, loads[j], load, shares[i], factor)
+    load = writer.register()
+    for register, factor in present:
+        writer.add(SET_SUM, load, register, factor=factor)
     return writer.product(load, inverse)
 
 
 def _walk_back(
-    plan: Plan, back: Sequence[tuple[Step, dict[int, int], int | None]], excitation: int, writer: _Writer
-) -> None:
-    values: dict[int, int] = {}
-    for step, shares, quotient in reversed(back):
+    plan: Plan, back: list[tuple[dict[int, int], int | None]], excitation: int, writer: _Writer
+) -> dict[int, int]:
+    """Registers of the motions of rows."""
+    values = {slot: writer.constant(motions[excitation]) for slot, motions in plan.given if motions[excitation]}
+    for step, (shares, quotient) in zip(reversed(plan.steps), reversed(back), strict=True):
         for motion in step.motions:
             parts = [(shares[i], factor, values[source]) for i, factor, source in motion.parts if source in values]
             if not parts and (quotient is None or not motion.load):
@@ -144,6 +156,20 @@ def _walk_back(
                 writer.add(SET_SUM, target, quotient, factor=motion.load)
             for share, factor, value in parts:
                 writer.add(SET_PRODUCT, target, share, value, factor)
+    return values
+
+
+def _read(plan: Plan, values: dict[int, int], weights: dict[int, int], excitation: int, writer: _Writer) -> None:
     for number, (slot, factor) in enumerate(plan.outputs):
         if slot in values:
             writer.write(OUTPUT, number, values[slot], excitation, factor)
+    for number, reaction in enumerate(plan.reactions, len(plan.outputs)):
+        torque = writer.register()
+        for slot, factor, motion in reaction.laws:
+            if motion in values:
+                writer.add(SET_PRODUCT, torque, slot, values[motion], factor)
+        for slot, factor in reaction.loads:
+            if slot in weights:
+                writer.add(SET_SUM, torque, weights[slot], factor=factor)
+        if torque in writer.filled:
+            writer.write(OUTPUT, number, torque, excitation)
