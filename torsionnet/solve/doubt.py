@@ -19,17 +19,18 @@ class Doubt:
 
     def __init__(self, n_lanes: int) -> None:
         self.n_lanes, self.marked = n_lanes, np.zeros(n_lanes, dtype=bool)
+        self._ratio = np.empty(n_lanes)
 
-    def shares(self, share: Array) -> None:
-        """Look at terms over their sum."""
-        flat = share.view(float) if share.flags.c_contiguous else share
-        if not abs(np.vdot(flat, flat)) < LARGE * LARGE:
-            self._mark(~(np.abs(share) < LARGE))
+    def shares(self, share: Array, factor: float = 1.0) -> None:
+        """Look at a term over its sum, ``factor`` times ``share``."""
+        limit, flat = LARGE / factor, share.view(float)
+        if not np.vdot(flat, flat) < limit * limit:
+            self._mark(~(np.abs(share) < limit))
 
     def sums(self, term: Array, total: Array) -> None:
         """Look at a sum of two, of which ``term`` is one. Real parts tell where a closer look is needed."""
-        ratio = term.real / total.real
-        if not np.vdot(ratio, ratio) < LARGE * LARGE:
+        ratio = np.divide(term.real, total.real, out=self._ratio)
+        if not ratio @ ratio < LARGE * LARGE:
             self._mark(np.abs(term) > LARGE * np.abs(total))
 
     def _mark(self, found: NDArray[np.bool_]) -> None:
