@@ -1,0 +1,77 @@
+"""What a solver is asked: laws over coordinates and given motions, what drives them, and what is read.
+
+Columns below ``n_free`` are coordinates, which follow from the equations of motion. Those from there on are given: an
+imposed angle, or the gap of a rigid connection, which is held at zero so that its reaction can be read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from torsionnet.solve.graph_plan import Plan, make_plan
+from torsionnet.solve.row_algebra import Row
+from torsionnet.solve.tape import Tape
+from torsionnet.solve.taping import make_tape
+
+ALONE = 4
+"""Up to so many excitations are solved one by one, each with its own coordinate at the root of the tree."""
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """A unit of what drives: ``load``, N m by column, and ``motion``, rad of given columns; the others stand still."""
+
+    load: Row = field(default_factory=dict)
+    motion: Row = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Laws over all columns, what drives, and what is read.
+
+    Attributes
+    ----------
+    laws : sequence of rows
+        gamma of every law over all columns.
+    n_free : int
+        Number of coordinates.
+    excitations : tuple of Excitation
+    outputs : tuple of rows
+        Motions asked for, over all columns.
+    reactions : tuple of int
+        Given columns; asked for is the torque on each that the drivetrain, held there, exerts.
+    """
+
+    laws: Sequence[Row]
+    n_free: int
+    excitations: tuple[Excitation, ...]
+    outputs: tuple[Row, ...]
+    reactions: tuple[int, ...] = ()
+
+    @property
+    def n_read(self) -> int:
+        return len(self.outputs) + len(self.reactions)
+
+    @cached_property
+    def parts(self) -> tuple[Problem, ...]:
+        """The excitations one by one where they are few, else all together."""
+        if not 1 < len(self.excitations) <= ALONE:
+            return (self,)
+        return tuple(Problem(self.laws, self.n_free, (one,), self.outputs, self.reactions) for one in self.excitations)
+
+    @cached_property
+    def plan(self) -> Plan:
+        return make_plan(
+            self.laws,
+            self.n_free,
+            [excitation.load for excitation in self.excitations],
+            [excitation.motion for excitation in self.excitations],
+            self.outputs,
+            self.reactions,
+        )
+
+    @cached_property
+    def tape(self) -> Tape:
+        return make_tape(self.plan)
