@@ -73,4 +73,4 @@ class Problem:
 
     @cached_property
     def tape(self) -> Tape:
-        return make_tape(self.plan, len(self.excitations))
+        return make_tape(self.plan)
