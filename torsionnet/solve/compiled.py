@@ -14,7 +14,7 @@ from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.errors import MissingExtraError
 from torsionnet.solve import tape as ops
-from torsionnet.solve.doubt import LARGE
+from torsionnet.solve.doubt import LARGE, lossy
 from torsionnet.solve.sweep import Sweep
 from torsionnet.solve.tape import Tape
 
@@ -27,8 +27,10 @@ except ImportError as error:
 LANES = 64
 """Lanes worked on at once: enough for vector instructions, few enough for a thousand registers in the cache."""
 
-SET_LAW, ADD_LAW, SET_SUM, ADD_SUM, SET_PRODUCT = ops.SET_LAW, ops.ADD_LAW, ops.SET_SUM, ops.ADD_SUM, ops.SET_PRODUCT
-ADD_PRODUCT, CONSTANT, INVERSE, OUTPUT = ops.ADD_PRODUCT, ops.CONSTANT, ops.INVERSE, ops.OUTPUT
+SET_LAW, ADD_LAW, WATCHED_LAW = ops.SET_LAW, ops.ADD_LAW, ops.WATCHED_LAW
+SET_SUM, ADD_SUM, WATCHED_SUM = ops.SET_SUM, ops.ADD_SUM, ops.WATCHED_SUM
+SET_PRODUCT, ADD_PRODUCT, WATCHED_PRODUCT = ops.SET_PRODUCT, ops.ADD_PRODUCT, ops.WATCHED_PRODUCT
+CONSTANT, INVERSE, OUTPUT = ops.CONSTANT, ops.INVERSE, ops.OUTPUT
 
 
 def run(tape: Tape, kappa: LawStiffness, n_read: int) -> Sweep:
@@ -38,8 +40,9 @@ def run(tape: Tape, kappa: LawStiffness, n_read: int) -> Sweep:
     place, sampled = _sampled(kappa)
     registers = np.empty((tape.n_registers, 2, LANES))
     n_f = len(kappa.omega)
+    quiet = lossy(kappa)
     for variant in range(len(kappa.stiffness)):
-        _walk(tape.operations, tape.factors, kappa.inertia[variant], kappa.damping[variant], kappa.stiffness[variant],
+        _walk(tape.operations, tape.factors, tape.of_stiffness, quiet[variant], kappa.inertia[variant], kappa.damping[variant], kappa.stiffness[variant],
               place, sampled[:, variant], kappa.omega, registers, values, doubtful, variant * n_f)  # fmt: skip
     return Sweep(values, doubtful)
 
@@ -54,13 +57,13 @@ def _sampled(kappa: LawStiffness) -> tuple[Any, ComplexArray]:
 
 
 def _loop(  # noqa: PLR0912, PLR0915
-    operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
-    registers: Any, values: Any, doubtful: Any, offset: int,
+    operations: Any, factors: Any, of_stiffness: Any, lossy: Any, inertia: Any, damping: Any, stiffness: Any,
+    place: Any, sampled: Any, omega: Any, registers: Any, values: Any, doubtful: Any, offset: int,
 ) -> None:  # fmt: skip
     """All operations for LANES lanes, then for the next; ``offset`` is the first lane of this variant."""
     n_f = omega.shape[0]
     w, w2 = np.empty(LANES), np.empty(LANES)
-    lost = np.empty(LANES)
+    lost, before = np.empty(LANES), np.empty(LANES)
     r = registers
     for first in range(0, n_f, LANES):
         n = min(LANES, n_f - first)
@@ -68,39 +71,41 @@ def _loop(  # noqa: PLR0912, PLR0915
             w[i] = omega[first + min(i, n - 1)]
             w2[i] = w[i] * w[i]
             lost[i] = 0.0
+        quiet = lossy[first : first + n].all()
         for number in range(operations.shape[0]):
             operation, t, a, b = operations[number]
             f = factors[number]
-            if operation <= ADD_LAW:
+            watched = operation == WATCHED_LAW or operation == WATCHED_SUM or operation == WATCHED_PRODUCT  # noqa: PLR1714
+            if watched and quiet and of_stiffness[number]:
+                watched, operation = False, operation - 1
+            if operation <= WATCHED_LAW:
+                k, J, c = f * stiffness[a], f * inertia[a], f * damping[a]
                 if operation == SET_LAW:
                     for i in range(LANES):
-                        r[t, 0, i] = 0.0
-                        r[t, 1, i] = 0.0
-                k, J, c = f * stiffness[a], f * inertia[a], f * damping[a]
-                sampled_at = place[a]
-                for i in range(LANES):
-                    real, imag = k - J * w2[i], c * w[i]
-                    if sampled_at >= 0:
-                        real += f * sampled[sampled_at, first + min(i, n - 1)].real
-                        imag += f * sampled[sampled_at, first + min(i, n - 1)].imag
-                    before = abs(r[t, 0, i]) + abs(r[t, 1, i])
-                    r[t, 0, i] += real
-                    r[t, 1, i] += imag
-                    if before > LARGE * (abs(r[t, 0, i]) + abs(r[t, 1, i])):
-                        lost[i] = 1.0
+                        r[t, 0, i] = k - J * w2[i]
+                        r[t, 1, i] = c * w[i]
+                else:
+                    for i in range(LANES):
+                        before[i] = abs(r[t, 0, i]) + abs(r[t, 1, i])
+                        r[t, 0, i] += k - J * w2[i]
+                        r[t, 1, i] += c * w[i]
+                if place[a] >= 0:
+                    for i in range(n):
+                        r[t, 0, i] += f * sampled[place[a], first + i].real
+                        r[t, 1, i] += f * sampled[place[a], first + i].imag
             elif operation == SET_SUM:
                 for i in range(LANES):
                     r[t, 0, i] = f * r[a, 0, i]
                     r[t, 1, i] = f * r[a, 1, i]
             elif operation == ADD_SUM:
                 for i in range(LANES):
-                    before = abs(r[t, 0, i]) + abs(r[t, 1, i])
-                    real = r[t, 0, i] + f * r[a, 0, i]
-                    imag = r[t, 1, i] + f * r[a, 1, i]
-                    r[t, 0, i] = real
-                    r[t, 1, i] = imag
-                    if before > LARGE * (abs(real) + abs(imag)):
-                        lost[i] = 1.0
+                    r[t, 0, i] += f * r[a, 0, i]
+                    r[t, 1, i] += f * r[a, 1, i]
+            elif operation == WATCHED_SUM:
+                for i in range(LANES):
+                    before[i] = abs(r[t, 0, i]) + abs(r[t, 1, i])
+                    r[t, 0, i] += f * r[a, 0, i]
+                    r[t, 1, i] += f * r[a, 1, i]
             elif operation == SET_PRODUCT:
                 for i in range(LANES):
                     real = r[a, 0, i] * r[b, 0, i] - r[a, 1, i] * r[b, 1, i]
@@ -109,15 +114,17 @@ def _loop(  # noqa: PLR0912, PLR0915
                     r[t, 1, i] = f * imag
             elif operation == ADD_PRODUCT:
                 for i in range(LANES):
-                    before = abs(r[t, 0, i]) + abs(r[t, 1, i])
                     real = r[a, 0, i] * r[b, 0, i] - r[a, 1, i] * r[b, 1, i]
                     imag = r[a, 0, i] * r[b, 1, i] + r[a, 1, i] * r[b, 0, i]
-                    real = r[t, 0, i] + f * real
-                    imag = r[t, 1, i] + f * imag
-                    r[t, 0, i] = real
-                    r[t, 1, i] = imag
-                    if before > LARGE * (abs(real) + abs(imag)):
-                        lost[i] = 1.0
+                    r[t, 0, i] += f * real
+                    r[t, 1, i] += f * imag
+            elif operation == WATCHED_PRODUCT:
+                for i in range(LANES):
+                    before[i] = abs(r[t, 0, i]) + abs(r[t, 1, i])
+                    real = r[a, 0, i] * r[b, 0, i] - r[a, 1, i] * r[b, 1, i]
+                    imag = r[a, 0, i] * r[b, 1, i] + r[a, 1, i] * r[b, 0, i]
+                    r[t, 0, i] += f * real
+                    r[t, 1, i] += f * imag
             elif operation == INVERSE:
                 for i in range(LANES):
                     scale = 1.0 / (r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
@@ -131,6 +138,10 @@ def _loop(  # noqa: PLR0912, PLR0915
                 for i in range(LANES):
                     r[t, 0, i] = f
                     r[t, 1, i] = 0.0
+            if watched:
+                for i in range(LANES):
+                    if before[i] > LARGE * (abs(r[t, 0, i]) + abs(r[t, 1, i])):
+                        lost[i] = 1.0
         for i in range(n):
             doubtful[offset + first + i] = lost[i] > 0.0
 

@@ -18,7 +18,7 @@ from collections.abc import Callable
 import numpy as np
 
 from torsionnet.assembly.law_stiffness import LawStiffness
-from torsionnet.solve.doubt import Array
+from torsionnet.solve.doubt import Array, lossy
 from torsionnet.solve.problem import Problem
 from torsionnet.solve.sweep import Sweep, sweep
 
@@ -35,7 +35,8 @@ def respond(problem: Problem, kappa: LawStiffness) -> Sweep:
     by_law: Array = kappa.by_law
     if not (kappa.damping.any() or any(values.imag.any() for _, values in kappa.sampled)):
         by_law = np.ascontiguousarray(by_law.real)
-    return _respond(problem, kappa.n_lanes, lambda part: sweep(part.plan, by_law))
+    without_doubt = bool(lossy(kappa).all())
+    return _respond(problem, kappa.n_lanes, lambda part: sweep(part.plan, by_law, lossy=without_doubt))
 
 
 def respond_compiled(problem: Problem, kappa: LawStiffness) -> Sweep:

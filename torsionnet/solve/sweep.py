@@ -21,7 +21,7 @@ class Sweep:
     doubtful: NDArray[np.bool_]
 
 
-def sweep(plan: Plan, kappa: Array) -> Sweep:
+def sweep(plan: Plan, kappa: Array, *, lossy: bool = False) -> Sweep:
     """Eliminate, and go back along the rows that were asked for.
 
     Parameters
@@ -29,12 +29,15 @@ def sweep(plan: Plan, kappa: Array) -> Sweep:
     plan : Plan
     kappa : (n_laws, n_lanes) array
         Dynamic stiffness of every law.
+    lossy : bool
+        Sums of dynamic stiffnesses are known not to vanish.
     """
     doubt = Doubt(kappa.shape[-1])
-    links: list[Any] = [_gathered(kappa, source, doubt) for source in plan.sources]
+    watch = None if lossy else doubt
+    links: list[Any] = [_gathered(kappa, source, watch) for source in plan.sources]
     links += [None] * (plan.n_slots - len(links))
     weights, kept = _weights(plan), plan.read_slots
-    back = [_eliminate(step, links, weights, kept, doubt) for step in plan.steps]
+    back = [_eliminate(step, links, weights, kept, watch, doubt) for step in plan.steps]
     values = _back(plan, back, doubt)
     found = np.zeros((len(plan.outputs) + len(plan.reactions), plan.n_excitations, kappa.shape[-1]), dtype=kappa.dtype)
     for number, (slot, factor) in enumerate(plan.outputs):
@@ -47,19 +50,21 @@ def sweep(plan: Plan, kappa: Array) -> Sweep:
     return Sweep(found, doubt.marked)
 
 
-def _gathered(kappa: Array, source: Sequence[tuple[int, float]], doubt: Doubt) -> Array:
-    total = None
-    for law, factor in source:
-        total = _plus(total, kappa[law] if factor == 1.0 else factor * kappa[law], doubt)
-    return np.asarray(total)
+def _gathered(kappa: Array, source: Sequence[tuple[int, float]], watch: Doubt | None) -> Array:
+    law, factor = source[0]
+    total = kappa[law] if factor == 1.0 else factor * kappa[law]
+    for law, factor in source[1:]:
+        total = _plus(total, factor * kappa[law], watch)
+    return total
 
 
-def _plus(known: Any, term: Array, doubt: Doubt) -> Array:
-    """Known + term; ``known`` is None where there is nothing yet."""
+def _plus(known: Any, term: Array, watch: Doubt | None) -> Array:
+    """Known + term; ``known`` is None where there is nothing yet, and ``term`` may be written over."""
     if known is None:
         return term
-    total = np.asarray(known + term)
-    doubt.sums(known, total)
+    total = np.add(known, term, out=term) if term.size >= known.size else np.add(known, term)
+    if watch is not None:
+        watch.sums(known, total)
     return total
 
 
@@ -76,56 +81,63 @@ def _weights(plan: Plan) -> list[Any]:
 _Back: TypeAlias = tuple[Sequence[Any], Any]
 
 
-def _eliminate(step: Step, links: list[Any], weights: list[Any], kept: frozenset[int], doubt: Doubt) -> _Back:
+def _eliminate(
+    step: Step, links: list[Any], weights: list[Any], kept: frozenset[int], watch: Doubt | None, doubt: Doubt
+) -> _Back:
     """Eliminate one coordinate; returns the shares kappa_i / S and the load over S for the way back."""
     for slot, parts in step.handed_on:
         for target, weight in parts:
-            links[target] = _plus(links[target], weight * links[slot], doubt)
+            links[target] = _plus(links[target], weight * links[slot], watch)
         if slot not in kept:
             links[slot] = None
     terms = [links[slot] for slot, _ in step.terms]
-    shares, load = _shares(step, terms, weights, doubt)
+    shares, inverse = _shares(step, terms, watch)
     for i, j, factor, target in step.pairs:
         product = shares[i] * terms[j]
         if factor != 1.0:
             product *= factor
-        links[target] = _plus(links[target], product, doubt)
+        links[target] = _plus(links[target], product, watch)
     for slot, i, factor, target in step.passed:
         weights[target] = _plus(weights[target], (factor * weights[slot]) * shares[i], doubt)
     for slot, _ in step.terms:
         links[slot] = None
-    return shares, load
-
-
-def _shares(step: Step, terms: Sequence[Array], weights: list[Any], doubt: Doubt) -> _Back:
-    """kappa_i / S for the terms that need it, and f_v / S."""
-    shares: list[Any] = [None] * len(terms)
-    if not step.shared and not step.loads:
-        return shares, None
-    S = _pivot(step, terms, doubt)
-    if len(step.shared) == 1 and not step.loads:
-        shares[step.shared[0]] = terms[step.shared[0]] / S
-    else:
-        inverse = 1.0 / S
-        for i in step.shared:
-            shares[i] = terms[i] * inverse
-    for i in step.shared:
-        doubt.shares(shares[i])
     load = None
     for slot, factor in step.loads:
         load = _plus(load, factor * weights[slot], doubt)
     return shares, None if load is None else load * inverse
 
 
-def _pivot(step: Step, terms: Sequence[Array], doubt: Doubt) -> Array:
+def _shares(step: Step, terms: Sequence[Array], watch: Doubt | None) -> tuple[list[Any], Any]:
+    """kappa_i / S for the terms that need it, and 1 / S where a load does."""
+    shares: list[Any] = [None] * len(terms)
+    if not step.shared and not step.loads:
+        return shares, None
+    S, inverse = _pivot(step, terms, watch), None
+    if len(step.shared) == 1 and not step.loads:
+        shares[step.shared[0]] = terms[step.shared[0]] / S
+    else:
+        inverse = 1.0 / S
+        for i in step.shared:
+            shares[i] = terms[i] * inverse
+    if watch is not None:
+        for i in step.shared:
+            watch.shares(shares[i])
+    return shares, inverse
+
+
+def _pivot(step: Step, terms: Sequence[Array], watch: Doubt | None) -> Array:
     """S; its shares tell where it is small, or the sum itself where more than one term has none."""
-    parts = [term if square == 1.0 else square * term for term, (_, square) in zip(terms, step.terms, strict=True)]
-    if not parts:
+    if not terms:
         return np.zeros(1)
-    seen = len(step.shared) >= len(parts) - 1
-    total = parts[0]
-    for part in parts[1:]:
-        total = total + part if seen else _plus(total, part, doubt)
+    if len(step.shared) >= len(terms) - 1:
+        watch = None
+    squares = [square for _, square in step.terms]
+    total = terms[0] if squares[0] == 1.0 else squares[0] * terms[0]
+    for term, square in zip(terms[1:], squares[1:], strict=True):
+        part = term if square == 1.0 else square * term
+        before, total = total, total + part
+        if watch is not None:
+            watch.sums(before, total)
     return total
 
 

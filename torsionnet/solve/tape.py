@@ -9,7 +9,7 @@ A register holds one complex number for every lane. Operations either set their 
     INVERSE   target   = 1 / register a
     OUTPUT    output number target of excitation b = factor * register a
 
-A lane in which anything that is added to comes out much smaller than before is in doubt.
+A lane in which a watched sum comes out much smaller than before it was added to is in doubt.
 """
 
 from __future__ import annotations
@@ -21,15 +21,20 @@ from numpy.typing import NDArray
 
 from torsionnet.solve.plan import Plan, Step
 
-SET_LAW, ADD_LAW, SET_SUM, ADD_SUM, SET_PRODUCT, ADD_PRODUCT, CONSTANT, INVERSE, OUTPUT = range(9)
+SET_LAW, ADD_LAW, WATCHED_LAW, SET_SUM, ADD_SUM, WATCHED_SUM, SET_PRODUCT, ADD_PRODUCT, WATCHED_PRODUCT = range(9)
+CONSTANT, INVERSE, OUTPUT = range(9, 12)
 
 
 @dataclass(frozen=True, eq=False)
 class Tape:
-    """Operations (operation, target, a, b) with their factors, and the number of registers they need."""
+    """Operations (operation, target, a, b) with their factors, and the number of registers they need.
+
+    ``of_stiffness`` marks those on dynamic stiffnesses, which are watched only where a sum of them might vanish.
+    """
 
     operations: NDArray[np.int64]
     factors: NDArray[np.float64]
+    of_stiffness: NDArray[np.bool_]
     n_registers: int
     n_excitations: int
 
@@ -42,19 +47,20 @@ def make_tape(plan: Plan) -> Tape:
     >>> from torsionnet.solve.graph_plan import make_plan
     >>> tape = make_tape(make_plan([{0: 1.0}, {0: 1.0, 1: -1.0}], 2, [{1: 1.0}], [{}], [{1: 1.0}], ()))
     >>> len(tape.operations), tape.n_registers
-    (12, 10)
+    (14, 12)
     """
     writer = _Writer(plan.n_slots)
     for slot, source in enumerate(plan.sources):
         for law, factor in source:
-            writer.add(SET_LAW, slot, law, factor=factor)
+            writer.add(SET_LAW, slot, law, factor=factor, of_stiffness=True)
     weights = [_weights(plan, excitation, writer) for excitation in range(plan.n_excitations)]
     back = [_eliminate(step, writer, weights) for step in plan.steps]
     for excitation in range(plan.n_excitations):
         loads = [(shares, quotients[excitation]) for shares, quotients in back]
         _read(plan, _walk_back(plan, loads, excitation, writer), weights[excitation], excitation, writer)
     operations = np.array(writer.operations, dtype=np.int64).reshape(-1, 4)
-    return Tape(operations, np.array(writer.factors), writer.n_registers, plan.n_excitations)
+    factors, of_stiffness = np.array(writer.factors), np.array(writer.of_stiffness, dtype=bool)
+    return Tape(operations, factors, of_stiffness, writer.n_registers, plan.n_excitations)
 
 
 @dataclass
@@ -62,19 +68,25 @@ class _Writer:
     n_registers: int
     operations: list[tuple[int, int, int, int]] = field(default_factory=list)
     factors: list[float] = field(default_factory=list)
+    of_stiffness: list[bool] = field(default_factory=list)
     filled: set[int] = field(default_factory=set)
 
     def register(self) -> int:
         self.n_registers += 1
         return self.n_registers - 1
 
-    def write(self, operation: int, target: int, a: int = 0, b: int = 0, factor: float = 1.0) -> None:
+    def write(
+        self, operation: int, target: int, a: int = 0, b: int = 0, factor: float = 1.0, *, of_stiffness: bool = False
+    ) -> None:
         self.operations.append((operation, target, a, b))
         self.factors.append(factor)
+        self.of_stiffness.append(of_stiffness)
 
-    def add(self, operation: int, target: int, a: int, b: int = 0, factor: float = 1.0) -> None:
-        """Add to the target, or set it if nothing is there yet: each SET is followed by its ADD in the list."""
-        self.write(operation + (target in self.filled), target, a, b, factor)
+    def add(
+        self, operation: int, target: int, a: int, b: int = 0, factor: float = 1.0, *, of_stiffness: bool = False
+    ) -> None:
+        """Add to the target, or set it if nothing is there yet: ADD and WATCHED stand one and two after their SET."""
+        self.write(operation + 2 * (target in self.filled), target, a, b, factor, of_stiffness=of_stiffness)
         self.filled.add(target)
 
     def constant(self, value: float) -> int:
@@ -102,14 +114,14 @@ def _eliminate(step: Step, writer: _Writer, weights: list[dict[int, int]]) -> tu
     """Registers of the shares kappa_i / S, and of the load over S under each excitation."""
     for slot, parts in step.handed_on:
         for target, weight in parts:
-            writer.add(SET_SUM, target, slot, factor=weight)
+            writer.add(SET_SUM, target, slot, factor=weight, of_stiffness=True)
     if not step.shared and not step.loads:
         return {}, [None] * len(weights)
     inverse = _inverse_of_pivot(step, writer)
     slots = [slot for slot, _ in step.terms]
     shares = {i: writer.product(slots[i], inverse) for i in step.shared}
     for i, j, factor, target in step.pairs:
-        writer.add(SET_PRODUCT, target, shares[i], slots[j], factor)
+        writer.add(SET_PRODUCT, target, shares[i], slots[j], factor, of_stiffness=True)
     return shares, [_pass_loads(step, writer, here, shares, inverse) for here in weights]
 
 
@@ -118,7 +130,7 @@ def _inverse_of_pivot(step: Step, writer: _Writer) -> int:
     if not step.terms:
         writer.write(CONSTANT, pivot, factor=0.0)
     for slot, square in step.terms:
-        writer.add(SET_SUM, pivot, slot, factor=square)
+        writer.add(SET_SUM, pivot, slot, factor=square, of_stiffness=True)
     writer.write(INVERSE, inverse, pivot)
     return inverse
 
