@@ -47,7 +47,7 @@ def test_downstream_of_the_cut_it_turns_round_with_the_excitation():
 
 def test_the_general_way_agrees_with_the_cut():
     rig = geared_line()
-    general = measured_poles(rig, ask(rig, "angle", "T", None))
+    general, _ = measured_poles(rig, ask(rig, "angle", "T", None))
     np.testing.assert_allclose(general.eigenvalues, rig.modes(measured_input="T").eigenvalues, rtol=1e-8)
 
 

@@ -276,32 +276,69 @@ def with_values(at, value):
 JITTERED = TIME + 1e-4 * np.random.default_rng(2).uniform(-1, 1, len(TIME))
 GAPPED = np.delete(TIME, slice(1000, 1500))
 LOST = np.delete(TIME, [1000, 2000, 2001])
-FAULTS = {
-    "nan": (one(with_values(slice(1000, 1003), np.nan)), "channels.x: error: 3 values NaN or infinite: from 1 to 1.002 s"),
-    "inf": (one(with_values(1000, np.inf)), "1 value NaN or infinite: at 1 s"),
-    "clipped": (one(np.clip(sine(2.0), -1.5, 1.5)), "channels.x: error: clipped: "),
-    "constant": (one(np.full(5000, 2.0)), "channels.x: warning: constant at 2 N*m"),
-    "short": (one(sine()[:1500]), "channels: error: the record lasts 1.5 s, less than one window of 2 s"),
-    "few": (one(sine()), "channels: warning: the record has only 2.5 windows of 2 s"),
+ANGLE, LEAPING = np.arange(5000) * 0.01, (np.arange(5000) + 3 * (np.arange(5000) > 1000)) * 0.01
+# 2 |sin| >= 1.5 holds for 47 of the 100 samples of each of 50 half periods; the angle passes 2 pi at 0.314 s.
+CLIPPED = "clipped: 2350 samples at the range of 1.5 N*m, from 0.027 to 0.073 s, from 0.127 to 0.173 s, "
+CLIPPED += "from 0.227 to 0.273 s and 47 more; take a larger range"
+WRAPPED = "the encoder wraps around: 15 jumps of 6.263 rad, first at 0.314 s; unwrapped() removes them"
+# Differences of two uniform numbers between -0.1 and 0.1 ms scatter by sqrt(2/3) of that.
+UNEVEN = (
+    "time: warning: sampling is not uniform: intervals vary by 8.2 % (standard deviation); resampled() makes it uniform"
+)
+BACKWARDS = with_values(3, 0.0) * 0 + np.r_[TIME[:3], 0.001, TIME[4:]]
+FEW = "channels: warning: the record has only 2.5 windows of 2 s: few averages, large random errors"
+SHORT = "channels: error: the record lasts 1.5 s, less than one window of 2 s; record longer or take a shorter window"
+ANYTHING = "give one of torque, angle, velocity, acceleration"
+PULSES = "time: error: 3 encoder pulses are missing: 1 after 0.999 s, 2 after 1.999 s; angle_from_pulses() counts them"
+LEAPS = "channels.x: warning: the angle leaps by encoder steps at 1.001 s: pulses are missing or too many"
+TWICE = Recording((Signal("x", "torque", sine()), Signal("x", "torque", sine())), RATE)
+FAULTS = {  # all that is said for windows of 2 s, beside that these are few
+    "nan": (one(with_values(slice(1000, 1003), np.nan)), "channels.x: error: 3 values NaN or infinite: from 1 to 1.002 s; cut them out or mend the record"),
+    "inf": (one(with_values(1000, np.inf)), "channels.x: error: 1 value NaN or infinite: at 1 s; cut them out or mend the record"),
+    "clipped": (one(np.clip(sine(2.0), -1.5, 1.5)), f"channels.x: error: {CLIPPED}"),
+    "constant": (one(np.full(5000, 2.0)), "channels.x: warning: constant at 2 N*m: the sensor may be dead, or not connected"),
+    "short": (one(sine()[:1500]), SHORT),
     "gap": (one(sine()[: len(GAPPED)], times=GAPPED), "time: error: 1 gap in the time stamps: 0.501 s after 0.999 s"),
-    "jitter": (one(sine(), times=JITTERED), "time: warning: sampling is not uniform: intervals vary by 8"),
-    "backwards": (one(sine(), times=with_values(3, 0.0) * 0 + np.r_[TIME[:3], 0.001, TIME[4:]]), "0.001 s follows 0.002 s"),
-    "quantity": (one(sine(), ""), "channels.x: error: quantity and unit are missing"),
-    "wrap": (one(np.mod(20 * TIME, 2 * np.pi), "angle"), "the encoder wraps around: 15 jumps of 6.2"),
-    "pulses": (one(np.arange(4997) * 0.01, "angle", LOST), "3 encoder pulses are missing: 1 after 0.999 s, 2 after 1.999 s"),
-    "leap": (one((np.arange(5000) + 3 * (np.arange(5000) > 1000)) * 0.01, "angle"), "the angle leaps by encoder steps at 1.001 s"),
-    "names": (
-        Recording((Signal("x", "torque", sine()), Signal("x", "torque", sine())), RATE),
-        "channels.x: error: 2 channels are named x",
-    ),
+    "gaps": (one(sine()[: len(LOST)], times=LOST), "time: error: 2 gaps in the time stamps: 0.002 s after 0.999 s, 0.003 s after 1.999 s"),
+    "jitter": (one(sine(), times=JITTERED), UNEVEN),
+    "jitter of a ramp": (one(ANGLE, times=JITTERED), UNEVEN),
+    "backwards": (one(sine(), times=BACKWARDS), "time: error: time stamps do not increase: 0.001 s follows 0.002 s"),
+    "quantity": (one(sine(), ""), f"channels.x: error: quantity and unit are missing; {ANYTHING}"),
+    "unknown quantity": (one(sine(), "force"), f'channels.x: error: unknown quantity "force"; {ANYTHING}'),
+    "wrap": (one(np.mod(20 * TIME, 2 * np.pi), "angle"), f"channels.x: error: {WRAPPED}"),
+    "pulses": (one(ANGLE[: len(LOST)], "angle", LOST), PULSES),
+    "leap": (one(LEAPING, "angle"), LEAPS),
+    "names": (TWICE, "channels.x: error: 2 channels are named x; rename all but one"),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_check_tells(fault):
     given, message = FAULTS[fault]
-    texts = [str(found) for found in check_recording(given)]
-    assert any(message in text for text in texts), texts
+    assert {str(found) for found in check_recording(given)} == {message, *([FEW] if fault != "short" else [])}
+
+
+@pytest.mark.parametrize(("windows", "said"), [(4, 0), (3.9, 1)])
+def test_how_many_windows_are_few(windows, said):
+    assert len(check_recording(one(sine()), window=5 / windows)) == said
+
+
+def test_one_window_is_no_error():
+    (fault,) = check_recording(one(sine()[:2000]))
+    assert fault.severity == "warning"
+
+
+def test_errors_come_first():
+    severities = [fault.severity for fault in check_recording(one(with_values(3, np.nan), times=JITTERED))]
+    assert severities == ["error", "warning", "warning"]
+
+
+def test_stamped_pulses_of_a_speed_that_changes_are_no_jitter():
+    """Every sample is a step further, however few there are."""
+    for count in (3, 4, 50):
+        times = np.cumsum(np.linspace(1.0, 1.3, count))
+        found = check_recording(one(0.01 * np.arange(count), "angle", times), window=0.1)
+        assert found == ()
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ command line. A wrong model gives one :class:`ModelError` that holds *all* its f
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import TypeAlias
@@ -58,21 +59,45 @@ class Fault:
         return f"in configuration {self.configuration}: {self.message}" if self.configuration else self.message
 
     def __str__(self) -> str:
+        said = f"{self.severity}: {visible(self.text)}"
         if self.position is None:
-            where = ".".join(str(part) for part in self.path)
-            return f"{where}: {self.severity}: {self.text}" if where else f"{self.severity}: {self.text}"
-        return f"{_located(self.position)}: {self.severity}: {self.text}{_excerpt(self.position)}"
+            where = visible(".".join(str(part) for part in self.path))
+            return f"{where}: {said}" if where else said
+        return f"{_located(self.position)}: {said}{_excerpt(self.position)}"
 
 
 def _located(position: Position) -> str:
-    return f"{position.file}:{position.line}:{position.column}"
+    return f"{visible(position.file)}:{position.line}:{position.column}"
 
 
 def _excerpt(position: Position) -> str:
     if not position.source:
         return ""
-    width = max(1, min(position.end_column, len(position.source) + 1) - position.column)
-    return f"\n{position.line:5d} | {position.source}\n      | {' ' * (position.column - 1)}{'^' * width}"
+    start, end = position.column - 1, min(position.end_column - 1, len(position.source))
+    before, marked, after = (visible(part) for part in _cut(position.source, start, end))
+    line = f"{before}{marked}{after}"
+    return f"\n{position.line:5d} | {line}\n      | {' ' * len(before)}{'^' * max(1, len(marked))}"
+
+
+def _cut(text: str, start: int, end: int) -> tuple[str, str, str]:
+    return text[:start], text[start:end], text[max(start, end) :]
+
+
+def visible(text: str) -> str:
+    r"""Text of a file, safe to show: what would steer a terminal or turn the direction of reading is written out.
+
+    >>> print(visible("a\x1b[31mb\u202ec"))
+    a\x1b[31mb\u202ec
+    """
+    return text if text.isprintable() else _STEERING.sub(_written_out, text)
+
+
+_STEERING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+
+
+def _written_out(found: re.Match[str]) -> str:
+    code = ord(found[0])
+    return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"  # noqa: PLR2004
 
 
 class TorsionnetError(Exception):

@@ -9,7 +9,7 @@ from typing import Any
 
 from torsionnet.definition import Definition, all_nodes
 from torsionnet.elements import Constraint, Law, Part, Row, Values
-from torsionnet.elimination import Reduction, exact, reduce_rows, smallest_culprits, substitute
+from torsionnet.elimination import Reduction, exact, holding, reduce_rows, smallest_culprits
 from torsionnet.errors import UsageError, did_you_mean
 
 
@@ -47,7 +47,7 @@ class Kinematics:
 
     def reduced(self, row: Mapping[str, Any]) -> Row:
         """A row over nodes as a row over coordinates and imposed angles."""
-        return substitute(row, self.reduction.solved)
+        return self.reduction.reduced(row)
 
     @property
     def laws(self) -> tuple[tuple[str, Law], ...]:
@@ -61,6 +61,10 @@ class Kinematics:
 def pseudo_node(input_name: str) -> str:
     """The unknown that stands for an imposed angle; no node can have this name."""
     return f"input:{input_name}"
+
+
+UNIT = pseudo_node("")
+"""The unknown that stands for one, in rows that are not homogeneous."""
 
 
 def owned_parts(definition: Definition, value: Values) -> tuple[OwnedPart, ...]:
@@ -111,21 +115,17 @@ def solve_kinematics(
     order = {node: index for index, node in enumerate(nodes)}
     keep = {*referred_to, *(pseudo_node(name) for name in imposed)}
     reduction = reduce_rows(rows, order, keep)
-    tied = [
-        index
-        for index, row in enumerate(rows)
-        if index in reduction.blocked and _names_kept(row, reduction, referred_to)
-    ]
+    tied = [index for index in reduction.blocked if _names_kept(rows[index], reduction, referred_to)]
     if tied and referred_to:
         kept = ", ".join(referred_to)
         msg = f"{kept} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground"
         raise UsageError(msg)
-    coordinates = tuple(node for node in nodes if node not in reduction.solved)
+    coordinates = tuple(node for node in nodes if reduction.is_free(node))
     return Kinematics(nodes, parts, tuple(imposed), reduction, coordinates)
 
 
 def _names_kept(row: Row, reduction: Reduction, referred_to: Collection[str]) -> bool:
-    return any(node in referred_to for node in substitute(row, reduction.solved))
+    return any(node in referred_to for node in reduction.free_names(row))
 
 
 def _require_nodes(wanted: Collection[str], nodes: Collection[str]) -> None:
@@ -145,15 +145,17 @@ def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list
     rows = [exact_row(row) for _, row in loose]
     order = {node: index for index, node in enumerate(nodes)}
     reduction = reduce_rows(rows, order)
-    held = [node for node, row in reduction.solved.items() if not row]
-    if not held:
+    if not (held := reduction.held()):
         return []
 
     def contradicts(some: Sequence[Any]) -> bool:
-        return any(not row for row in reduce_rows(some, order).solved.values())
+        return bool(reduce_rows(some, order).held())
 
-    suspects = min((reduction.origins[node] for node in held), key=len)
-    return list(dict.fromkeys(loose[index][0] for index in smallest_culprits(rows, suspects, contradicts)))
+    origin, node = min(((sorted(reduction.origin(node)), node) for node in held), key=lambda found: len(found[0]))
+    loop = [origin[place] for place in holding([rows[index] for index in origin], node)]
+    if any(len(rows[index]) > 2 for index in loop):  # noqa: PLR2004
+        loop = smallest_culprits(rows, loop, contradicts)  # a loop of pairs is closed by all of them or not at all
+    return list(dict.fromkeys(loose[index][0] for index in loop))
 
 
 def virtual_motion(kinematics: Kinematics, index: int) -> dict[str, Fraction]:
@@ -166,27 +168,35 @@ def virtual_motion(kinematics: Kinematics, index: int) -> dict[str, Fraction]:
     """
     constraints = kinematics.constraints
     rows: list[Any] = [exact_row(row) for _, row in constraints]
-    rows[index] = {**rows[index], _UNIT: Fraction(-1)}
+    rows[index] = {**rows[index], UNIT: Fraction(-1)}
     rows = [row for number, row in enumerate(rows) if number != index] + [rows[index]]
     names = [name for number, (name, _) in enumerate(constraints) if number != index] + [constraints[index][0]]
-    imposed = [{node: Fraction(1)} for row in _imposed_nodes(kinematics) for node in row]
+    imposed: list[Any] = [{node: Fraction(1)} for node in _imposed_nodes(kinematics)]
     order = {node: number for number, node in enumerate(kinematics.nodes)}
-    reduction = reduce_rows([*imposed, *rows], order, {_UNIT})
-    for blocked, origin in reduction.blocked.items():
-        loop = sorted({number - len(imposed) for number in (*origin, blocked) if number >= len(imposed)})
+    reduction = reduce_rows([*imposed, *rows], order, {UNIT})
+    for blocked in reduction.blocked:
+        origin = {*reduction.origin_of_row(blocked), blocked}
+        loop = sorted(number - len(imposed) for number in origin if number >= len(imposed))
         owners = {names[number] for number in loop}
         loop_names = list(dict.fromkeys(name for name, _ in constraints if name in owners))
         raise UsageError(_indeterminate(constraints[index][0], loop_names))
-    solved = reduction.solved
-    return {node: row[_UNIT] for node, row in solved.items() if _UNIT in row}
+    return {node: row[UNIT] for node, row in reduction.solved.items() if UNIT in row}
 
 
-_UNIT = "one"
+def torques_are_determinate(kinematics: Kinematics) -> bool:
+    """Whether no constraint follows from others, so that equilibrium tells the torque of each."""
+    return not kinematics.reduction.redundant and not kinematics.reduction.blocked
 
 
-def _imposed_nodes(kinematics: Kinematics) -> list[list[str]]:
-    tied = kinematics.reduction.solved
-    return [[node for node, row in tied.items() if row == {pseudo_node(name): 1}][:1] for name in kinematics.imposed]
+def _imposed_nodes(kinematics: Kinematics) -> list[str]:
+    """One node for each imposed angle that some node follows alone."""
+    followers: dict[str, str] = {}
+    imposed = {pseudo_node(name) for name in kinematics.imposed}
+    for node in kinematics.nodes if imposed else ():
+        match kinematics.reduction.free_names({node: 1}):
+            case [name] if name in imposed:
+                followers.setdefault(name, node)
+    return list(followers.values())
 
 
 def _indeterminate(element: str, loop: list[str]) -> str:

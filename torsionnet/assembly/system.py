@@ -68,7 +68,7 @@ class Assembly:
 
     def rows_of(self, row: Mapping[str, Any]) -> tuple[FloatArray, FloatArray]:
         """A row over nodes as arrays over coordinates (n_q,) and imposed angles (n_x,)."""
-        reduced = self.kinematics.reduced(row)
+        reduced = self.kinematics.reduction.in_floats(exact_row(row))
         free, imposed = (Rows.named([reduced], columns).dense[0] for columns in self._columns)
         return free, imposed
 
@@ -129,8 +129,9 @@ def assemble(
         system = RowSystem(shared.law_rows, *_coefficients(laws), plans=shared.plans)
         return replace(like, kinematics=kinematics, system=system)
     coordinates, imposed = _columns(kinematics)
-    nodes = [kinematics.reduced({node: 1}) for node in kinematics.nodes]
-    rows = [kinematics.reduced(law.row) for _, law in laws]
+    in_floats = kinematics.reduction.in_floats
+    nodes = [in_floats({node: 1}) for node in kinematics.nodes]
+    rows = [in_floats(exact_row(law.row)) for _, law in laws]
     return Assembly(
         kinematics,
         RowSystem(Rows.named(rows, coordinates), *_coefficients(laws)),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.cli.options import OutputFile, csv_option, json_option, plot_option
-from torsionnet.cli.terminal import message, print_json, print_table, wrote
+from torsionnet.cli.terminal import message, print_json, print_table, say, wrote
 
 if TYPE_CHECKING:
     from torsionnet.identification import Fit
@@ -56,7 +56,7 @@ def command(
     else:
         print_table(found.table(true=plan.true or None))
         for name, (low, high) in profiles.items():
-            click.echo(f"{name}: 95 % by profile likelihood from {low:.6g} to {high:.6g}")
+            say(f"{name}: 95 % by profile likelihood from {low:.6g} to {high:.6g}")
     for verdict in found.verdicts:
         message("warning", verdict)
     if csv_file:

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.solve.frozen import Found
-from torsionnet.solve.reduction import LARGE, AnyArray
+from torsionnet.solve.nullspace import null_space, rows_of
+from torsionnet.solve.reduction import AnyArray, echelon, require_resistance
 
 Apply: TypeAlias = Callable[[FloatArray], FloatArray]
 
@@ -47,6 +48,21 @@ class Motions:
     undamped: FloatArray
     dynamic: int  # rank of M
 
+    @classmethod
+    def of(cls, system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bool_], count: int) -> Motions:
+        """At most ``count`` of each.
+
+        Raises
+        ------
+        SolveError
+            Where some coordinates have neither inertia nor spring nor damper.
+        """
+        heavy, size = system.inertia > 0, system.n_coordinates
+        require_resistance(system, heavy | stiff | damped)
+        rigid, undamped = (null_space(rows_of(system, laws), size).first(count) for laws in (stiff, stiff | damped))
+        massless = null_space(rows_of(system, heavy), size).dimension
+        return cls(echelon(rigid.basis()), undamped.basis(), size - massless)
+
 
 def lowest_vibrations(system: RowSystem, motions: Motions, count: int, *, undamped: bool) -> Found | None:
     """The lowest modes by |lambda| other than rigid bodies, at least ``count`` of them, or None.
@@ -56,10 +72,10 @@ def lowest_vibrations(system: RowSystem, motions: Motions, count: int, *, undamp
     """
     from scipy.sparse.linalg import ArpackError
 
-    if system.n_coordinates <= LARGE or system.dynamic or SHARE * (count + SHARE) > motions.dynamic:
-        return None
     if count <= 0:
         return _found(np.zeros(0, complex), np.zeros((system.n_coordinates, 0)), np.zeros(0))
+    if SHARE * (count + SHARE) > motions.dynamic:
+        return None
     try:
         with np.errstate(all="ignore"):
             found = _search(system, motions, count, undamped=undamped)
@@ -107,11 +123,13 @@ class _Pencil:
         from scipy import sparse
 
         damping = np.zeros_like(system.damping) if undamped else system.damping
+        squares = system.law_rows.csr.power(2)
         if at is None:
-            at = float(np.sqrt(system.K.trace() / system.M.trace()))
+            lengths = squares.sum(axis=1)  # traces of K and M
+            at = float(np.sqrt(system.stiffness @ lengths / (system.inertia @ lengths)))
         sizes = system.stiffness + at * damping + at**2 * system.inertia
-        scale = 1.0 / np.sqrt((sizes[:, None] * system.rows**2).sum(axis=0))
-        rows = sparse.csc_array(system.rows * scale)
+        scale = 1.0 / np.sqrt(squares.T @ sizes)
+        rows = sparse.csc_array(system.law_rows.csr @ sparse.diags_array(scale))
         return cls(rows, system.inertia, damping, system.stiffness, scale, undamped)
 
     @cached_property

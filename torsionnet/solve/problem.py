@@ -12,7 +12,8 @@ from functools import cached_property
 
 from torsionnet.solve.graph_plan import Plan, make_plan
 from torsionnet.solve.row_algebra import Row
-from torsionnet.solve.tape import Tape, make_tape
+from torsionnet.solve.tape import Tape
+from torsionnet.solve.taping import make_tape
 
 ALONE = 4
 """Up to so many excitations are solved one by one, each with its own coordinate at the root of the tree."""

@@ -20,7 +20,8 @@ from torsionnet.solve.sweep import Sweep
 
 Respond: TypeAlias = Callable[[Problem, LawStiffness], Sweep]
 METHODS: dict[str, Respond] = {
-    "graph": starmesh.respond,
+    "auto": starmesh.respond,
+    "graph": starmesh.respond_in_numpy,
     "compiled": starmesh.respond_compiled,
     "dense": dense.respond,
 }
@@ -35,22 +36,10 @@ class Lanes:
     doubtful: NDArray[np.bool_]
 
 
-def transfer_functions(question: Question, kappa: LawStiffness, method: str = "graph") -> Lanes:
-    """Outputs over inputs, a block of lanes at a time."""
-    size, respond = starmesh.block_size(kappa.n_laws, method), METHODS[method]
-    blocks = [kappa] if kappa.n_lanes <= size else kappa.blocks(size)
-    parts = [_transfer_functions(question, block, respond) for block in blocks]
-    if len(parts) == 1:
-        return parts[0]
-    values, conditioning, doubtful = (
-        np.concatenate([getattr(part, name) for part in parts]) for name in ("values", "conditioning", "doubtful")
-    )
-    return Lanes(values, conditioning, doubtful)
-
-
-def _transfer_functions(question: Question, kappa: LawStiffness, respond: Respond) -> Lanes:
+def transfer_functions(question: Question, kappa: LawStiffness, method: str = "auto") -> Lanes:
+    """Outputs over inputs."""
     posed, n_out = question.posed, len(question.outputs)
-    found = respond(posed.problem, kappa)
+    found = METHODS[method](posed.problem, kappa)
     with np.errstate(invalid="ignore"):
         readings = _readings(posed, kappa, found.values)
     values, doubtful, conditioning = readings[:, :n_out], found.doubtful, np.ones(kappa.n_lanes)

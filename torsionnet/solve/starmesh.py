@@ -13,34 +13,45 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.assembly.law_stiffness import LawStiffness
-from torsionnet.solve.doubt import Array, lossy
+from torsionnet.solve.doubt import Array
 from torsionnet.solve.problem import Problem
 from torsionnet.solve.sweep import Sweep, sweep
+from torsionnet.solve.tape import Tape
 
-BLOCK_BYTES = 3 * 2**20
-"""Stiffness of all laws at the frequencies solved at once."""
-SMALLEST_BLOCK = 512
-"""Lanes; with fewer the interpreter takes longer than the arithmetic."""
-COMPILED_BLOCK = 2**16
-"""Lanes for the compiled loop, which divides them itself; this bounds the memory of the answer."""
+Walk: TypeAlias = Callable[[Tape, LawStiffness], tuple[Array, NDArray[np.bool_]]]
+
+
+WORTH = 1e9
+"""Operations times lanes from which on the compiled loop saves more than the second or two that its start takes."""
 
 
 def respond(problem: Problem, kappa: LawStiffness) -> Sweep:
-    """Outputs and reactions of a problem for dynamic stiffnesses of its laws in n_lanes lanes."""
-    by_law: Array = kappa.by_law
-    if not (kappa.damping.any() or any(values.imag.any() for _, values in kappa.sampled)):
-        by_law = np.ascontiguousarray(by_law.real)
-    without_doubt = bool(lossy(kappa).all())
-    return _respond(problem, kappa.n_lanes, lambda part: sweep(part.plan, by_law, lossy=without_doubt))
+    """Outputs and reactions of a problem for dynamic stiffnesses of its laws in n_lanes lanes.
+
+    Large problems take the compiled loop where it works. Only their size decides, so that a result does not depend on
+    what was calculated before.
+    """
+    if kappa.n_lanes * sum(len(part.tape) for part in problem.parts) >= WORTH:
+        with contextlib.suppress(Exception):  # no numba, or one that is broken: numpy can do the same
+            return respond_compiled(problem, kappa)
+    return respond_in_numpy(problem, kappa)
+
+
+def respond_in_numpy(problem: Problem, kappa: LawStiffness) -> Sweep:
+    """The same in numpy, however large."""
+    return _respond(problem, kappa, sweep)
 
 
 def respond_compiled(problem: Problem, kappa: LawStiffness) -> Sweep:
-    """The same in a compiled loop.
+    """The same in the compiled loop, however small.
 
     Raises
     ------
@@ -49,23 +60,17 @@ def respond_compiled(problem: Problem, kappa: LawStiffness) -> Sweep:
     """
     from torsionnet.solve import compiled
 
-    return _respond(problem, kappa.n_lanes, lambda part: compiled.run(part.tape, kappa, part.n_read))
+    return _respond(problem, kappa, compiled.sweep)
 
 
-def _respond(problem: Problem, n_lanes: int, run: Callable[[Problem], Sweep]) -> Sweep:
-    values = np.zeros((problem.n_read, len(problem.excitations), n_lanes), dtype=complex)
-    doubtful = np.zeros(n_lanes, dtype=bool)
+def _respond(problem: Problem, kappa: LawStiffness, walk: Walk) -> Sweep:
+    values = np.zeros((problem.n_read, len(problem.excitations), kappa.n_lanes), dtype=complex)
+    doubtful = np.zeros(kappa.n_lanes, dtype=bool)
     with np.errstate(all="ignore"):
         parts = problem.parts
         for number, part in enumerate(parts):
-            found = run(part)
-            values[:, slice(None) if len(parts) == 1 else slice(number, number + 1)] = found.values
-            doubtful |= found.doubtful
+            found, lost = walk(part.tape, kappa.gathered(part.plan.sources))
+            columns = slice(None) if len(parts) == 1 else slice(number, number + 1)
+            values[:, columns] = found.reshape(problem.n_read, len(part.excitations), kappa.n_lanes)
+            doubtful |= lost
     return Sweep(values, doubtful | ~np.isfinite(values).all(axis=(0, 1)))
-
-
-def block_size(n_laws: int, method: str = "graph") -> int:
-    """Lanes to solve at once."""
-    if method == "compiled":
-        return COMPILED_BLOCK
-    return max(SMALLEST_BLOCK, BLOCK_BYTES // (16 * max(1, n_laws)))

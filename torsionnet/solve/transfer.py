@@ -38,7 +38,7 @@ def frequency_response(
     frequencies: ArrayLike | Adaptive,
     *,
     excitation: str | Sequence[str] | None = None,
-    method: str = "graph",
+    method: str = "auto",
 ) -> FrequencyResponse:
     """See :meth:`torsionnet.Drivetrain.frequency_response`."""
     known_method(method)
@@ -125,7 +125,7 @@ def _checked(frequencies: ArrayLike) -> FloatArray:
 
 
 def evaluate(
-    assemblies: Sequence[Assembly], question: Question, frequencies: FloatArray, method: str = "graph"
+    assemblies: Sequence[Assembly], question: Question, frequencies: FloatArray, method: str = "auto"
 ) -> Evaluated:
     """Transfer functions at frequencies > 0, and the conditioning of the measured inputs.
 

@@ -1,0 +1,69 @@
+"""python -m mutation [-n 120] [--seed 1] [PATH[:LINE] ...]: prints what no test noticed, and the score."""
+
+from __future__ import annotations
+
+import argparse
+import random
+import tempfile
+from collections import Counter
+from collections.abc import Iterator
+from itertools import chain, zip_longest
+from pathlib import Path
+
+from mutation.chosen import PACKAGES
+from mutation.mutants import Mutant, mutants
+from mutation.trials import ROOT, SPARE, Trials
+
+
+def modules(paths: list[str]) -> dict[str, int | None]:
+    """Modules below the paths, each with the one line that is asked for, or None."""
+    found: dict[str, int | None] = {}
+    for path in paths:
+        name, _, line = path.partition(":")
+        files = [ROOT / name] if name.endswith(".py") else sorted((ROOT / name).rglob("*.py"))
+        found |= {str(file.relative_to(ROOT)): int(line) if line else None for file in files}
+    return found
+
+
+def sample(paths: list[str], number: int, seed: int) -> list[Mutant]:
+    """Faults spread over the modules: one of each in turn, until there are enough."""
+    draw, by_module = random.Random(seed), []
+    for module, line in modules(paths).items():
+        found = mutants(module, (ROOT / module).read_text(encoding="utf-8"))
+        found = [mutant for mutant in found if line in {None, mutant.line}]
+        by_module.append(draw.sample(found, len(found)))
+    turns = chain.from_iterable(zip_longest(*draw.sample(by_module, len(by_module))))
+    return sorted([mutant for mutant in turns if mutant][:number], key=lambda mutant: (mutant.module, mutant.start))
+
+
+def tried(chosen: list[Mutant], most: float) -> Iterator[tuple[Mutant, bool]]:
+    """Faults and whether they survive."""
+    with tempfile.TemporaryDirectory() as folder:
+        trials = Trials(Path(folder))
+        for mutant in chosen:
+            elapsed, cpu = trials.usual(mutant.module)
+            if cpu > most:
+                raise SystemExit(f"{mutant.module}: its tests take {cpu:.0f} s of the processor, more than {most:g}")
+            yield mutant, trials.survives(mutant, 3 * elapsed + SPARE)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(prog="mutation", description=__doc__)
+    parser.add_argument("paths", nargs="*", default=PACKAGES, help="packages, modules or MODULE:LINE")
+    parser.add_argument("-n", "--number", type=int, default=120, help="how many faults (120)")
+    parser.add_argument("--seed", type=int, default=1, help="another sample")
+    parser.add_argument("--most", type=float, default=60.0, help="CPU seconds of a module's tests (60)")
+    given = parser.parse_args()
+    alive, every = Counter(), Counter()
+    for mutant, survives in tried(sample(list(given.paths), given.number, given.seed), given.most):
+        package = "/".join(mutant.module.split("/")[:2])
+        every[package] += 1
+        alive[package] += survives
+        print(f"{'SURVIVED' if survives else 'noticed '} {mutant}", flush=True)
+    for package, number in every.items():
+        print(f"{package}: {number - alive[package]} of {number} noticed")
+    print(f"all: {every.total() - alive.total()} of {every.total()} noticed, {alive.total()} survived")
+
+
+if __name__ == "__main__":
+    main()
