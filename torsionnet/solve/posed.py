@@ -78,7 +78,10 @@ def pose(
     """The problem behind outputs and measured inputs."""
     readings = [*outputs, *measured]
     rows, gaps = _Rows(), _Gaps()
-    found = [gaps.part(reading) if len(reading.terms) != 1 else rows.part(reading.own[0]) for reading in readings]
+    found = [
+        gaps.part(reading) if reading.reactions or len(reading.own) != 1 else rows.part(reading.own[0])
+        for reading in readings
+    ]
     terms: list[tuple[Part, ...]] = [() for _ in outputs]
     terms += [tuple(rows.part(term) for term in reading.terms) for reading in measured]
     n_given = assembly.system.n_coordinates + len(assembly.kinematics.imposed)
