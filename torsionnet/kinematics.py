@@ -33,6 +33,8 @@ class Kinematics:
         In the order of the elements.
     imposed : tuple of str
         Names of the inputs that impose an angle; each appears in rows as the pseudo node ``input:NAME``.
+    driven : tuple of str
+        The nodes they impose it on.
     reduction : Reduction
         Every dependent node over coordinates and imposed angles; an empty row is a node held at zero.
     coordinates : tuple of str
@@ -42,6 +44,7 @@ class Kinematics:
     nodes: tuple[str, ...]
     parts: tuple[OwnedPart, ...]
     imposed: tuple[str, ...]
+    driven: tuple[str, ...]
     reduction: Reduction
     coordinates: tuple[str, ...]
 
@@ -106,7 +109,8 @@ def solve_kinematics(
     _require_nodes(referred_to, nodes)
     parts = owned_parts(definition, value)
     imposed = imposed_rows(definition, nodes)
-    if like is not None and not referred_to and (nodes, tuple(imposed)) == (like.nodes, like.imposed):
+    driven = tuple(definition.inputs[name].of for name in imposed)
+    if like is not None and not referred_to and (nodes, tuple(imposed), driven) == (like.nodes, like.imposed, like.driven):
         again = replace(like, parts=parts)
         if again.constraints == like.constraints:
             return again
@@ -121,7 +125,7 @@ def solve_kinematics(
         msg = f"{kept} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground"
         raise UsageError(msg)
     coordinates = tuple(node for node in nodes if reduction.is_free(node))
-    return Kinematics(nodes, parts, tuple(imposed), reduction, coordinates)
+    return Kinematics(nodes, parts, tuple(imposed), driven, reduction, coordinates)
 
 
 def _names_kept(row: Row, reduction: Reduction, referred_to: Collection[str]) -> bool:
@@ -161,6 +165,8 @@ def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list
 def virtual_motion(kinematics: Kinematics, index: int) -> dict[str, Fraction]:
     """Motion z that violates constraint number ``index`` by one and no other: its torque is the work of all else on z.
 
+    Driven nodes stand still in it: what drives them does no work on z.
+
     Raises
     ------
     UsageError
@@ -171,7 +177,7 @@ def virtual_motion(kinematics: Kinematics, index: int) -> dict[str, Fraction]:
     rows[index] = {**rows[index], UNIT: Fraction(-1)}
     rows = [row for number, row in enumerate(rows) if number != index] + [rows[index]]
     names = [name for number, (name, _) in enumerate(constraints) if number != index] + [constraints[index][0]]
-    imposed: list[Any] = [{node: Fraction(1)} for node in _imposed_nodes(kinematics)]
+    imposed: list[Any] = [{node: Fraction(1)} for node in kinematics.driven]
     order = {node: number for number, node in enumerate(kinematics.nodes)}
     reduction = reduce_rows([*imposed, *rows], order, {UNIT})
     for blocked in reduction.blocked:
@@ -186,17 +192,6 @@ def virtual_motion(kinematics: Kinematics, index: int) -> dict[str, Fraction]:
 def torques_are_determinate(kinematics: Kinematics) -> bool:
     """Whether no constraint follows from others, so that equilibrium tells the torque of each."""
     return not kinematics.reduction.redundant and not kinematics.reduction.blocked
-
-
-def _imposed_nodes(kinematics: Kinematics) -> list[str]:
-    """One node for each imposed angle that some node follows alone."""
-    followers: dict[str, str] = {}
-    imposed = {pseudo_node(name) for name in kinematics.imposed}
-    for node in kinematics.nodes if imposed else ():
-        match kinematics.reduction.free_names({node: 1}):
-            case [name] if name in imposed:
-                followers.setdefault(name, node)
-    return list(followers.values())
 
 
 def _indeterminate(element: str, loop: list[str]) -> str:

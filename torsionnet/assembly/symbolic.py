@@ -172,7 +172,7 @@ def twin_kinematics(
     order = {node: index for index, node in enumerate(plain.nodes)}
     reduction = reduce_rows(rows, order, {*names, *(pseudo_node(name) for name in plain.imposed)})
     coordinates = tuple(node for node in plain.nodes if node not in reduction.solved)
-    return Kinematics(plain.nodes, parts, plain.imposed, reduction, coordinates)
+    return Kinematics(plain.nodes, parts, plain.imposed, plain.driven, reduction, coordinates)
 
 
 def law_parts(owner: str, law: Law) -> tuple[Any, Any, Any]:

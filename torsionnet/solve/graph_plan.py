@@ -135,25 +135,32 @@ class _Planner:
     # --- order ------------------------------------------------------------------------------------------------------
 
     def _order(self) -> Iterable[int]:
-        """Coordinates as they come to have the fewest neighbours; each is eliminated before the next is asked for."""
+        """Coordinates as they come to have the fewest neighbours; each is eliminated before the next is asked for.
+
+        Among equals the one with the fewest rows goes first: one without inertia often passes on nothing at all.
+        """
         touched = {*self.laws.touching, *self.loads.touching, *self.motions.touching}
         names = {j for j in touched if j < self.n_free} - {self.last}
-        waiting = [(len(self._neighbours(v)), v) for v in names]
+        waiting = [(*self._degree(v), v) for v in names]
         heapq.heapify(waiting)
         while waiting:
-            degree, v = heapq.heappop(waiting)
+            *degree, v = heapq.heappop(waiting)
             if v not in names:
                 continue
-            now = self._neighbours(v)
-            if len(now) > degree:
-                heapq.heappush(waiting, (len(now), v))
+            now = self._degree(v)
+            if now > tuple(degree):
+                heapq.heappush(waiting, (*now, v))
                 continue
             names.discard(v)
+            around = self._neighbours(v) & names
             yield v
-            for j in now & names:
-                heapq.heappush(waiting, (len(self._neighbours(j)), j))
+            for j in around:
+                heapq.heappush(waiting, (*self._degree(j), j))
         if self.last is not None:
             yield self.last
+
+    def _degree(self, coordinate: int) -> tuple[int, int]:
+        return len(self._neighbours(coordinate)), len(self.laws.touching.get(coordinate, ()))
 
     def _neighbours(self, coordinate: int) -> set[int]:
         rows = self.laws.rows

@@ -1,7 +1,7 @@
 """Readings in many digits, from the exact values of a model: for the few places where double precision is not enough.
 
 All numbers are the rationals an author wrote, s may be any complex number. What cancels to less than the digits left of
-the sum of its terms is zero.
+its terms is zero.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from torsionnet.solve.question import Question
 from torsionnet.solve.refine import eliminate
 
 DIGITS = 200
-TRUSTED = 100
-"""Digits of a sum that mean something: a double pole at zero, at a rate of 10^-30, takes 60 of the others."""
+TRUSTED = 110
+"""Digits of a sum that mean something: a double pole at zero, at a rate of 10^-25, takes 50 of the others."""
 
 Number: TypeAlias = Any
 """A number of mpmath."""
@@ -81,6 +81,8 @@ class ManyDigits:
 
     def _motion(self, kappa: Sequence[Number], excitation: Input, effect: dict[str, Number]) -> dict[str, Number]:
         """Every coordinate and imposed angle under a unit excitation, by name."""
+        import mpmath
+
         motion = dict.fromkeys(self.imposed, number(0))
         matrix: list[dict[int, Number]] = [{} for _ in self.place]
         loads = [number(0) for _ in self.place]
@@ -100,7 +102,8 @@ class ManyDigits:
         if len(solution) < len(self.place):
             msg = "the response cannot be told from rounding; ask for another frequency"
             raise SolveError(msg)
-        return motion | {name: solution[index] for name, index in self.place.items()}
+        least = max((abs(angle) for angle in solution), default=number(0)) * mpmath.mpf(10) ** -TRUSTED
+        return motion | {name: _above(solution[index], least) for name, index in self.place.items()}
 
     def _reading(
         self, reading: Functional, motions: Sequence[dict[str, Number]], kappa: Sequence[Number], s: Number
@@ -112,8 +115,8 @@ class ManyDigits:
         for excitation, motion in zip(self.question.excitations, motions, strict=True):
             applied = reading.applied(excitation.of) if excitation.quantity == "torque" else 0
             terms = [number(applied), *(part for term in reading.terms for part in _parts(term, motion, kappa, s))]
-            total, size = sum(terms), sum(abs(term) for term in terms)
-            row.append(total if abs(total) > size * mpmath.mpf(10) ** -TRUSTED else number(0))
+            size = sum(abs(term) for term in terms)
+            row.append(_above(sum(terms), size * mpmath.mpf(10) ** -TRUSTED))
         return row
 
 
@@ -129,6 +132,11 @@ def _law(law: Any, row: dict[str, Fraction]) -> _Law:
         mpmath.mpc(0, number(law.loss_factor)) if law.loss_factor else 0,
         law.table,
     )
+
+
+def _above(value: Number, least: Number) -> Number:
+    """The value, or 0 where it is rounding."""
+    return value if abs(value) > least else number(0)
 
 
 def number(value: Any) -> Number:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -31,7 +31,15 @@ class Part(NamedTuple):
         """The share (n_exc, n_lanes)."""
         if self.term is None:
             return np.asarray(self.factor * values[self.solved])
-        return coefficient(self.term, kappa) * values[self.solved]
+        return np.asarray(coefficient(self.term, kappa) * values[self.solved])
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A column for torques that are read: laws and nodes that its opening moves, and how far."""
+
+    laws: Mapping[int, Fraction]
+    nodes: Mapping[str, Fraction]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +49,8 @@ class Posed:
     Attributes
     ----------
     problem : Problem
-    parts : tuple of (Part, ...)
-        Every reading is the sum of its parts.
+    parts : tuple of Part
+        What every reading is.
     terms : tuple of (Part, ...)
         Of measured inputs, what their size is compared with: the reading written out as terms of motion.
     applied : (n_readings, n_exc) array
@@ -50,7 +58,7 @@ class Posed:
     """
 
     problem: Problem
-    parts: tuple[tuple[Part, ...], ...]
+    parts: tuple[Part, ...]
     terms: tuple[tuple[Part, ...], ...]
     applied: FloatArray
 
@@ -59,9 +67,8 @@ class Posed:
         found: set[int] = set()
         parts = self.problem.parts
         for number, part in enumerate(parts):
-            reached = felt(part.plan)
-            for share in self.parts[reading]:
-                found |= {number + excitation for excitation in reached[share.solved]}
+            reached = felt(part.plan)[self.parts[reading].solved]
+            found |= {number + excitation for excitation in reached}
         return frozenset(found)
 
 
@@ -70,57 +77,80 @@ def pose(
 ) -> Posed:
     """The problem behind outputs and measured inputs."""
     readings = [*outputs, *measured]
-    n_given = assembly.system.n_coordinates + len(assembly.kinematics.imposed)
-    opened = {reaction.constraint: reaction for reading in readings for reaction in reading.reactions}
-    gaps = {constraint: n_given + number for number, constraint in enumerate(opened)}
-    laws = [dict(row) for row in assembly.law_columns] if gaps else list(assembly.law_columns)
-    for constraint, reaction in opened.items():
-        for law, work in reaction.work.items():
-            laws[law][gaps[constraint]] = float(work)
-    rows = _Rows()
-    own = [tuple(rows.parts(reading.own)) for reading in readings]
-    terms: list[tuple[Part, ...]] = [() for _ in outputs]
-    terms += [tuple(rows.parts(reading.terms)) for reading in measured]
-    place = {constraint: len(rows.rows) + number for number, constraint in enumerate(gaps)}
-    torques = [
-        tuple(Part(place[reaction.constraint], None, float(reaction.factor)) for reaction in reading.reactions)
+    rows, gaps = _Rows(), _Gaps()
+    found = [
+        gaps.part(reading) if reading.reactions or len(reading.own) != 1 else rows.part(reading.own[0])
         for reading in readings
     ]
+    terms: list[tuple[Part, ...]] = [() for _ in outputs]
+    terms += [tuple(rows.part(term) for term in reading.terms) for reading in measured]
+    n_given = assembly.system.n_coordinates + len(assembly.kinematics.imposed)
+    columns = dict(enumerate(gaps.found, n_given))
     problem = Problem(
-        laws,
+        _laws(assembly, columns),
         assembly.system.n_coordinates,
-        tuple(_excitation(assembly, one, [(gaps[c], r.motion) for c, r in opened.items()]) for one in excitations),
+        tuple(_excitation(assembly, one, columns) for one in excitations),
         tuple(rows.rows),
-        tuple(gaps.values()),
+        tuple(columns),
     )
     applied = np.zeros((len(readings), len(excitations)))
     for number, reading in enumerate(measured, len(outputs)):
         for column, one in enumerate(excitations):
             applied[number, column] = float(reading.applied(one.of)) if one.quantity == "torque" else 0.0
-    parts = tuple(left + right for left, right in zip(own, torques, strict=True))
-    return Posed(problem, parts, tuple(terms), applied)
+    parts = (part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in found)
+    return Posed(problem, tuple(parts), tuple(terms), applied)
 
 
-def _excitation(
-    assembly: Assembly, excitation: Input, gaps: Sequence[tuple[int, Mapping[str, Fraction]]]
-) -> Excitation:
+def _laws(assembly: Assembly, gaps: Mapping[int, Gap]) -> Sequence[Row]:
+    """Rows of all laws over all columns."""
+    laws = list(assembly.law_columns)
+    for column, gap in gaps.items():
+        for law, work in gap.laws.items():
+            laws[law] = {**laws[law], column: float(work)}
+    return laws
+
+
+def _excitation(assembly: Assembly, excitation: Input, gaps: Mapping[int, Gap]) -> Excitation:
     effect = assembly.columns_of(exact_row(assembly.kinematics.reduced({excitation.of: 1})))
     if excitation.quantity == "angle":
         return Excitation(motion=effect)
-    at_gaps = {column: float(motion[excitation.of]) for column, motion in gaps if excitation.of in motion}
+    at_gaps = {j: float(gap.nodes[excitation.of]) for j, gap in gaps.items() if excitation.of in gap.nodes}
     return Excitation(load={**effect, **at_gaps})
 
 
 @dataclass
 class _Rows:
-    """Rows asked for, each once."""
+    """Motions asked for, each once."""
 
     rows: list[Row] = field(default_factory=list)
     numbers: dict[frozenset[tuple[int, float]], int] = field(default_factory=dict)
 
-    def parts(self, terms: Sequence[Term]) -> Iterator[Part]:
-        for term in terms:
-            number = self.numbers.setdefault(frozenset(term.columns.items()), len(self.rows))
-            if number == len(self.rows):
-                self.rows.append(dict(term.columns))
-            yield Part(number, term)
+    def part(self, term: Term) -> Part:
+        number = self.numbers.setdefault(frozenset(term.columns.items()), len(self.rows))
+        if number == len(self.rows):
+            self.rows.append(dict(term.columns))
+        return Part(number, term)
+
+
+@dataclass
+class _Gaps:
+    """Torques asked for, each once; those at several ports of one element may be the same up to a factor."""
+
+    found: list[Gap] = field(default_factory=list)
+    numbers: dict[tuple[frozenset[tuple[Any, Fraction]], ...], int] = field(default_factory=dict)
+
+    def part(self, reading: Functional) -> Part:
+        """All terms of the torque as one: where they cancel, their exact coefficients do so beforehand."""
+        laws: dict[int, Fraction] = {}
+        for term in reading.terms:
+            if term.law is not None:
+                laws[term.law] = laws.get(term.law, Fraction(0)) - term.factor
+        nodes = {node: reading.applied(node) for reaction in reading.reactions for node in reaction.motion}
+        sizes = [*laws.items(), *nodes.items()]
+        factor = next((size for _, size in sizes if size), Fraction(1))
+        laws = {law: work / factor for law, work in laws.items() if work}
+        nodes = {node: share / factor for node, share in nodes.items() if share}
+        number = self.numbers.setdefault((frozenset(laws.items()), frozenset(nodes.items())), len(self.found))
+        if number == len(self.found):
+            self.found.append(Gap(laws, nodes))
+        return Part(number, None, float(factor))

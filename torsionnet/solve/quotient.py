@@ -40,8 +40,9 @@ def transfer_functions(question: Question, kappa: LawStiffness, method: str = "a
     """Outputs over inputs."""
     posed, n_out = question.posed, len(question.outputs)
     found = METHODS[method](posed.problem, kappa)
-    readings, lost = _readings(posed, kappa, found.values)
-    values, doubtful, conditioning = readings[:, :n_out], found.doubtful | lost, np.ones(kappa.n_lanes)
+    with np.errstate(invalid="ignore"):
+        readings = _readings(posed, kappa, found.values)
+    values, doubtful, conditioning = readings[:, :n_out], found.doubtful, np.ones(kappa.n_lanes)
     if question.is_measured:
         measured = readings[:, n_out:]
         values = _divide(values, measured)
@@ -51,19 +52,12 @@ def transfer_functions(question: Question, kappa: LawStiffness, method: str = "a
     return Lanes(values, conditioning, doubtful)
 
 
-def _readings(posed: Posed, kappa: LawStiffness, solved: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_]]:
-    """Readings (n_lanes, n_readings, n_exc), and lanes (n_lanes,) in which one is a small difference."""
-    values = np.zeros((kappa.n_lanes, len(posed.parts), solved.shape[1]), dtype=complex)
-    lost = np.zeros(kappa.n_lanes, dtype=bool)
-    with np.errstate(all="ignore"):
-        for number, reading in enumerate(posed.parts):
-            parts = [part.of(kappa, solved).T for part in reading]
-            for part in parts:
-                values[:, number] += part
-            if len(parts) > 1:
-                largest = np.max([np.abs(part) for part in parts], axis=0)
-                lost |= (largest > LARGE * np.abs(values[:, number])).any(axis=1)
-    return values, lost
+def _readings(posed: Posed, kappa: LawStiffness, solved: ComplexArray) -> ComplexArray:
+    """Readings (n_lanes, n_readings, n_exc)."""
+    values = np.empty((kappa.n_lanes, len(posed.parts), solved.shape[1]), dtype=complex)
+    for number, part in enumerate(posed.parts):
+        values[:, number] = part.of(kappa, solved).T
+    return values
 
 
 def _shares(posed: Posed, kappa: LawStiffness, solved: ComplexArray, measured: ComplexArray) -> FloatArray:

@@ -43,56 +43,59 @@ def settled(
     lanes = np.flatnonzero(found.doubtful)
     if not len(lanes):
         return found
-    error = _errors(question, kappa.at(lanes), found.values[lanes])
-    poor, error = lanes[error > ENOUGH], error[error > ENOUGH]
-    worst_first = np.argsort(-error, kind="stable")
+    errors = _errors(question, kappa.at(lanes), found.values[lanes])
+    worst = errors.max(axis=(1, 2), initial=0.0)
+    order = [place for place in np.argsort(-worst, kind="stable").tolist() if worst[place] > ENOUGH]
     most = max(1, MOST_WORK // max(1, kappa.n_laws))
     values = found.values.copy()
-    left = _in_many_digits(assemblies, question, frequencies, values, poor[worst_first[:most]])
-    rest = {*left, *poor[worst_first[most:]].tolist()}
-    uncertain = [(lane, size) for lane, size in zip(poor.tolist(), error.tolist(), strict=True) if lane in rest]
+    exact = _ManyLanes(assemblies, question, frequencies)
+    uncertain = [(lanes[place], worst[place]) for place in order[most:]]
+    for place in order[:most]:
+        known = exact.transfer_function(lanes[place])
+        if known is None:
+            uncertain.append((lanes[place], worst[place]))
+        else:
+            values[lanes[place]] = np.where(errors[place] > ENOUGH, known, values[lanes[place]])
     if uncertain:
         _warn(uncertain, np.tile(frequencies, len(assemblies)))
     return replace(found, values=values)
 
 
 def _errors(question: Question, kappa: LawStiffness, values: ComplexArray) -> FloatArray:
-    """Relative error (n_lanes,) to be expected: what some rounding of all stiffnesses changes."""
+    """Relative errors (n_lanes, n_out, n_in) to be expected: what some rounding of all stiffnesses changes."""
     random, by_law = np.random.default_rng(0), kappa.by_law
-    size = np.abs(values)
-    error = np.where(np.isfinite(values).all(axis=(1, 2)), 0.0, np.inf)
+    error = np.where(np.isfinite(values), 0.0, np.inf)
     for _ in range(DRAWS):
         moved = by_law * (1 + STEP * random.uniform(0.5, 1, by_law.shape) * random.choice([-1.0, 1.0], by_law.shape))
         again = transfer_functions(question, kappa.sampled_as(moved)).values
         with np.errstate(all="ignore"):
-            change = np.abs(again - values) / size
+            change = np.abs(again - values) / np.abs(values)
         change[again == values] = 0.0
         change[np.isnan(change)] = np.inf
-        error = np.maximum(error, change.max(axis=(1, 2)))
+        error = np.maximum(error, change)
     return np.asarray(error)
 
 
-def _in_many_digits(
-    assemblies: Sequence[Assembly], question: Question, frequencies: FloatArray, values: ComplexArray, lanes: FloatArray
-) -> list[int]:
-    """Put the right values in; returns the lanes in which even that failed."""
-    import mpmath
+class _ManyLanes:
+    """Lanes in many digits."""
 
-    left: list[int] = []
-    with mpmath.workdps(DIGITS):
-        asked: dict[int, ManyDigits] = {}
-        for lane in lanes.tolist():
-            variant, number = divmod(lane, len(frequencies))
-            if variant not in asked:
-                asked[variant] = ManyDigits(assemblies[variant], question)
-            s = mpmath.mpc(0, 2 * mpmath.pi * mpmath.mpf(frequencies[number]))
+    def __init__(self, assemblies: Sequence[Assembly], question: Question, frequencies: FloatArray) -> None:
+        self.assemblies, self.question, self.frequencies = assemblies, question, frequencies
+        self.asked: dict[int, ManyDigits] = {}
+
+    def transfer_function(self, lane: int) -> ComplexArray | None:
+        """Exact to double precision, (n_out, n_in); None where even many digits are not enough."""
+        import mpmath
+
+        variant, number = divmod(lane, len(self.frequencies))
+        with mpmath.workdps(DIGITS):
+            if variant not in self.asked:
+                self.asked[variant] = ManyDigits(self.assemblies[variant], self.question)
             try:
-                exact = asked[variant].transfer(s)
+                found = self.asked[variant].transfer(mpmath.mpc(0, 2 * mpmath.pi * mpmath.mpf(self.frequencies[number])))
             except SolveError:
-                left.append(lane)
-                continue
-            values[lane] = [[complex(np.inf) if x is None else complex(x) for x in row] for row in exact]
-    return left
+                return None
+            return np.array([[complex(np.inf) if x is None else complex(x) for x in row] for row in found])
 
 
 def _warn(uncertain: Sequence[tuple[int, float]], frequencies: FloatArray) -> None:

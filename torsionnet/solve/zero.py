@@ -16,8 +16,8 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.solve.many_digits import DIGITS, ManyDigits
 from torsionnet.solve.question import Question
 
-SMALL = 30
-"""s is 10^-30 of the slowest rate of the system."""
+SMALL = 25
+"""s is 10^-25 of the slowest rate of the system."""
 
 
 def at_zero(drivetrain: Drivetrain, question: Question) -> ComplexArray:
