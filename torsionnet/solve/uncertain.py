@@ -92,7 +92,9 @@ class _ManyLanes:
             if variant not in self.asked:
                 self.asked[variant] = ManyDigits(self.assemblies[variant], self.question)
             try:
-                found = self.asked[variant].transfer(mpmath.mpc(0, 2 * mpmath.pi * mpmath.mpf(self.frequencies[number])))
+                found = self.asked[variant].transfer(
+                    mpmath.mpc(0, 2 * mpmath.pi * mpmath.mpf(self.frequencies[number]))
+                )
             except SolveError:
                 return None
             return np.array([[complex(np.inf) if x is None else complex(x) for x in row] for row in found])
