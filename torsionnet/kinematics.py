@@ -110,11 +110,8 @@ def solve_kinematics(
     parts = owned_parts(definition, value)
     imposed = imposed_rows(definition, nodes)
     driven = tuple(definition.inputs[name].of for name in imposed)
-    if (
-        like is not None
-        and not referred_to
-        and (nodes, tuple(imposed), driven) == (like.nodes, like.imposed, like.driven)
-    ):
+    same = like is not None and (nodes, tuple(imposed), driven) == (like.nodes, like.imposed, like.driven)
+    if like is not None and same and not referred_to:
         again = replace(like, parts=parts)
         if again.constraints == like.constraints:
             return again

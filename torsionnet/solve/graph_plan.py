@@ -16,7 +16,7 @@ Given columns (imposed angles, gaps of rigid connections) are in all rows and ne
 is known. The reaction on one of them, g, is what arrives there, sum_l w_l l_g - sum_e kappa_e a_eg (a_e q); it is taken
 as soon as a single row is left that knows g, so that nothing is subtracted there either.
 
-Coordinates with few neighbours go first: on a tree the leaves, without fill.
+Coordinates with few rows go first: on a tree the leaves, without fill.
 """
 
 from __future__ import annotations
@@ -30,6 +30,8 @@ from torsionnet.solve.row_algebra import Row, Table, clique, combined, common_mo
 
 MOST_ROWS = 2
 """Rows on one coordinate, as a multiple of what links and grounds would be, from which on they become such."""
+ALWAYS = 30
+"""Up to so many rows stay as they are: what is split subtracts."""
 
 
 def make_plan(
@@ -93,6 +95,7 @@ class _Planner:
             steps=steps,
             outputs=self.outputs,
             reactions=tuple(self.taken[column] for column in self.reactions),
+            subtracts=self.scale is not None,
         )
 
     # --- rows -------------------------------------------------------------------------------------------------------
@@ -135,32 +138,32 @@ class _Planner:
     # --- order ------------------------------------------------------------------------------------------------------
 
     def _order(self) -> Iterable[int]:
-        """Coordinates as they come to have the fewest neighbours; each is eliminated before the next is asked for.
+        """Coordinates as they come to have the fewest rows; each is eliminated before the next is asked for.
 
-        Among equals the one with the fewest rows goes first: one without inertia often passes on nothing at all.
+        Among links and grounds these are those with the fewest neighbours: on a tree the leaves, without fill.
         """
         touched = {*self.laws.touching, *self.loads.touching, *self.motions.touching}
         names = {j for j in touched if j < self.n_free} - {self.last}
-        waiting = [(*self._degree(v), v) for v in names]
+        waiting = [(self._rows_on(v), v) for v in names]
         heapq.heapify(waiting)
         while waiting:
-            *degree, v = heapq.heappop(waiting)
+            expected, v = heapq.heappop(waiting)
             if v not in names:
                 continue
-            now = self._degree(v)
-            if now > tuple(degree):
-                heapq.heappush(waiting, (*now, v))
+            now = self._rows_on(v)
+            if now > expected:
+                heapq.heappush(waiting, (now, v))
                 continue
             names.discard(v)
             around = self._neighbours(v) & names
             yield v
             for j in around:
-                heapq.heappush(waiting, (*self._degree(j), j))
+                heapq.heappush(waiting, (self._rows_on(j), j))
         if self.last is not None:
             yield self.last
 
-    def _degree(self, coordinate: int) -> tuple[int, int]:
-        return len(self._neighbours(coordinate)), len(self.laws.touching.get(coordinate, ()))
+    def _rows_on(self, coordinate: int) -> int:
+        return len(self.laws.touching.get(coordinate, ()))
 
     def _neighbours(self, coordinate: int) -> set[int]:
         rows = self.laws.rows
@@ -213,7 +216,7 @@ class _Planner:
     def _split(self, v: int) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
         """Where rows on v would multiply, hand those that are not along the common motion to links and grounds."""
         numbers = self.laws.touching.get(v, set())
-        if len(numbers) <= MOST_ROWS * (len(self._neighbours(v)) + 1):
+        if len(numbers) <= max(ALWAYS, MOST_ROWS * (len(self._neighbours(v)) + 1)):
             return
         if self.scale is None:
             self.scale = collections.defaultdict(lambda: 1.0, common_motion(self.laws.rows))

@@ -64,7 +64,7 @@ class ManyDigits:
             for one in question.excitations
         ]
 
-    def transfer(self, s: Number) -> list[list[Number | None]]:
+    def transfer(self, s: Number) -> list[list[Number]] | None:
         """Outputs over inputs at one s; None where the measured inputs do not tell the excitations apart.
 
         Raises
@@ -156,15 +156,17 @@ def _add(row: dict[int, Number], column: int, value: Number) -> None:
     row[column] = row.get(column, 0) + value
 
 
-def _quotient(outputs: list[list[Number]], measured: list[list[Number]]) -> list[list[Number | None]]:
+def _quotient(outputs: list[list[Number]], measured: list[list[Number]]) -> list[list[Number]] | None:
+    """Outputs times the inverse of the measured inputs, sums in which nothing is left being 0."""
     import mpmath
 
-    below = mpmath.matrix(measured)
+    below, share = mpmath.matrix(measured), mpmath.mpf(10) ** -TRUSTED
     try:
         inverse = mpmath.inverse(below)
     except ZeroDivisionError:
-        return [[None] * len(measured) for _ in outputs]
-    if mpmath.mnorm(inverse, 1) * mpmath.mnorm(below, 1) > mpmath.mpf(10) ** TRUSTED:
-        return [[None] * len(measured) for _ in outputs]
-    quotient = mpmath.matrix(outputs) * inverse
-    return [[quotient[i, j] for j in range(len(measured))] for i in range(len(outputs))]
+        return None
+    if mpmath.mnorm(inverse, 1) * mpmath.mnorm(below, 1) * share > 1:
+        return None
+    places = range(len(measured))
+    parts = [[[row[k] * inverse[k, j] for k in places] for j in places] for row in outputs]
+    return [[_above(sum(terms), share * sum(abs(term) for term in terms)) for terms in row] for row in parts]

@@ -93,6 +93,8 @@ class Plan:
     steps : tuple of Step
     outputs : tuple of (motion slot or -1, factor)
     reactions : tuple of Reaction
+    subtracts : bool
+        Whether rows were split into links and grounds, some of them negative, which costs digits anywhere.
     """
 
     sources: tuple[tuple[tuple[int, float], ...], ...]
@@ -105,11 +107,7 @@ class Plan:
     steps: tuple[Step, ...]
     outputs: tuple[tuple[int, float], ...]
     reactions: tuple[Reaction, ...]
-
-    @property
-    def read_slots(self) -> frozenset[int]:
-        """Slots of kappa that reactions need after all steps."""
-        return frozenset(slot for reaction in self.reactions for slot, _, _ in reaction.laws)
+    subtracts: bool
 
 
 def felt(plan: Plan) -> tuple[frozenset[int], ...]:

@@ -50,11 +50,20 @@ class Question:
             if not reached:
                 msg = f"{reading.name} stays zero under a {driven} at every frequency; it cannot be a measured input"
                 raise UsageError(msg)
-        names = ", ".join(reading.name for reading in self.measured)
+        names = " and ".join(reading.name for reading in self.measured)
         for number, excitation in enumerate(self.excitations):
             if not any(number in reached for reached in felt):
-                msg = f"the {excitation} reaches none of {names}: they cannot be the measured inputs"
+                msg = f"{names} stay zero under a {excitation} at every frequency; they cannot be its measured inputs"
                 raise UsageError(msg)
+
+
+    def dependent(self) -> UsageError:
+        """What to say where measured inputs never tell the excitations apart."""
+        driven = " and ".join(str(excitation) for excitation in self.excitations)
+        names = " and ".join(reading.name for reading in self.measured)
+        if len(self.measured) == 1:
+            return UsageError(f"{names} stays zero under a {driven} at every frequency; it cannot be a measured input")
+        return UsageError(f"{names} depend on each other under {driven}: they cannot be measured inputs together")
 
 
 def remembered(

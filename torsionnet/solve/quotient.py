@@ -45,10 +45,9 @@ def transfer_functions(question: Question, kappa: LawStiffness, method: str = "a
     values, doubtful, conditioning = readings[:, :n_out], found.doubtful, np.ones(kappa.n_lanes)
     if question.is_measured:
         measured = readings[:, n_out:]
-        values = _divide(values, measured)
-        apart = _independence(measured)
+        values, lost, apart = _divide(values, measured)
         conditioning = _shares(posed, kappa, found.values, measured).max(axis=2).min(axis=1) * apart
-        doubtful = doubtful | ~(apart * LARGE > 1) | ~np.isfinite(values).all(axis=(1, 2))
+        doubtful = doubtful | lost
     return Lanes(values, conditioning, doubtful)
 
 
@@ -71,27 +70,39 @@ def _shares(posed: Posed, kappa: LawStiffness, solved: ComplexArray, measured: C
         return np.divide(np.abs(measured), sizes, out=np.zeros(sizes.shape), where=sizes > 0)
 
 
-def _divide(outputs: ComplexArray, measured: ComplexArray) -> ComplexArray:
-    """Y_out Y_in^-1 for every lane; inf where the measured inputs do not tell the excitations apart."""
-    if measured.shape[1:] == (1, 1):
-        with np.errstate(divide="ignore", invalid="ignore"):
-            quotient = outputs / measured
-        return np.where(measured == 0, np.inf + 0j, quotient)
-    result = np.empty((len(outputs), outputs.shape[1], measured.shape[1]), dtype=complex)
-    for number, (above, below) in enumerate(zip(outputs, measured, strict=True)):
+def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_], FloatArray]:
+    """Y_out Y_in^-1 of every lane, lanes that lose digits in it, and how well Y_in tells the excitations apart.
+
+    The last is 1 at best and 0 where it does not at all; there the quotient is inf.
+    """
+    n_lanes, n_in, _ = measured.shape
+    with np.errstate(all="ignore"):
+        if n_in == 1:
+            quotient = np.where(measured == 0, np.inf + 0j, outputs / measured)
+            return quotient, ~np.isfinite(quotient).all(axis=(1, 2)), np.ones(n_lanes)
+        rows = np.abs(measured).max(axis=2, keepdims=True)
+        columns = (np.abs(measured) / rows).max(axis=1, keepdims=True)
+        normed = measured / rows / columns
+        normed[~np.isfinite(normed)] = 0.0
+        singular = np.linalg.svd(normed, compute_uv=False)
+        apart = singular[:, -1] / np.maximum(singular[:, 0], 1e-300)
+        inverse, size = _inverse(normed)
+        scale = 1 / columns.swapaxes(1, 2) / rows.swapaxes(1, 2)
+        quotient = outputs @ (inverse * scale)
+        lost = (LARGE * np.abs(quotient) < np.abs(outputs) @ (size * scale)).any(axis=(1, 2))
+        return quotient, lost | ~(apart * LARGE > 1) | ~np.isfinite(quotient).all(axis=(1, 2)), apart
+
+
+def _inverse(matrices: ComplexArray) -> tuple[ComplexArray, FloatArray]:
+    """Of every matrix, inf where it is singular; and of what size the rounding of each entry is."""
+    if matrices.shape[1] == 2:  # noqa: PLR2004
+        (a, b), (c, d) = matrices.transpose(1, 2, 0)
+        inverse = (np.array([[d, -b], [-c, a]]) / (a * d - b * c)).transpose(2, 0, 1)
+        return inverse, np.abs(inverse)
+    inverse = np.empty(matrices.shape, dtype=complex)
+    for number, matrix in enumerate(matrices):
         try:
-            result[number] = np.linalg.solve(below.T, above.T).T
+            inverse[number] = np.linalg.inv(matrix)
         except np.linalg.LinAlgError:
-            result[number] = np.inf
-    return result
-
-
-def _independence(measured: ComplexArray) -> FloatArray:
-    """How well several measured inputs tell the excitations apart: 1 at best, 0 not at all."""
-    if measured.shape[1] == 1:
-        return np.ones(len(measured))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        normed = measured / np.abs(measured).max(axis=2, keepdims=True)
-    normed[~np.isfinite(normed)] = 0.0
-    singular = np.linalg.svd(normed, compute_uv=False)
-    return np.asarray(singular[:, -1] / np.maximum(singular[:, 0], 1e-300))
+            inverse[number] = np.inf
+    return inverse, np.broadcast_to(np.abs(inverse).max(axis=(1, 2), keepdims=True), inverse.shape)

@@ -72,5 +72,5 @@ def _respond(problem: Problem, kappa: LawStiffness, walk: Walk) -> Sweep:
             found, lost = walk(part.tape, kappa.gathered(part.plan.sources))
             columns = slice(None) if len(parts) == 1 else slice(number, number + 1)
             values[:, columns] = found.reshape(problem.n_read, len(part.excitations), kappa.n_lanes)
-            doubtful |= lost
+            doubtful |= lost | part.plan.subtracts
     return Sweep(values, doubtful | ~np.isfinite(values).all(axis=(0, 1)))

@@ -91,11 +91,11 @@ def responses(drivetrains: Sequence[Drivetrain], question: Question, f: FloatArr
 
 
 def _static(drivetrain: Drivetrain, question: Question, method: str) -> ComplexArray:
-    """Values at zero frequency: the static solution where it is finite, else the limit."""
+    """Values at zero frequency: the static solution where it is finite and beyond doubt, else the limit."""
     if not rigid_motions(drivetrain.assembly.kinematics):
-        values = evaluate([drivetrain.assembly], question, np.zeros(1), method).values[0]
-        if np.isfinite(values).all():
-            return np.asarray(values)
+        found = transfer_functions(question, law_stiffness([drivetrain.assembly.system], np.zeros(1)), method)
+        if np.isfinite(found.values).all() and not found.doubtful[0]:
+            return found.values[0]
     return at_zero(drivetrain, question)
 
 

@@ -39,6 +39,11 @@ def settled(
     kappa : LawStiffness
         Of all lanes.
     found : Lanes
+
+    Raises
+    ------
+    UsageError
+        The measured inputs depend on each other at every frequency.
     """
     lanes = np.flatnonzero(found.doubtful)
     if not len(lanes):
@@ -84,20 +89,27 @@ class _ManyLanes:
         self.asked: dict[int, ManyDigits] = {}
 
     def transfer_function(self, lane: int) -> ComplexArray | None:
-        """Exact to double precision, (n_out, n_in); None where even many digits are not enough."""
+        """Exact to double precision, (n_out, n_in); None where even many digits are not enough.
+
+        Raises
+        ------
+        UsageError
+            The measured inputs depend on each other here, and then everywhere: a frequency in Hz is no exact root.
+        """
         import mpmath
 
         variant, number = divmod(lane, len(self.frequencies))
         with mpmath.workdps(DIGITS):
             if variant not in self.asked:
                 self.asked[variant] = ManyDigits(self.assemblies[variant], self.question)
+            omega = 2 * mpmath.pi * mpmath.mpf(self.frequencies[number])
             try:
-                found = self.asked[variant].transfer(
-                    mpmath.mpc(0, 2 * mpmath.pi * mpmath.mpf(self.frequencies[number]))
-                )
+                found = self.asked[variant].transfer(mpmath.mpc(0, omega))
             except SolveError:
                 return None
-            return np.array([[complex(np.inf) if x is None else complex(x) for x in row] for row in found])
+            if found is None:
+                raise self.question.dependent()
+            return np.array([[complex(value) for value in row] for row in found])
 
 
 def _warn(uncertain: Sequence[tuple[int, float]], frequencies: FloatArray) -> None:

@@ -21,21 +21,30 @@ SMALL = 25
 
 
 def at_zero(drivetrain: Drivetrain, question: Question) -> ComplexArray:
-    """Limit (n_out, n_in) for s -> 0; inf where it grows without bound."""
+    """Limit (n_out, n_in) for s -> 0; inf where it grows without bound.
+
+    Raises
+    ------
+    UsageError
+        The measured inputs depend on each other whatever s.
+    """
     import mpmath
 
     assembly = drivetrain.assembly
     with mpmath.workdps(DIGITS):
-        start = mpmath.mpf(smallest_rate(assembly.system)) * mpmath.mpf(10) ** -SMALL
+        rate = mpmath.mpf(smallest_rate(assembly.system))
         asked = ManyDigits(assembly, question)
-        first, second = (asked.transfer(s) for s in (start, start / 10))
-        return np.array(
-            [[_limit(a, b) for a, b in zip(*rows, strict=True)] for rows in zip(first, second, strict=True)]
-        )
+        first, second = (asked.transfer(rate * mpmath.mpf(10) ** -power) for power in (SMALL, SMALL + 1))
+        if first is not None and second is not None:
+            pairs = (zip(*rows, strict=True) for rows in zip(first, second, strict=True))
+            return np.array([[_limit(*pair) for pair in row] for row in pairs])
+        if asked.transfer(rate * mpmath.mpc(1, 1)) is None:
+            raise question.dependent()
+    return np.full((len(question.outputs), len(question.measured)), complex(np.inf))
 
 
 def _limit(first: Any, second: Any) -> complex:
     """The value two steps agree on: ten times larger at a tenth of s is a pole, ten times smaller a zero."""
-    if first is None or second is None or abs(second) > 5 * abs(first):
+    if abs(second) > 5 * abs(first):
         return complex(np.inf, 0.0)
     return 0j if abs(second) < abs(first) / 5 else complex(second)
