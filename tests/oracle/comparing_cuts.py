@@ -10,7 +10,7 @@ from __future__ import annotations
 import networkx as nx
 from flint import acb, acb_mat
 
-from oracle.calls import TOLERANCE, Context, called, failed
+from oracle.calls import TOLERANCE, Context, Outcome, called, failed
 from oracle.comparing_poles import compare_modes, estimate
 from oracle.description import GROUND, Model, Reading
 from oracle.elimination import SingularError, determinant
@@ -22,27 +22,28 @@ MOST_FREEDOM = 10
 
 
 def compare_measured_poles(context: Context, asked: Asked) -> None:
-    """All poles, where no law depends on frequency."""
-    mechanics, question = context.mechanics, asked.question
-    if mechanics.is_frequency_dependent or mechanics.freedom > MOST_FREEDOM or vanishes(mechanics, asked):
+    """All poles, where no law depends on frequency; a torque handed over to ground has nothing behind it."""
+    mechanics, measured = context.mechanics, asked.question.measured
+    to_ground = any(r.quantity == "torque" and mechanics.parts[r.of].ports[r.port] == GROUND for r in measured)
+    if mechanics.is_frequency_dependent or mechanics.freedom > MOST_FREEDOM or to_ground or vanishes(mechanics, asked):
         return
-    if any(r.quantity == "torque" and mechanics.parts[r.of].ports[r.port] == GROUND for r in question.measured):
-        return  # nothing is behind it
     driven = {"measured_input": list(asked.inputs), "excitation": list(asked.excitations)}
     outcome = called(lambda: context.drivetrain.modes(**driven))
-    about = f"{asked.inputs}, excitation {asked.excitations}"
-    rest = cut_off(mechanics.model, question.measured[0], question.excitations) if len(question.measured) == 1 else None
+    rest = cut_off(mechanics.model, measured[0], asked.question.excitations) if len(measured) == 1 else None
     name = "poles of measured inputs" if rest is None else "poles behind a cut"
     if outcome.is_refused and "are not calculated then" in str(outcome.error) and mechanics.model.imposed:
         context.refused(name)
-        return
-    if failed(context, name, outcome, f"for {about}"):
-        return
-    if rest is not None:
-        compare_modes(context, name, Mechanics(rest), outcome)
-        return
+    elif not failed(context, name, outcome, f"for {asked.inputs}, excitation {asked.excitations}"):
+        if rest is not None:
+            compare_modes(context, name, Mechanics(rest), outcome)
+        else:
+            _compare_zeros(context, name, asked, outcome)
+
+
+def _compare_zeros(context: Context, name: str, asked: Asked, outcome: Outcome) -> None:
+    about = f"{asked.inputs}, excitation {asked.excitations}"
     try:
-        right = [complex(root) for root in zeros(mechanics, asked)]
+        right = [complex(root) for root in zeros(context.mechanics, asked)]
     except SingularError:
         return  # a double root; rare
     given = [complex(value) for value in outcome.value.eigenvalues if value != 0]
