@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 import torsionnet as tn
 from oracle.calls import Context, called, failed
+from oracle.comparing_cuts import compare_measured_poles
 from oracle.comparing_poles import compare_poles
 from oracle.comparing_responses import compare_responses, parametric, respond, symbols
 from oracle.description import Model
@@ -38,12 +39,14 @@ def compare_model(seed: str, model: Model, chance: random.Random, tally: Tally) 
     context = Context(seed, mechanics, built.value, tally)
     if failed(context, "building", built):
         return
-    f = frequencies(compare_poles(context), chance)
+    lowest = chance.choice((0, 1, 2, 5, 20))
+    f = frequencies(compare_poles(context, lowest), chance)
     _compare_responses(context, f, chance)
     for asked in measured_questions(mechanics, chance):
         alone = len(asked.inputs) == 1
         name = "measured input" if alone else "several measured inputs"
         compare_responses(context, name, asked, [0.0, *f], respond(built.value), exact_zeros=alone)
+        compare_measured_poles(context, asked)
     for asked in refused_questions(mechanics, chance):
         _expect_refusal(context, asked)
     if len(model.nodes) <= MOST_SYMBOLIC and chance.random() < SHARES["symbols"]:

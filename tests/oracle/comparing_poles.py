@@ -9,23 +9,53 @@ from fractions import Fraction
 from math import inf, nan, pi
 from typing import Any
 
-from oracle.calls import TOLERANCE, Context, called, failed
+from oracle.calls import TOLERANCE, Context, Outcome, called, failed
 from oracle.poles import Poles
 from oracle.solution import Mechanics
 
 
-def compare_poles(context: Context) -> list[complex]:
-    """All eigenvalues and undamped frequencies; gives the eigenvalues other than zero, those with Im >= 0.
+def compare_poles(context: Context, lowest: int = 0) -> list[complex]:
+    """All eigenvalues and undamped frequencies, and the lowest asked for alone where ``lowest`` is not 0.
+
+    Gives the eigenvalues other than zero, those with Im >= 0.
+    """
+    name = "poles, frequency-dependent" if context.mechanics.is_frequency_dependent else "poles"
+    outcome = called(context.drivetrain.modes)
+    if failed(context, name, outcome):
+        return []
+    compare_undamped(context, outcome.value)
+    if lowest:
+        compare_lowest(context, list(outcome.value.eigenvalues), lowest)
+    return compare_modes(context, name, context.mechanics, outcome)
+
+
+def compare_lowest(context: Context, every: Sequence[complex], number: int) -> None:
+    """Some modes beside all of them, which are compared for themselves."""
+    name = "lowest poles"
+    outcome = called(lambda: context.drivetrain.modes(lowest=number))
+    if failed(context, name, outcome, f"for lowest={number}"):
+        return
+    found, right = list(outcome.value.eigenvalues), sorted(every, key=abs)[:number]
+    if len(found) != len(right):
+        context.wrong(name, f"their number for lowest={number}", str(right), str(found))
+        return
+    for given, expected in zip(sorted(found, key=abs), right, strict=True):
+        off = abs(given - expected) / abs(expected) if expected else 0.0 if given == 0 else inf
+        if off <= TOLERANCE:
+            context.agreed(name, off)
+        elif outcome.warned:
+            context.warned(name)
+        else:
+            context.wrong(name, f"lowest={number}", repr(complex(expected)), repr(complex(given)), off)
+
+
+def compare_modes(context: Context, name: str, mechanics: Mechanics, outcome: Outcome) -> list[complex]:
+    """Eigenvalues beside the roots of det D of these mechanics.
 
     Where stiffness depends on frequency, each must be a root of det D frozen at its own frequency, but how many there
     are is not known beforehand.
     """
-    frozen = context.mechanics.is_frequency_dependent
-    name = "poles, frequency-dependent" if frozen else "poles"
-    outcome = called(context.drivetrain.modes)
-    if failed(context, name, outcome):
-        return []
-    modes, poles = outcome.value, Poles(context.mechanics)
+    frozen, modes, poles = mechanics.is_frequency_dependent, outcome.value, Poles(mechanics)
     moving = [i for i, kind in enumerate(modes.kinds) if kind != "rigid body"]
     found = [complex(modes.eigenvalues[i]) for i in moving]
     every = found + [z.conjugate() for z in found if z.imag > 0]
@@ -40,7 +70,6 @@ def compare_poles(context: Context) -> list[complex]:
         _compare_each(context, name, poles, found, corrections, settled, estimate(outcome.warned))
         if not frozen and not outcome.warned and (missed := crowded(poles, every, found, corrections)):
             context.wrong(name, missed, shown(poles))
-        compare_undamped(context, modes)
     return [z for z in found if z]
 
 

@@ -20,6 +20,7 @@ GROWTH = {
     "spring": 20, "damper": 4, "hysteretic_spring": 3, "tabulated_spring": 3, "gear": 10, "compliant_gear": 5,
     "housed_gear": 5, "planetary": 6, "differential": 5, "rigid_coupling": 6, "shaft": 5,
 }  # fmt: skip
+EPICYCLIC = {"planetary": 4, "differential": 4, "housed_gear": 3, "spring": 6, "damper": 2, "gear": 2}
 CLOSING = {
     "spring": 6, "damper": 3, "compliant_gear": 3, "consistent_gear": 4, "rigid_gear": 4, "hysteretic_spring": 1,
     "tabulated_spring": 1, "shaft": 1, "planetary": 2, "differential": 2, "parallel": 2,
@@ -27,6 +28,7 @@ CLOSING = {
 HOLDS = {
     "lock": 8, "spring": 5, "damper": 4, "hysteretic_spring": 1, "tabulated_spring": 1, "shaft": 1, "rigid_coupling": 1,
 }  # fmt: skip
+CLAMPS = {"lock": 8, "spring": 1, "damper": 1}
 FREQUENCY_DEPENDENT = ("hysteretic_spring", "tabulated_spring")
 
 
@@ -36,16 +38,17 @@ class Draw(Growing):
     def model(self) -> Model:
         size = self.chance.randint(*self.chance.choices(list(SIZES), list(SIZES.values()))[0])
         self.plain = self.sometimes(0.9 if size > LARGE else 0.5)
+        growth, holds = (EPICYCLIC, CLAMPS) if self.sometimes(0.25) else (GROWTH, HOLDS)
         while len(self.nodes) < size:
-            self.attempt(self.grow, self.choose(GROWTH))
-        heavy = self.chance.choice((0.4, 0.7, 0.9, 1.0))
+            self.attempt(self.grow, self.choose(growth))
+        heavy = self.chance.choice((0.15, 0.3, 0.6, 0.9, 1.0))
         for node in self.nodes:
             if self.sometimes(heavy):
                 self.add("inertia", node=node, inertia=self.J)
         for _ in range(self.chance.choice((0, 0, 1, 2, 3)) if size < LARGE else self.chance.randint(0, size // 4)):
             self.attempt(self.close, self.choose(CLOSING))
         for _ in range(self.chance.choice((0, 1, 1, 2, 3))):
-            self.attempt(self.hold, self.choose(HOLDS))
+            self.attempt(self.hold, self.choose(holds))
         if self.sometimes(0.05):
             self.clamp_twice()
         if self.sometimes(0.08):

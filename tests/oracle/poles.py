@@ -7,6 +7,7 @@ made from values on a circle, and its roots enclosed.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi
@@ -17,10 +18,10 @@ from oracle.elimination import SingularError, determinant
 from oracle.exact import ball, precision
 from oracle.solution import Mechanics
 
-BITS, MOST_BITS = 800, 200_000
+BITS = 800
 STEP = 240
 """Derivatives are differences over 2^-STEP of s."""
-ROOT_BITS = 80
+ROOT_BITS, ENOUGH, NUDGE = 80, 60, 60
 CIRCLE = 128
 """Points on a circle that is followed."""
 
@@ -55,21 +56,22 @@ class Poles:
 
     def correction(self, z: complex, omega: float | None = None) -> complex:
         """Newton's step p/p' at z for the polynomial without its roots at zero; nan where p' says nothing."""
-        bits = BITS
-        while bits <= 8 * BITS:
+        for bits in (BITS, 2 * BITS, 4 * BITS):
             with precision(bits):
-                try:
-                    s = acb(ball(z.real), ball(z.imag))
-                    frozen = None if omega is None else ball(omega)
-                    step = s * arb(2) ** -STEP
-                    here, there = self.value(s, frozen), self.value(s + step, frozen)
-                    slope = (there / here - 1) / step - self.count.zeros / s
-                    if (1 / slope).rel_accuracy_bits() > 60:
-                        return complex(1 / slope)
-                except (SingularError, ZeroDivisionError):
-                    pass
-            bits *= 2
+                s = acb(ball(z.real), ball(z.imag))
+                for nudge in (0, arb(2) ** -NUDGE):  # z may be a root in every digit
+                    try:
+                        step = self._step(s * (1 + nudge), None if omega is None else ball(omega))
+                    except (SingularError, ZeroDivisionError):
+                        continue
+                    if step.rel_accuracy_bits() > ENOUGH:
+                        return complex(step)
         return complex("nan")
+
+    def _step(self, s: acb, omega: arb | None) -> acb:
+        apart = s * arb(2) ** -STEP
+        growth = self.value(s + apart, omega) / self.value(s, omega)
+        return 1 / ((growth - 1) / apart - self.count.zeros / s)
 
     def number_inside(self, centre: complex, radius: float, omega: float | None = None) -> int:
         """Roots in a circle, by the turns that det D makes along it."""
@@ -84,23 +86,24 @@ class Poles:
         return round(turned / (2 * pi))
 
     def roots(self) -> list[acb]:
-        """All roots apart from zero, enclosed (for the report of what failed)."""
-        number = self.count.others
-        if number == 0:
-            return []
-        bits = 100 * number + 1000
-        while bits <= MOST_BITS:
-            with precision(bits):
-                try:
-                    return [acb(root) for root in self._polynomial().roots(tol=arb(2) ** -ROOT_BITS)]
-                except (SingularError, ValueError, ZeroDivisionError):
-                    bits *= 2
-        raise SingularError
+        """All roots apart from zero, enclosed; slow, for what failed."""
+        return polynomial_roots(lambda s: self.value(s, arb(0)) / s**self.count.zeros, self.count.others)
 
-    def _polynomial(self) -> acb_poly:
-        zeros, number = self.count.zeros, self.count.others
-        points = number + 1
-        unit = [(acb(2 * k) / points).exp_pi_i() for k in range(points)]
-        values = [self.value(s, arb(0)) / s**zeros for s in unit]
-        spectrum = acb.dft(values)
-        return acb_poly([value / points for value in spectrum])
+
+def polynomial_roots(value: Callable[[acb], acb], degree: int) -> list[acb]:
+    """Roots other than zero of a polynomial of at most this degree, from its values on the unit circle."""
+    for bits in (first := 100 * degree + 1000, 2 * first, 8 * first):
+        with precision(bits):
+            try:
+                points = [(acb(2 * k) / (degree + 1)).exp_pi_i() for k in range(degree + 1)]
+                spectrum = acb.dft([value(s) for s in points])
+                return [acb(root) for root in _trimmed(spectrum).roots(tol=arb(2) ** -ROOT_BITS)]
+            except (SingularError, ValueError, ZeroDivisionError):
+                continue
+    raise SingularError
+
+
+def _trimmed(coefficients: list[acb]) -> acb_poly:
+    """Without the zeros at both ends."""
+    known = [i for i, value in enumerate(coefficients) if not value.contains(0)]
+    return acb_poly(coefficients[known[0] : known[-1] + 1] if known else [acb(1)])

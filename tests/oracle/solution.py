@@ -87,9 +87,9 @@ class Mechanics:
         """The matrix [D A^T; A 0]."""
         table: dict[tuple[str, str], acb] = {}
         for law in self.laws:
-            kappa, row = law.kappa(s, omega), without_ground(law.row)
-            if kappa == 0:
+            if not law.acts("Jck"):
                 continue
+            kappa, row = law.kappa(s, omega), without_ground(law.row)
             for a, x in row.items():
                 for b, y in row.items():
                     term = kappa * ball(x * y)
