@@ -59,7 +59,7 @@ CHOSEN: dict[str, tuple[str, ...]] = {
     "torsionnet/signals": ("test_estimation", "test_processing", "test_recordings", "test_bench"),
     "torsionnet/modal": MODAL_FIT,
     "torsionnet/identification/operator": ("test_same_estimator", *FIT),
-    "torsionnet/identification/files": ("test_cli_fit", *FIT),
+    "torsionnet/identification/files": ("test_fit_files", "test_cli_fit"),
     "torsionnet/identification/saving": ("test_cli_fit", *FIT),
     "torsionnet/identification/words": (*FIT, "test_cli_fit"),
     "torsionnet/identification": FIT,
