@@ -138,6 +138,44 @@ class TestDelay:
         assert fit.correlation[0, 1] == pytest.approx(1)
 
 
+class TestProfileAtBounds:
+    """The closed form's lower end lies 0.06 below the value."""
+
+    LOW = BEST * np.exp(-stats.t.ppf(0.975, 9) * TestOneInertia.ERROR)
+
+    @pytest.mark.parametrize(("bound", "end"), [(LOW + 0.01, LOW + 0.01), (LOW - 0.01, LOW), (0.0, LOW)])
+    def test_below(self, bound, end):
+        fit = fitted({"J": tn.Unknown(start=2.0, bounds=(bound, 10.0))})
+        assert fit.profile("J")[0] == pytest.approx(end, abs=2e-3 * BEST * TestOneInertia.ERROR)
+
+    @pytest.mark.parametrize("more", [0.01, 0.03])
+    def test_above(self, more):
+        fit = fitted({"J": tn.Unknown(start=1.5, bounds=(1.0, BEST + more))})
+        assert fit.profile("J")[1] == pytest.approx(BEST + more, rel=1e-12)
+
+    def test_value_at_its_bound(self):
+        low, high = fitted({"J": tn.Unknown(start=3.0, bounds=(2.5, 4.0))}).profile("J")
+        squares = weighted(np.log(2.5 / INERTIA) ** 2 + LAG**2)
+        slope = np.sum(WEIGHT)
+        error = np.sqrt(squares / 9 / slope)
+        # Chi squared above the bound, less that at it: slope (log J - log BEST)^2 less its start.
+        rise = squares / 9 * stats.f.ppf(0.95, 1, 9)
+        expected = BEST * np.exp(np.sqrt((np.log(2.5) - LOG) ** 2 + rise / slope))
+        assert (low, high) == pytest.approx((2.5, expected), abs=2e-3 * 2.5 * error)
+
+    def test_what_is_not_determined_goes_from_bound_to_bound(self):
+        """Down to no inertia at all, of which there is no response."""
+        fit = fitted(measurements=measured(gain=True))
+        assert fit.profile("J") == (0.0, np.inf)
+        bounded = fitted({"J": tn.Unknown(bounds=(0.5, 30.0))}, measured(gain=True))
+        assert bounded.profile("J") == (0.5, 30.0)
+
+    def test_of_a_fit_that_was_saved(self, tmp_path):
+        fitted().to_yaml(tmp_path / "fit.yaml")
+        with pytest.raises(UsageError, match="has no data to profile"):
+            tn.identification.load_fit(tmp_path / "fit.yaml").profile("J")
+
+
 class TestPrior:
     @pytest.mark.parametrize(("mean", "deviation"), [(3.0, 0.05), (1.5, 0.2)])
     def test_counts_like_a_measurement(self, mean, deviation):

@@ -98,10 +98,12 @@ def test_trials_in_a_copy(tmp_path, monkeypatch):
     """With the doctests of a small module, which never see an empty array."""
     monkeypatch.setattr("mutation.trials.chosen_for", lambda module: [module])
     module = "torsionnet/signals/timing.py"
-    text, trials = (ROOT / module).read_text(encoding="utf-8"), Trials(tmp_path)
+    text, trials = (ROOT / module).read_text(encoding="utf-8"), Trials(tmp_path, 60)
     faults = {mutant.old: mutant for mutant in mutants(module, text)}
-    assert 0 < trials.usual(module)[1] < 60
-    assert not trials.survives(faults["intervals > GAP * np.median(intervals)"], 60)
-    assert trials.survives(faults["0"], 60)
-    assert not trials.survives(faults["0"], 0.1)
+    assert 0 < trials.usual(module) < 600
+    assert not trials.survives(faults["intervals > GAP * np.median(intervals)"])
+    assert trials.survives(faults["0"])
+    monkeypatch.setattr("mutation.trials.SPARE", 0.1)
+    monkeypatch.setattr(trials, "usual", lambda _: 0.0)
+    assert not trials.survives(faults["0"])
     assert (ROOT / module).read_text(encoding="utf-8") == (tmp_path / module).read_text(encoding="utf-8") == text

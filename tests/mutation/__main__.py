@@ -12,7 +12,7 @@ from pathlib import Path
 
 from mutation.chosen import PACKAGES
 from mutation.mutants import Mutant, mutants
-from mutation.trials import ROOT, SPARE, Trials
+from mutation.trials import ROOT, Trials
 
 
 def modules(paths: list[str]) -> dict[str, int | None]:
@@ -39,12 +39,9 @@ def sample(paths: list[str], number: int, seed: int) -> list[Mutant]:
 def tried(chosen: list[Mutant], most: float) -> Iterator[tuple[Mutant, bool]]:
     """Faults and whether they survive."""
     with tempfile.TemporaryDirectory() as folder:
-        trials = Trials(Path(folder))
+        trials = Trials(Path(folder), most)
         for mutant in chosen:
-            elapsed, cpu = trials.usual(mutant.module)
-            if cpu > most:
-                raise SystemExit(f"{mutant.module}: its tests take {cpu:.0f} s of the processor, more than {most:g}")
-            yield mutant, trials.survives(mutant, 3 * elapsed + SPARE)
+            yield mutant, trials.survives(mutant)
 
 
 def main() -> None:
@@ -52,7 +49,7 @@ def main() -> None:
     parser.add_argument("paths", nargs="*", default=PACKAGES, help="packages, modules or MODULE:LINE")
     parser.add_argument("-n", "--number", type=int, default=120, help="how many faults (120)")
     parser.add_argument("--seed", type=int, default=1, help="another sample")
-    parser.add_argument("--most", type=float, default=60.0, help="CPU seconds of a module's tests (60)")
+    parser.add_argument("--most", type=float, default=60.0, help="CPU seconds of tests for one fault (60)")
     given = parser.parse_args()
     alive, every = Counter(), Counter()
     for mutant, survives in tried(sample(list(given.paths), given.number, given.seed), given.most):

@@ -1,4 +1,4 @@
-"""For pytest: notes which functions every test calls; with a fault in one of them, its tests come first."""
+"""For pytest: notes which functions every test calls; with a fault in one of them, those that call it come first."""
 
 import json
 import os
@@ -10,9 +10,11 @@ import pytest
 from hypothesis import Phase, settings
 
 NOTES = Path(os.environ["MUTATION_NOTES"])
-"""Per test its seconds and the functions that it calls, each as path and line."""
+"""Per test its CPU seconds and the functions that it calls, each as path and line."""
 FAULTY = os.environ.get("MUTATION_FAULTY")
 """The function with the fault; None where there is none, and notes are taken."""
+MOST = float(os.environ["MUTATION_MOST"])
+"""CPU seconds that the tests of one fault may take together."""
 
 # The same examples every time, and no search for the simplest that fails.
 settings.register_profile(
@@ -25,12 +27,20 @@ taken = {}
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    if FAULTY is not None:
-        notes = json.loads(NOTES.read_text())
-        nothing = (0.0, [FAULTY])
-        items.sort(
-            key=lambda item: (FAULTY not in notes.get(item.nodeid, nothing)[1], notes.get(item.nodeid, nothing)[0])
-        )
+    if FAULTY is None:
+        return
+    notes, sums = json.loads(NOTES.read_text()), 0.0
+
+    def rank(item):
+        seconds, functions = notes.get(item.nodeid, (0.0, [FAULTY]))
+        return FAULTY not in functions, seconds
+
+    ordered = sorted(items, key=rank)
+    items.clear()
+    for item in ordered:
+        sums += rank(item)[1]
+        if sums <= MOST:
+            items.append(item)
 
 
 @pytest.hookimpl(hookwrapper=True)
@@ -38,7 +48,7 @@ def pytest_runtest_protocol(item):
     if FAULTY is not None:
         yield
         return
-    called, package, began = set(), f"{Path.cwd()}{os.sep}torsionnet", time.perf_counter()
+    called, package, began = set(), f"{Path.cwd()}{os.sep}torsionnet", time.process_time()
 
     def note(frame, _event, _argument):
         if frame.f_code.co_filename.startswith(package):
@@ -48,7 +58,7 @@ def pytest_runtest_protocol(item):
     yield
     sys.settrace(None)
     names = sorted(f"{Path(path).relative_to(Path.cwd())}:{line}" for path, line in called)
-    taken[item.nodeid] = time.perf_counter() - began, names
+    taken[item.nodeid] = time.process_time() - began, names
 
 
 def pytest_sessionfinish():
