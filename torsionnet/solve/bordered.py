@@ -5,9 +5,8 @@ With unknown excitations u, the rates s at which the readings L(s) q + d u can s
     P(s) = [ D(s)  -B ]  =  P_0 + P_1 s + P_2 s^2
            [ L(s)   d ]
 
-How many of them there are, and how many are zero, no rounded number can tell. The determinant is therefore taken in the
-field of integers modulo a large prime: its lowest and its highest coefficient vanish there only where they vanish in
-rationals, but for one chance in 1e16.
+How many of them there are, how many are zero and which are repeated, no rounded number can tell; the determinant modulo
+large primes can.
 """
 
 from __future__ import annotations
@@ -15,16 +14,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import islice
 from typing import TypeAlias
 
 from torsionnet.assembly.system import Assembly
 from torsionnet.elements import Law
 from torsionnet.elimination import exact
 from torsionnet.kinematics import exact_row
+from torsionnet.solve.modular import Coefficients, determinant, interpolated, primes, rational, residue, square_free
 from torsionnet.solve.question import Question
 from torsionnet.solve.refine import least_fill
 
-PRIME = 2**61 - 1
+MAX_PRIMES = 40
+"""Coefficients of repeated factors up to some 700 digits."""
 
 ExactRow: TypeAlias = dict[int, Fraction]
 
@@ -76,13 +78,44 @@ class Bordered:
         places = dict.fromkeys((i, j) for block in self.powers for i, row in enumerate(block) for j in row)
         return {(i, j): tuple(block[i].get(j, Fraction(0)) for block in self.powers) for i, j in places}
 
+    def determinant(self, prime: int) -> Coefficients:
+        """Coefficients of det P(s) modulo a prime, ascending."""
+        order, _ = least_fill(self.size, self.entries)
+        blocks = [[{order[j]: residue(x, prime) for j, x in row.items()} for row in block] for block in self.powers]
+        return interpolated(
+            [determinant(_at(blocks, s, prime), prime) for s in range(2 * self.n_coordinates + 1)], prime
+        )
+
     def roots(self) -> tuple[int, int] | None:
         """How many roots det P(s) has, with multiplicity, and how many of them are zero; None where it vanishes."""
-        order, _ = least_fill(self.size, self.entries)
-        blocks = [[{order[j]: _residue(x) for j, x in row.items()} for row in block] for block in self.powers]
-        values = [_determinant(_at(blocks, point)) for point in range(2 * self.n_coordinates + 1)]
-        coefficients = [power for power, value in enumerate(_interpolated(values)) if value]
-        return (coefficients[-1], coefficients[0]) if coefficients else None
+        coefficients = self.determinant(next(primes()))
+        return (len(coefficients) - 1, _zeros(coefficients)) if coefficients else None
+
+    def repeated(self) -> dict[int, list[Fraction]] | None:
+        """Exact monic polynomials of the nonzero roots that are repeated, by multiplicity; None where that is too much.
+
+        The polynomials modulo several primes are joined until one prime more does not change them.
+        """
+        joined: dict[int, list[int]] = {}
+        modulus, last = 1, None
+        for prime in islice(primes(), MAX_PRIMES):
+            coefficients = self.determinant(prime)
+            factors = square_free(coefficients[_zeros(coefficients) :], prime)
+            found = {multiplicity: factor for multiplicity, factor in factors.items() if multiplicity > 1}
+            if {m: len(factor) for m, factor in joined.items()} != {m: len(factor) for m, factor in found.items()}:
+                joined, modulus = found, prime
+            else:
+                inverse = pow(modulus, -1, prime)
+                for m, values in joined.items():
+                    joined[m] = [
+                        x + modulus * ((y - x) * inverse % prime) for x, y in zip(values, found[m], strict=True)
+                    ]
+                modulus *= prime
+            now = {m: [rational(value, modulus) for value in values] for m, values in joined.items()}
+            if now == last and not any(None in values for values in now.values()):
+                return now  # type: ignore[return-value]
+            last = now
+        return None
 
 
 def _law_powers(law: Law) -> list[Fraction]:
@@ -93,63 +126,14 @@ def _add(row: ExactRow, column: int, value: Fraction) -> None:
     row[column] = row.get(column, Fraction(0)) + value
 
 
-# --- modulo the prime -----------------------------------------------------------------------------------------------
-
-
-def _residue(value: Fraction) -> int:
-    return value.numerator * pow(value.denominator, -1, PRIME) % PRIME
-
-
-def _at(blocks: Sequence[Sequence[dict[int, int]]], point: int) -> list[dict[int, int]]:
+def _at(blocks: Sequence[Sequence[dict[int, int]]], point: int, prime: int) -> list[dict[int, int]]:
     rows: list[dict[int, int]] = [{} for _ in blocks[0]]
     for power, block in enumerate(blocks):
-        factor = point**power
         for row, part in zip(rows, block, strict=True):
             for column, value in part.items():
-                row[column] = (row.get(column, 0) + factor * value) % PRIME
+                row[column] = (row.get(column, 0) + point**power * value) % prime
     return [{column: value for column, value in row.items() if value} for row in rows]
 
 
-def _determinant(rows: list[dict[int, int]]) -> int:
-    """By elimination column after column, each with the shortest row that holds it."""
-    result, places = 1, list(range(len(rows)))
-    for column in range(len(rows)):
-        holders = [place for place in places[column:] if column in rows[place]]
-        if not holders:
-            return 0
-        pivot = min(holders, key=lambda place: len(rows[place]))
-        at = places.index(pivot, column)
-        if at != column:
-            places[at], places[column] = places[column], pivot
-            result = -result
-        head = rows[pivot].pop(column)
-        result = result * head % PRIME
-        inverse = pow(head, -1, PRIME)
-        for place in holders:
-            if place != pivot:
-                _subtract(rows[place], rows[pivot], rows[place].pop(column) * inverse % PRIME)
-    return result
-
-
-def _subtract(row: dict[int, int], other: dict[int, int], factor: int) -> None:
-    for column, value in other.items():
-        left = (row.get(column, 0) - factor * value) % PRIME
-        if left:
-            row[column] = left
-        else:
-            row.pop(column, None)
-
-
-def _interpolated(values: list[int]) -> list[int]:
-    """Coefficients, ascending, of the polynomial with these values at 0, 1, 2, ..."""
-    differences = list(values)
-    for order in range(1, len(values)):
-        inverse = pow(order, -1, PRIME)
-        for i in range(len(values) - 1, order - 1, -1):
-            differences[i] = (differences[i] - differences[i - 1]) * inverse % PRIME
-    result: list[int] = []
-    for point in range(len(values) - 1, -1, -1):
-        shifted = [0, *result]
-        result = [(low - point * high) % PRIME for low, high in zip(shifted, [*result, 0], strict=True)]
-        result[0] = (result[0] + differences[point]) % PRIME
-    return result
+def _zeros(coefficients: Coefficients) -> int:
+    return next(power for power, value in enumerate(coefficients) if value)

@@ -11,6 +11,7 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
@@ -141,7 +142,8 @@ def _approximate(bordered: Bordered, rate: float, count: int, zeros: int) -> Roo
     values[far] = 2 * np.abs(values[~far]).max(initial=1.0)
     chosen = np.lexsort((np.abs(values), far))[zeros : zeros + count]
     errors = np.where(far | ~np.isfinite(errors), np.inf, errors)
-    return Roots(rate * values[chosen], right[:, None] * rights[:size, chosen], errors[chosen])
+    vectors = (right[:, None] * rights[:size, chosen]).astype(complex)
+    return Roots(rate * values[chosen], vectors, errors[chosen])
 
 
 def _balance(sizes: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -156,17 +158,32 @@ def _balance(sizes: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 def _refined(bordered: Bordered, roots: Roots, zeros: int) -> Roots:
     """Replace the uncertain roots by those of mpmath, as far as the limit on work allows."""
-    chosen = roots.errors > REFINE_ABOVE
-    if not np.any(chosen):
+    if not np.any(roots.errors > REFINE_ABOVE):
         return roots
+    repeated = bordered.repeated()
+    if repeated is None:
+        return roots
+    values, known = _repeated(roots.values, repeated)
     p = refine.exact_polynomial(bordered.size, bordered.entries)
+    chosen = (roots.errors > REFINE_ABOVE) & ~known
     chosen = affordable(chosen, roots.errors, MAX_OPERATIONS // max(p.operations, 1))
-    found, done = refine.refine_roots(p, roots.values, chosen, zeros, roots.errors)
-    values = np.where(chosen, refine.to_complex(found, square_root=False), roots.values)
-    errors = np.where(chosen, refine.CONVERGED, roots.errors)
+    found, done = refine.refine_roots(p, values, chosen, zeros, roots.errors)
+    values = np.where(chosen, refine.to_complex(found, square_root=False), values)
+    errors = np.where(chosen | known, refine.CONVERGED, roots.errors)
     if not (done and in_pairs(values, errors)):
         return roots
     vectors = roots.vectors.copy()
-    for j in np.flatnonzero(chosen):
+    for j in np.flatnonzero(chosen | known):
         vectors[:, j] = refine.refine_vector(p, found[j], vectors[:, j])
     return Roots(values, vectors, errors)
+
+
+def _repeated(values: ComplexArray, repeated: dict[int, list[Fraction]]) -> tuple[ComplexArray, NDArray[np.bool_]]:
+    """The values with repeated roots, known exactly, in the place of those next to them; and which ones these are."""
+    values, known = values.copy(), np.zeros(len(values), dtype=bool)
+    for multiplicity, polynomial in repeated.items():
+        for root in refine.polynomial_roots(polynomial):
+            distance = np.where(known, np.inf, np.abs(values - root))
+            nearest = np.argsort(distance, kind="stable")[:multiplicity]
+            values[nearest], known[nearest] = root, True
+    return values, known

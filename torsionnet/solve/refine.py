@@ -117,6 +117,15 @@ def least_fill(size: int, pattern: Iterable[tuple[int, int]]) -> tuple[tuple[int
     return tuple(place), operations
 
 
+def polynomial_roots(coefficients: Sequence[Fraction]) -> list[complex]:
+    """Roots of a polynomial, ascending coefficients, without repeated roots."""
+    import mpmath
+
+    with mpmath.workdps(DIGITS):
+        exact = [mpmath.mpf(x.numerator) / x.denominator for x in reversed(coefficients)]
+        return [complex(root) for root in mpmath.polyroots(exact, maxsteps=10 * DIGITS, extraprec=20 * DIGITS)]
+
+
 def _exact(value: Any) -> Any:
     import mpmath
 
