@@ -251,7 +251,7 @@ def make_block(model: Drivetrain, measurement: Measurement, parameters: tuple[st
     kept = _kept(windowed.frequencies, measurement)
     units = tuple(Channel(name, data[name].unit) for name in (measurement.output, measurement.input))
     response = _response(rig, measurement, windowed.fine, parameters, (units[0], units[1]))
-    rows = windowed.rows[kept]
+    rows = windowed.rows.only(kept)
     steps = steps_covariance(data, measurement.output, measurement.input, windowed.record, rows)
     return RecordBlock(measurement, response, windowed, kept, steps)
 
