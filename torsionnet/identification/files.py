@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +17,13 @@ from torsionnet.files import load
 from torsionnet.files.decoding import decode
 from torsionnet.files.located import Document, compose
 from torsionnet.files.placing import placed, presentable
+from torsionnet.identification.blocks import default_settings
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.unknown import Unknown
 from torsionnet.response import FrequencyResponse
+from torsionnet.signals.decimation import factor_for
 from torsionnet.signals.files import read_recording
+from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import PAPER, Welch
 from torsionnet.units import UnitError
 
@@ -32,7 +35,7 @@ SETTINGS: dict[str, Spec] = {
     "seconds": Value("length of a segment", "time", exclusive=True),
     "overlap": Value("share of a segment that the next one repeats", "1"),
     "detrend": Text("mean, linear or none"),
-    "decimation": Count("keep every n-th sample", upper=100_000),
+    "decimation": Count("keep every n-th sample; by default as many as the band needs", upper=100_000),
 }
 MEASUREMENT: dict[str, Spec] = {
     "record": Text("file of signals, from the folder of this file"),
@@ -148,8 +151,6 @@ class _Reader:
         if preset not in ("", "paper"):
             self.faults.append(Fault(f'no preset is named "{preset}"; there is paper', ("settings", "preset")))
         try:
-            from dataclasses import replace
-
             return replace(PAPER if preset else Welch(), **values)
         except UsageError as error:
             self.faults.append(Fault(str(error), ("settings",)))
@@ -231,7 +232,16 @@ class _Reader:
             data = self._data(key, values.pop(key), (values["output"], values["input"]), path)
             if data is not None:
                 more = {**values, "configuration": configuration, **bands}
-                yield Measurement(data, name=str(name), settings=settings if key == "record" else None, **more)
+                chosen = self._chosen(settings, data, bands.get("band")) if key == "record" else None
+                yield Measurement(data, name=str(name), settings=chosen, **more)
+
+    def _chosen(self, settings: Welch | None, record: Recording, band: tuple[float, float] | None) -> Welch:
+        """Settings for one record, decimated as far as its band allows where the file does not say how."""
+        if settings is None:
+            return default_settings(record, band)
+        if "decimation" in self._table("settings"):
+            return settings
+        return replace(settings, decimation=factor_for(record.sampling_rate, band[1] if band else 0.0))
 
     def _configuration(self, model: Drivetrain, name: str, given: str, path: tuple[str, ...]) -> str:
         if not given:
