@@ -52,6 +52,8 @@ MEASUREMENT: dict[str, Spec] = {
 }
 NEEDS = {"record": "either record or response"}
 BANDS = ("band", "excluded")
+LISTED = (*BANDS, "pulses")
+"""Entries of a measurement that are more than one value."""
 PARAMETER = ("start", "bounds", "prior", "per_configuration")
 ReadResponse = Callable[[Path], FrequencyResponse]
 _HERTZ = Value("frequency", "frequency")
@@ -205,8 +207,8 @@ class _Reader:
                     values[key] = specs[key].coerce(entry)
                 except FieldError as error:
                     self.faults.append(error.fault.under(*path, key))
-            elif key not in BANDS or path[0] != "measurements":
-                known = [*specs, *(BANDS if path[0] == "measurements" else ())]
+            elif key not in LISTED or path[0] != "measurements":
+                known = [*specs, *(LISTED if path[0] == "measurements" else ())]
                 self.faults.append(unknown_key(key, known, (*path, key), f"known: {', '.join(known)}"))
         return values
 
@@ -229,7 +231,8 @@ class _Reader:
             if lacking or len(values) < len([key for key in raw if key in MEASUREMENT]):
                 continue
             key = "record" if "record" in raw else "response"
-            data = self._data(key, values.pop(key), (values["output"], values["input"]), path)
+            pulses = self._pulses(raw.get("pulses"), (*path, "pulses"))
+            data = self._data(key, values.pop(key), (values["output"], values["input"]), pulses, path)
             if data is not None:
                 more = {**values, "configuration": configuration, **bands}
                 chosen = self._chosen(settings, data, bands.get("band")) if key == "record" else None
@@ -277,7 +280,17 @@ class _Reader:
             return None
         return low, high
 
-    def _data(self, key: str, file: str, names: tuple[str, str], path: tuple[str, ...]) -> Any:
+    def _pulses(self, raw: Any, path: tuple[str, ...]) -> Mapping[str, float]:
+        if raw is None:
+            return {}
+        if not isinstance(raw, Mapping) or not all(isinstance(one, (int, float)) and one > 0 for one in raw.values()):
+            self.faults.append(Fault(f"expected the steps per revolution of channels, {{n1: 60}}, got {raw!r}", path))
+            return {}
+        return {str(name): float(steps) for name, steps in raw.items()}
+
+    def _data(
+        self, key: str, file: str, names: tuple[str, str], pulses: Mapping[str, float], path: tuple[str, ...]
+    ) -> Any:
         target = self.folder / file
         if not target.is_file():
             beside = [entry.name for entry in self.folder.iterdir()] if self.folder.is_dir() else []
@@ -287,7 +300,7 @@ class _Reader:
         try:
             if key == "response":
                 return self.read_response(target)
-            return read_recording(target, names=list(dict.fromkeys(names)))
+            return read_recording(target, names=list(dict.fromkeys(names)), pulses=pulses)
         except ModelError as error:
             self.faults += [Fault(f"{file}: {fault.message}", (*path, key)) for fault in error.faults]
         except UsageError as error:
