@@ -92,12 +92,13 @@ def estimated(
     settings = averaging.settings()
     with progress("averaging", None) as advance:
         measured = load_record(record, reading, (*outputs, *inputs), settings.seconds, advance)
-        response = estimate(measured, outputs, inputs, settings=settings)
+        band = (start, float("inf") if stop is None else stop)
+        response = estimate(measured, outputs, inputs, settings=settings, band=band)
     for note in response.notes:
         kind, _, text = note.partition(": ")
         if kind == "warning":
             message("warning", text)
-    return response.between(start, float("inf") if stop is None else stop)
+    return response
 
 
 def peak_table(response: FrequencyResponse, conventions: Conventions) -> Table:

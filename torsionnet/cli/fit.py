@@ -11,6 +11,7 @@ from torsionnet.cli.terminal import message, print_json, print_table, say, wrote
 
 if TYPE_CHECKING:
     from torsionnet.identification import Fit
+    from torsionnet.identification.files import FitPlan
 
 
 @click.command("fit")
@@ -49,6 +50,7 @@ def command(
 
     with progress("fitting", None):
         plan = load_fit_plan(file, read_frequency_response)
+        _announce(plan)
         found = identify(plan.model, plan.measurements, plan.parameters, **plan.options)
         profiles = {name: found.profile(name) for name in found.values} if profile else {}
     if as_json:
@@ -74,6 +76,25 @@ def command(
 
         report.save(report.fit(found, conventions=Conventions(angle="deg")), plot_file)
         wrote(plot_file)
+
+
+def _announce(plan: FitPlan) -> None:
+    """How records are decimated, and the memory that the fit takes if that is much."""
+    from torsionnet.cli.memory import announce
+    from torsionnet.identification.memory import demand, total
+    from torsionnet.signals.decimation import usable_up_to
+    from torsionnet.signals.recording import Recording
+
+    demands = []
+    for one in plan.measurements:
+        record, settings = one.data, one.settings
+        if isinstance(record, Recording) and settings is not None:
+            limit = usable_up_to(record.sampling_rate, settings.decimation)
+            if settings.decimation > 1:
+                rate = record.sampling_rate / settings.decimation
+                message("note", f"{one.label}: decimated by {settings.decimation} to {rate:g} Hz")
+            demands.append(demand(record, settings, one.band or (0.0, limit)))
+    announce(total(demands), "narrower bands, or shorter windows (seconds), take less")
 
 
 def _as_data(found: Fit, profiles: dict[str, tuple[float, float]], true: Any) -> dict[str, Any]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +17,13 @@ from torsionnet.files import load
 from torsionnet.files.decoding import decode
 from torsionnet.files.located import Document, compose
 from torsionnet.files.placing import placed, presentable
+from torsionnet.identification.blocks import default_settings
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.unknown import Unknown
 from torsionnet.response import FrequencyResponse
+from torsionnet.signals.decimation import factor_for
 from torsionnet.signals.files import read_recording
+from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import PAPER, Welch
 from torsionnet.units import UnitError
 
@@ -32,7 +35,7 @@ SETTINGS: dict[str, Spec] = {
     "seconds": Value("length of a segment", "time", exclusive=True),
     "overlap": Value("share of a segment that the next one repeats", "1"),
     "detrend": Text("mean, linear or none"),
-    "decimation": Count("keep every n-th sample", upper=100_000),
+    "decimation": Count("keep every n-th sample; by default as many as the band needs", upper=100_000),
 }
 MEASUREMENT: dict[str, Spec] = {
     "record": Text("file of signals, from the folder of this file"),
@@ -49,6 +52,8 @@ MEASUREMENT: dict[str, Spec] = {
 }
 NEEDS = {"record": "either record or response"}
 BANDS = ("band", "excluded")
+LISTED = (*BANDS, "pulses")
+"""Entries of a measurement that are more than one value."""
 PARAMETER = ("start", "bounds", "prior", "per_configuration")
 ReadResponse = Callable[[Path], FrequencyResponse]
 _HERTZ = Value("frequency", "frequency")
@@ -148,8 +153,6 @@ class _Reader:
         if preset not in ("", "paper"):
             self.faults.append(Fault(f'no preset is named "{preset}"; there is paper', ("settings", "preset")))
         try:
-            from dataclasses import replace
-
             return replace(PAPER if preset else Welch(), **values)
         except UsageError as error:
             self.faults.append(Fault(str(error), ("settings",)))
@@ -204,8 +207,8 @@ class _Reader:
                     values[key] = specs[key].coerce(entry)
                 except FieldError as error:
                     self.faults.append(error.fault.under(*path, key))
-            elif key not in BANDS or path[0] != "measurements":
-                known = [*specs, *(BANDS if path[0] == "measurements" else ())]
+            elif key not in LISTED or path[0] != "measurements":
+                known = [*specs, *(LISTED if path[0] == "measurements" else ())]
                 self.faults.append(unknown_key(key, known, (*path, key), f"known: {', '.join(known)}"))
         return values
 
@@ -228,10 +231,20 @@ class _Reader:
             if lacking or len(values) < len([key for key in raw if key in MEASUREMENT]):
                 continue
             key = "record" if "record" in raw else "response"
-            data = self._data(key, values.pop(key), (values["output"], values["input"]), path)
+            pulses = self._pulses(raw.get("pulses"), (*path, "pulses"))
+            data = self._data(key, values.pop(key), (values["output"], values["input"]), pulses, path)
             if data is not None:
                 more = {**values, "configuration": configuration, **bands}
-                yield Measurement(data, name=str(name), settings=settings if key == "record" else None, **more)
+                chosen = self._chosen(settings, data, bands.get("band")) if key == "record" else None
+                yield Measurement(data, name=str(name), settings=chosen, **more)
+
+    def _chosen(self, settings: Welch | None, record: Recording, band: tuple[float, float] | None) -> Welch:
+        """Settings for one record, decimated as far as its band allows where the file does not say how."""
+        if settings is None:
+            return default_settings(record, band)
+        if "decimation" in self._table("settings"):
+            return settings
+        return replace(settings, decimation=factor_for(record.sampling_rate, band[1] if band else 0.0))
 
     def _configuration(self, model: Drivetrain, name: str, given: str, path: tuple[str, ...]) -> str:
         if not given:
@@ -267,7 +280,17 @@ class _Reader:
             return None
         return low, high
 
-    def _data(self, key: str, file: str, names: tuple[str, str], path: tuple[str, ...]) -> Any:
+    def _pulses(self, raw: Any, path: tuple[str, ...]) -> Mapping[str, float]:
+        if raw is None:
+            return {}
+        if not isinstance(raw, Mapping) or not all(isinstance(one, (int, float)) and one > 0 for one in raw.values()):
+            self.faults.append(Fault(f"expected the steps per revolution of channels, {{n1: 60}}, got {raw!r}", path))
+            return {}
+        return {str(name): float(steps) for name, steps in raw.items()}
+
+    def _data(
+        self, key: str, file: str, names: tuple[str, str], pulses: Mapping[str, float], path: tuple[str, ...]
+    ) -> Any:
         target = self.folder / file
         if not target.is_file():
             beside = [entry.name for entry in self.folder.iterdir()] if self.folder.is_dir() else []
@@ -277,7 +300,7 @@ class _Reader:
         try:
             if key == "response":
                 return self.read_response(target)
-            return read_recording(target, names=list(dict.fromkeys(names)))
+            return read_recording(target, names=list(dict.fromkeys(names)), pulses=pulses)
         except ModelError as error:
             self.faults += [Fault(f"{file}: {fault.message}", (*path, key)) for fault in error.faults]
         except UsageError as error:

@@ -1,8 +1,8 @@
 """The same-estimator route: what Welch's method would make of the output that a model predicts from the measured input.
 
 The prediction is G(f) X(f) over the whole record, and everything after it (cutting into windows, taking out means,
-averaging) is linear in the output. So the estimate of the prediction is a matrix times G, and its derivative the same
-matrix times dG: leakage and windows act on model and test alike, and cancel.
+averaging) is linear in the output. So the estimate of the prediction is linear in G, and its derivative is the same of
+dG: leakage and windows act on model and test alike, and cancel.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.errors import UsageError
+from torsionnet.identification.segments import SegmentRows, Segments
 from torsionnet.signals.blocks import check_processable
 from torsionnet.signals.decimation import decimate
 from torsionnet.signals.recording import Recording
@@ -35,40 +36,37 @@ class WindowedEstimate:
         H1 of the record.
     fine : (n_f,) array
         Frequencies at which the transfer function is needed, Hz.
-    forward, mirrored : (n_b, n_f) complex array
-        Estimate of the prediction = forward @ G + mirrored @ conj(G).
-    rows : (n_b, n) complex array
+    drive : (n_f,) complex array
+        Spectrum of the input there, of the record and as many zeros after it.
+    rows : SegmentRows
         H1 = rows @ output, for the samples of the (decimated) output.
     """
 
     frequencies: FloatArray
     measured: ComplexArray
     fine: FloatArray
-    forward: ComplexArray
-    mirrored: ComplexArray
-    rows: ComplexArray
+    drive: ComplexArray
+    rows: SegmentRows
     record: Recording
     output: str
     input: str
-    settings: Welch
-    first_segment: int
 
     def predicted(self, G: ComplexArray) -> ComplexArray:
         """Estimate of the output predicted by G (n_f,) or several of them (n_f, n_p)."""
-        return np.asarray(self.forward @ G + self.mirrored @ G.conj())
+        columns = [self.rows.apply(self._passed(column)) for column in G.reshape(len(G), -1).T]
+        return np.stack(columns, axis=1).reshape(-1, *G.shape[1:])
 
     def output_covariance(self) -> FloatArray:
         """Of real and imaginary parts of H1 (2 n_b, 2 n_b), for unit white noise on the output."""
-        return _covariance(self.rows)
+        return self.rows.covariance()
 
     def input_covariance(self, G: ComplexArray) -> FloatArray:
         """The same for unit white noise on the input, which the prediction passes on through G."""
-        n, count = _padded(self.rows.shape[1]), self.rows.shape[1]
-        first = round(float(self.fine[0]) * n / self.record.sampling_rate)
+        n, first = _padded(self.rows.count), self._first
         both = np.zeros(n, dtype=complex)
-        both[first : first + len(G)] = G.conj()
-        both[n - first - len(G) + 1 : n - first + 1] = G[::-1]
-        return _covariance(np.fft.ifft(np.fft.fft(self.rows, n, axis=1) * both, axis=1)[:, :count])
+        both[first : first + len(G)] = G
+        both[n - first - len(G) + 1 : n - first + 1] = G[::-1].conj()
+        return self.rows.filtered_covariance(both)
 
     def unexplained(self, G: ComplexArray) -> FloatArray:
         """Mean square of the lines of measured minus predicted output, over that of unit white noise, (n_b,).
@@ -76,19 +74,23 @@ class WindowedEstimate:
         Segments count by the power of the input in them: in a sweep a line is measured while the sweep passes it, and
         what an encoder's steps do then is not what they do at other times.
         """
-        x, y = _from_rest(self.record, self.input), _from_rest(self.record, self.output)
-        n = _padded(len(x))
-        lines = np.fft.rfft(x, n)
-        spectrum = np.zeros(len(lines), dtype=complex)
-        first = round(float(self.fine[0]) * n / self.record.sampling_rate)
-        spectrum[first : first + len(G)] = G * lines[first : first + len(G)]
-        rest = y - np.fft.irfft(spectrum, n)[: len(y)]
-        rows = _rows(self.settings, self.record.sampling_rate, _bins(self.frequencies, self.settings, self.record))
+        rest = _from_rest(self.record, self.output) - self._passed(G)
         noise, drive = (
-            np.abs(_segments(values, self.settings, self.record.sampling_rate)[self.first_segment :] @ rows.T) ** 2
-            for values in (rest, x)
+            np.abs(self.rows.segments.lines(values)) ** 2 for values in (rest, _from_rest(self.record, self.input))
         )
-        return np.asarray((noise * drive).sum(axis=0) / drive.sum(axis=0) / (np.abs(rows) ** 2).sum(axis=1))
+        return np.asarray((noise * drive).sum(axis=0) / drive.sum(axis=0) / self.rows.squares)
+
+    @property
+    def _first(self) -> int:
+        """Place of the lowest of the fine frequencies in the spectrum."""
+        return round(float(self.fine[0]) * _padded(self.rows.count) / self.record.sampling_rate)
+
+    def _passed(self, G: ComplexArray) -> FloatArray:
+        """The output that G (n_f,) predicts from the input, (n,)."""
+        n = _padded(self.rows.count)
+        spectrum = np.zeros(n // 2 + 1, dtype=complex)
+        spectrum[self._first : self._first + len(G)] = G * self.drive
+        return np.asarray(np.fft.irfft(spectrum, n)[: self.rows.count])
 
 
 def windowed_estimate(
@@ -113,34 +115,27 @@ def windowed_estimate(
     record = decimate(chosen, settings.decimation)
     rate, step = record.sampling_rate, settings.step(recording.sampling_rate / settings.decimation)
     bins = _lines_in(band, settings, rate)
-    rows = _rows(settings, rate, bins)
-    first = int(np.ceil(settling * rate / step))
+    segments = Segments(replace(settings, decimation=1), rate, bins, int(np.ceil(settling * rate / step)))
     x, y = _from_rest(record, input), _from_rest(record, output)
-    segments = _segments(x, settings, rate)
-    if len(segments) <= first:
+    X = segments.lines(x)
+    if not len(X):
         msg = (
             f"the record of {record.duration:g} s is too short for one window of {settings.seconds:g} s after settling"
         )
         raise UsageError(msg)
-    X = segments[first:] @ rows.T
-    power = (np.abs(X) ** 2).sum(axis=0)
-    q = _adjoint(X, rows, len(x), step, first) / power[:, None]
+    rows = SegmentRows(segments, X.conj() / (np.abs(X) ** 2).sum(axis=0), len(x))
     n = _padded(len(x))
     top = min(rate / 2, REACH * float(bins[-1]) / settings.samples(rate) * rate + 20 * rate / settings.samples(rate))
     fine = np.arange(1, int(top * n / rate))
-    spectrum, lines = np.fft.fft(q, n, axis=1), np.fft.rfft(x, n)[fine]
     return WindowedEstimate(
         frequencies=bins * rate / settings.samples(rate),
-        measured=q @ y,
+        measured=rows.apply(y),
         fine=fine * rate / n,
-        forward=spectrum[:, n - fine] * lines / n,
-        mirrored=spectrum[:, fine] * lines.conj() / n,
-        rows=q,
+        drive=np.fft.rfft(x, n)[fine],
+        rows=rows,
         record=record,
         output=output,
         input=input,
-        settings=replace(settings, decimation=1),
-        first_segment=first,
     )
 
 
@@ -156,22 +151,6 @@ def _lines_in(band: tuple[float, float], settings: Welch, rate: float) -> NDArra
     return kept
 
 
-def _bins(frequencies: FloatArray, settings: Welch, record: Recording) -> NDArray[np.intp]:
-    return np.rint(frequencies * settings.samples(record.sampling_rate) / record.sampling_rate).astype(np.intp)
-
-
-def _rows(settings: Welch, rate: float, bins: NDArray[np.intp]) -> ComplexArray:
-    """Rows (n_b, length) that make of a segment its windowed line without its trend."""
-    length = settings.samples(rate)
-    turn = np.exp(-2j * np.pi * np.outer(bins, np.arange(length)) / length)
-    rows = settings.weights(rate) * turn
-    degree = {"none": 0, "mean": 1, "linear": 2}[settings.detrend]
-    if degree:
-        basis, _ = np.linalg.qr(np.linspace(-1, 1, length)[:, None] ** np.arange(degree))
-        rows = rows - (rows @ basis) @ basis.T
-    return np.asarray(rows)
-
-
 def _from_rest(record: Recording, name: str) -> FloatArray:
     values = record[name].values
     return np.asarray(values - values[0])
@@ -182,25 +161,3 @@ def _padded(count: int) -> int:
     from scipy.fft import next_fast_len
 
     return int(next_fast_len(2 * count, real=True))
-
-
-def _segments(values: FloatArray, settings: Welch, rate: float) -> FloatArray:
-    length = settings.samples(rate)
-    if len(values) < length:
-        return np.zeros((0, length))
-    return np.lib.stride_tricks.sliding_window_view(values, length)[:: settings.step(rate)]
-
-
-def _adjoint(X: ComplexArray, rows: ComplexArray, count: int, step: int, first: int) -> ComplexArray:
-    """Rows q (n_b, n): the sum over segments of conj(X) times the row at its place; q @ y sums conj(X) Y."""
-    q = np.zeros((len(rows), count), dtype=complex)
-    length = rows.shape[1]
-    for number, lines in enumerate(X):
-        start = (first + number) * step
-        q[:, start : start + length] += lines.conj()[:, None] * rows
-    return q
-
-
-def _covariance(q: ComplexArray) -> FloatArray:
-    parts = np.concatenate([q.real, q.imag])
-    return np.asarray(parts @ parts.T)

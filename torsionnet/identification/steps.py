@@ -14,7 +14,8 @@ import numpy as np
 from scipy.signal import hilbert
 from scipy.special import j1
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.identification.segments import SegmentRows
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.resolution import step_of, swept
 
@@ -37,7 +38,7 @@ def gain_errors(amplitude: FloatArray) -> FloatArray:
     return np.asarray(2 * (-1.0) ** k * j1(2 * np.pi * k * amplitude) / (np.pi * k * amplitude))
 
 
-def steps_covariance(record: Recording, output: str, input: str, coarse: Recording, rows: ComplexArray) -> FloatArray:
+def steps_covariance(record: Recording, output: str, input: str, coarse: Recording, rows: SegmentRows) -> FloatArray:
     """Covariance of real and imaginary parts of a response (2 n_b, 2 n_b) over all places of the steps.
 
     Parameters
@@ -47,20 +48,20 @@ def steps_covariance(record: Recording, output: str, input: str, coarse: Recordi
     output, input : str
     coarse : Recording
         The same after decimation, n samples.
-    rows : (n_b, n) complex array
-        Response = rows @ output.
+    rows : SegmentRows
+        Response = rows @ output, n_b of them.
 
     Returns
     -------
     (2 n_b, 2 n_b) array
         Zero where the sensor has no steps, or the input is no sine that is swept.
     """
-    step, none = step_of(record[output].values), np.zeros((2 * len(rows), 2 * len(rows)))
+    step, none = step_of(record[output].values), np.zeros((2 * len(rows.segments.bins),) * 2)
     if not step or len(swept(record, output, input)[0]) < 2:  # noqa: PLR2004
         return none
     motion = coarse[output].values - coarse[output].values.mean()
     amplitude = np.abs(hilbert(motion)) / step
     errors = np.where(amplitude > LEAST, gain_errors(np.maximum(amplitude, LEAST)), 0.0) * motion
-    lines = errors @ rows.T
+    lines = np.array([rows.apply(error) for error in errors])
     parts = np.concatenate([lines.real, lines.imag], axis=1)
     return np.asarray(0.5 * parts.T @ parts)

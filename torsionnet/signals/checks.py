@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from torsionnet.errors import Fault
-from torsionnet.signals.encoder import missing_pulses
+from torsionnet.errors import Fault, UsageError
 from torsionnet.signals.faults_in_values import Stretches, flat_tops, leaps, stretches, wraps
+from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.recording import QUANTITY_UNITS, FloatArray, Recording, Signal
 from torsionnet.signals.timing import gaps, jitter
 
@@ -97,10 +97,20 @@ def _counts_steps(signal: Signal) -> bool:
 
 
 def _pulses(times: FloatArray) -> Iterator[Fault]:
-    lost = missing_pulses(times)
+    try:
+        found = repaired_pulses(times)
+    except UsageError as error:
+        yield Fault(str(error), ("time",))
+        return
+    lost = found.irregular
     if lost.total:
-        where = _listed([f"{count} after {times[at]:.6g} s" for at, count in zip(lost.after, lost.counts, strict=True)])
+        after = zip(found.times[lost.after], lost.counts, strict=True)
+        where = _listed([f"{count} after {time:.6g} s" for time, count in after])
         text = f"{lost.total} encoder pulses are missing: {where}; angle_from_pulses() counts them"
+        yield Fault(text, ("time",))
+    if len(found.left_out):
+        where = _listed([f"{time:.6g} s" for time in found.left_out])
+        text = f"{len(found.left_out)} encoder pulses too many: at {where}; angle_from_pulses() leaves them out"
         yield Fault(text, ("time",))
 
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Literal, TypeAlias, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.errors import UsageError, did_you_mean
 from torsionnet.response import FrequencyResponse
@@ -31,6 +32,7 @@ def estimate(
     estimator: str | None = None,
     settings: Welch | None = None,
     noise_ratio: float | None = None,
+    band: tuple[float, float] | None = None,
 ) -> FrequencyResponse:
     """Transfer functions with coherence, from averaged spectra.
 
@@ -49,6 +51,8 @@ def estimate(
         Of ``Hs``: spectral density of the output's noise over that of each input's noise, in the squared SI units.
         If left out, of one input, the two are taken to be equally noisy in proportion to their size: the
         geometric mean of H1 and H2, independent of units.
+    band : (float, float), optional
+        Lowest and highest frequency in Hz that are kept and judged; all by default.
 
     Returns
     -------
@@ -79,9 +83,12 @@ def estimate(
         coherence=transfer_matrices.ordinary_coherence(s_xx, s_xy, s_yy),
         notes=(*spectra.notes, _provenance(chosen, spectra, noise_ratio)),
     )
-    response = limited(response, watch, spectra.settings.decimation) if watch else response
+    low, high = band or (0.0, np.inf)
+    response = limited(response, watch, spectra.settings.decimation, high) if watch else response
+    response = response.between(low, high)
     found = remarks(response, 1 / spectra.settings.seconds, judge_coherence=len(inputs) == 1)
-    return replace(response, notes=(*response.notes, *_doubts(spectra, s_xx), *found))
+    asked = (spectra.frequencies >= low) & (spectra.frequencies <= high)
+    return replace(response, notes=(*response.notes, *_doubts(spectra, s_xx, asked), *found))
 
 
 def multiple_coherence(spectra: CrossSpectra, output: Names, input: Names) -> FloatArray:
@@ -148,11 +155,11 @@ def _provenance(estimator: str, spectra: CrossSpectra, noise_ratio: float | None
     return f"{estimator}{ratio}, {spectra.settings}, {count}"
 
 
-def _doubts(spectra: CrossSpectra, s_xx: ComplexArray) -> list[str]:
+def _doubts(spectra: CrossSpectra, s_xx: ComplexArray, asked: NDArray[np.bool_]) -> list[str]:
     found = []
     if spectra.averages == 1:
         found.append("warning: of one segment the coherence is 1 whatever the signals; use a longer record")
-    inseparable = spectra.frequencies[transfer_matrices.independence(s_xx) < INSEPARABLE]
+    inseparable = spectra.frequencies[asked & (transfer_matrices.independence(s_xx) < INSEPARABLE)]
     if s_xx.shape[1] > 1 and len(inseparable):
         span = f"{len(inseparable)} frequencies from {inseparable[0]:g} to {inseparable[-1]:g} Hz"
         found.append(

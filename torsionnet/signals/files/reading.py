@@ -10,6 +10,7 @@ from pathlib import Path
 from torsionnet.errors import Fault, ModelError, TorsionnetError, UsageError
 from torsionnet.signals.files.assembling import Wanted, recordings
 from torsionnet.signals.files.formats import format_of
+from torsionnet.signals.files.pulsed import pulsed
 from torsionnet.signals.recording import Recording
 
 
@@ -19,6 +20,7 @@ def read_recording(
     names: Sequence[str] | Mapping[str, str] | None = None,
     sampling_rate: float | None = None,
     units: Mapping[str, str] | None = None,
+    pulses: Mapping[str, float] | None = None,
     **dialect: str,
 ) -> Recording:
     r"""Read a recording; values are converted to SI, and what was assumed is in its notes.
@@ -36,6 +38,11 @@ def read_recording(
         Hz, where the file does not tell it.
     units : mapping, optional
         Unit of channels where the file has none or a wrong one.
+    pulses : mapping, optional
+        Channels that hold the pulses of an incremental encoder, with its steps per revolution: ``{"n1": 60}``. They
+        become angles, band-limited between the pulses: see :func:`~torsionnet.signals.encoder.angle_from_pulses`. A
+        channel whose values only increase holds the times of the pulses, and may have a length of its own; others
+        were sampled with the rest. The record is cut to where there are pulses.
     **dialect : str
         ``separator`` and ``decimal`` of a text file, instead of finding them out.
 
@@ -57,7 +64,7 @@ def read_recording(
     >>> record.notes[0]
     '"time" was taken for the time stamps'
     """
-    wanted = Wanted(names, quantities or {}, units or {}, sampling_rate)
+    wanted = Wanted(names, quantities or {}, units or {}, sampling_rate, pulses or {})
     with contextlib.closing(_read(Path(path), wanted, None, dialect)) as found:
         return next(found)
 
@@ -74,7 +81,7 @@ def iter_blocks(
     """Read a large file in recordings of so many seconds, one after the other, the last one shorter.
 
     Text, NPZ (arrays of one dimension), HDF5, MAT v7.3, TDMS and Parquet files never are in memory as a whole; of
-    the other formats the library reads everything. Arguments are those of :func:`read_recording`.
+    the other formats the library reads everything. Arguments are those of :func:`read_recording`, without ``pulses``.
     """
     if not seconds > 0:
         msg = f"blocks must last a positive number of seconds, got {seconds}"
@@ -94,7 +101,10 @@ def _read(
         raise UsageError(msg)
     try:
         with module.opened(path, **dialect) as source:
-            yield from recordings(source, wanted, path.name, seconds)
+            if wanted.pulses:
+                yield pulsed(source, wanted, path.name)
+            else:
+                yield from recordings(source, wanted, path.name, seconds)
     except TorsionnetError:
         raise
     # A library says of a damaged file what it likes: struct.error, zlib.error, IndexError.

@@ -1,0 +1,168 @@
+"""Lines of the windows of a signal, and rows over a whole record that are sums of them.
+
+A row has a value for every sample of a record and there is one for every line: 80 lines of two minutes at 5 kHz would
+fill 770 MB, and filtered copies several times that. They are made of short pieces, one for each window, so that what
+is asked of them can be had from the pieces.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.signals.detrending import without_trend
+from torsionnet.signals.welch import Welch
+
+BATCH = 2**21
+"""Numbers that are transformed together."""
+HELD = 2**28
+"""Bytes of filtered rows up to which all are kept at a time."""
+
+
+@dataclass(frozen=True, eq=False)
+class Segments:
+    """Windows over a record, and the lines taken of each.
+
+    Attributes
+    ----------
+    settings : Welch
+    rate : float
+        Hz.
+    bins : (n_b,) int array
+        Lines taken, in multiples of one over the length of a window; neither 0 nor the half rate.
+    first : int
+        Number of windows at the start that are left out.
+    """
+
+    settings: Welch
+    rate: float
+    bins: NDArray[np.intp]
+    first: int = 0
+
+    @property
+    def length(self) -> int:
+        return self.settings.samples(self.rate)
+
+    @property
+    def step(self) -> int:
+        return self.settings.step(self.rate)
+
+    def starts(self, count: int) -> NDArray[np.intp]:
+        """First samples of the windows in a record of so many samples."""
+        return np.arange(self.first * self.step, count - self.length + 1, self.step)
+
+    def lines(self, values: FloatArray) -> ComplexArray:
+        """Lines (n_segments, n_b) of the windows of a signal (n,)."""
+        starts = self.starts(len(values))
+        found = np.zeros((len(starts), len(self.bins)), dtype=complex)
+        if len(starts):
+            views = np.lib.stride_tricks.sliding_window_view(values, self.length)
+            weights, batch = self.settings.weights(self.rate), max(1, BATCH // self.length)
+            for begin in range(0, len(starts), batch):
+                plain = without_trend(views[starts[begin : begin + batch]], self.settings.detrend)
+                found[begin : begin + batch] = np.fft.rfft(plain * weights, axis=-1)[:, self.bins]
+        return found
+
+    def pieces(self, lines: slice = slice(None)) -> ComplexArray:
+        """Rows (n_b, length) that make of a window its lines without its trend."""
+        turn = np.exp(-2j * np.pi * np.outer(self.bins[lines], np.arange(self.length)) / self.length)
+        rows = self.settings.weights(self.rate) * turn
+        return without_trend(rows.real, self.settings.detrend) + 1j * without_trend(rows.imag, self.settings.detrend)
+
+
+@dataclass(frozen=True, eq=False)
+class SegmentRows:
+    """Rows (n_b, n) of a matrix, each the sum over windows of a weight times the piece that makes its line.
+
+    Attributes
+    ----------
+    segments : Segments
+    weights : (n_segments, n_b) complex array
+    count : int
+        Number of samples n.
+    """
+
+    segments: Segments
+    weights: ComplexArray
+    count: int
+
+    def apply(self, values: FloatArray) -> ComplexArray:
+        """Rows @ values (n,), (n_b,)."""
+        return np.asarray((self.weights * self.segments.lines(values)).sum(axis=0))
+
+    def only(self, lines: NDArray[np.bool_]) -> SegmentRows:
+        """The rows of some lines."""
+        chosen = replace(self.segments, bins=self.segments.bins[lines])
+        return SegmentRows(chosen, self.weights[:, lines], self.count)
+
+    def dense(self, lines: slice = slice(None)) -> ComplexArray:
+        """The rows themselves."""
+        pieces, length = self.segments.pieces(lines), self.segments.length
+        rows = np.zeros((len(pieces), self.count), dtype=complex)
+        for start, weights in zip(self.segments.starts(self.count), self.weights[:, lines], strict=True):
+            rows[:, start : start + length] += weights[:, None] * pieces
+        return rows
+
+    @cached_property
+    def squares(self) -> FloatArray:
+        """Sum of the squares of each piece, (n_b,)."""
+        some = self._some(self.segments.length)
+        return np.concatenate([(np.abs(self.segments.pieces(lines)) ** 2).sum(axis=1) for lines in some])
+
+    def covariance(self) -> FloatArray:
+        """Of real and imaginary parts of rows @ white noise of unit variance, (2 n_b, 2 n_b).
+
+        Windows share noise as far as they overlap: what they share follows from the pieces, once for each lag.
+        """
+        pieces, step, length = self.segments.pieces(), self.segments.step, self.segments.length
+        size = (len(pieces), len(pieces))
+        conjugate, plain = np.zeros(size, dtype=complex), np.zeros(size, dtype=complex)
+        for lag in range(min(len(self.weights), -(-length // step))):
+            late, early = pieces[:, lag * step :], pieces[:, : length - lag * step]
+            first, second = self.weights[: len(self.weights) - lag].T, self.weights[lag:]
+            one = (late @ early.conj().T) * (first @ second.conj())
+            other = (late @ early.T) * (first @ second)
+            conjugate += one + one.conj().T if lag else one
+            plain += other + other.T if lag else other
+        return _parts_covariance(conjugate, plain)
+
+    def filtered_covariance(self, spectrum: ComplexArray) -> FloatArray:
+        """The same for noise over the record that a filter of this spectrum (n_p,) passes on, n_p >= 2 n."""
+        if 16 * self.count * len(self.segments.bins) > HELD:
+            return self._row_by_row(spectrum)
+        rows = np.concatenate([self._backwards(lines, spectrum) for lines in self._some(len(spectrum))])
+        parts = np.concatenate([rows.real, rows.imag])
+        return np.asarray(parts @ parts.T)
+
+    def _row_by_row(self, spectrum: ComplexArray) -> FloatArray:
+        """With one row in memory at a time: what reaches the output from a row is estimated as an output is."""
+        size = (len(self.segments.bins),) * 2
+        conjugate, plain = np.zeros(size, dtype=complex), np.zeros(size, dtype=complex)
+        for line in range(len(self.segments.bins)):
+            before = np.fft.fft(self._backwards(slice(line, line + 1), spectrum)[0], len(spectrum))
+            after = np.fft.ifft(before * spectrum)[: self.count]
+            real, imaginary = self.apply(after.real), self.apply(after.imag)
+            conjugate[:, line], plain[:, line] = real - 1j * imaginary, real + 1j * imaginary
+        return _parts_covariance(conjugate, plain)
+
+    def _backwards(self, lines: slice, spectrum: ComplexArray) -> ComplexArray:
+        """Rows @ filter: what a sample before the filter does to the lines, (n_lines, n)."""
+        passed = np.fft.fft(self.dense(lines), len(spectrum), axis=1)
+        passed *= spectrum.conj()
+        return np.fft.ifft(passed, axis=1)[:, : self.count]
+
+    def _some(self, size: int) -> Iterator[slice]:
+        """Lines a few at a time, with so many numbers each."""
+        batch, lines = max(1, BATCH // size), len(self.segments.bins)
+        yield from (slice(begin, min(begin + batch, lines)) for begin in range(0, lines, batch))
+
+
+def _parts_covariance(conjugate: ComplexArray, plain: ComplexArray) -> FloatArray:
+    """Of real and imaginary parts of complex numbers z with means z z^H and z z^T."""
+    both, apart = conjugate + plain, conjugate - plain
+    return np.block([[both.real, -apart.imag], [both.imag, apart.real]]) / 2
