@@ -90,8 +90,8 @@ class LawStiffness:
 
     def gathered(self, sources: Sequence[Sequence[tuple[int, float]]]) -> LawStiffness:
         """Sums over laws, one for each of ``sources``: (law, factor), ..."""
-        n = len(sources)
-        parts = [np.zeros((len(self.stiffness), n)) for _ in range(3)]
+        shape = (len(self.stiffness), len(sources))
+        J, c, k = np.zeros(shape), np.zeros(shape), np.zeros(shape)
         places: dict[int, list[tuple[int, float]]] = {}
         slots, laws, factors = [], [], []
         for slot, source in enumerate(sources):
@@ -100,22 +100,23 @@ class LawStiffness:
                 laws.append(law)
                 factors.append(factor)
                 places.setdefault(law, []).append((slot, factor))
-        for part, whole in zip(parts, (self.inertia, self.damping, self.stiffness), strict=True):
+        for part, whole in ((J, self.inertia), (c, self.damping), (k, self.stiffness)):
             np.add.at(part.T, slots, (whole[:, laws] * factors).T)
         sampled: dict[int, ComplexArray] = {}
         for law, values in self.sampled:
             for slot, factor in places.get(law, ()):
                 sampled[slot] = factor * values + sampled.get(slot, 0.0)
-        return LawStiffness(*parts, omega=self.omega, sampled=tuple(sampled.items()))
+        return LawStiffness(J, c, k, self.omega, tuple(sampled.items()))
 
     @cached_property
     def _columns(self) -> list[tuple[Any, Any, Any]]:
         """J, c and k of every law: numbers for one variant, else (n_variants, 1) arrays; None where there is none."""
         parts = self.inertia, self.damping, self.stiffness
-        shaped = [part[0].tolist() if len(part) == 1 else part.T[:, :, None] for part in parts]
+        shaped: list[Any] = [part[0].tolist() if len(part) == 1 else part.T[:, :, None] for part in parts]
+        acting = [np.any(part, axis=0) for part in parts]
         columns = [
-            [value if some else None for value, some in zip(values, part.any(axis=0).tolist(), strict=True)]
-            for values, part in zip(shaped, parts, strict=True)
+            [value if some else None for value, some in zip(values, there, strict=True)]
+            for values, there in zip(shaped, acting, strict=True)
         ]
         return list(zip(*columns, strict=True))
 

@@ -66,7 +66,7 @@ class Assembly:
     def node_index(self) -> dict[str, int]:
         return {node: index for index, node in enumerate(self.nodes)}
 
-    def rows_of(self, row: Mapping[str, Any]) -> tuple[FloatArray, FloatArray]:
+    def rows_of(self, row: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
         """A row over nodes as arrays over coordinates (n_q,) and imposed angles (n_x,)."""
         reduced = self.kinematics.reduction.in_floats(exact_row(row))
         free, imposed = (Rows.named([reduced], columns).dense[0] for columns in self._columns)

@@ -218,8 +218,8 @@ def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp])
         if np.ptp(counts) > 1 or abs(counts.mean() - steps[gap]) > UNCLEAR:
             length = f"{counts.min():.2f} to {counts.max():.2f} times as long as the intervals around it"
             msg = (
-                f"the gap of {intervals[gap]:.4g} s after pulse {places[gap]} at {times[gap]:.6g} s is {length}: how many "
-                "pulses are missing cannot be told; cut the record there"
+                f"the gap of {intervals[gap]:.4g} s after pulse {places[gap]} at {times[gap]:.6g} s is {length}: how "
+                "many pulses are missing cannot be told; cut the record there"
             )
             raise UsageError(msg)
     change = np.maximum(each[1:] / each[:-1], each[:-1] / each[1:])

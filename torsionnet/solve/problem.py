@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from torsionnet.solve.graph_plan import Plan, make_plan
+from torsionnet.solve.graph_plan import make_plan
+from torsionnet.solve.plan import Plan
 from torsionnet.solve.row_algebra import Row
 from torsionnet.solve.tape import Tape
 from torsionnet.solve.taping import make_tape

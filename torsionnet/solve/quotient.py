@@ -79,7 +79,7 @@ def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray
     with np.errstate(all="ignore"):
         if n_in == 1:
             quotient = np.where(measured == 0, np.inf + 0j, outputs / measured)
-            return quotient, ~np.isfinite(quotient).all(axis=(1, 2)), np.ones(n_lanes)
+            return quotient, np.asarray(~np.isfinite(quotient).all(axis=(1, 2))), np.ones(n_lanes)
         rows = np.abs(measured).max(axis=2, keepdims=True)
         columns = (np.abs(measured) / rows).max(axis=1, keepdims=True)
         normed = measured / rows / columns

@@ -95,7 +95,7 @@ def _static(drivetrain: Drivetrain, question: Question, method: str) -> ComplexA
     if not rigid_motions(drivetrain.assembly.kinematics):
         found = transfer_functions(question, law_stiffness([drivetrain.assembly.system], np.zeros(1)), method)
         if np.isfinite(found.values).all() and not found.doubtful[0]:
-            return found.values[0]
+            return np.asarray(found.values[0])
     return at_zero(drivetrain, question)
 
 
