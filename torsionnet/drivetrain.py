@@ -314,9 +314,9 @@ class Drivetrain:
             What drives the drivetrain when the input is measured; default: the model's only input.
         method : str
             ``"auto"``: elimination along the drivetrain, fast and exact; where numba is installed and the work is large
-            (1000 nodes at 100 000 frequencies), in a compiled loop. ``"graph"``: always in numpy. ``"compiled"``: always
-            in the compiled loop (``pip install "torsionnet[fast]"``; its start takes a second or two). ``"dense"``:
-            LAPACK, as a cross-check.
+            (1000 nodes at 100 000 frequencies), in a compiled loop. ``"graph"``: always in numpy. ``"compiled"``:
+            always in the compiled loop (``pip install "torsionnet[fast]"``; its start takes a second or two).
+            ``"dense"``: LAPACK, as a cross-check.
 
         Returns
         -------

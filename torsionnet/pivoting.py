@@ -125,7 +125,7 @@ class Elimination:
             if group in found:
                 first, total = found[group]
                 if name != first:
-                    coefficient = self.proportions.ratio(name, first) * coefficient
+                    coefficient = self.proportions.ratio(name, first) * coefficient  # noqa: PLW2901
                     grounds.pairs.append((name, first))
                 found[group] = (first, total + coefficient)
             elif group.solution is None or group.solution.row:
