@@ -9,7 +9,7 @@ PACKAGES = tuple(
 ELIMINATION = ("test_row_algebra", "test_transfer", "test_closed_forms", "test_state_space", "test_starmesh")
 RESPONSES = ("test_transfer", "test_closed_forms", "test_state_space")
 EIGENVALUES = ("test_modes", "test_eigen", "test_closed_forms", "test_damping")
-MODAL_FIT = ("test_modal_single", "test_modal_shapes", "test_modal_report", "test_modal_fit")
+MODAL_FIT = ("test_modal_parts", "test_modal_single", "test_modal_shapes", "test_modal_report", "test_modal_fit")
 FIT = ("test_fit_closed_forms", "test_identification", "test_virtual_chain")
 RECORDS = ("test_recordings", "test_processing")
 
@@ -40,7 +40,7 @@ CHOSEN: dict[str, tuple[str, ...]] = {
     "torsionnet/assembly/symbolic": ("test_symbolic", "test_closed_forms"),
     "torsionnet/assembly/law_stiffness": ("test_transfer", "test_damping", "test_state_space"),
     "torsionnet/assembly": ("test_closed_forms", "test_transfer", "test_paper", "test_state_space", "test_modes"),
-    "torsionnet/response": ("test_response", "test_modes", "test_transfer", "test_variants", "test_estimation"),
+    "torsionnet/response": ("test_results", "test_response", "test_modes", "test_transfer", "test_variants"),
     "torsionnet/signals/excitation": ("test_excitation",),
     "torsionnet/signals/files": ("test_recordings",),
     "torsionnet/signals/resolution": ("test_bench", "test_estimation"),
