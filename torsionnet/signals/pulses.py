@@ -9,14 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from torsionnet.errors import UsageError
+from torsionnet.signals.double_pulses import NEIGHBOURS, around, without_double
 from torsionnet.signals.recording import FloatArray
 
-NEIGHBOURS = 5
-WIDE = 9
-SHORT, SAME = 0.6, 1.25
-"""A pulse is double where an interval is shorter than this share of those around it, and with the next one the same."""
-CLEARLY = 0.1
-"""Difference of a logarithm by which one explanation must be better than the usual one."""
 MOST_CHANGE = 1.5
 """Ratio of neighbouring intervals that a change of speed may explain."""
 SIDE, UNCLEAR = 3, 0.2
@@ -109,7 +104,7 @@ def missing_pulses(times: ArrayLike) -> MissingPulses:
     if not np.all(intervals > 0):
         msg = "the times of pulses must be finite and increase"
         raise UsageError(msg)
-    missing = np.rint(intervals / _around(intervals, NEIGHBOURS)).astype(np.intp) - 1
+    missing = np.rint(intervals / around(intervals, NEIGHBOURS)).astype(np.intp) - 1
     after = np.flatnonzero(missing > 0)
     return MissingPulses(after, missing[after])
 
@@ -142,7 +137,7 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
     ('1 pulse too many left out: pulse 3 at 2.1 s', '1 pulse missing and counted: 1 after pulse 4 at 4 s')
     """
     stamps = check_pulses(times)
-    kept = _without_spurious(stamps)
+    kept = without_double(stamps)
     clean = stamps[kept]
     missing = missing_pulses(clean)
     steps = np.ones(len(clean) - 1, dtype=np.intp)
@@ -163,49 +158,6 @@ def check_pulses(times: ArrayLike) -> FloatArray:
     return stamps
 
 
-def _without_spurious(times: FloatArray) -> NDArray[np.intp]:
-    """Places of the pulses that stay."""
-    intervals = np.diff(times)
-    if len(intervals) < NEIGHBOURS:
-        return np.arange(len(times))
-    level = _around(intervals, WIDE)
-    stay, done = np.ones(len(times), dtype=bool), 0
-    for place in np.flatnonzero(intervals < SHORT * level):
-        if place >= done:
-            first, last = _false(times, int(place), float(level[place]))
-            stay[first:last] = False
-            done = last
-    return np.flatnonzero(stay)
-
-
-def _false(times: FloatArray, place: int, level: float) -> tuple[int, int]:
-    """Range of the pulses that are too many where a short interval begins; empty where nothing fits.
-
-    Either those after this pulse up to the next good one, as a contact that bounces makes them, or this one and those
-    after it: whichever leaves the more regular intervals.
-    """
-    after, misfit = _next(times, place, level)
-    if place:
-        misfit = max(misfit, _misfit(times[place] - times[place - 1], level))
-        good, other = _next(times, place - 1, level)
-        other = max(other, _next(times, good, level)[1])
-        if other < misfit - CLEARLY and other < np.log(SAME):
-            return place, good
-    return (place + 1, after) if misfit < np.log(SAME) else (place, place)
-
-
-def _next(times: FloatArray, place: int, level: float) -> tuple[int, float]:
-    """The pulse nearest to one interval later, and how far it is off."""
-    due = times[place] + level
-    near = int(np.searchsorted(times, due))
-    found = min((one for one in (near - 1, near) if place < one < len(times)), key=lambda one: abs(times[one] - due))
-    return found, _misfit(times[found] - times[place], level)
-
-
-def _misfit(interval: float, level: float) -> float:
-    return abs(float(np.log(interval / level)))
-
-
 def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp]) -> None:
     """Refuse intervals that do not go on from those around them."""
     intervals = np.diff(times)
@@ -216,10 +168,10 @@ def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp])
         sides = [side for side in (each[max(gap - SIDE, 0) : gap], each[gap + 1 : gap + 1 + SIDE]) if len(side)]
         counts = intervals[gap] / np.array([np.median(side) for side in sides])
         if np.ptp(counts) > 1 or abs(counts.mean() - steps[gap]) > UNCLEAR:
-            length = f"{counts.min():.2f} to {counts.max():.2f} times as long as the intervals around it"
+            where = f"the gap of {intervals[gap]:.4g} s after pulse {places[gap]} at {times[gap]:.6g} s"
             msg = (
-                f"the gap of {intervals[gap]:.4g} s after pulse {places[gap]} at {times[gap]:.6g} s is {length}: how "
-                "many pulses are missing cannot be told; cut the record there"
+                f"{where} is {counts.min():.2f} to {counts.max():.2f} times as long as those around it: how many "
+                "pulses are missing cannot be told; cut the record there"
             )
             raise UsageError(msg)
     change = np.maximum(each[1:] / each[:-1], each[:-1] / each[1:])
@@ -247,13 +199,6 @@ def _period(numbers: NDArray[np.intp], times: FloatArray, steps: float) -> int:
         )
         raise UsageError(msg)
     return period
-
-
-def _around(values: FloatArray, count: int) -> FloatArray:
-    """Median of every value and its neighbours."""
-    count = min(count, (len(values) - 1) // 2 * 2 + 1)
-    wide = np.pad(values, count // 2, mode="reflect")
-    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(wide, count), axis=-1))
 
 
 def _count(number: int) -> str:
