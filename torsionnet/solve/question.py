@@ -56,7 +56,6 @@ class Question:
                 msg = f"{names} stay zero under a {excitation} at every frequency; they cannot be its measured inputs"
                 raise UsageError(msg)
 
-
     def dependent(self) -> UsageError:
         """What to say where measured inputs never tell the excitations apart."""
         driven = " and ".join(str(excitation) for excitation in self.excitations)
