@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -48,7 +48,9 @@ def settled(
     lanes = np.flatnonzero(found.doubtful)
     if not len(lanes):
         return found
-    errors = _errors(question, kappa.at(lanes), found.values[lanes])
+    errors = expected_errors(
+        lambda some: transfer_functions(question, some).values, kappa.at(lanes), found.values[lanes]
+    )
     worst = errors.max(axis=(1, 2), initial=0.0)
     order = [place for place in np.argsort(-worst, kind="stable").tolist() if worst[place] > ENOUGH]
     most = max(1, MOST_WORK // max(1, kappa.n_laws))
@@ -66,13 +68,19 @@ def settled(
     return replace(found, values=values)
 
 
-def _errors(question: Question, kappa: LawStiffness, values: ComplexArray) -> FloatArray:
-    """Relative errors (n_lanes, n_out, n_in) to be expected: what some rounding of all stiffnesses changes."""
+def expected_errors(
+    evaluate: Callable[[LawStiffness], ComplexArray], kappa: LawStiffness, values: ComplexArray
+) -> FloatArray:
+    """Relative errors of ``evaluate(kappa)``, which gave ``values`` (n_lanes, ...): what some rounding changes.
+
+    All stiffnesses are moved by a few roundings, with signs by chance. That shows how a value depends on them, and, as
+    every later rounding then falls out differently, also what elimination itself has lost.
+    """
     random, by_law = np.random.default_rng(0), kappa.by_law
     error = np.where(np.isfinite(values), 0.0, np.inf)
     for _ in range(DRAWS):
         moved = by_law * (1 + STEP * random.uniform(0.5, 1, by_law.shape) * random.choice([-1.0, 1.0], by_law.shape))
-        again = transfer_functions(question, kappa.sampled_as(moved)).values
+        again = evaluate(kappa.sampled_as(moved))
         with np.errstate(all="ignore"):
             change = np.abs(again - values) / np.abs(values)
         change[again == values] = 0.0
