@@ -30,6 +30,7 @@ from torsionnet.units import DIMENSIONS, NUMERAL, Dimension, UnitError
 RESERVED_NAMES = frozenset({"s", "omega", "ground", "pi", "sqrt"})
 _MAX_LENGTH, _MAX_NODES, _MAX_DEPTH, _MAX_EXPONENT = 200, 60, 20, 4
 _SUM, _PRODUCT, _UNARY, _ATOM = 1, 2, 3, 4
+_NO_NAMES = frozenset[str]()
 _Kind = Dimension | Literal["bare", "unknown"]
 
 
@@ -48,6 +49,10 @@ def _exact_sqrt(value: Fraction | float) -> Fraction | float:
     return root if root * root == value else math.sqrt(value)
 
 
+def _as_it_is(number: Fraction) -> Fraction:
+    return number
+
+
 @dataclass(frozen=True)
 class Algebra:
     """What an expression is evaluated in: how numbers enter, and the two things that are not arithmetic."""
@@ -57,7 +62,7 @@ class Algebra:
     pi: Any
 
 
-RATIONAL = Algebra(number=Fraction, sqrt=_exact_sqrt, pi=math.pi)
+RATIONAL = Algebra(number=_as_it_is, sqrt=_exact_sqrt, pi=math.pi)
 FLOAT = Algebra(number=float, sqrt=math.sqrt, pi=math.pi)
 
 
@@ -113,23 +118,35 @@ class Expression:
 
 @dataclass(frozen=True)
 class Number(Expression):
-    """An exact number in SI units; ``text`` is what was written, for example ``0.46 kN*m/rad``."""
+    """An exact number in SI units; ``text`` is what was written, for example ``0.46 kN*m/rad``.
 
-    value: Fraction | float
+    ``value`` may be given as anything that is a real number, and is a Fraction afterwards.
+    """
+
+    value: Any
     unit_dimension: Dimension | None = None
     text: str | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "value", units.exact(self.value))
 
+    @property
+    def names(self) -> frozenset[str]:
+        """Give no names."""
+        return _NO_NAMES
+
+    def evaluate(self, values: Mapping[str, Any], algebra: Algebra = RATIONAL) -> Any:
+        """Give the value in an algebra; that it is finite was seen when it was read."""
+        return self.value_in(values, algebra)
+
     def value_in(self, values: Mapping[str, Any], algebra: Algebra) -> Any:  # noqa: ARG002
-        return algebra.number(Fraction(self.value))
+        return algebra.number(self.value)
 
     def kind_of(self, dimensions: Mapping[str, Dimension | None]) -> _Kind:  # noqa: ARG002
         return "bare" if self.unit_dimension is None else self.unit_dimension
 
     def written(self) -> tuple[str, int]:
-        text = units.numeral_of(Fraction(self.value))
+        text = units.numeral_of(self.value)
         return text, _PRODUCT if "/" in text else _UNARY if text.startswith("-") else _ATOM
 
     def __str__(self) -> str:
@@ -473,7 +490,7 @@ def scalar(value: object) -> Expression:
 
 def _from_object(value: Any) -> Expression:
     if isinstance(value, numbers.Real) and not isinstance(value, bool):
-        return Number(units.exact(value))
+        return Number(value)
     if hasattr(value, "magnitude") and hasattr(value, "units"):
         return _from_quantity(units.read_pint(value))
     got = str(value).lower() if isinstance(value, bool) else _short(repr(value))

@@ -76,7 +76,7 @@ def constraints_of(parts: Sequence[OwnedPart]) -> tuple[tuple[str, Row], ...]:
     return tuple((owned.element, owned.part.row) for owned in parts if isinstance(owned.part, Constraint))
 
 
-def exact_row(row: Row) -> dict[str, Fraction]:
+def exact_row(row: Mapping[str, Any]) -> dict[str, Fraction]:
     """The row on exact rational values, on which pivots and rank are decided."""
     return {node: exact(coefficient) for node, coefficient in row.items()}
 
@@ -105,7 +105,7 @@ def solve_kinematics(
     nodes = all_nodes(definition.active)
     _require_nodes(referred_to, nodes)
     parts = owned_parts(definition, value)
-    imposed = imposed_rows(definition, nodes)
+    imposed = imposed_rows(definition, set(nodes))
     if like is not None and not referred_to and (nodes, tuple(imposed)) == (like.nodes, like.imposed):
         again = replace(like, parts=parts)
         if again.constraints == like.constraints:
