@@ -21,7 +21,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from torsionnet import units
 from torsionnet.errors import TorsionnetError, did_you_mean
@@ -30,7 +30,6 @@ from torsionnet.units import DIMENSIONS, NUMERAL, Dimension, UnitError
 RESERVED_NAMES = frozenset({"s", "omega", "ground", "pi", "sqrt"})
 _MAX_LENGTH, _MAX_NODES, _MAX_DEPTH, _MAX_EXPONENT = 200, 60, 20, 4
 _SUM, _PRODUCT, _UNARY, _ATOM = 1, 2, 3, 4
-_NO_NAMES = frozenset[str]()
 _Kind = Dimension | Literal["bare", "unknown"]
 
 
@@ -49,10 +48,6 @@ def _exact_sqrt(value: Fraction | float) -> Fraction | float:
     return root if root * root == value else math.sqrt(value)
 
 
-def _as_it_is(number: Fraction) -> Fraction:
-    return number
-
-
 @dataclass(frozen=True)
 class Algebra:
     """What an expression is evaluated in: how numbers enter, and the two things that are not arithmetic."""
@@ -62,7 +57,7 @@ class Algebra:
     pi: Any
 
 
-RATIONAL = Algebra(number=_as_it_is, sqrt=_exact_sqrt, pi=math.pi)
+RATIONAL = Algebra(number=lambda number: number, sqrt=_exact_sqrt, pi=math.pi)
 FLOAT = Algebra(number=float, sqrt=math.sqrt, pi=math.pi)
 
 
@@ -118,29 +113,20 @@ class Expression:
 
 @dataclass(frozen=True)
 class Number(Expression):
-    """An exact number in SI units; ``text`` is what was written, for example ``0.46 kN*m/rad``.
+    """An exact number in SI units; ``text`` is what was written, for example ``0.46 kN*m/rad``."""
 
-    ``value`` may be given as anything that is a real number, and is a Fraction afterwards.
-    """
-
-    value: Any
+    value: Any  # a real number; stored as a Fraction
     unit_dimension: Dimension | None = None
     text: str | None = field(default=None, compare=False)
+    names: ClassVar[frozenset[str]] = frozenset()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "value", units.exact(self.value))
 
-    @property
-    def names(self) -> frozenset[str]:
-        """Give no names."""
-        return _NO_NAMES
-
-    def evaluate(self, values: Mapping[str, Any], algebra: Algebra = RATIONAL) -> Any:
-        """Give the value in an algebra; that it is finite was seen when it was read."""
-        return self.value_in(values, algebra)
-
-    def value_in(self, values: Mapping[str, Any], algebra: Algebra) -> Any:  # noqa: ARG002
+    def value_in(self, values: Mapping[str, Any], algebra: Algebra = RATIONAL) -> Any:  # noqa: ARG002
         return algebra.number(self.value)
+
+    evaluate = value_in  # that it is finite was seen when it was read
 
     def kind_of(self, dimensions: Mapping[str, Dimension | None]) -> _Kind:  # noqa: ARG002
         return "bare" if self.unit_dimension is None else self.unit_dimension
@@ -332,9 +318,8 @@ _OPERATORS: dict[type[ast.operator], Literal["+", "-", "*", "/"]] = {
 def check_name(name: str) -> str | None:
     """Tell why a name cannot be that of a parameter, or None if it can.
 
-    >>> check_name("k_1")
-    >>> check_name("omega")
-    '"omega" is reserved'
+    >>> check_name("k_1"), check_name("omega")
+    (None, '"omega" is reserved')
     """
     if not _NAME.fullmatch(name):
         return f'"{name}" is no name: a letter comes first, then letters, digits and _ (no accents)'
