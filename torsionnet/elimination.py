@@ -15,10 +15,13 @@ from torsionnet.pivoting import Elimination, Grounds
 LONGEST = 1024
 """Bits in numerator and denominator from where on a ratio that is only wanted as a float is cut to half as many."""
 _UNIT = object()
+_UNITS = {1: Fraction(1), -1: Fraction(-1)}
 
 
 def exact(number: Any) -> Fraction:
     """The rational a number was written as: 0.1 becomes 1/10, not its binary neighbour."""
+    if type(number) is int and number in _UNITS:
+        return _UNITS[number]
     return (
         number
         if isinstance(number, Fraction)
@@ -65,7 +68,7 @@ class Reduction:
 
     def eliminated(self) -> Iterator[Any]:
         """The names that have a solution."""
-        return (name for group in self._proportions.groups() for name in group.members if not self.is_free(name))
+        return (name for name in self._proportions.names() if not self.is_free(name))
 
     def is_free(self, name: Any) -> bool:
         """Whether the name is among those that solutions are made of, or in no row at all."""

@@ -79,7 +79,7 @@ def constraints_of(parts: Sequence[OwnedPart]) -> tuple[tuple[str, Row], ...]:
     return tuple((owned.element, owned.part.row) for owned in parts if isinstance(owned.part, Constraint))
 
 
-def exact_row(row: Row) -> dict[str, Fraction]:
+def exact_row(row: Mapping[str, Any]) -> dict[str, Fraction]:
     """The row on exact rational values, on which pivots and rank are decided."""
     return {node: exact(coefficient) for node, coefficient in row.items()}
 
@@ -108,7 +108,7 @@ def solve_kinematics(
     nodes = all_nodes(definition.active)
     _require_nodes(referred_to, nodes)
     parts = owned_parts(definition, value)
-    imposed = imposed_rows(definition, nodes)
+    imposed = imposed_rows(definition, set(nodes))
     driven = tuple(definition.inputs[name].of for name in imposed)
     same = like is not None and (nodes, tuple(imposed), driven) == (like.nodes, like.imposed, like.driven)
     if like is not None and same and not referred_to:

@@ -124,16 +124,17 @@ class Elimination:
             group = self.proportions.group(name)
             if group in found:
                 first, total = found[group]
-                if name != first:
-                    coefficient = self.proportions.ratio(name, first) * coefficient  # noqa: PLW2901
+                if name == first:
+                    found[group] = (first, total + coefficient)
+                else:
+                    found[group] = (first, total + self.proportions.ratio(name, first) * coefficient)
                     grounds.pairs.append((name, first))
-                found[group] = (first, total + coefficient)
             elif group.solution is None or group.solution.row:
                 found[group] = (name, coefficient)
                 if group.solution is not None:
-                    heappush(waiting, (group.solution.index, group))
+                    heappush(waiting, (group.solution.number, group))
             else:
-                grounds.rows.append(group.solution.index)
+                grounds.rows.append(group.solution.number)
                 grounds.pairs.append((name, group.solution.anchor))
 
     def settle(self) -> None:

@@ -12,32 +12,36 @@ from typing import Any, NamedTuple
 
 
 class Solution(NamedTuple):
-    """What a name of a group amounts to: ``anchor`` = sum of ``row``, as equation number ``index`` says.
+    """What a name of a group amounts to: ``anchor`` = sum of ``row``, as equation ``number`` says.
 
     No two names of the row are in proportion. An empty row holds the group at zero.
     """
 
     anchor: Hashable
     row: dict[Any, Any]
-    index: int
+    number: int
 
 
 @dataclass(eq=False, slots=True)
 class Group:
-    """Names in proportion; ``lead`` stands for them while there is no ``solution``."""
+    """``size`` names in proportion; ``lead`` stands for them while there is no ``solution``.
+
+    A group that was joined to another one only leads to that.
+    """
 
     lead: Hashable
-    members: list[Hashable]
+    size: int = 1
     solution: Solution | None = None
+    joined: Group | None = None
 
 
 class Link(NamedTuple):
-    """``own`` * name + ``other`` * ``above`` = 0, equation number ``index``."""
+    """``own`` * name + ``other`` * ``above`` = 0, equation ``number``."""
 
     above: Hashable
     own: Any
     other: Any
-    index: int
+    number: int
 
 
 class Proportions:
@@ -51,43 +55,50 @@ class Proportions:
         """Groups that can be joined further without changing these."""
         new = Proportions()
         new._links = dict(self._links)
-        for group in self.groups():
-            again = Group(group.lead, [*group.members], group.solution)
-            new._home.update(dict.fromkeys(group.members, again))
+        again = {group: Group(group.lead, group.size, group.solution) for group in self.groups()}
+        new._home = {name: again[self.group(name)] for name in self._home}
         return new
+
+    def names(self) -> list[Hashable]:
+        """Every name that stood in a row."""
+        return list(self._home)
 
     def groups(self) -> list[Group]:
         """Every group once."""
-        return list(dict.fromkeys(self._home.values()))
+        return [group for group in dict.fromkeys(self._home.values()) if group.joined is None]
 
     def group(self, name: Hashable) -> Group:
         """The group of a name; a name that was never tied is alone."""
         found = self._home.get(name)
         if found is None:
-            found = self._home[name] = Group(name, [name])
+            found = self._home[name] = Group(name)
+        elif found.joined is not None:
+            while found.joined is not None:
+                found = found.joined
+            self._home[name] = found
         return found
 
     def join(self, name: Hashable, link: Link) -> None:
         """Tie a name to one of another group, whose lead stands for both groups from now on."""
         upper, lower = self.group(link.above), self.group(name)
         lead = upper.lead
-        if len(lower.members) > len(upper.members):
-            # The smaller tree goes into the larger one: no name then moves more than log n times.
+        if lower.size > upper.size:
+            # The smaller tree is turned and goes into the larger one: no name then moves more than log n times.
             upper, lower = lower, upper
-            name, link = link.above, Link(name, link.other, link.own, link.index)
+            name, link = link.above, Link(name, link.other, link.own, link.number)
         self.turn(name)
         self._links[name] = link
-        self._home.update(dict.fromkeys(lower.members, upper))
-        upper.members += lower.members
+        lower.joined = upper
+        upper.size += lower.size
         upper.lead = lead
 
     def turn(self, name: Hashable) -> None:
         """Make a name the root of its tree."""
         link = self._links.pop(name, None)
         while link is not None:
-            above, own, other, index = link
+            above, own, other, number = link
             link = self._links.get(above)
-            self._links[above] = Link(name, other, own, index)
+            self._links[above] = Link(name, other, own, number)
             name = above
 
     def to_root(self, name: Hashable, known: dict[Hashable, Any], rounded: Callable[[Any], Any] | None = None) -> Any:
@@ -119,7 +130,7 @@ class Proportions:
 
     def between(self, first: Hashable, second: Hashable) -> list[int]:
         """Numbers of the equations between two names of one group."""
-        return [link.index for way in self._ways(first, second) for link in way]
+        return [link.number for way in self._ways(first, second) for link in way]
 
     def _ways(self, first: Hashable, second: Hashable) -> tuple[list[Link], list[Link]]:
         """Links from each of two names up to where they meet; the names climb in turns, so neighbours meet soon."""

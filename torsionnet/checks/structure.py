@@ -69,7 +69,8 @@ def _listed(names: Sequence[str], most: int = 6) -> str:
 
 def contradicting_gears(definition: Definition, kinematics: Kinematics) -> list[Fault]:
     """A rigid loop whose ratios do not agree: nothing on it could turn."""
-    loop = contradicting_loop(kinematics.parts, kinematics.nodes)
+    reduction = kinematics.reduction
+    loop = contradicting_loop(kinematics.parts, kinematics.nodes) if reduction.held() or reduction.blocked else []
     if not loop:
         return []
     text = (
@@ -87,11 +88,13 @@ def massless_without_hold(definition: Definition, kinematics: Kinematics) -> lis
         coordinates = kinematics.reduction.free_names({node: 1})
         for name in dict.fromkeys(name for coordinate in coordinates for name in left.free_names({coordinate: 1})):
             moving[name].append(node)
+    owners: dict[str, str] = {}
+    for element in definition.elements.values() if moving else ():
+        for node in element.ports.values():
+            owners.setdefault(node, element.name)
     faults = []
     for nodes in moving.values():
-        owner = next(
-            (name for name, element in definition.elements.items() if nodes[0] in element.ports.values()), None
-        )
+        owner = owners.get(nodes[0])
         verb = "moves" if len(nodes) == 1 else "move together"
         them = "it" if len(nodes) == 1 else "them"
         text = f"{_listed(nodes)} {verb} freely, with no inertia, spring or damper to hold {them}"
@@ -158,11 +161,12 @@ def indeterminate_torques(definition: Definition, kinematics: Kinematics) -> lis
 def idle_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]:
     """Sensors and inputs on parts that are switched off (information: they come back with another configuration)."""
     active = {element.name for element in definition.active}
+    nodes = set(kinematics.nodes)
     faults = []
     for table in ("inputs", "sensors"):
         for name, channel in getattr(definition, table).items():
             on_element = table == "sensors" and channel.quantity in ELEMENT_QUANTITIES
-            if channel.of not in (active if on_element else kinematics.nodes):
+            if channel.of not in (active if on_element else nodes):
                 text = f"{name} has nothing to act on: {channel.of} is switched off"
                 faults.append(Fault(text, (table, name), "note", on_key=True))
     return faults
