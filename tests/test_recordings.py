@@ -118,6 +118,15 @@ class TestForeignFiles:
         assert "assumed: cells between semicolons, decimal comma" in found.notes
         assert found["M"].notes == ("converted from kNm",)
 
+    @pytest.mark.parametrize(("unit", "step"), [("s", 0.01), ("ms", 10.0)])
+    def test_blocks_last_as_long_as_asked(self, tmp_path, unit, step):
+        lines = [f"{step * place:.6g},{place}" for place in range(1000)]
+        path = write(tmp_path, "\n".join([f"time [{unit}],T [Nm]", *lines]))
+        blocks = list(iter_blocks(path, seconds=3.0))
+        assert [len(block) for block in blocks] == [300, 300, 300, 100]
+        assert [block.start for block in blocks] == pytest.approx([0, 3, 6, 9])
+        assert {round(block.sampling_rate, 9) for block in blocks} == {100.0}
+
     @pytest.mark.parametrize(
         ("text", "names", "note"),
         [

@@ -56,7 +56,7 @@ CHOSEN: dict[str, tuple[str, ...]] = {
     "torsionnet/signals/resampling": RECORDS,
     "torsionnet/signals/spectrogram": RECORDS,
     "torsionnet/signals/timing": RECORDS,
-    "torsionnet/signals": ("test_estimation", "test_processing", "test_recordings", "test_bench"),
+    "torsionnet/signals": ("test_advice", "test_estimation", "test_processing", "test_recordings", "test_bench"),
     "torsionnet/modal": MODAL_FIT,
     "torsionnet/identification/operator": ("test_same_estimator", *FIT),
     "torsionnet/identification/files": ("test_fit_files", "test_cli_fit"),
