@@ -7,7 +7,7 @@ import torsionnet as tn
 from torsionnet.errors import ModelError, UsageError
 from torsionnet.identification.files import load_fit_plan
 from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.signals import Recording, Signal, Welch, write_recording
+from torsionnet.signals import PAPER, Recording, Signal, Welch, write_recording
 
 RIG = """\
 torsionnet: 1
@@ -106,7 +106,7 @@ class TestPlan:
     def test_without_what_is_optional(self, plan):
         found = plan(FIT[: FIT.index("settings:")])
         assert (found.options, found.true) == ({}, {})
-        assert found.measurements[0].settings is None
+        assert found.measurements[0].settings == PAPER
 
 
 MEASUREMENT = (
@@ -120,7 +120,7 @@ FAULTS = [
     ("[1, 0.5 N*m*s/rad]", "[1, 0]", "a prior is a mean and a standard deviation above 0, got (1.0, 0.0)"),
     ("[1, 0.5 N*m*s/rad]", "[1, k]", "expected a number with unit, got 'k'"),
     ("prior:", "pror:", 'unknown key "pror"; did you mean "prior"? a parameter has start, bounds, prior, per_configuration'),
-    ("gain: true", "gian: true", f'unknown key "gian"; did you mean "gain"? known: {MEASUREMENT}, band, excluded'),
+    ("gain: true", "gian: true", f'unknown key "gian"; did you mean "gain"? known: {MEASUREMENT}, band, excluded, pulses'),
     ("decimation: 2", "band: 2", 'unknown key "band"; known: preset, window, seconds, overlap, detrend, decimation'),
     ("decimation: 2", "preset: papre", 'no preset is named "papre"; there is paper'),
     ("overlap: 50 %", "overlap: 1", "overlap is a share from 0 to below 1, got 1.0"),
