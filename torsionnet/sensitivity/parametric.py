@@ -124,8 +124,9 @@ class ParametricResponse:
     ) -> ComplexArray:
         """Values of lanes in doubt; those in which rounding would show as the drivetrain itself solves them."""
 
-        def evaluate(some: LawStiffness) -> ComplexArray:
-            y = arranged.values(respond(arranged.problem, some).values, kappa.omega)
+        def evaluate(some: LawStiffness, turned: bool) -> ComplexArray:
+            problem = arranged.problem.otherwise if turned else arranged.problem
+            y = arranged.values(respond(problem, some).values, kappa.omega)
             return self._quotient(y, np.zeros((*y.shape, 0))).values
 
         poor = (expected_errors(evaluate, kappa, values) > ENOUGH).any(axis=(1, 2))

@@ -41,6 +41,8 @@ def make_plan(
     motions: Sequence[Row],
     outputs: Sequence[Row],
     reactions: Sequence[int],
+    *,
+    turned: bool = False,
 ) -> Plan:
     """Plan for the motion of ``outputs`` and the torque on given columns.
 
@@ -54,8 +56,13 @@ def make_plan(
     outputs : sequence of rows
     reactions : sequence of int
         Given columns.
+    turned : bool
+        Eliminate towards another root than the first load.
     """
-    return _Planner(laws, n_free, loads, motions, outputs, reactions).plan()
+    planner = _Planner(laws, n_free, loads, motions, outputs, reactions)
+    if turned:
+        planner.turn()
+    return planner.plan()
 
 
 class _Planner:
@@ -78,6 +85,11 @@ class _Planner:
         self.weights = [(e, self._load(row)) for e, row in enumerate(loads)]
         self.outputs = tuple(self._output(row) for row in outputs)
         self.last = min((j for row in loads[:1] for j in row if j < n_free), default=None)
+
+    def turn(self) -> None:
+        """Take a coordinate for the root that is read, or none."""
+        free = (j for table in (self.motions, self.laws) for row in table.rows for j in row if j < self.n_free)
+        self.last = next(free, None) if self.last is None else None
 
     def plan(self) -> Plan:
         steps = tuple(self._step(coordinate) for coordinate in self._order())

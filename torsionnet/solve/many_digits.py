@@ -23,8 +23,8 @@ from torsionnet.solve.question import Question
 from torsionnet.solve.refine import eliminate
 
 DIGITS = 200
-TRUSTED = 110
-"""Digits of a sum that mean something: a double pole at zero, at a rate of 10^-25, takes 50 of the others."""
+TRUSTED = 0.55
+"""Share of the digits that mean something in a sum: the others are for poles near s and for spreads of the values."""
 
 Number: TypeAlias = Any
 """A number of mpmath."""
@@ -52,7 +52,7 @@ class _Law:
 
 
 class ManyDigits:
-    """A question to an assembly; to be used inside ``mpmath.workdps(DIGITS)``."""
+    """A question to an assembly, in as many digits as ``mpmath.workdps`` says, within which it is to be used."""
 
     def __init__(self, assembly: Assembly, question: Question) -> None:
         self.question = question
@@ -81,8 +81,6 @@ class ManyDigits:
 
     def _motion(self, kappa: Sequence[Number], excitation: Input, effect: dict[str, Number]) -> dict[str, Number]:
         """Every coordinate and imposed angle under a unit excitation, by name."""
-        import mpmath
-
         motion = dict.fromkeys(self.imposed, number(0))
         matrix: list[dict[int, Number]] = [{} for _ in self.place]
         loads = [number(0) for _ in self.place]
@@ -102,21 +100,19 @@ class ManyDigits:
         if len(solution) < len(self.place):
             msg = "the response cannot be told from rounding; ask for another frequency"
             raise SolveError(msg)
-        least = max((abs(angle) for angle in solution), default=number(0)) * mpmath.mpf(10) ** -TRUSTED
+        least = max((abs(angle) for angle in solution), default=number(0)) * _share()
         return motion | {name: _above(solution[index], least) for name, index in self.place.items()}
 
     def _reading(
         self, reading: Functional, motions: Sequence[dict[str, Number]], kappa: Sequence[Number], s: Number
     ) -> list[Number]:
         """Under every excitation; exactly 0 where nothing is left of its terms."""
-        import mpmath
-
         row = []
         for excitation, motion in zip(self.question.excitations, motions, strict=True):
             applied = reading.applied(excitation.of) if excitation.quantity == "torque" else 0
             terms = [number(applied), *(part for term in reading.terms for part in _parts(term, motion, kappa, s))]
             size = sum(abs(term) for term in terms)
-            row.append(_above(sum(terms), size * mpmath.mpf(10) ** -TRUSTED))
+            row.append(_above(sum(terms), size * _share()))
         return row
 
 
@@ -132,6 +128,13 @@ def _law(law: Any, row: dict[str, Fraction]) -> _Law:
         mpmath.mpc(0, number(law.loss_factor)) if law.loss_factor else 0,
         law.table,
     )
+
+
+def _share() -> Number:
+    """What is left of a sum in which all digits cancel that mean something."""
+    import mpmath
+
+    return mpmath.mpf(10) ** -round(TRUSTED * mpmath.mp.dps)
 
 
 def _above(value: Number, least: Number) -> Number:
@@ -160,7 +163,7 @@ def _quotient(outputs: list[list[Number]], measured: list[list[Number]]) -> list
     """Outputs times the inverse of the measured inputs, sums in which nothing is left being 0."""
     import mpmath
 
-    below, share = mpmath.matrix(measured), mpmath.mpf(10) ** -TRUSTED
+    below, share = mpmath.matrix(measured), _share()
     try:
         inverse = mpmath.inverse(below)
     except ZeroDivisionError:

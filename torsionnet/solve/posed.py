@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -65,11 +66,15 @@ class Posed:
     def felt_by(self, reading: int) -> frozenset[int]:
         """Excitations that reach a reading at all."""
         found: set[int] = set()
-        parts = self.problem.parts
-        for number, part in enumerate(parts):
+        for excitations, part in self.problem.parts:
             reached = felt(part.plan)[self.parts[reading].solved]
-            found |= {number + excitation for excitation in reached}
+            found |= {excitations[number] for number in reached}
         return frozenset(found)
+
+    @cached_property
+    def turned(self) -> Posed:
+        """The same, but for another order of elimination."""
+        return replace(self, problem=self.problem.otherwise)
 
 
 def pose(

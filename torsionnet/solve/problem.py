@@ -7,7 +7,7 @@ imposed angle, or the gap of a rigid connection, which is held at zero so that i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 from torsionnet.solve.graph_plan import make_plan
@@ -17,7 +17,7 @@ from torsionnet.solve.tape import Tape
 from torsionnet.solve.taping import make_tape
 
 ALONE = 4
-"""Up to so many excitations are solved one by one, each with its own coordinate at the root of the tree."""
+"""Up to so many torques are solved one by one, each with its own coordinate at the root of the tree."""
 
 
 @dataclass(frozen=True)
@@ -43,6 +43,8 @@ class Problem:
         Motions asked for, over all columns.
     reactions : tuple of int
         Given columns; asked for is the torque on each that the drivetrain, held there, exerts.
+    turned : bool
+        Whether to eliminate towards another root, which gives the same but for rounding.
     """
 
     laws: Sequence[Row]
@@ -50,17 +52,30 @@ class Problem:
     excitations: tuple[Excitation, ...]
     outputs: tuple[Row, ...]
     reactions: tuple[int, ...] = ()
+    turned: bool = False
 
     @property
     def n_read(self) -> int:
         return len(self.outputs) + len(self.reactions)
 
     @cached_property
-    def parts(self) -> tuple[Problem, ...]:
-        """The excitations one by one where they are few, else all together."""
-        if not 1 < len(self.excitations) <= ALONE:
-            return (self,)
-        return tuple(Problem(self.laws, self.n_free, (one,), self.outputs, self.reactions) for one in self.excitations)
+    def parts(self) -> tuple[tuple[list[int], Problem], ...]:
+        """Which excitations are solved together: torques one by one where they are few, and all imposed motions."""
+        loads = [number for number, one in enumerate(self.excitations) if not one.motion]
+        motions = [number for number, one in enumerate(self.excitations) if one.motion]
+        groups = [[number] for number in loads] if len(loads) <= ALONE else [loads]
+        groups += [motions] if motions else []
+        if len(groups) == 1:
+            return ((groups[0], self),)
+        return tuple((group, self._only([self.excitations[number] for number in group])) for group in groups)
+
+    @cached_property
+    def otherwise(self) -> Problem:
+        """The same by another order of elimination."""
+        return replace(self, turned=True)
+
+    def _only(self, excitations: Sequence[Excitation]) -> Problem:
+        return replace(self, excitations=tuple(excitations))
 
     @cached_property
     def plan(self) -> Plan:
@@ -71,6 +86,7 @@ class Problem:
             [excitation.motion for excitation in self.excitations],
             self.outputs,
             self.reactions,
+            turned=self.turned,
         )
 
     @cached_property

@@ -36,9 +36,9 @@ class Lanes:
     doubtful: NDArray[np.bool_]
 
 
-def transfer_functions(question: Question, kappa: LawStiffness, method: str = "auto") -> Lanes:
-    """Outputs over inputs."""
-    posed, n_out = question.posed, len(question.outputs)
+def transfer_functions(question: Question, kappa: LawStiffness, method: str = "auto", *, turned: bool = False) -> Lanes:
+    """Outputs over inputs; ``turned``: by another order of elimination."""
+    posed, n_out = question.posed.turned if turned else question.posed, len(question.outputs)
     found = METHODS[method](posed.problem, kappa)
     with np.errstate(invalid="ignore"):
         readings = _readings(posed, kappa, found.values)

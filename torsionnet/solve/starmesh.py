@@ -39,7 +39,7 @@ def respond(problem: Problem, kappa: LawStiffness) -> Sweep:
     Large problems take the compiled loop where it works. Only their size decides, so that a result does not depend on
     what was calculated before.
     """
-    if kappa.n_lanes * sum(len(part.tape) for part in problem.parts) >= WORTH:
+    if kappa.n_lanes * sum(len(part.tape) for _, part in problem.parts) >= WORTH:
         with contextlib.suppress(Exception):  # no numba, or one that is broken: numpy can do the same
             return respond_compiled(problem, kappa)
     return respond_in_numpy(problem, kappa)
@@ -67,10 +67,8 @@ def _respond(problem: Problem, kappa: LawStiffness, walk: Walk) -> Sweep:
     values = np.zeros((problem.n_read, len(problem.excitations), kappa.n_lanes), dtype=complex)
     doubtful = np.zeros(kappa.n_lanes, dtype=bool)
     with np.errstate(all="ignore"):
-        parts = problem.parts
-        for number, part in enumerate(parts):
+        for excitations, part in problem.parts:
             found, lost = walk(part.tape, kappa.gathered(part.plan.sources))
-            columns = slice(None) if len(parts) == 1 else slice(number, number + 1)
-            values[:, columns] = found.reshape(problem.n_read, len(part.excitations), kappa.n_lanes)
+            values[:, excitations] = found.reshape(problem.n_read, len(excitations), kappa.n_lanes)
             doubtful |= lost | part.plan.subtracts
     return Sweep(values, doubtful | ~np.isfinite(values).all(axis=(0, 1)))

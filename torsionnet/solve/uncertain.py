@@ -19,7 +19,7 @@ from torsionnet.solve.quotient import Lanes, transfer_functions
 PROMISED = 1e-9
 """Relative error of every value that is returned without a warning."""
 ENOUGH = PROMISED / 5
-DRAWS, STEP = 3, 8 * float(np.finfo(float).eps)
+DRAWS, STEP = 4, 8 * float(np.finfo(float).eps)
 MOST_WORK = 20_000
 """Coordinates times lanes that are solved in many digits: a few seconds."""
 
@@ -49,7 +49,9 @@ def settled(
     if not len(lanes):
         return found
     errors = expected_errors(
-        lambda some: transfer_functions(question, some).values, kappa.at(lanes), found.values[lanes]
+        lambda some, turned: transfer_functions(question, some, turned=turned).values,
+        kappa.at(lanes),
+        found.values[lanes],
     )
     worst = errors.max(axis=(1, 2), initial=0.0)
     order = [place for place in np.argsort(-worst, kind="stable").tolist() if worst[place] > ENOUGH]
@@ -69,18 +71,19 @@ def settled(
 
 
 def expected_errors(
-    evaluate: Callable[[LawStiffness], ComplexArray], kappa: LawStiffness, values: ComplexArray
+    evaluate: Callable[[LawStiffness, bool], ComplexArray], kappa: LawStiffness, values: ComplexArray
 ) -> FloatArray:
-    """Relative errors of ``evaluate(kappa)``, which gave ``values`` (n_lanes, ...): what some rounding changes.
+    """Relative errors of ``evaluate(kappa, False)``, which gave ``values`` (n_lanes, ...): what some rounding changes.
 
-    All stiffnesses are moved by a few roundings, with signs by chance. That shows how a value depends on them, and, as
-    every later rounding then falls out differently, also what elimination itself has lost.
+    All stiffnesses are moved by a few roundings, with signs by chance. That shows how a value depends on them. Every
+    later rounding falls out differently too, the more so in another order of elimination (``True``), which shows what
+    elimination itself has lost.
     """
     random, by_law = np.random.default_rng(0), kappa.by_law
     error = np.where(np.isfinite(values), 0.0, np.inf)
-    for _ in range(DRAWS):
+    for draw in range(DRAWS):
         moved = by_law * (1 + STEP * random.uniform(0.5, 1, by_law.shape) * random.choice([-1.0, 1.0], by_law.shape))
-        again = evaluate(kappa.sampled_as(moved))
+        again = evaluate(kappa.sampled_as(moved), draw % 2 > 0)
         with np.errstate(all="ignore"):
             change = np.abs(again - values) / np.abs(values)
         change[again == values] = 0.0

@@ -13,11 +13,12 @@ import numpy as np
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.assembly.system import smallest_rate
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.solve.many_digits import DIGITS, ManyDigits
+from torsionnet.solve.many_digits import ManyDigits
 from torsionnet.solve.question import Question
 
+DIGITS = 400
 SMALL = 25
-"""s is 10^-25 of the slowest rate of the system."""
+"""s is 10^-25 of the slowest rate of the system; several measured inputs may differ by its fifth power and more."""
 
 
 def at_zero(drivetrain: Drivetrain, question: Question) -> ComplexArray:
