@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.solve import frozen
 from torsionnet.solve.lowest import Motions, lowest_vibrations
-from torsionnet.solve.nullspace import null_space, rows_of
-from torsionnet.solve.reduction import LARGE, AnyArray, acting, restricted, subspaces
+from torsionnet.solve.reduction import LARGE, AnyArray, acting, resisting, restricted, stiff_laws, subspaces
 from torsionnet.solve.spectrum import physical, refined, solve
 
 RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
@@ -78,7 +77,7 @@ def complex_modes(system: RowSystem, lowest: int | None = None) -> EigenSolution
         Where coordinates have neither inertia nor spring nor damper.
     """
     system = acting(system)
-    stiff = frozen.stiff_laws(system)
+    stiff = stiff_laws(system)
     if lowest is not None and (few := _few_modes(system, stiff, lowest)) is not None:
         return few.first(lowest)
     spaces = subspaces(system, stiff, system.damping > 0)
@@ -153,7 +152,7 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
         Real shapes; the largest component of each is 1.
     """
     system = acting(system)
-    kept = _resisting(system)
+    kept = resisting(system)
     omega, shapes = _undamped_modes(acting(restricted(system, kept)), lowest)
     every = np.zeros((system.n_coordinates, len(omega)))
     every[kept] = shapes
@@ -161,7 +160,7 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
 
 
 def _undamped_modes(system: RowSystem, lowest: int | None) -> tuple[FloatArray, FloatArray]:
-    stiff = frozen.stiff_laws(system)
+    stiff = stiff_laws(system)
     undamped = np.zeros_like(stiff)
     if lowest is not None and system.n_coordinates > LARGE and not system.dynamic:
         motions = Motions.of(system, stiff, undamped, lowest)
@@ -182,10 +181,3 @@ def _sorted_undamped(rigid: FloatArray, found: frozen.Found, lowest: int | None)
     omega = np.concatenate([np.zeros(rigid.shape[1]), found.values.imag[order]])
     shapes = np.hstack([rigid, found.shapes[:, order].real])
     return omega[:lowest], np.asarray(scaled(shapes)[:, :lowest])
-
-
-def _resisting(system: RowSystem) -> list[int]:
-    """Coordinates without one of each motion that neither inertias nor springs resist; these stay at rest."""
-    floating = null_space(rows_of(system, frozen.stiff_laws(system) | (system.inertia > 0)), system.n_coordinates)
-    loose = {next(iter(motion)) for motion in floating.columns}
-    return [column for column in range(system.n_coordinates) if column not in loose]

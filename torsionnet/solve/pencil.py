@@ -174,7 +174,8 @@ def _refined(bordered: Bordered, roots: Roots, zeros: int) -> Roots:
         return roots
     vectors = roots.vectors.copy()
     for j in np.flatnonzero(chosen | known):
-        vectors[:, j] = refine.refine_vector(p, found[j], vectors[:, j])
+        start = np.cos(np.arange(bordered.size) + 2.4 * j) + 0j  # any: that of an uncertain root may have no motion
+        vectors[:, j] = refine.refine_vector(p, found[j], start)
     return Roots(values, vectors, errors)
 
 

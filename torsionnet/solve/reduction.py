@@ -182,6 +182,20 @@ def restricted(system: RowSystem, kept: Sequence[int]) -> RowSystem:
     return RowSystem(Rows(maps, len(kept)), system.inertia, system.damping, system.stiffness, system.dynamic)
 
 
+def stiff_laws(system: RowSystem) -> NDArray[np.bool_]:
+    """Laws that act as springs, for every rank: those with stiffness and those with a dynamic one."""
+    stiff = system.stiffness > 0
+    stiff[[index for index, _ in system.dynamic]] = True
+    return np.asarray(stiff)
+
+
+def resisting(system: RowSystem) -> list[int]:
+    """Coordinates without one of each motion that neither inertias nor springs resist; these may stay at rest."""
+    floating = null_space(rows_of(system, stiff_laws(system) | (system.inertia > 0)), system.n_coordinates)
+    loose = {next(iter(motion)) for motion in floating.columns}
+    return [column for column in range(system.n_coordinates) if column not in loose]
+
+
 def require_resistance(system: RowSystem, laws: NDArray[np.bool_]) -> None:
     """Refuse a system in which these laws leave a motion free."""
     free = null_space(rows_of(system, laws), system.n_coordinates).dimension
