@@ -2,6 +2,7 @@
 
 import warnings
 from collections import Counter
+from dataclasses import replace
 from fractions import Fraction
 from math import inf, pi, sqrt
 
@@ -12,6 +13,7 @@ from oracle.calls import Context, called
 from oracle.campaign import run
 from oracle.comparing_poles import compare_poles
 from oracle.comparing_responses import compare_responses, respond
+from oracle.comparing_shapes import compare_shapes
 from oracle.description import Model, Part, Reading
 from oracle.drawing import draw
 from oracle.package import drivetrain, source
@@ -257,6 +259,7 @@ def test_wrong_poles_are_found(change):
     class Wrong:
         undamped_natural_frequencies = right.undamped_natural_frequencies
         eigenvalues = change(right.eigenvalues)
+        nodes, shapes = right.nodes, np.resize(right.shapes, (2, len(eigenvalues)))
         kinds = ("oscillatory",) * len(eigenvalues)
         converged = np.full(len(eigenvalues), fill_value=True)
 
@@ -267,6 +270,17 @@ def test_wrong_poles_are_found(change):
         tally = Tally()
         compare_poles(Context("test", Mechanics(drawn), asked, tally))
         assert (tally.beyond >= 1) == bool(beyond)
+
+
+def test_a_wrong_shape_is_found():
+    drawn = model(inertia("a"), spring("a", "b", 100, damping=F(1)), inertia("b", 2), spring("b", "ground", 7))
+    right = drivetrain(drawn).modes()
+    for factor, beyond in ((1, 0), (1 + 1e-8, len(right))):
+        tally = Tally()
+        wrong = replace(right, shapes=right.shapes * np.array([[factor], [1]]))
+        every = [*right.eigenvalues, *right.eigenvalues.conj()]
+        compare_shapes(Context("test", Mechanics(drawn), None, tally), wrong, every)
+        assert (tally.beyond, tally.values) == (beyond, beyond or 4)
 
 
 def test_tallies_are_joined_and_written():

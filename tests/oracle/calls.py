@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -16,6 +17,10 @@ from oracle.solution import Mechanics
 from oracle.tally import Finding, Tally
 
 TOLERANCE = 1e-9
+HONEST = 10
+"""A stated error may be exceeded by this factor: it is an estimate."""
+OTHER_DOUBTS = ("infinite", "did not settle")
+"""Words of warnings that are not about digits."""
 BITS = 512
 
 
@@ -59,9 +64,11 @@ class Outcome:
         return any("infinite" in text for text in self.warned)
 
     @property
-    def says_uncertain(self) -> bool:
-        """Whether a warning is about digits, not about infinity."""
-        return any("infinite" not in text for text in self.warned)
+    def stated_error(self) -> float:
+        """The relative error that the warnings allow: 0 without one about digits, infinite where none is named."""
+        about_digits = [text for text in self.warned if not any(word in text for word in OTHER_DOUBTS)]
+        named = [re.search(r"(?:known to|worst by) ([\d.]+(?:e[+-]?\d+)?) of", text) for text in about_digits]
+        return max((HONEST * float(match[1]) if match else inf for match in named), default=0.0)
 
 
 def called(function: Callable[[], Any]) -> Outcome:

@@ -12,7 +12,7 @@ from flint import acb, acb_mat
 
 from oracle.answers import Answer, SingularInputError
 from oracle.calls import TOLERANCE, Context, Outcome, called, failed
-from oracle.comparing_poles import compare_modes, estimate
+from oracle.comparing_poles import compare_modes
 from oracle.description import GROUND, Model, Reading
 from oracle.elimination import SingularError, determinant
 from oracle.poles import polynomial_roots
@@ -58,7 +58,7 @@ def _compare_zeros(context: Context, name: str, asked: Asked, outcome: Outcome) 
         right.remove(nearest)
         if off <= TOLERANCE:
             context.agreed(name, off)
-        elif off <= estimate(outcome.warned):
+        elif off <= outcome.stated_error:
             context.warned(name)
         else:
             context.wrong(name, about, str(nearest), str(z), off)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
@@ -10,6 +9,7 @@ from math import inf, nan, pi
 from typing import Any
 
 from oracle.calls import TOLERANCE, Context, Outcome, called, failed
+from oracle.comparing_shapes import compare_shapes
 from oracle.poles import Poles
 from oracle.solution import Mechanics
 
@@ -26,7 +26,11 @@ def compare_poles(context: Context, lowest: int = 0) -> list[complex]:
     compare_undamped(context, outcome.value)
     if lowest:
         compare_lowest(context, list(outcome.value.eigenvalues), lowest)
-    return compare_modes(context, name, context.mechanics, outcome)
+    found = compare_modes(context, name, context.mechanics, outcome)
+    every = found + [z.conjugate() for z in found if z.imag > 0]
+    if not context.mechanics.is_frequency_dependent and len(every) == Poles(context.mechanics).count.others:
+        compare_shapes(context, outcome.value, every)
+    return found
 
 
 def compare_lowest(context: Context, every: Sequence[complex], number: int) -> None:
@@ -67,7 +71,7 @@ def compare_modes(context: Context, name: str, mechanics: Mechanics, outcome: Ou
     else:
         corrections = [poles.correction(z, abs(z.imag) if frozen else None) if z else nan for z in found]
         settled = [bool(modes.converged[i]) for i in moving]
-        _compare_each(context, name, poles, found, corrections, settled, estimate(outcome.warned))
+        _compare_each(context, name, poles, found, corrections, settled, outcome.stated_error)
         if not frozen and not outcome.warned and (missed := crowded(poles, every, found, corrections)):
             context.wrong(name, missed, shown(poles))
     return [z for z in found if z]
@@ -85,12 +89,6 @@ def _compare_each(
             context.warned(name)
         else:
             context.wrong(name, f"eigenvalue, error stated {known:.1g}", shown(poles), repr(z), off)
-
-
-def estimate(texts: Sequence[str]) -> float:
-    """The relative error the package warned of, 0 without a warning."""
-    sizes = [float(match[1]) for text in texts for match in re.finditer(r"worst by ([\d.e+-]+\d)", text)]
-    return max(sizes, default=0.0)
 
 
 def crowded(poles: Poles, every: list[complex], found: list[complex], corrections: Sequence[complex]) -> str:

@@ -110,11 +110,15 @@ class _Table:
             off = 0.0
         if off <= TOLERANCE:
             self.context.agreed(self.name, off)
-        elif self.outcome.says_uncertain and called(lambda: self.call(self.asked.only(i), [f])).says_uncertain:
+        elif off <= self.outcome.stated_error and off <= self.stated_error(f, i):
             self.context.warned(self.name)
         else:
             what = self.asked.words(i, j, f) + self.explanation(f, i, j, exact)
             self.context.wrong(self.name, what, _text(exact), repr(got), off)
+
+    def stated_error(self, f: float, i: int) -> float:
+        """What is said about this output at this frequency alone."""
+        return called(lambda: self.call(self.asked.only(i), [f])).stated_error
 
     def explanation(self, f: float, i: int, j: int, exact: acb) -> str:
         """What rounding the model's numbers alone would do, for the first findings of a call."""

@@ -61,14 +61,15 @@ class Poles:
                 s = acb(ball(z.real), ball(z.imag))
                 for nudge in (0, arb(2) ** -NUDGE):  # z may be a root in every digit
                     try:
-                        step = self._step(s * (1 + nudge), None if omega is None else ball(omega))
+                        step = self.step(s * (1 + nudge), None if omega is None else ball(omega))
                     except (SingularError, ZeroDivisionError):
                         continue
                     if step.rel_accuracy_bits() > ENOUGH:
                         return complex(step)
         return complex("nan")
 
-    def _step(self, s: acb, omega: arb | None) -> acb:
+    def step(self, s: acb, omega: arb | None = None) -> acb:
+        """Newton's step p/p' at the current precision."""
         apart = s * arb(2) ** -STEP
         growth = self.value(s + apart, omega) / self.value(s, omega)
         return 1 / ((growth - 1) / apart - self.count.zeros / s)
