@@ -7,7 +7,7 @@ import torsionnet as tn
 from torsionnet.errors import ModelError, UsageError
 from torsionnet.identification.files import load_fit_plan
 from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.signals import PAPER, Recording, Signal, Welch, write_recording
+from torsionnet.signals import Recording, Signal, Welch, write_recording
 
 RIG = """\
 torsionnet: 1
@@ -106,7 +106,7 @@ class TestPlan:
     def test_without_what_is_optional(self, plan):
         found = plan(FIT[: FIT.index("settings:")])
         assert (found.options, found.true) == ({}, {})
-        assert found.measurements[0].settings == PAPER
+        assert found.measurements[0].settings == Welch("hamming", 2, 0.8)
 
 
 MEASUREMENT = (
