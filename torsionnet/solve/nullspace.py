@@ -74,15 +74,28 @@ class Rounded:
     value: float
     error: float
 
-    def __add__(self, other: Rounded) -> Rounded:
+    @staticmethod
+    def of(number: Rounded | float) -> Rounded:
+        """The number itself; a plain one is exact."""
+        return number if isinstance(number, Rounded) else Rounded(number, 0.0)
+
+    def __add__(self, other: Rounded | float) -> Rounded:
+        other = Rounded.of(other)
         return Rounded(self.value + other.value, self.error + other.error)
 
-    def __mul__(self, other: Rounded) -> Rounded:
+    def __mul__(self, other: Rounded | float) -> Rounded:
+        other = Rounded.of(other)
         return Rounded(self.value * other.value, abs(self.value) * other.error + self.error * abs(other.value))
 
-    def __truediv__(self, other: Rounded) -> Rounded:
+    def __truediv__(self, other: Rounded | float) -> Rounded:
+        other = Rounded.of(other)
         value = self.value / other.value
         return Rounded(value, (self.error + abs(value) * other.error) / abs(other.value))
+
+    def __rtruediv__(self, other: float) -> Rounded:
+        return Rounded.of(other) / self
+
+    __radd__, __rmul__ = __add__, __mul__
 
     def __neg__(self) -> Rounded:
         return Rounded(-self.value, self.error)
@@ -107,7 +120,7 @@ def null_space(rows: Sequence[SparseRow], size: int) -> NullSpace:
     columns = {part: parts.turned(part, 1.0) for part in turning if part not in solved}
     for part, free in solved.items():
         for other, ratio in free.items():
-            columns[other] |= parts.turned(part, ratio.value)
+            columns[other] |= parts.turned(part, Rounded.of(ratio).value)
     return NullSpace(size, tuple(columns.values()), disjoint=all(len(free) < 2 for free in solved.values()))  # noqa: PLR2004
 
 
