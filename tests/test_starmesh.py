@@ -173,7 +173,7 @@ def row_systems(draw):
     n = draw(st.integers(1, 9))
     coefficient = st.sampled_from([1.0, -1.0, 2.0, -0.5, 3.3, -1.7])
     laws = [({i: 1.0}, draw(st.floats(0.1, 2)), draw(st.floats(1, 20)), draw(st.floats(10, 1e3))) for i in range(n)]
-    for _ in range(draw(st.integers(0, 3 * n))):
+    for _ in range(draw(st.integers(0, n))):
         touched = draw(st.lists(st.integers(0, n - 1), min_size=1, max_size=4, unique=True))
         row = {j: draw(coefficient) for j in touched}
         laws.append((row, draw(st.sampled_from([0.0, 0.1])), draw(st.floats(0, 5)), draw(st.floats(0, 1e4))))
@@ -181,7 +181,7 @@ def row_systems(draw):
 
 
 @both_ways
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(row_systems(), st.integers(1, 6))
 def test_any_rows_as_lapack(respond, system, n_exc):
     n = system.n_coordinates
