@@ -304,6 +304,17 @@ class TestSingleTests:
         np.testing.assert_allclose(response.values[:, 0, 0], 0.04 * np.exp(-1j), rtol=1e-9)
         assert "3 steps" in response.notes[-1]
 
+    def test_steps_are_told_in_the_time_of_the_record(self):
+        time = 100 + np.arange(8000) / 1000
+        angle = 2 * np.pi * np.where(time < 104, 5.0, 11.0) * time
+        signals = Signal("T", "torque", 2 * np.sin(angle)), Signal("t", "angle", np.sin(angle - 0.5))
+        found = stepped_sine(
+            Recording(signals, 1000, 100.0), "t", "T", [Step(5, 100, 104), Step(11, 104, 108)], settling=0.3
+        )
+        np.testing.assert_allclose(found.values[:, 0, 0], 0.5 * np.exp(-0.5j), rtol=1e-9)
+        with pytest.raises(UsageError, match="no whole period"):
+            stepped_sine(Recording(signals, 1000, 100.0), "t", "T", [Step(5, 99.9, 104)])
+
     @pytest.mark.parametrize("step", [Step(0.5, 0, 1), Step(5, 30, 40), Step(5, -1, 1)])
     def test_step_without_a_whole_period(self, step):
         with pytest.raises(UsageError, match="no whole period"):

@@ -100,13 +100,52 @@ class TestRoundTrip:
         assert path.read_text() == "old"
         assert [file.name for file in tmp_path.iterdir()] == [path.name]
 
-    def test_two_channels_of_one_name_are_refused(self, tmp_path):
+    @pytest.mark.parametrize("ending", [ending for ending in ENDINGS if ending != ".uff"])  # there names are no keys
+    def test_two_channels_of_one_name_are_refused(self, tmp_path, ending):
+        needs(ending)
         twice = Signal("T", "torque", np.zeros(3))
         with pytest.raises(UsageError, match="two channels of one name: T"):
-            write_recording(Recording((twice, twice), 1.0), tmp_path / "r.npz")
+            write_recording(Recording((twice, twice), 1.0), tmp_path / f"r{ending}")
+        assert list(tmp_path.iterdir()) == []
+
+    def test_names_that_mat_files_cannot_take(self, tmp_path):
+        for length in (63, 64):
+            given = Recording((Signal("T" * length, "torque", np.arange(3.0)),), 10.0)
+            if length == 63:
+                write_recording(given, tmp_path / "r.mat")
+                assert read_recording(tmp_path / "r.mat").names == given.names
+            else:
+                with pytest.raises(UsageError, match=r"names of 63 characters .* write an \.h5 or \.npz file"):
+                    write_recording(given, tmp_path / "r.mat")
 
 
 class TestForeignFiles:
+    @pytest.mark.parametrize("rate", [1000.0, 1000.0003, 999.99, 31.25, 1 / 3])
+    def test_rate_of_stamps_without_their_rounding(self, tmp_path, rate):
+        """Nine digits of time say the rate to eight; one that is round is meant to be round."""
+        lines = [f"{5 + place / rate:.9g},{place}" for place in range(2000)]
+        found = read_recording(write(tmp_path, "\n".join(["time [s],T [Nm]", *lines])))
+        assert found.sampling_rate == pytest.approx(rate, rel=1e-8)
+        if rate in (1000.0, 31.25):
+            assert found.sampling_rate == rate
+
+    @pytest.mark.parametrize(
+        ("name", "dialect", "message"),
+        [
+            ("r.npz", {"separator": ";"}, "separator cannot be given for a NPZ file"),
+            ("r.csv", {"delimiter": ";"}, "delimiter cannot be given for a text file"),
+            ("r.csv", {"separator": ";", "quote": "'"}, "separator, quote cannot be given for a text file"),
+        ],
+    )
+    def test_what_cannot_be_said_of_a_file(self, tmp_path, name, dialect, message):
+        (tmp_path / name).write_text("time;T\n0;1\n1;2\n")
+        with pytest.raises(UsageError, match=message):
+            read_recording(tmp_path / name, **dialect)
+
+    def test_separator_and_decimal_may_be_given(self, tmp_path):
+        path = write(tmp_path, "time;T [Nm]\n0;1,5\n1;2,5\n")
+        assert read_recording(path, separator=";", decimal=",")["T"].values.tolist() == [1.5, 2.5]
+
     def test_units_become_si(self, tmp_path):
         path = write(tmp_path, "t [ms];M [kNm];phi [deg];n [rpm]\n0;1,5;180;60\n1;2;90;30\n")
         found = read_recording(path)
@@ -371,6 +410,12 @@ def test_check_with_a_range_given():
     texts = [fault.message for fault in check_recording(one(sine()), window=0.5, ranges={"x": 0.999})]
     assert len(texts) == 1
     assert texts[0].startswith("clipped: ")
+
+
+@pytest.mark.parametrize("rate", [0.0, -1.0, np.inf, np.nan])
+def test_sampling_rate_is_positive(rate):
+    with pytest.raises(UsageError, match="the sampling rate must be a positive number of Hz"):
+        Recording((Signal("x", "torque", np.zeros(3)),), rate)
 
 
 class TestEncoder:
