@@ -7,15 +7,17 @@ drivetrain of its own.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import networkx as nx
-from flint import acb, acb_mat
+from flint import acb, acb_mat, arb
 
 from oracle.answers import Answer, SingularInputError
-from oracle.calls import TOLERANCE, Context, Outcome, called, failed
+from oracle.calls import Context, called, failed
 from oracle.comparing_poles import compare_modes
 from oracle.description import GROUND, Model, Reading
-from oracle.elimination import SingularError, determinant
-from oracle.poles import polynomial_roots
+from oracle.exact import precision
+from oracle.poles import Count, Poles, coefficients, precise
 from oracle.questions import Asked
 from oracle.solution import Mechanics
 
@@ -35,43 +37,29 @@ def compare_measured_poles(context: Context, asked: Asked) -> None:
     if outcome.is_refused and "are not calculated then" in str(outcome.error) and mechanics.model.imposed:
         context.refused(name)
     elif not failed(context, name, outcome, f"for {asked.inputs}, excitation {asked.excitations}"):
-        if rest is not None:
-            compare_modes(context, name, Mechanics(rest), outcome)
-        else:
-            _compare_zeros(context, name, asked, outcome)
+        poles = MeasuredPoles(mechanics, asked) if rest is None else Poles(Mechanics(rest))
+        compare_modes(context, name, poles, outcome)
 
 
-def _compare_zeros(context: Context, name: str, asked: Asked, outcome: Outcome) -> None:
-    about = f"{asked.inputs}, excitation {asked.excitations}"
-    try:
-        right = [complex(root) for root in zeros(context.mechanics, asked)]
-    except SingularError:
-        return  # a double root; rare
-    given = [complex(value) for value in outcome.value.eigenvalues if value != 0]
-    given += [z.conjugate() for z in given if z.imag > 0]
-    if len(given) != len(right):
-        context.wrong(name, f"their number, {about}", str(_upper(right)), str(_upper(given)))
-        return
-    for z in given:
-        nearest = min(right, key=lambda root, z=z: abs(root - z))
-        off = abs(z - nearest) / abs(nearest)
-        right.remove(nearest)
-        if off <= TOLERANCE:
-            context.agreed(name, off)
-        elif off <= outcome.stated_error:
-            context.warned(name)
-        else:
-            context.wrong(name, about, str(nearest), str(z), off)
+class MeasuredPoles(Poles):
+    """Roots of det D det Y."""
 
+    def __init__(self, mechanics: Mechanics, asked: Asked) -> None:
+        super().__init__(mechanics)
+        self.asked = asked
 
-def _upper(roots: list[complex]) -> list[complex]:
-    return sorted((z for z in roots if z.imag >= -1e-12 * abs(z)), key=abs)
+    def value(self, s: acb, omega: arb | None) -> acb:
+        question = self.asked.question
+        readings = self.mechanics.at(s, question.excitations, question.measured)
+        return super().value(s, omega) * acb_mat(readings).det()
 
-
-def bordered(mechanics: Mechanics, asked: Asked, s: acb) -> acb:
-    """Det D det Y at s, up to a constant factor."""
-    readings = mechanics.at(s, asked.question.excitations, asked.question.measured)
-    return determinant(mechanics.entries(s), mechanics.order) * acb_mat(readings).det()
+    @cached_property
+    def count(self) -> Count:
+        """From the coefficients that are not zero."""
+        most = 2 * self.mechanics.freedom + 2 * len(self.asked.inputs)
+        with precision(precise(most)):
+            known = [i for i, x in enumerate(coefficients(lambda s: self.value(s, None), most)) if not x.contains(0)]
+        return Count(None, known[0], known[-1] - known[0])
 
 
 def vanishes(mechanics: Mechanics, asked: Asked) -> bool:
@@ -80,11 +68,6 @@ def vanishes(mechanics: Mechanics, asked: Asked) -> bool:
         return not Answer(mechanics, asked.question).zeros
     except SingularInputError:
         return True
-
-
-def zeros(mechanics: Mechanics, asked: Asked) -> list[acb]:
-    degree = 2 * mechanics.freedom + 2 * len(asked.inputs)
-    return polynomial_roots(lambda s: bordered(mechanics, asked, s), degree)
 
 
 def cut_off(model: Model, measured: Reading, excitations: tuple[tuple[str, str], ...]) -> Model | None:

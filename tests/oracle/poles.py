@@ -28,9 +28,9 @@ CIRCLE = 128
 
 @dataclass(frozen=True)
 class Count:
-    """Of poles: rigid-body modes, zeros of det D(s) at s = 0 and roots apart from these."""
+    """Of poles: rigid-body modes (None: not known), zeros of det D(s) at s = 0 and roots apart from these."""
 
-    rigid: int
+    rigid: int | None
     zeros: int
     others: int
 
@@ -88,23 +88,23 @@ class Poles:
 
     def roots(self) -> list[acb]:
         """All roots apart from zero, enclosed; slow, for what failed."""
-        return polynomial_roots(lambda s: self.value(s, arb(0)) / s**self.count.zeros, self.count.others)
+        number = self.count.others
+        for bits in (precise(number), 2 * precise(number)):
+            with precision(bits):
+                try:
+                    found = coefficients(lambda s: self.value(s, arb(0)) / s**self.count.zeros, number)
+                    return [acb(root) for root in acb_poly(found).roots(tol=arb(2) ** -ROOT_BITS)]
+                except (SingularError, ValueError, ZeroDivisionError):
+                    continue
+        raise SingularError
 
 
-def polynomial_roots(value: Callable[[acb], acb], degree: int) -> list[acb]:
-    """Roots other than zero of a polynomial of at most this degree, from its values on the unit circle."""
-    for bits in (first := 100 * degree + 1000, 2 * first, 8 * first):
-        with precision(bits):
-            try:
-                points = [(acb(2 * k) / (degree + 1)).exp_pi_i() for k in range(degree + 1)]
-                spectrum = acb.dft([value(s) for s in points])
-                return [acb(root) for root in _trimmed(spectrum).roots(tol=arb(2) ** -ROOT_BITS)]
-            except (SingularError, ValueError, ZeroDivisionError):
-                continue
-    raise SingularError
+def precise(degree: int) -> int:
+    """Bits for the coefficients of a polynomial."""
+    return 100 * degree + 1000
 
 
-def _trimmed(coefficients: list[acb]) -> acb_poly:
-    """Without the zeros at both ends."""
-    known = [i for i, value in enumerate(coefficients) if not value.contains(0)]
-    return acb_poly(coefficients[known[0] : known[-1] + 1] if known else [acb(1)])
+def coefficients(value: Callable[[acb], acb], degree: int) -> list[acb]:
+    """Of a polynomial of at most this degree, from its values on the unit circle."""
+    points = [(acb(2 * k) / (degree + 1)).exp_pi_i() for k in range(degree + 1)]
+    return acb.dft([value(s) for s in points])
