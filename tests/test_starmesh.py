@@ -216,7 +216,7 @@ def test_model_of_the_library_with_both_methods(sensor):
 
 
 def test_unknown_method_is_refused():
-    with pytest.raises(tn.UsageError, match='no method is named "lu"; choose graph, compiled, dense'):
+    with pytest.raises(tn.UsageError, match='no method is named "lu"; choose auto, graph, compiled, dense'):
         tn.load("dmf_rig").frequency_response("theta_1", "T_M", [1.0], method="lu")
 
 
