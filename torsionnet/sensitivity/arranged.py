@@ -123,9 +123,10 @@ class Arranged:
             return Asked(0, {node: exact(value_of(a)) for node, a in row.items()}, -1, slopes)
         node, sign = port_of(element, sensor.at)
         motion: dict[str, Fraction] = {}
-        for condition, row in self._owned(self.system.condition_owners, self.system.exact_conditions, element.name):
-            for moved, angle in self._opened(condition).items() if node in row else ():
-                motion[moved] = motion.get(moved, Fraction(0)) + sign * row[node] * angle
+        owners, rows = self.system.condition_owners, self.system.exact_conditions
+        for condition, conditions in self._owned(owners, rows, element.name):
+            for moved, angle in self._opened(condition).items() if node in conditions else ():
+                motion[moved] = motion.get(moved, Fraction(0)) + sign * conditions[node] * angle
         laws = self._owned(self.system.law_owners, self.system.exact_laws, element.name)
         own = {law: sign * row[node] for law, row in laws if node in row}
         return Asked(0, None, self._gap(Gap(motion, own)), slopes)
@@ -151,7 +152,7 @@ class Arranged:
     def _slope_row(self, slopes: FloatArray, law: int = -1, p: int = -1) -> Row:
         """The change (n_nodes,) of a row; of a law also what it changes in readings of its own torque."""
         own = {one.gap: exact(float(one.slopes.law_slopes[law, p])) for one in self.asked if law >= 0 and one.gap >= 0}
-        return self._row({self.nodes[i]: exact(float(slopes[i])) for i in np.flatnonzero(slopes)}, own)
+        return self._row({self.nodes[i]: exact(float(slopes[i])) for i in np.flatnonzero(slopes).tolist()}, own)
 
     # --- the problem ------------------------------------------------------------------------------------------------
 
