@@ -8,6 +8,7 @@ import tempfile
 from collections import Counter
 from collections.abc import Iterator
 from itertools import chain, zip_longest
+from operator import itemgetter
 from pathlib import Path
 
 from mutation.chosen import PACKAGES
@@ -27,12 +28,14 @@ def modules(paths: list[str]) -> dict[str, int | None]:
 
 def sample(paths: list[str], number: int, seed: int) -> list[Mutant]:
     """Faults spread over the modules: one of each in turn, until there are enough."""
-    draw, by_module = random.Random(seed), []
+    by_module = []
     for module, line in modules(paths).items():
         found = mutants(module, (ROOT / module).read_text(encoding="utf-8"))
         found = [mutant for mutant in found if line in {None, mutant.line}]
-        by_module.append(draw.sample(found, len(found)))
-    turns = chain.from_iterable(zip_longest(*draw.sample(by_module, len(by_module))))
+        # A draw of its own: what one module has does not change the sample of another.
+        draw = random.Random(f"{seed} {module}")
+        by_module.append((draw.random(), draw.sample(found, len(found))))
+    turns = chain.from_iterable(zip_longest(*(found for _, found in sorted(by_module, key=itemgetter(0)))))
     return sorted([mutant for mutant in turns if mutant][:number], key=lambda mutant: (mutant.module, mutant.start))
 
 
