@@ -23,9 +23,11 @@ ROUNDINGS = 1e4
 def compare_shapes(context: Context, modes: Any, every: Sequence[complex]) -> None:
     """All nodes in the modes that stand apart from the others; ``every`` has the conjugates too.
 
-    A shape is 1 where it is largest, and known to the rounding of the model over the distance to the next eigenvalue.
+    A shape is 1 where it is largest, and known to the rounding of the model over the distance to the next eigenvalue;
+    one that is many decades slower than the fastest, in which all but nothing moves, to rounding times these decades.
     """
     mechanics, name = context.mechanics, "mode shapes"
+    fastest = max((abs(z) for z in every), default=0.0)
     for i, kind in enumerate(modes.kinds):
         z = complex(modes.eigenvalues[i])
         if kind == "rigid body" or not z:
@@ -39,7 +41,7 @@ def compare_shapes(context: Context, modes: Any, every: Sequence[complex]) -> No
         given = {node: complex(value) for node, value in zip(modes.nodes, modes.shapes[:, i], strict=True)}
         right = scaled(exact, given)
         off = max(abs(given[node] - value) if isfinite(abs(given[node])) else inf for node, value in right.items())
-        if off <= TOLERANCE + ROUNDINGS * EPSILON / gap:
+        if off <= TOLERANCE + ROUNDINGS * EPSILON / gap + EPSILON * fastest / abs(z):
             context.agreed(name, off, len(exact))
         else:
             context.wrong(name, f"of {z}", str(right), str(given), off)
