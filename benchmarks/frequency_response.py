@@ -54,8 +54,9 @@ def chain(n, extra=(), parent=None, ratio=None):
 def graph(system, omega, method="graph"):
     """All of it: dynamic stiffness and receptance between the ends."""
     n = system.n_coordinates
-    problem = Problem(system.sparse_rows, n, (Excitation(load={0: 1.0}),), ({n - 1: 1.0},))
-    return METHODS[method](problem, law_stiffness([system], omega)).values[0, 0]
+    if "ends" not in system.plans:  # as a drivetrain keeps it for all calls and configured copies
+        system.plans["ends"] = Problem(system.sparse_rows, n, (Excitation(load={0: 1.0}),), ({n - 1: 1.0},))
+    return METHODS[method](system.plans["ends"], law_stiffness([system], omega)).values[0, 0]
 
 
 def compiled(system, omega):

@@ -63,7 +63,7 @@ def shape(mechanics: Mechanics, z: complex) -> Mapping[str, acb] | None:
 
 
 def scaled(exact: Mapping[str, acb], given: Mapping[str, complex]) -> dict[str, complex]:
-    """The exact shape with 1 where the given one is largest."""
+    """The exact shape, equal to the given one where that is largest."""
     largest = max(given, key=lambda node: abs(given[node]))
     with precision(BITS):
-        return {node: complex(value / exact[largest]) for node, value in exact.items()}
+        return {node: complex(value / exact[largest]) * given[largest] for node, value in exact.items()}

@@ -51,7 +51,8 @@ class Bordered:
                         _add(powers[power][i], j, value * a * b)
         for column, excitation in enumerate(question.excitations):
             for name, value in exact_row(assembly.kinematics.reduced({excitation.of: 1})).items():
-                _add(powers[0][index[name]], n + column, -value)
+                if name in index:  # the rest of the torque acts on imposed angles, which stand still
+                    _add(powers[0][index[name]], n + column, -value)
         for line, reading in enumerate(question.measured, start=n):
             for term in reading.terms:
                 ours = {index[name]: value for name, value in term.exact.items() if name in index}
