@@ -37,7 +37,7 @@ _SAME = 1e-6
 _MARGIN = 1e-9
 _STILL = 1e-14
 _STEPS = 4
-_BESIDE = 1e-13  # relative distance to an eigenvalue at which D can be factored
+_BESIDE = (1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8)  # relative distances to an eigenvalue to factor D at
 _RESOLVED = 0.1  # share of the shift below which all poles look alike
 _ROUNDS = 8
 _EPS = float(np.finfo(float).eps)
@@ -438,7 +438,7 @@ def _settled(pencil: _Pencil, values: Any, shapes: Any) -> tuple[Any, Any, Float
 
 def _beside(pencil: _Pencil, z: Any) -> Any:
     """LU factors as close to an eigenvalue as they can be had."""
-    for step in (_BESIDE, 3 * _BESIDE, 10 * _BESIDE):
+    for step in _BESIDE:
         try:
             return pencil.factor(z * (1 + step))
         except RuntimeError:  # exactly singular
