@@ -11,9 +11,8 @@ from fractions import Fraction
 from typing import Any
 
 from torsionnet.pivoting import Elimination, Grounds
+from torsionnet.proportions import rounded_product
 
-LONGEST = 1024
-"""Bits in numerator and denominator from where on a ratio that is only wanted as a float is cut to half as many."""
 _UNIT = object()
 _UNITS = {1: Fraction(1), -1: Fraction(-1)}
 
@@ -49,7 +48,7 @@ class Reduction:
         self._rows = elimination
         self._proportions = elimination.proportions
         self._ratios: dict[Any, Any] = {}
-        self._short_ratios: dict[Any, Any] = {}
+        self._rounded_ratios: dict[Any, Any] = {}
         self.redundant = tuple(elimination.redundant)
         self.blocked = tuple(elimination.blocked)
         self.rank = elimination.count - len(self.redundant) - len(self.blocked)
@@ -92,7 +91,7 @@ class Reduction:
         current, _ = self._rows.condensed(row)
         return {
             self._proportions.group(name).lead: float(
-                self._proportions.to_root(name, self._short_ratios, shortened) * value
+                self._proportions.to_root(name, self._rounded_ratios, rounded_product) * value
             )
             for name, value in current.items()
         }
@@ -153,15 +152,6 @@ def reduce_rows(rows: Iterable[Mapping[Any, Any]], order: Mapping[Any, int], kee
     for row in rows:
         elimination.add(row)
     return Reduction(elimination)
-
-
-def shortened(ratio: Fraction) -> Fraction:
-    """The ratio, of more than 1024 bits in numerator and denominator to 511 bits."""
-    excess = min(ratio.numerator.bit_length(), ratio.denominator.bit_length()) - LONGEST
-    if excess <= 0:
-        return ratio
-    cut = excess + LONGEST // 2
-    return Fraction(ratio.numerator >> cut, ratio.denominator >> cut)
 
 
 def substitute(row: Mapping[Any, Any], solved: Mapping[Any, Mapping[Any, Any]]) -> dict[Any, Any]:

@@ -140,6 +140,10 @@ def _require_nodes(wanted: Collection[str], nodes: Collection[str]) -> None:
             raise UsageError(msg)
 
 
+FEW = 100
+"""Elements in a contradicting loop up to which it is tried whether fewer of them hold another node."""
+
+
 def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list[str]:
     """Elements whose rigid ratios contradict each other, so that a node is held at zero without a clamp; or nothing.
 
@@ -158,8 +162,8 @@ def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list
 
     origin, node = min(((sorted(reduction.origin(node)), node) for node in held), key=lambda found: len(found[0]))
     loop = [origin[place] for place in holding([rows[index] for index in origin], node)]
-    if any(len(rows[index]) > 2 for index in loop):  # noqa: PLR2004
-        loop = smallest_culprits(rows, loop, contradicts)  # a loop of pairs is closed by all of them or not at all
+    if len(loop) <= FEW:
+        loop = smallest_culprits(rows, loop, contradicts)
     return list(dict.fromkeys(loose[index][0] for index in loop))
 
 

@@ -6,9 +6,34 @@ n ratios thus costs n steps, and not n products of up to n factors each.
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any, NamedTuple
+
+LONGEST = 1024
+"""Bits of numerator and denominator beyond which a ratio is long."""
+
+
+def short_product(factor: Any, ratio: Any) -> Any:
+    """The product while it is a short rational, else None."""
+    product = None if ratio is None else factor * ratio
+    return product if isinstance(product, Fraction) and max(_lengths(product)) <= LONGEST else None
+
+
+def rounded_product(factor: Fraction, ratio: Fraction) -> Fraction:
+    """The product; a long one is cut to half its bits, which leaves 500 of them right."""
+    product = factor * ratio
+    shorter = min(_lengths(product))
+    if shorter <= LONGEST:
+        return product
+    cut = shorter - LONGEST // 2
+    return Fraction(product.numerator >> cut, product.denominator >> cut)
+
+
+def _lengths(ratio: Fraction) -> tuple[int, int]:
+    return ratio.numerator.bit_length(), ratio.denominator.bit_length()
 
 
 class Solution(NamedTuple):
@@ -26,13 +51,15 @@ class Solution(NamedTuple):
 class Group:
     """``size`` names in proportion; ``lead`` stands for them while there is no ``solution``.
 
-    A group that was joined to another one only leads to that.
+    ``known`` are ratios to the root of the tree that have been worked out. A group that was joined to another one only
+    leads to that.
     """
 
     lead: Hashable
     size: int = 1
     solution: Solution | None = None
     joined: Group | None = None
+    known: dict[Hashable, Any] | None = None
 
 
 class Link(NamedTuple):
@@ -95,14 +122,18 @@ class Proportions:
     def turn(self, name: Hashable) -> None:
         """Make a name the root of its tree."""
         link = self._links.pop(name, None)
+        if link is not None:
+            self.group(name).known = None
         while link is not None:
             above, own, other, number = link
             link = self._links.get(above)
             self._links[above] = Link(name, other, own, number)
             name = above
 
-    def to_root(self, name: Hashable, known: dict[Hashable, Any], rounded: Callable[[Any], Any] | None = None) -> Any:
-        """The ratio of a name to the root of its tree; ``known`` keeps all ratios on the way, each of them rounded."""
+    def to_root(
+        self, name: Hashable, known: dict[Hashable, Any], product: Callable[[Any, Any], Any] = operator.mul
+    ) -> Any:
+        """The ratio of a name to the root of its tree; ``known`` keeps that of every name on the way."""
         way = []
         while name not in known:
             link = self._links.get(name)
@@ -113,14 +144,20 @@ class Proportions:
                 name = link.above
         ratio = known[name]
         for name, link in reversed(way):
-            ratio = -link.other / link.own * ratio
-            ratio = known[name] = rounded(ratio) if rounded else ratio
+            ratio = known[name] = product(-link.other / link.own, ratio)
         return ratio
 
     def ratio(self, first: Hashable, second: Hashable) -> Any:
-        """Ratio of two names of one group, by the links between them alone."""
-        if first == second:
-            return 1
+        """Ratio of two different names of one group.
+
+        That of their ratios to the root if these have few digits, else a product over the links between the two.
+        """
+        group = self.group(first)
+        if group.known is None:
+            group.known = {}
+        over, under = (self.to_root(name, group.known, short_product) for name in (first, second))
+        if over is not None and under is not None:
+            return over / under
         up, down = self._ways(first, second)
         factors = [-link.other / link.own for link in up] + [-link.own / link.other for link in down]
         ratio = factors[0]

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.assembly.rows import DynamicStiffness, FloatArray, Rows, RowSystem
+from torsionnet.collecting import collector_paused
 from torsionnet.definition import Definition
 from torsionnet.elements import Law, Values
 from torsionnet.kinematics import Kinematics, exact_row, pseudo_node, solve_kinematics
@@ -112,6 +113,7 @@ class Assembly:
         return tuple(exact_row(self.kinematics.reduced(law.row)) for law in self.laws)
 
 
+@collector_paused()
 def assemble(
     definition: Definition,
     values: Mapping[str, Any],

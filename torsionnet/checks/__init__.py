@@ -12,6 +12,7 @@ from dataclasses import replace
 from torsionnet.checks import names, values
 from torsionnet.checks.plausible import unusual_sizes
 from torsionnet.checks.structure import structure, unconnected_parts
+from torsionnet.collecting import collector_paused
 from torsionnet.configurations import combinations, label
 from torsionnet.definition import Definition
 from torsionnet.errors import Fault
@@ -20,6 +21,7 @@ from torsionnet.parameters import resolve
 MOST_COMBINATIONS = 64
 
 
+@collector_paused()
 def check_definition(definition: Definition) -> list[Fault]:
     """Every fault, warning and note of a model with all its configurations."""
     faults = [fault for check in names.CHECKS for fault in check(definition)]

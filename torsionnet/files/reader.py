@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from torsionnet.checks import has_errors
+from torsionnet.collecting import collector_paused
 from torsionnet.definition import Definition, read_definition
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import Fault, ModelError, UsageError, did_you_mean
@@ -70,6 +71,7 @@ def read_file(path: str | os.PathLike[str]) -> tuple[Definition | None, list[Fau
     return read_text(text, str(found))
 
 
+@collector_paused()
 def read_text(text: str, file: str) -> tuple[Definition | None, list[Fault]]:
     """As :func:`read_file`, for text that is already at hand."""
     try:
