@@ -4,6 +4,8 @@ Each line says an inertia J_i and a lag of its own. Logarithms of model over tes
 the lag less 2 pi f d; both divided by sqrt((1 - c) / (2 c)) for a coherence c. That is linear in log J and in d.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -11,6 +13,7 @@ from scipy import stats
 import torsionnet as tn
 from torsionnet.errors import UsageError
 from torsionnet.identification import Candidate, choose_model
+from torsionnet.identification.problem import Problem
 from torsionnet.response import Channel, FrequencyResponse
 
 F = np.array([1.0, 2.0, 3.0, 5.0, 8.0])
@@ -225,6 +228,53 @@ class TestSeveral:
         assert verdict.startswith(
             f"c does not fit the others: its response is off by {off(1.3):.2g} % (RMS), theirs by {off(1):.2g} %;"
         )
+
+
+@dataclass
+class Stub:
+    """A block of so many lines, with a correlation of its noise and what all its lines share."""
+
+    frequencies: np.ndarray
+    correlation: np.ndarray | None
+    shared: np.ndarray | None
+
+
+class TestUncertainty:
+    """Of two measurements and a prior: sums of quadratic forms, block after block."""
+
+    NOISE = np.array([[1, 0.5, 0, 0], [0.5, 1, 0, 0], [0, 0, 1, -0.25], [0, 0, -0.25, 1]])
+    STEPS = np.outer([1.0, 2.0, 3.0, 4.0], [1.0, 2.0, 3.0, 4.0])
+    BACKWARD = np.arange(14.0).reshape(2, 7) / 10
+
+    def problem(self, priors):
+        blocks = Stub(np.ones(1), None, None), Stub(np.ones(2), self.NOISE, self.STEPS)
+        none = np.zeros(1)
+        return Problem(("a",), none, none, none, priors, blocks, ())
+
+    def whole(self, *parts):
+        found = np.zeros((7, 7))
+        for place, part in parts:
+            found[place, place] = part
+        return self.BACKWARD @ found @ self.BACKWARD.T
+
+    def test_under_noise(self):
+        first, second, prior = slice(0, 2), slice(2, 6), slice(6, 7)
+        expected = self.whole((first, np.eye(2)), (second, self.NOISE), (prior, np.eye(1)))
+        np.testing.assert_allclose(self.problem({0: (1.0, 2.0)}).under_noise(self.BACKWARD), expected, rtol=1e-12)
+
+    def test_under_steps(self):
+        expected = self.whole((slice(2, 6), self.STEPS))
+        np.testing.assert_allclose(self.problem({0: (1.0, 2.0)}).under_steps(self.BACKWARD), expected, rtol=1e-12)
+
+    def test_effective_count(self):
+        """Of n correlated values: n^2 over the sum of squared correlations."""
+        assert self.problem({}).effective_count == pytest.approx(36 / (2 + 4 + 2 * 0.25 + 2 * 0.0625))
+        assert self.problem({0: (1.0, 2.0)}).effective_count == pytest.approx(49 / (7 + 2 * 0.25 + 2 * 0.0625))
+
+
+def test_saved_files_are_of_version_one():
+    """Files that are there have to be readable."""
+    assert fitted().to_yaml().splitlines()[0] == "torsionnet_fit: 1"
 
 
 class TestVerdicts:

@@ -6,40 +6,38 @@ PACKAGES = tuple(
     f"torsionnet/{name}" for name in ("solve", "assembly", "response", "signals", "modal", "identification")
 )
 
-ELIMINATION = ("test_row_algebra", "test_transfer", "test_closed_forms", "test_state_space", "test_starmesh")
-RESPONSES = ("test_transfer", "test_closed_forms", "test_state_space")
-EIGENVALUES = ("test_modes", "test_eigen", "test_closed_forms", "test_damping")
+RESPONSES = ("test_oracle", "test_transfer", "test_variants", "test_closed_forms", "test_state_space", "test_graph")
+EIGENVALUES = ("test_oracle", "test_modes", "test_eigen", "test_closed_forms", "test_damping")
 MODAL_FIT = ("test_modal_parts", "test_modal_single", "test_modal_shapes", "test_modal_report", "test_modal_fit")
 FIT = ("test_fit_closed_forms", "test_identification", "test_virtual_chain")
 RECORDS = ("test_recordings", "test_processing")
 
 CHOSEN: dict[str, tuple[str, ...]] = {
-    "torsionnet/solve/cut": ("test_cut", "test_closed_forms", *EIGENVALUES),
-    "torsionnet/solve/pencil": ("test_cut", "test_closed_forms", *EIGENVALUES),
+    "torsionnet/solve/by_spectrum": ("test_simulate", "test_oracle"),
+    "torsionnet/solve/cut": ("test_cut", *EIGENVALUES),
     "torsionnet/solve/eigen": EIGENVALUES,
     "torsionnet/solve/frozen": EIGENVALUES,
-    "torsionnet/solve/modes": EIGENVALUES,
-    "torsionnet/solve/reduction": (*EIGENVALUES, "test_lowest"),
-    "torsionnet/solve/refine": (*EIGENVALUES, "test_lowest"),
-    "torsionnet/solve/triangular": EIGENVALUES,
-    "torsionnet/solve/words": EIGENVALUES,
+    "torsionnet/solve/grid": ("test_solver_parts", "test_transfer"),
     "torsionnet/solve/lowest": ("test_lowest",),
-    "torsionnet/solve/by_spectrum": ("test_modes", "test_lowest"),
-    "torsionnet/solve/spectrum": ("test_modes", "test_lowest"),
-    "torsionnet/solve/peaks": ("test_paper", "test_validation", "test_cli"),
+    "torsionnet/solve/modes": EIGENVALUES,
+    "torsionnet/solve/modular": ("test_cut", *EIGENVALUES),
+    "torsionnet/solve/nullspace": ("test_cut", *EIGENVALUES),
+    "torsionnet/solve/bordered": ("test_cut", *EIGENVALUES),
+    "torsionnet/solve/peaks": ("test_solver_parts", "test_paper"),
+    "torsionnet/solve/pencil": ("test_cut", *EIGENVALUES),
+    "torsionnet/solve/reduction": EIGENVALUES,
+    "torsionnet/solve/refine": EIGENVALUES,
+    "torsionnet/solve/row_algebra": ("test_row_algebra", *RESPONSES),
     "torsionnet/solve/simulate": ("test_simulate", "test_bench"),
+    "torsionnet/solve/spectrum": ("test_lowest", *EIGENVALUES),
     "torsionnet/solve/state_space": ("test_simulate", "test_state_space"),
+    "torsionnet/solve/triangular": ("test_solver_parts", "test_simulate"),
     "torsionnet/solve/variants": ("test_variants", "test_transfer"),
-    "torsionnet/solve/graph_plan": ELIMINATION,
-    "torsionnet/solve/row_algebra": ELIMINATION,
-    "torsionnet/solve/starmesh": ELIMINATION,
-    "torsionnet/solve/compiled": ELIMINATION,
-    "torsionnet/solve/sweep": ELIMINATION,
-    "torsionnet/solve/tape": ELIMINATION,
+    "torsionnet/solve/words": EIGENVALUES,
     "torsionnet/solve": RESPONSES,
     "torsionnet/assembly/symbolic": ("test_symbolic", "test_closed_forms"),
-    "torsionnet/assembly/law_stiffness": ("test_transfer", "test_damping", "test_state_space"),
-    "torsionnet/assembly": ("test_closed_forms", "test_transfer", "test_paper", "test_state_space", "test_modes"),
+    "torsionnet/assembly/law_stiffness": (*RESPONSES, "test_damping"),
+    "torsionnet/assembly": (*RESPONSES, "test_paper", "test_modes"),
     "torsionnet/response": ("test_results", "test_response", "test_modes", "test_transfer", "test_variants"),
     "torsionnet/signals/excitation": ("test_excitation",),
     "torsionnet/signals/files": ("test_recordings",),
