@@ -293,7 +293,7 @@ def test_repeated_planet_modes_with_proportional_damping():
 
 
 def test_shape_on_an_exact_root():
-    p = refine.polynomial(np.eye(2), [np.array([4.0, 9.0]), np.zeros(2), np.ones(2)])
+    p = refine.polynomial(Rows.of(np.eye(2)), [np.array([4.0, 9.0]), np.zeros(2), np.ones(2)])
     shape = refine.refine_vector(p, mpmath.mpc(0, 2), np.array([0.9, 0.3 + 0j]))
     np.testing.assert_allclose(shape, [1, 0], atol=1e-20)
 

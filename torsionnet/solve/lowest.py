@@ -22,6 +22,7 @@ from torsionnet.errors import SolveError
 from torsionnet.solve.frozen import Found
 from torsionnet.solve.nullspace import null_space, rows_of
 from torsionnet.solve.reduction import AnyArray, acting, echelon, require_resistance, resisting, restricted
+from torsionnet.solve.spectrum import MAX_OPERATIONS
 
 Apply: TypeAlias = Callable[[FloatArray], FloatArray]
 
@@ -32,6 +33,7 @@ ACCURATE = 1e-10
 HUGE = 2000
 """Coordinates beyond which arrays of n by n cost hours and gigabytes."""
 _ZERO = 1e-6
+_NEAR = 1e-3
 _TOLERANCE = 1e-13
 _SAME = 1e-6
 _MARGIN = 1e-9
@@ -110,10 +112,29 @@ def _search(system: RowSystem, motions: Motions, count: int, *, undamped: bool) 
     values, shapes, errors = values[kept], shapes[:, kept], errors[kept]
     if len(values) < count:
         raise _NotFoundError
-    if undamped:
-        values = 1j * np.sqrt(values.real)
     order = np.argsort(np.abs(values), kind="stable")
-    return _found(values[order], pencil.scale[:, None] * shapes[:, order], errors[order])
+    values, shapes, errors = values[order], pencil.scale[:, None] * shapes[:, order], errors[order]
+    if np.any(errors[:count] > ACCURATE):
+        values, shapes, errors = _refined(system, values, shapes, errors, undamped=undamped)
+    return _found(1j * np.sqrt(values.real) if undamped else values, shapes, errors)
+
+
+def _refined(
+    system: RowSystem, values: Any, shapes: Any, errors: FloatArray, *, undamped: bool
+) -> tuple[Any, Any, Any]:
+    """Newton's method in mpmath for the values that assembled matrices leave uncertain, as far as work allows."""
+    from torsionnet.solve import refine
+
+    laws = [system.stiffness, -system.inertia] if undamped else [system.stiffness, system.damping, system.inertia]
+    p = refine.polynomial(system.law_rows, laws)
+    values, errors = values.copy(), errors.copy()
+    doubtful = np.flatnonzero((errors > ACCURATE) & (errors < _NEAR))
+    for j in doubtful[: MAX_OPERATIONS // max(p.operations, 1)]:
+        root = refine.newton(p, values[j].real if undamped or values[j].imag == 0 else values[j])
+        if root is not None and abs(complex(root) - values[j]) <= _NEAR * abs(values[j]):
+            shapes[:, j] = refine.refine_vector(p, root, shapes[:, j])
+            values[j], errors[j] = complex(root).real if undamped else complex(root), refine.CONVERGED
+    return values, shapes, errors
 
 
 def _found(values: ComplexArray, shapes: AnyArray, errors: FloatArray) -> Found:
@@ -139,7 +160,7 @@ class _Pencil:
 
     @classmethod
     def of(cls, system: RowSystem, *, undamped: bool, at: float | None = None) -> _Pencil:
-        """Scale the coordinates so that the diagonal of D(at) is 1."""
+        """Scale the coordinates so that the diagonal of D(at) is about 1."""
         from scipy import sparse
 
         damping = np.zeros_like(system.damping) if undamped else system.damping
@@ -148,7 +169,7 @@ class _Pencil:
             lengths = squares.sum(axis=1)  # traces of K and M
             at = float(np.sqrt(system.stiffness @ lengths / (system.inertia @ lengths)))
         sizes = system.stiffness + at * damping + at**2 * system.inertia
-        scale = 1.0 / np.sqrt(squares.T @ sizes)
+        scale = np.exp2(np.round(-0.5 * np.log2(squares.T @ sizes)))  # powers of two, so that rows stay exact
         rows = sparse.csc_array(system.law_rows.csr @ sparse.diags_array(scale))
         return cls(rows, system.inertia, damping, system.stiffness, scale, undamped)
 
@@ -433,7 +454,8 @@ def _settled(pencil: _Pencil, values: Any, shapes: Any) -> tuple[Any, Any, Float
             values, shapes = center + steps, shapes @ mixed
         if np.all(np.abs(values - last) <= _STILL * np.abs(values)):
             break
-    return values, shapes, np.abs(values - last) / np.abs(values) + _rounding(pencil, values, shapes)
+    moved = np.abs(values - last) / np.abs(values)
+    return values, shapes, moved + _rounding(pencil, values, shapes) + _residual(pencil, values, shapes) ** (1 + alone)
 
 
 def _beside(pencil: _Pencil, z: Any) -> Any:
@@ -454,3 +476,12 @@ def _rounding(pencil: _Pencil, values: AnyArray, shapes: AnyArray) -> FloatArray
     slopes = np.stack([pencil.slopes(z) for z in values], axis=1)
     slope = np.abs(np.sum(slopes * motion**2, axis=0) * values)
     return np.asarray(8 * _EPS * np.sum(sizes * terms, axis=0) / slope)
+
+
+def _residual(pencil: _Pencil, values: AnyArray, shapes: AnyArray) -> FloatArray:
+    """What is left of D(z) q, relative to what a change of z by its size makes of it."""
+    motion = pencil.rows @ shapes
+    laws = np.stack([pencil.laws(z) for z in values], axis=1)
+    slopes = np.stack([pencil.slopes(z) for z in values], axis=1)
+    left = np.linalg.norm(pencil.rows.T @ (laws * motion), axis=0) * np.linalg.norm(shapes, axis=0)
+    return np.asarray(left / np.abs(np.sum(slopes * motion**2, axis=0) * values))

@@ -15,18 +15,20 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from heapq import heapify, heappop, heappush
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.rows import ComplexArray, FloatArray, Rows
 
 DIGITS = 80
 STEP = 1e-24
 """Relative step of the numerical derivative; far over the working precision, far under every wanted accuracy."""
 CONVERGED = 1e-15
 MAX_ITERATIONS = 120
+NEWTON_STEPS = 8
 LOST = 1e-16
 """Share of the largest root at which one starts that double precision rounded to zero, where det P has other roots."""
 
@@ -65,22 +67,22 @@ class Polynomial:
         return result
 
 
-def polynomial(rows: FloatArray, coefficients: Sequence[NDArray[np.generic]]) -> Polynomial:
+def polynomial(rows: Rows, coefficients: Sequence[NDArray[np.generic]]) -> Polynomial:
     """Assemble sum_d rows^T diag(coefficients[d]) rows z^d at `DIGITS` digits from exact doubles."""
     import mpmath
 
     sums: dict[tuple[int, int], list[Any]] = {}
     with mpmath.workdps(DIGITS):
-        for law, row in enumerate(rows):
-            used = np.flatnonzero(row)
+        for law, row in enumerate(rows.maps):
             exact = [_exact(values[law]) for values in coefficients]
-            entries = {int(i): mpmath.mpf(float(row[i])) for i in used}
+            entries = {i: mpmath.mpf(value) for i, value in row.items()}
             for i, a in entries.items():
                 for j, b in entries.items():
                     total = sums.setdefault((i, j), [mpmath.mpf(0)] * len(exact))
                     for d, value in enumerate(exact):
-                        total[d] = total[d] + a * b * value
-    return _renumbered(rows.shape[1], {ij: tuple(total) for ij, total in sums.items() if any(total)})
+                        if value:
+                            total[d] = total[d] + a * b * value
+    return _renumbered(rows.n_columns, {ij: tuple(total) for ij, total in sums.items() if any(total)})
 
 
 def exact_polynomial(size: int, entries: Mapping[tuple[int, int], Sequence[Fraction]]) -> Polynomial:
@@ -106,13 +108,17 @@ def least_fill(size: int, pattern: Iterable[tuple[int, int]]) -> tuple[tuple[int
             neighbours[i].add(j)
             neighbours[j].add(i)
     place, operations = [0] * size, 0
+    waiting = [(len(around), i) for i, around in neighbours.items()]
+    heapify(waiting)
     for number in range(size):
-        leaf = min(neighbours, key=lambda i: len(neighbours[i]))
-        around = neighbours.pop(leaf)
+        while (leaf := waiting[0])[1] not in neighbours or leaf[0] != len(neighbours[leaf[1]]):
+            heappop(waiting)
+        around = neighbours.pop(leaf[1])
         for i in around:
             neighbours[i] |= around - {i}
-            neighbours[i].discard(leaf)
-        place[leaf] = number
+            neighbours[i].discard(leaf[1])
+            heappush(waiting, (len(neighbours[i]), i))
+        place[leaf[1]] = number
         operations += len(around) * (len(around) + 1)
     return tuple(place), operations
 
@@ -136,24 +142,41 @@ def eliminate(matrix: list[dict[int, Any]], right: list[Any] | None = None) -> t
     """Determinant (and solution for a right-hand side) by sparse Gaussian elimination with partial pivoting."""
     determinant: Any = 1
     order: list[int] = []
-    active = list(range(len(matrix)))
-    for column in range(len(matrix)):
-        holders = [i for i in active if matrix[i].get(column)]
-        for i in active:
-            if i not in holders:
-                matrix[i].pop(column, None)  # a stored zero
+    holding: list[set[int]] = [set() for _ in matrix]  # rows that are left, by column
+    for i, row in enumerate(matrix):
+        for j in row:
+            holding[j].add(i)
+    for column, rows in enumerate(holding):
+        holders = sorted(i for i in rows if matrix[i][column])
+        for i in rows.difference(holders):
+            del matrix[i][column]  # a stored zero
         if not holders:
             return determinant * 0, []
         pivot = max(holders, key=lambda i: _size(matrix[i][column]))
         determinant = determinant * matrix[pivot][column]
-        if active.index(pivot) % 2:
-            determinant = -determinant
-        active.remove(pivot)
         order.append(pivot)
+        for j in matrix[pivot]:
+            holding[j].discard(pivot)
         for i in holders:
             if i != pivot:
                 _subtract(matrix, right, i, pivot, column)
-    return determinant, _substitute(matrix, right, order) if right is not None else []
+                for j in matrix[pivot]:
+                    if j != column:
+                        holding[j].add(i)
+    solution = _substitute(matrix, right, order) if right is not None else []
+    return determinant if _is_even(order) else -determinant, solution
+
+
+def _is_even(order: Sequence[int]) -> bool:
+    """Whether a permutation takes an even number of exchanges."""
+    seen, exchanges = [False] * len(order), 0
+    for start in range(len(order)):
+        at = start
+        while not seen[at]:
+            seen[at] = True
+            at = order[at]
+            exchanges += not seen[at]
+    return exchanges % 2 == 0
 
 
 def _size(value: Any) -> Any:
@@ -238,6 +261,22 @@ def _move(p: Polynomial, z: list[Any], j: int, zeros: int) -> bool:
     step = 1 / (newton - repulsion)
     z[j] = z[j] - step
     return bool(_size(step) <= CONVERGED * _size(z[j]))
+
+
+def newton(p: Polynomial, start: complex) -> Any:
+    """The simple root of det P next to a good approximation, or None where it is not found."""
+    import mpmath
+
+    with mpmath.workdps(DIGITS):
+        z = mpmath.mpmathify(start)
+        for _ in range(NEWTON_STEPS):
+            slope = _inverse_newton(p, z)
+            if slope is None:
+                return z
+            z = z - 1 / slope
+            if _size(1 / slope) <= CONVERGED * _size(z):
+                return z
+    return None
 
 
 def _set_apart(

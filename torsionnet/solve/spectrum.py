@@ -90,7 +90,7 @@ def refined(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spec
         return spectrum
     from torsionnet.solve import refine
 
-    p = refine.polynomial(spectrum.system.rows, coefficients)
+    p = refine.polynomial(spectrum.system.law_rows, coefficients)
     limit = MAX_OPERATIONS // max(p.operations, 1)
     chosen = affordable(chosen, spectrum.errors, limit)
     zeros = spectrum.spaces.rigid.shape[1] + (0 if squared else spectrum.spaces.undamped_rigid)
