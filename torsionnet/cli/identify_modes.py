@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from torsionnet.modal import Match, ModalEstimate
     from torsionnet.response import FrequencyResponse
 
-METHODS = ("rational", "lscf", "peaks")
+METHODS = ("auto", "rational", "lscf", "peaks")
 
 
 @click.command("identify-modes")
@@ -25,7 +25,11 @@ METHODS = ("rational", "lscf", "peaks")
 @click.option("--from", "start", type=float, default=0.0, help="Lowest frequency in Hz.")
 @click.option("--to", "stop", type=float, help="Highest frequency in Hz; default: as far as the record can be used.")
 @click.option(
-    "--method", type=click.Choice(METHODS), default="rational", show_default=True, help="lscf: many light modes."
+    "--method",
+    type=click.Choice(METHODS),
+    default="auto",
+    show_default=True,
+    help="rational: few modes of any damping, also close ones; lscf: many light modes; auto: the better of these.",
 )
 @click.option("--order", type=click.IntRange(1), help="Highest order of the fit.")
 @click.option("--against", "model", metavar="MODEL", help="Compare with the modes of a model.")
@@ -88,12 +92,12 @@ def command(
         wrote(plot_file)
 
 
-def _identified(response: FrequencyResponse, method: str, order: int | None) -> tuple[ModalEstimate, Any]:
+def _identified(response: FrequencyResponse, method: Any, order: int | None) -> tuple[ModalEstimate, Any]:
     from torsionnet.modal import Settings, identify_modes, peak_picking, stabilisation
 
     if method == "peaks":
         return peak_picking(response), None
-    chosen = Settings("lscf" if method == "lscf" else "rational", order, weights=_weights(response))
+    chosen = Settings(method, order, weights=_weights(response))
     diagram = stabilisation(response, chosen)
     return identify_modes(diagram), diagram
 

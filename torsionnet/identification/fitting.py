@@ -16,6 +16,7 @@ from torsionnet.identification.fit import Fit, make_fit
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.problem import Problem, make_problem
 from torsionnet.identification.unknown import Unknown, read_unknowns
+from torsionnet.threads import one_thread
 
 Loss: TypeAlias = Literal["linear", "soft_l1", "huber", "cauchy"]
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
@@ -39,6 +40,7 @@ class Solution:
     message: str
 
 
+@one_thread()
 def identify(
     model: Drivetrain,
     measurements: Measurement | Sequence[Measurement],
@@ -178,6 +180,7 @@ def _check_information(problem: Problem) -> None:
         raise UsageError(msg)
 
 
+@one_thread()
 def refit_with_noise_of(other: Fit, model: Drivetrain, fit: Fit) -> Fit:
     """A fit again, from where it ended, with the noise that another fit of the same measurements left unexplained."""
     assert fit.problem is not None

@@ -10,6 +10,7 @@ from scipy.optimize import brentq, least_squares
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.threads import one_thread
 
 if TYPE_CHECKING:
     from torsionnet.identification.fit import Fit
@@ -19,6 +20,7 @@ EDGE = 1e-6
 """How near to a bound the model is asked, over the way there: at the bound itself (no inertia) there may be none."""
 
 
+@one_thread()
 def profile_interval(fit: Fit, name: str, level: float) -> tuple[float, float]:
     """Both ends of the interval in which chi squared rises by less than the level allows."""
     if fit.problem is None:

@@ -1,5 +1,6 @@
 """Modes identified from frequency responses, without a model, and their comparison with those of one."""
 
+from torsionnet.modal.choosing import stabilisation
 from torsionnet.modal.circle_fit import CircleFit, circle_fit
 from torsionnet.modal.criteria import cmif, mac, mpc, msf
 from torsionnet.modal.estimate import ModalEstimate
@@ -7,7 +8,7 @@ from torsionnet.modal.identification import fit_poles, identify_modes
 from torsionnet.modal.matching import Match, match
 from torsionnet.modal.peak_picking import peak_picking
 from torsionnet.modal.settings import Criteria, Settings
-from torsionnet.modal.stabilisation import Stabilisation, stabilisation
+from torsionnet.modal.stabilisation import Stabilisation
 
 __all__ = [
     "CircleFit",

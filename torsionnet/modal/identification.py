@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from torsionnet.modal.choosing import stabilisation
 from torsionnet.modal.estimate import ModalEstimate, assembled
 from torsionnet.modal.lines import ComplexArray, Lines, left_out, lines_of
 from torsionnet.modal.poles import as_poles
@@ -15,13 +16,15 @@ from torsionnet.modal.remarks import about_fit
 from torsionnet.modal.residues import expand
 from torsionnet.modal.selection import Selected, Selection, select
 from torsionnet.modal.settings import Settings
-from torsionnet.modal.stabilisation import Stabilisation, stabilisation
+from torsionnet.modal.stabilisation import Stabilisation
 from torsionnet.response import FrequencyResponse
+from torsionnet.threads import one_thread
 
 CLOSE = 0.5
 METHODS = {"rational": "rational fraction", "lscf": "least-squares complex frequency"}
 
 
+@one_thread()
 def identify_modes(
     measured: FrequencyResponse | Stabilisation,
     settings: Settings | None = None,
@@ -45,7 +48,7 @@ def identify_modes(
         ``"order"``: all poles of the order with the least Schwarz criterion (BIC). ``"clusters"``: the poles that stay
         in frequency, damping and shape over ``criteria.least_orders`` orders in a row, within the band. A number: all
         poles of that order. By hand: order and frequency in Hz of each pole. By default ``"order"`` for the rational
-        fraction and ``"clusters"`` for LSCF.
+        fraction and ``"clusters"`` for LSCF; with a selection of one's own the method ``auto`` is the rational fraction.
     refined : bool, optional
         Move the poles to the least squares of the responses themselves, and give standard errors. Left out, with a
         note, where several inputs have modes too close to each other for it.
@@ -68,18 +71,19 @@ def identify_modes(
     >>> bool(np.allclose(found.poles, rig.modes(measured_input="T_T").eigenvalues, rtol=1e-6))
     True
     """
-    diagram = measured if isinstance(measured, Stabilisation) else stabilisation(measured, settings)
+    diagram = measured if isinstance(measured, Stabilisation) else _diagram(measured, settings or Settings(), selection)
     rule: Selection = (
         ("order" if diagram.settings.method == "rational" else "clusters") if selection is None else selection
     )
     chosen = select(diagram, rule)
     estimate = _fitted(diagram.response, diagram.lines, diagram.settings, chosen, refined=refined)
     title = f"{METHODS[diagram.settings.method]}, {chosen.rule}"
-    return replace(
-        estimate, method=title, notes=(*estimate.notes, *about_fit(estimate, chosen.seen, len(diagram.orders)))
-    )
+    why = (f"method: {diagram.choice}",) if diagram.choice else ()
+    about = about_fit(estimate, chosen.seen, len(diagram.orders))
+    return replace(estimate, method=title, notes=(*estimate.notes, *about, *why))
 
 
+@one_thread()
 def fit_poles(
     response: FrequencyResponse, poles: ArrayLike, settings: Settings | None = None, *, refined: bool = False
 ) -> ModalEstimate:
@@ -98,6 +102,11 @@ def fit_poles(
     selected = Selected(given, np.ones((len(given), len(response.inputs)), dtype=complex), (), "given poles")
     estimate = _fitted(response, lines_of(response, chosen), chosen, selected, refined=refined, free=True)
     return replace(estimate, method="given poles", notes=(*estimate.notes, *about_fit(estimate)))
+
+
+def _diagram(response: FrequencyResponse, settings: Settings, selection: Selection | None) -> Stabilisation:
+    by_hand = settings.method == "auto" and selection is not None
+    return stabilisation(response, replace(settings, method="rational") if by_hand else settings)
 
 
 def _fitted(

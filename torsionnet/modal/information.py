@@ -48,15 +48,15 @@ class Judge:
 def worth_keeping(lines: Lines, poles: ComplexArray, rows: ComplexArray, settings: Settings) -> list[int]:
     """Places of the poles that stay when the least useful is dropped as long as that lowers the criterion."""
     kept = list(range(len(poles)))
-    left = _left(lines, poles, rows, settings)
+    left = left_over(lines, poles, rows, settings)
     judge = Judge(lines, left)
-    best = judge.criterion(left, _count(poles))
+    best = judge.criterion(left, count_of(poles))
     while len(kept) > 1:
         trials = []
         for place in kept:
             rest = [other for other in kept if other != place]
             trials.append(
-                (judge.criterion(_left(lines, poles[rest], rows[rest], settings), _count(poles[rest])), place)
+                (judge.criterion(left_over(lines, poles[rest], rows[rest], settings), count_of(poles[rest])), place)
             )
         least, place = min(trials)
         if least >= best:
@@ -66,12 +66,13 @@ def worth_keeping(lines: Lines, poles: ComplexArray, rows: ComplexArray, setting
     return kept
 
 
-def _left(lines: Lines, poles: ComplexArray, rows: ComplexArray, settings: Settings) -> ComplexArray:
+def left_over(lines: Lines, poles: ComplexArray, rows: ComplexArray, settings: Settings) -> ComplexArray:
+    """What the best residues of given poles leave over, weighted, (n_f, n_out, n_in)."""
     expansion = expand(lines, poles, settings, rows)
     return np.asarray(lines.weights * (lines.values - expansion.values(lines.s, lines.powers)))
 
 
-def _count(poles: ComplexArray) -> int:
+def count_of(poles: ComplexArray) -> int:
     """Poles with both of each pair."""
     return int(np.sum(1 + (poles.imag != 0)))
 

@@ -9,6 +9,9 @@ import numpy as np
 from torsionnet.modal.lines import ComplexArray, FloatArray, Lines
 from torsionnet.modal.settings import Settings
 
+FARTHEST = 30.0
+"""Logarithm of a coefficient, for lines up to 1 rad/s, beyond which nothing changes any more."""
+
 
 @dataclass(frozen=True, eq=False)
 class Projection:
@@ -45,7 +48,7 @@ class Projection:
 
     def slopes(self, logarithms: FloatArray) -> FloatArray:
         """Derivative of :meth:`left` in Kaufman's form, (n_equations, n_coefficients)."""
-        moved = self._moved(np.exp(logarithms))
+        moved = self._moved(coefficients_of(logarithms))
         blocks = []
         for factor, _, (basis, solution) in self._pairs(logarithms):
             change = np.stack([factor * (columns @ solution[own]) for own, columns in moved], axis=1)
@@ -56,7 +59,7 @@ class Projection:
     def _pairs(self, logarithms: FloatArray) -> list[tuple[ComplexArray, FloatArray, tuple[FloatArray, FloatArray]]]:
         """Of each transfer function: its factor, what is left, an orthonormal basis and the residues."""
         lines = self.lines
-        columns = self._columns(np.exp(logarithms))
+        columns = self._columns(coefficients_of(logarithms))
         found = []
         for o, i in np.ndindex(*lines.values.shape[1:]):
             factor = lines.weights[:, o, i] * lines.s ** lines.powers[o, i]
@@ -98,3 +101,8 @@ class Projection:
                 change = -coefficient * s ** (size - 1 - number) / value**2
                 found.append((own, change[:, None] * s[:, None] ** np.arange(size)))
         return found
+
+
+def coefficients_of(logarithms: FloatArray) -> FloatArray:
+    """The coefficients; a pole that the lines do not hold can run off without end."""
+    return np.asarray(np.exp(np.clip(logarithms, -FARTHEST, FARTHEST)))

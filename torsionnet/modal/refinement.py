@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsionnet.modal.lines import ComplexArray, FloatArray, Lines
-from torsionnet.modal.projection import Projection
+from torsionnet.modal.projection import Projection, coefficients_of
 from torsionnet.modal.settings import Settings
 
 EXACT = 1e-12
@@ -57,7 +57,7 @@ def refine(lines: Lines, poles: ComplexArray, settings: Settings) -> Refined:
             ftol=1e-14,
             gtol=1e-14,
         )
-        start = np.exp(found.x)
+        start = coefficients_of(found.x)
         left = problem.complex_left(found.x)
         scaled = _reweighted(scaled, left)
     covariance = _covariance(Projection(scaled, sizes, settings), found.x, left)

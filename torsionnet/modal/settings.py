@@ -8,11 +8,11 @@ from typing import Literal, TypeAlias, get_args
 
 from torsionnet.errors import UsageError, did_you_mean
 
-Method: TypeAlias = Literal["rational", "lscf"]
+Method: TypeAlias = Literal["auto", "rational", "lscf"]
 Residuals: TypeAlias = Literal["both", "lower", "upper", "none"]
 Weights: TypeAlias = Literal["uniform", "relative", "coherence"]
 
-HIGHEST = {"rational": 10, "lscf": 40}
+HIGHEST = {"auto": 40, "rational": 10, "lscf": 40}
 
 
 @dataclass(frozen=True)
@@ -55,12 +55,14 @@ class Settings:
 
     Attributes
     ----------
-    method : {"rational", "lscf"}
+    method : {"auto", "rational", "lscf"}
+        ``"auto"``: both, and the one with the lower Schwarz criterion (BIC); the rational fraction unless it is clear.
         ``"rational"``: a quotient of polynomials in s = j omega, orthogonal over the lines, solved again and again with
         the denominator found before as weight; for few modes of any damping, overdamped ones too. ``"lscf"``: least
         squares of complex frequency, polynomials in z = exp(j omega / (2 f_max)); for many modes of light damping.
     highest_order : int, optional
-        Of the polynomials; an oscillatory mode takes two orders, a real pole one. By default 10 or 40.
+        Of the polynomials; an oscillatory mode takes two orders, a real pole one. By default 10 or 40, which
+        ``auto`` takes for each.
     band : (float, float), optional
         Hz; by default all frequencies above 0 up to where a test says that it can be used.
     residuals : {"both", "lower", "upper", "none"}
@@ -76,7 +78,7 @@ class Settings:
     40
     """
 
-    method: Method = "rational"
+    method: Method = "auto"
     highest_order: int | None = None
     band: tuple[float, float] | None = None
     residuals: Residuals = "both"

@@ -62,13 +62,17 @@ class Stabilisation:
     ----------
     response : FrequencyResponse
     settings : Settings
+        With the method that was taken.
     orders : tuple of Order
+    choice : str
+        Why this method, where it was chosen.
     """
 
     response: FrequencyResponse
     settings: Settings
     orders: tuple[Order, ...]
     lines: Lines = field(repr=False)
+    choice: str = ""
 
     def at(self, order: int) -> Order:
         """The poles of one order."""
@@ -102,43 +106,20 @@ class Stabilisation:
         return f"<Stabilisation: orders 1 to {len(self.orders)}, {stable} of {total} poles stable>"
 
 
-def stabilisation(response: FrequencyResponse, settings: Settings | None = None) -> Stabilisation:
-    """Poles of all orders up to the highest, and which of them stay from one order to the next.
-
-    Parameters
-    ----------
-    response : FrequencyResponse
-        One or several transfer functions of one test: they share their poles.
-    settings : Settings, optional
-
-    Raises
-    ------
-    UsageError
-        There are too few frequencies, or channels that no modes are fitted to.
-    SolveError
-        No order has a stable pole.
-
-    Examples
-    --------
-    >>> import torsionnet as tn
-    >>> rig = tn.load("amt_rig").configured("II")
-    >>> diagram = stabilisation(rig.frequency_response("theta_1", "T_T", np.arange(0.5, 30, 0.1)))
-    >>> diagram.at(4).poles.round(3).tolist()
-    [(-6.07+24.035j), (-38.561+76.597j)]
-    """
-    chosen = settings or Settings()
-    lines = lines_of(response, chosen)
+def diagram(response: FrequencyResponse, settings: Settings) -> Stabilisation:
+    """The diagram by the method of the settings; see :func:`torsionnet.modal.stabilisation`."""
+    lines = lines_of(response, settings)
     orders: list[Order] = []
-    highest = min(chosen.order, largest_order(lines, chosen))
-    for order, found in enumerate(poles_of_orders(lines, highest, chosen), start=1):
-        orders.append(_compared(lines, chosen, order, found, orders[-1] if orders else None))
+    highest = min(settings.order, largest_order(lines, settings))
+    for order, found in enumerate(poles_of_orders(lines, highest, settings), start=1):
+        orders.append(_compared(lines, settings, order, found, orders[-1] if orders else None))
     if not any(len(order.poles) for order in orders):
         msg = (
             "no order gives a stable pole: the responses look like noise, or like motion ~ exp(-j omega t); "
             "check the sign of the phase"
         )
         raise SolveError(msg)
-    return Stabilisation(response, chosen, tuple(orders), lines)
+    return Stabilisation(response, settings, tuple(orders), lines)
 
 
 def _compared(
