@@ -23,7 +23,7 @@ except ImportError as error:
     msg = 'the compiled solver needs numba: pip install "torsionnet[fast]"'
     raise MissingExtraError(msg) from error
 
-LANES = 64
+LANES = 128
 """Lanes worked on at once: enough for vector instructions, few enough for a thousand registers in the cache."""
 
 LAW, CONSTANT, SUM, PIVOT, PRODUCT = ops.LAW, ops.CONSTANT, ops.SUM, ops.PIVOT, ops.PRODUCT
@@ -59,7 +59,8 @@ def _loop(  # noqa: PLR0912, PLR0915
 ) -> None:  # fmt: skip
     """All operations for LANES lanes, then for the next; ``offset`` is the first lane of this variant.
 
-    ``left`` falls below zero where a sum is smaller than its terms by more than LARGE.
+    ``left`` falls below zero where a sum is smaller than its terms by more than LARGE. It is the smallest spare by
+    comparison: ``min`` looks for NaN, which keeps the loops from becoming vector instructions.
     """
     n_f = omega.shape[0]
     w, w2, left = np.empty(LANES), np.empty(LANES), np.empty(LANES)
@@ -84,7 +85,8 @@ def _loop(  # noqa: PLR0912, PLR0915
                     real, imag = r[a, 0, i] + more, r[a, 1, i] + beside
                     r[t, 0, i] = real
                     r[t, 1, i] = imag
-                    left[i] = min(left[i], SQUARE * (real * real + imag * imag) - (more * more + beside * beside))
+                    spare = SQUARE * (real * real + imag * imag) - (more * more + beside * beside)
+                    left[i] = spare if spare < left[i] else left[i]
             elif code == PIVOT:
                 for i in range(LANES):
                     r[t, 0, i] = r[a, 0, i] + f * r[b, 0, i]
@@ -103,7 +105,8 @@ def _loop(  # noqa: PLR0912, PLR0915
                 if J != 0.0 and (k != 0.0 or at >= 0):
                     for i in range(LANES):
                         size = r[t, 0, i] * r[t, 0, i] + r[t, 1, i] * r[t, 1, i]
-                        left[i] = min(left[i], SQUARE * size - (J * w2[i]) * (J * w2[i]))
+                        spare = SQUARE * size - (J * w2[i]) * (J * w2[i])
+                        left[i] = spare if spare < left[i] else left[i]
             elif code == QUOTIENT:
                 for i in range(LANES):
                     scale = 1.0 / (r[b, 0, i] * r[b, 0, i] + r[b, 1, i] * r[b, 1, i])
@@ -114,7 +117,8 @@ def _loop(  # noqa: PLR0912, PLR0915
             elif code == WATCH:
                 for i in range(LANES):
                     size = r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i]
-                    left[i] = min(left[i], SQUARE - f * f * size)
+                    spare = SQUARE - f * f * size
+                    left[i] = spare if spare < left[i] else left[i]
             elif code == INVERSE:
                 for i in range(LANES):
                     scale = 1.0 / (r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])

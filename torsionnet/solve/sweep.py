@@ -68,7 +68,7 @@ def _walk(
             term: Any = r[b] if factor == 1.0 else np.multiply(r[b], factor, out=spare)
             np.add(r[a], term, out=r[t])
             if code == ops.SUM:
-                doubt.sums(r[a] if t == b else term, r[t])
+                doubt.sums(term, r[t])
         elif code == ops.LAW:
             kappa.write(a, real[t], imag[t])
             against = kappa.inertial(a)

@@ -136,14 +136,14 @@ def _with_registers(operations: list[Operation]) -> tuple[list[Operation], int]:
     placed, count = [], 0
     for place, one in enumerate(operations):
         sources = [home[name] for name in one.read]
-        # Operations go element by element: the target may take the place of a source, of the first if it can.
-        free += [home.pop(name) for name in dict.fromkeys(reversed(one.read)) if last[name] == place]
         target = one.t
+        # Never the place of a source: compilers make vector instructions only of what does not overlap.
         if one.sets:
             if not free:
                 free.append(count)
                 count += 1
             target = home[one.t] = free.pop()
+        free += [home.pop(name) for name in dict.fromkeys(one.read) if last[name] == place]
         a, b = (*sources, one.a, one.b)[:2] if len(sources) != 1 else (sources[0], one.b)
         placed.append(Operation(one.code, target, a, b, one.factor))
     return placed, count
