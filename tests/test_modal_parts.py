@@ -92,7 +92,8 @@ class TestSettings:
         assert Settings(**allowed)
 
     def test_order_by_default(self):
-        assert (Settings().order, Settings("lscf").order, Settings(highest_order=3).order) == (10, 40, 3)
+        orders = [Settings(method).order for method in ("rational", "lscf", "auto")]
+        assert (orders, Settings(highest_order=3).order) == ([10, 40, 40], 3)
 
 
 class TestPolynomials:

@@ -48,7 +48,7 @@ def identify_modes(
         ``"order"``: all poles of the order with the least Schwarz criterion (BIC). ``"clusters"``: the poles that stay
         in frequency, damping and shape over ``criteria.least_orders`` orders in a row, within the band. A number: all
         poles of that order. By hand: order and frequency in Hz of each pole. By default ``"order"`` for the rational
-        fraction and ``"clusters"`` for LSCF; with a selection of one's own the method ``auto`` is the rational fraction.
+        fraction and ``"clusters"`` for LSCF; with a selection of one's own ``auto`` is the rational fraction.
     refined : bool, optional
         Move the poles to the least squares of the responses themselves, and give standard errors. Left out, with a
         note, where several inputs have modes too close to each other for it.

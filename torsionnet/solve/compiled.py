@@ -3,6 +3,8 @@
 numba compiles the loop when it is first used and keeps it on disk.
 """
 
+# ruff: noqa: FURB136  (``min`` looks for NaN, which keeps compilers from making vector instructions of a loop)
+
 from __future__ import annotations
 
 from typing import Any
@@ -59,8 +61,7 @@ def _loop(  # noqa: PLR0912, PLR0915
 ) -> None:  # fmt: skip
     """All operations for LANES lanes, then for the next; ``offset`` is the first lane of this variant.
 
-    ``left`` falls below zero where a sum is smaller than its terms by more than LARGE. It is the smallest spare by
-    comparison: ``min`` looks for NaN, which keeps the loops from becoming vector instructions.
+    ``left`` falls below zero where a sum is smaller than its terms by more than LARGE.
     """
     n_f = omega.shape[0]
     w, w2, left = np.empty(LANES), np.empty(LANES), np.empty(LANES)
