@@ -86,6 +86,7 @@ def cut_off(model: Model, measured: Reading, excitations: tuple[tuple[str, str],
     if len(behind) != 1:
         return None
     kept = nx.node_connected_component(graph, behind[0])
-    nodes = {end for end in kept if isinstance(end, str)} | ({node} if behind[0] != node else set())
+    left = tuple(part for part in model.parts if (part.name,) in kept)
+    nodes = {end for part in left for end in part.ports.values()}
     inputs = {name: channel for name, channel in model.inputs.items() if channel[0] == "angle" and channel[1] in nodes}
-    return Model(tuple(part for part in model.parts if (part.name,) in kept), inputs)
+    return Model(left, inputs)
