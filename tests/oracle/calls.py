@@ -17,17 +17,11 @@ from oracle.solution import Mechanics
 from oracle.tally import Finding, Tally
 
 TOLERANCE = 1e-9
-TOLERANCES = {"symbols": 1e-7}
-"""Of quantities that are known less well: numbers put into an expression lose digits where its terms cancel."""
 HONEST = 10
 """A stated error may be exceeded by this factor: it is an estimate."""
 OTHER_DOUBTS = ("infinite", "did not settle")
 """Words of warnings that are not about digits."""
 BITS = 512
-
-
-def tolerance_of(quantity: str) -> float:
-    return TOLERANCES.get(quantity, TOLERANCE)
 
 
 @dataclass(frozen=True)
@@ -40,16 +34,16 @@ class Context:
     tally: Tally
 
     def wrong(self, quantity: str, what: str, exact: str = "", got: str = "", deviation: float = inf) -> None:
-        self.tally.wrong(Finding(self.seed, quantity, what, exact, got, deviation), tolerance_of(quantity))
+        self.tally.wrong(Finding(self.seed, quantity, what, exact, got, deviation), TOLERANCE)
 
     def agreed(self, quantity: str, deviation: float, count: int = 1) -> None:
-        self.tally.agreed(self.seed, quantity, deviation, tolerance_of(quantity), count)
+        self.tally.agreed(self.seed, quantity, deviation, TOLERANCE, count)
 
     def warned(self, quantity: str) -> None:
-        self.tally.excused(self.seed, quantity, tolerance_of(quantity))
+        self.tally.excused(self.seed, quantity, TOLERANCE)
 
     def refused(self, quantity: str) -> None:
-        self.tally.excused(self.seed, quantity, tolerance_of(quantity), refused=True)
+        self.tally.excused(self.seed, quantity, TOLERANCE, refused=True)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from flint import acb
 
 import torsionnet as tn
 from oracle.answers import INFINITE, Answer, SingularInputError
-from oracle.calls import BITS, Context, Outcome, called, deviation, failed, tolerance_of
+from oracle.calls import BITS, TOLERANCE, Context, Outcome, called, deviation, failed
 from oracle.exact import precision
 from oracle.package import named
 from oracle.questions import Asked
@@ -108,7 +108,7 @@ class _Table:
         off = deviation(got, exact, scale)
         if not f and exact == 0 and abs(got) < NEGLIGIBLE and not (self.exact_zeros and self.answer.zeros[i][j]):
             off = 0.0
-        if off <= tolerance_of(self.name):
+        if off <= TOLERANCE:
             self.context.agreed(self.name, off)
         elif off <= self.outcome.stated_error and off <= self.stated_error(f, i):
             self.context.warned(self.name)

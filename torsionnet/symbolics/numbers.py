@@ -23,6 +23,10 @@ from torsionnet.symbolics.scaled import Scaled
 if TYPE_CHECKING:
     from torsionnet.symbolics.transfer_function import TransferFunction
 
+ACCURATE = 1e-10
+"""Relative error by rounding that is left."""
+DIGITS = (40, 80, 160, 320)
+
 
 def evaluate(function: TransferFunction, frequencies: ArrayLike, given: Mapping[Any, Any]) -> FrequencyResponse:
     """See :meth:`TransferFunction.evaluate`."""
@@ -59,13 +63,39 @@ def exact_fraction(value: Any) -> Fraction:
 
 
 def _at(function: TransferFunction, frequencies: FloatArray, values: Mapping[Any, Any]) -> ComplexArray:
+    """In double precision, and in as many digits as it takes where rounding may show."""
     omega = 2 * np.pi * frequencies
     known = {name: Scaled.rational(value) for name, value in values.items()}
     known |= {name: Scaled.of(kappa(omega)) for name, kappa in function.tables.items()}
     known |= {sympy.I: Scaled.of(1j)}
     algebra = Values(known, Scaled.rational, Scaled.of(1j * omega))
     above, below = function.steps.run(algebra, [function.numerator, function.denominator])
-    return np.broadcast_to((above / below).array(), frequencies.shape)
+    ratio = above / below
+    found = np.array(np.broadcast_to(ratio.array(), frequencies.shape))
+    for lane in np.flatnonzero(~np.broadcast_to(ratio.relative_error() <= ACCURATE, frequencies.shape)):
+        found[lane] = _in_many_digits(function, float(omega[lane]), values)
+    return found
+
+
+def _in_many_digits(function: TransferFunction, omega: float, values: Mapping[Any, Any]) -> complex:
+    """At one frequency, in so many digits that twice as many change nothing."""
+    import mpmath
+
+    def number(value: Fraction) -> Any:
+        return mpmath.mpf(value.numerator) / value.denominator
+
+    last: complex = complex("nan")
+    for digits in DIGITS:
+        with mpmath.workdps(digits):
+            known = {name: number(value) for name, value in values.items()}
+            known |= {name: mpmath.mpc(complex(kappa(np.array([omega]))[0])) for name, kappa in function.tables.items()}
+            algebra = Values(known | {sympy.I: mpmath.mpc(0, 1)}, number, mpmath.mpc(0, omega))
+            above, below = function.steps.run(algebra, [function.numerator, function.denominator])
+            value = complex(above / below) if below else complex(np.inf)
+        if abs(value - last) <= ACCURATE * abs(value):
+            return value
+        last = value
+    return last
 
 
 def static_value(function: TransferFunction, values: Mapping[Any, Any]) -> complex:

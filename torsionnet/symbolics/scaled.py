@@ -1,4 +1,7 @@
-"""Complex arrays with an exponent of their own: products over hundreds of coordinates neither overflow nor vanish."""
+"""Complex arrays with an exponent of their own: products over hundreds of coordinates neither overflow nor vanish.
+
+Each number carries a bound of what rounding may have done to it: sums of large terms that cancel leave few digits.
+"""
 
 from __future__ import annotations
 
@@ -8,62 +11,85 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import ComplexArray
+from torsionnet.assembly.rows import ComplexArray, FloatArray
 
 NOTHING = -(10**9)
 """Exponent of zero."""
+ROUNDING = 2.0**-51
+"""Of one operation with complex numbers, relative."""
 
 
 class Scaled:
-    """mantissa * 2^exponent, element by element; 0.5 <= |mantissa| < 1, or 0.
+    """(mantissa +- error) * 2^exponent, element by element; 0.5 <= |mantissa| < 1, or 0.
 
     Examples
     --------
     >>> huge = Scaled.of(np.array([1e300]))
     >>> (huge * huge / (huge * huge)).array().real.tolist()
     [1.0]
+    >>> third = Scaled.rational(Fraction(1, 3))
+    >>> close = third + Scaled.rational(Fraction(-333333, 1000000))
+    >>> bool(1e-11 < close.relative_error()[0] < 1e-9)
+    True
     """
 
-    __slots__ = ("exponent", "mantissa")
+    __slots__ = ("error", "exponent", "mantissa")
 
-    def __init__(self, mantissa: ComplexArray, exponent: NDArray[np.int64]) -> None:
+    def __init__(self, mantissa: ComplexArray, exponent: NDArray[np.int64], error: FloatArray) -> None:
         shift = np.frexp(np.abs(mantissa))[1].astype(np.int64)
-        self.mantissa = mantissa * np.exp2(-shift)
-        self.exponent = np.where(mantissa == 0, NOTHING, exponent + shift)
+        nothing, down = mantissa == 0, np.exp2(-shift)
+        self.mantissa, self.error = mantissa * down, error * down
+        # A zero of which something may be left by rounding keeps its exponent.
+        self.exponent = np.where(nothing & (error == 0), NOTHING, exponent + shift)
 
     @classmethod
     def of(cls, array: Any) -> Scaled:
-        """An array or number of ordinary size."""
+        """An array or number of ordinary size, taken for exact."""
         mantissa = np.atleast_1d(np.asarray(array, dtype=complex))
-        return cls(mantissa, np.zeros(mantissa.shape, dtype=np.int64))
+        return cls(mantissa, np.zeros(mantissa.shape, dtype=np.int64), np.zeros(mantissa.shape))
 
     @classmethod
     def rational(cls, value: Fraction) -> Scaled:
         """A constant of any size."""
         shift = value.numerator.bit_length() - value.denominator.bit_length()
-        mantissa = float(value / Fraction(2) ** shift)
-        return cls(np.array([mantissa + 0j]), np.array([shift], dtype=np.int64))
+        exact = value / Fraction(2) ** shift
+        mantissa = float(exact)
+        error = 0.0 if mantissa == exact else ROUNDING * abs(mantissa)
+        return cls(np.array([mantissa + 0j]), np.array([shift], dtype=np.int64), np.array([error]))
 
     def __add__(self, other: Scaled) -> Scaled:
         top = np.maximum(self.exponent, other.exponent)
-        left = self.mantissa * np.exp2(np.maximum(self.exponent - top, -2000))
-        right = other.mantissa * np.exp2(np.maximum(other.exponent - top, -2000))
-        return Scaled(left + right, top)
+        first = np.exp2(np.maximum(self.exponent - top, -2000))
+        second = np.exp2(np.maximum(other.exponent - top, -2000))
+        total = self.mantissa * first + other.mantissa * second
+        return Scaled(total, top, self.error * first + other.error * second + ROUNDING * np.abs(total))
 
     def __mul__(self, other: Scaled) -> Scaled:
-        return Scaled(self.mantissa * other.mantissa, self.exponent + other.exponent)
+        first, second = np.abs(self.mantissa), np.abs(other.mantissa)
+        error = first * other.error + second * self.error + self.error * other.error + ROUNDING * first * second
+        return Scaled(self.mantissa * other.mantissa, self.exponent + other.exponent, error)
 
     def __truediv__(self, other: Scaled) -> Scaled:
         with np.errstate(divide="ignore", invalid="ignore"):
             quotient = np.where(other.mantissa == 0, np.inf + 0j, self.mantissa / other.mantissa)
+            size = np.abs(quotient)
+            error = (self.error + size * other.error) / np.abs(other.mantissa) + ROUNDING * size
         exponent = self.exponent - other.exponent
         result = Scaled.__new__(Scaled)
         result.mantissa, result.exponent = quotient, np.where(other.mantissa == 0, 0, exponent)
+        result.error = error
         return result
 
     def __pow__(self, power: float) -> Scaled:
-        return Scaled.of(self.array() ** power)
+        result = Scaled.of(self.array() ** power)
+        result.error = (abs(power) * self.relative_error() + ROUNDING) * np.abs(result.mantissa)
+        return result
 
     def array(self) -> ComplexArray:
         """The numbers themselves."""
         return np.asarray(self.mantissa * np.exp2(np.clip(self.exponent, -2000, 2000).astype(float)))
+
+    def relative_error(self) -> FloatArray:
+        """At most so much by rounding; infinite or nan where nothing is known, 0 of an exact zero."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(self.error == 0, 0.0, self.error / np.abs(self.mantissa))
