@@ -6,6 +6,7 @@ imposed angle, or the gap of a rigid connection, which is held at zero so that i
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -18,6 +19,8 @@ from torsionnet.solve.taping import make_tape
 
 ALONE = 4
 """Up to so many torques are solved one by one, each with its own coordinate at the root of the tree."""
+GOLDEN = (math.sqrt(5) - 1) / 2
+"""Its multiples modulo 1 are spread most evenly."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class Problem:
     reactions : tuple of int
         Given columns; asked for is the torque on each that the drivetrain, held there, exerts.
     turned : bool
-        Whether to eliminate towards another root, which gives the same but for rounding.
+        Whether to eliminate towards another root, in coordinates of odd sizes: which gives the same but for rounding.
     """
 
     laws: Sequence[Row]
@@ -71,20 +74,29 @@ class Problem:
 
     @cached_property
     def otherwise(self) -> Problem:
-        """The same by another order of elimination."""
+        """The same by another order of elimination, and in other sizes of the coordinates.
+
+        Where what is read is a small difference, as of 1 and a share next to it, its digits end with those of the 1,
+        however the stiffnesses are moved. In other sizes it is no longer 1.
+        """
         return replace(self, turned=True)
 
     def _only(self, excitations: Sequence[Excitation]) -> Problem:
         return replace(self, excitations=tuple(excitations))
 
+    def _sized(self, row: Row) -> Row:
+        if not self.turned:
+            return row
+        return {column: value * _odd(column) if column < self.n_free else value for column, value in row.items()}
+
     @cached_property
     def plan(self) -> Plan:
         return make_plan(
-            self.laws,
+            [self._sized(law) for law in self.laws],
             self.n_free,
-            [excitation.load for excitation in self.excitations],
+            [self._sized(excitation.load) for excitation in self.excitations],
             [excitation.motion for excitation in self.excitations],
-            self.outputs,
+            [self._sized(output) for output in self.outputs],
             self.reactions,
             turned=self.turned,
         )
@@ -92,3 +104,8 @@ class Problem:
     @cached_property
     def tape(self) -> Tape:
         return make_tape(self.plan)
+
+
+def _odd(column: int) -> float:
+    """Between 1 and 2, and another one for each column."""
+    return 1 + (column + 1) * GOLDEN % 1
