@@ -6,11 +6,12 @@ PACKAGES = tuple(
     f"torsionnet/{name}" for name in ("solve", "assembly", "response", "signals", "modal", "identification")
 )
 
+ALWAYS = ("test_small_parts",)
 RESPONSES = ("test_oracle", "test_transfer", "test_variants", "test_closed_forms", "test_state_space", "test_graph")
 EIGENVALUES = ("test_oracle", "test_modes", "test_eigen", "test_closed_forms", "test_damping")
 MODAL_FIT = ("test_modal_parts", "test_modal_single", "test_modal_shapes", "test_modal_report", "test_modal_fit")
 FIT = ("test_fit_closed_forms", "test_identification", "test_virtual_chain")
-RECORDS = ("test_recordings", "test_processing")
+RECORDS = ("test_recordings", "test_processing", "test_pulses", "test_disturbed_records")
 
 CHOSEN: dict[str, tuple[str, ...]] = {
     "torsionnet/solve/by_spectrum": ("test_simulate", "test_oracle"),
@@ -35,24 +36,29 @@ CHOSEN: dict[str, tuple[str, ...]] = {
     "torsionnet/solve/variants": ("test_variants", "test_transfer"),
     "torsionnet/solve/words": EIGENVALUES,
     "torsionnet/solve": RESPONSES,
-    "torsionnet/assembly/symbolic": ("test_symbolic", "test_closed_forms"),
+    "torsionnet/assembly/symbolic": ("test_symbolic", "test_symbolic_frf", "test_closed_forms"),
     "torsionnet/assembly/law_stiffness": (*RESPONSES, "test_damping"),
     "torsionnet/assembly": (*RESPONSES, "test_paper", "test_modes"),
     "torsionnet/response": ("test_results", "test_response", "test_modes", "test_transfer", "test_variants"),
     "torsionnet/signals/excitation": ("test_excitation",),
     "torsionnet/signals/files": ("test_recordings",),
     "torsionnet/signals/resolution": ("test_bench", "test_estimation"),
+    "torsionnet/signals/bandlimited": RECORDS,
     "torsionnet/signals/calculus": RECORDS,
     "torsionnet/signals/checks": RECORDS,
     "torsionnet/signals/decimation": RECORDS,
     "torsionnet/signals/detrending": RECORDS,
+    "torsionnet/signals/double_pulses": RECORDS,
     "torsionnet/signals/encoder": RECORDS,
     "torsionnet/signals/faults_in_values": RECORDS,
+    "torsionnet/signals/frozen": RECORDS,
     "torsionnet/signals/harmonics": (*RECORDS, "test_bench"),
     "torsionnet/signals/orders": RECORDS,
+    "torsionnet/signals/pulses": RECORDS,
     "torsionnet/signals/recording": RECORDS,
     "torsionnet/signals/resampling": RECORDS,
     "torsionnet/signals/spectrogram": RECORDS,
+    "torsionnet/signals/spikes": RECORDS,
     "torsionnet/signals/timing": RECORDS,
     "torsionnet/signals": ("test_advice", "test_estimation", "test_processing", "test_recordings", "test_bench"),
     "torsionnet/modal": MODAL_FIT,
@@ -70,4 +76,4 @@ def chosen_for(module: str) -> list[str]:
     if chosen is None:
         msg = f"{module}: no tests are chosen for it in tests/mutation/chosen.py"
         raise SystemExit(msg)
-    return [f"tests/{name}.py" for name in dict.fromkeys(chosen)]
+    return [f"tests/{name}.py" for name in dict.fromkeys((*ALWAYS, *chosen))]

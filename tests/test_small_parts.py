@@ -1,0 +1,107 @@
+"""Parts that small faults were put into without any other test seeing it: each beside a number of its own."""
+
+import numpy as np
+import pytest
+
+import torsionnet as tn
+from torsionnet.errors import ModelError, UsageError
+from torsionnet.identification.files import load_fit_plan
+from torsionnet.response import Channel, Conventions, FrequencyResponse
+from torsionnet.signals import Recording, Signal, Welch, angle_from_counts, angle_from_pulses, estimate
+from torsionnet.signals.agreement import agreement
+from torsionnet.signals.detrending import without_trend
+from torsionnet.signals.excitation import SteppedSine
+from torsionnet.signals.timing import gaps
+
+
+def rotor(*elements):
+    return tn.Drivetrain("rotor", [tn.Inertia("J", node="a", inertia=2), *elements], inputs={"T": {"torque": "a"}})
+
+
+class TestSymbols:
+    def test_hysteretic_damping_turns_the_stiffness_forward(self):
+        """1/(k (1 + j eta) - omega^2 J)."""
+        rig = rotor(tn.HystereticSpring("k", nodes=("a", "ground"), stiffness=300, loss_factor=0.2))
+        found = rig.symbolic().transfer_function("a", "T").evaluate([1.0]).values[0, 0, 0]
+        assert found == pytest.approx(1 / (300 * (1 + 0.2j) - (2 * np.pi) ** 2 * 2), rel=1e-12)
+
+
+class TestWords:
+    def test_of_a_mode_without_a_node_of_vibration(self):
+        modes = rotor(tn.Spring("k", nodes=("a", "ground"), stiffness=100)).modes()
+        assert modes.table().rows[0][-1] == "strain in k 100 %; no node of vibration"
+
+
+class TestEigenvalues:
+    def test_negative_damping_of_a_table_at_the_mode_makes_it_grow(self):
+        """The table damps below 2 Hz and drives above; the mode is at 5 Hz."""
+        stiffness = 2 * (2 * np.pi * 5) ** 2
+        table = [[0.1, stiffness, 1.0], [1.9, stiffness, 1.0], [2.1, stiffness, -1.0], [20, stiffness, -1.0]]
+        (mode,) = rotor(tn.TabulatedSpring("k", nodes=("a", "ground"), table=table)).modes().eigenvalues
+        assert mode.real == pytest.approx(1 / (2 * 2), rel=1e-3)
+
+
+class TestSignals:
+    def test_a_counter_of_few_bits_begins_anew(self):
+        assert angle_from_counts([200, 250, 44], 2 * np.pi, bits=8).tolist() == pytest.approx([200, 250, 300])
+
+    def test_pulses_do_not_depend_on_when_the_clock_began(self):
+        times = np.sort(np.concatenate([np.arange(0, 3, 0.01), [0.503, 1.207]]))  # two double pulses
+        with pytest.warns(tn.TorsionnetWarning):
+            early, begin = angle_from_pulses(times, 20, 500)
+        with pytest.warns(tn.TorsionnetWarning):
+            late, _ = angle_from_pulses(times + 4096, 20, 500)
+        assert begin == 0.0
+        np.testing.assert_allclose(late, early, atol=1e-6)
+        assert early[-1] == pytest.approx(2 * np.pi / 20 * 100 * 2.99, rel=1e-3)
+
+    def test_the_trend_of_each_row_is_its_own(self):
+        x = np.array([[1.0, 2.0, 3.0], [5.0, 5.0, 8.0]])
+        np.testing.assert_allclose(without_trend(x, "mean"), [[-1, 0, 1], [-1, -1, 2]], atol=1e-15)
+        np.testing.assert_allclose(without_trend(x, "linear"), [[0, 0, 0], [0.5, -1, 0.5]], atol=1e-15)
+
+    def test_one_stamp_has_no_gap(self):
+        assert gaps(np.array([1.0])).size == 0
+
+    def test_a_window_that_nobody_knows(self):
+        with pytest.raises(UsageError, match='did you mean "hann"'):
+            Welch("hanm", 1.0).weights(100.0)
+
+    def test_a_stepped_sine_of_zero_frequency(self):
+        with pytest.raises(UsageError, match="positive"):
+            SteppedSine(frequencies=(5.0, 0.0), hold=1.0)
+
+    def test_a_peak_of_ten_lines_is_not_narrow(self):
+        """Half power over 1.27 Hz, lines 1/8 Hz apart."""
+        rng, rate, n = np.random.default_rng(0), 200.0, 40_000
+        torque = rng.normal(size=n)
+        s = 2j * np.pi * np.fft.rfftfreq(n, 1 / rate)
+        angle = np.fft.irfft(np.fft.rfft(torque) / (s**2 + 8 * s + (2 * np.pi * 20) ** 2), n)
+        record = Recording((Signal("T", "torque", torque), Signal("phi", "angle", angle)), rate)
+        notes = " ".join(estimate(record, "phi", "T", settings=Welch("hann", 8.0)).notes)
+        assert "half-power bandwidth" not in notes
+
+
+class TestResponses:
+    def test_the_largest_response_is_told_in_the_unit_asked_for(self):
+        channels = (Channel("phi", "rad"),), (Channel("T", "N*m"),)
+        test = FrequencyResponse(np.array([1.0, 2.0]), np.array([1 + 0j, 3.0])[:, None, None], *channels, "test")
+        rows = agreement(test, test, Conventions(angle="deg")).rows
+        assert rows[0][1:] == (2.0, pytest.approx(np.degrees(3.0)), "deg/(N*m)")
+
+
+class TestFiles:
+    def test_a_fit_file_that_is_no_yaml(self, tmp_path):
+        file = tmp_path / "fit.yaml"
+        file.write_text("torsionnet: 1\nmodel: {rig\n")
+        with pytest.raises(ModelError, match=r"fit.yaml") as caught:
+            load_fit_plan(file, lambda path: None)
+        assert caught.value.faults[0].position.line == 2
+
+
+def test_times_of_pulses_become_an_angle(tmp_path):
+    """Ten teeth at 2 turns a second."""
+    file = tmp_path / "pulses.csv"
+    file.write_text("pulse [s]\n" + "\n".join(f"{0.05 * i:.4f}" for i in range(80)) + "\n")
+    record = tn.signals.read_recording(file, pulses={"pulse": 10}, sampling_rate=100)
+    assert np.ptp(record["pulse"].values) / np.ptp(record.time) == pytest.approx(4 * np.pi, rel=1e-3)
