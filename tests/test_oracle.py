@@ -325,7 +325,7 @@ def test_many_random_drivetrains_agree_with_exact_mechanics(part):
     agrees((f"tests-{i}" for i in range(25 * part, 25 * part + 25)), 8000)
 
 
-@pytest.mark.parametrize("seed", ["7-100", "7-41", "8-8"])
+@pytest.mark.parametrize("seed", ["7-41", "7-100", "8-8", "9-64", "9-149", "9-190", "9-531"])
 def test_models_that_once_disagreed(seed):
-    """Symbols of which nine digits cancel; only an imposed angle behind a measured torque; 1 less a share next to it."""
-    agrees([seed], 500)
+    """Symbols that cancel, shares next to 1, direct shares of torques as floats, dependent inputs in many digits."""
+    agrees([seed], 400)

@@ -95,7 +95,7 @@ class TestFiles:
         file = tmp_path / "fit.yaml"
         file.write_text("torsionnet: 1\nmodel: {rig\n")
         with pytest.raises(ModelError, match=r"fit.yaml") as caught:
-            load_fit_plan(file, lambda path: None)
+            load_fit_plan(file, tn.interchange.read_frequency_response)
         assert caught.value.faults[0].position.line == 2
 
 

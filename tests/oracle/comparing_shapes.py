@@ -35,22 +35,33 @@ def compare_shapes(context: Context, modes: Any, every: Sequence[complex]) -> No
         gap = min((abs(z - other) / max(abs(z), abs(other)) for other in every if other != z), default=1.0)
         if sum(other == z for other in every) > 1 or gap < 1e-6:
             continue
-        exact = shape(mechanics, z)
-        if exact is None:
-            continue
         given = {node: complex(value) for node, value in zip(modes.nodes, modes.shapes[:, i], strict=True)}
-        right = scaled(exact, given)
+        right = known(mechanics, z, given)
+        if right is None:
+            continue
         off = max(abs(given[node] - value) if isfinite(abs(given[node])) else inf for node, value in right.items())
         if off <= TOLERANCE + ROUNDINGS * EPSILON / gap + EPSILON * fastest / abs(z):
-            context.agreed(name, off, len(exact))
+            context.agreed(name, off, len(right))
         else:
             context.wrong(name, f"of {z}", str(right), str(given), off)
 
 
-def shape(mechanics: Mechanics, z: complex) -> Mapping[str, acb] | None:
+def known(mechanics: Mechanics, z: complex, given: Mapping[str, complex]) -> dict[str, complex] | None:
+    """The exact shape, scaled as the given one, in as many bits as that takes; None where it is not to be had."""
+    for bits in (BITS, 2 * BITS, 4 * BITS):
+        exact = shape(mechanics, z, bits)
+        if exact is None:
+            return None
+        right = scaled(exact, given, bits)
+        if all(isfinite(abs(value)) for value in right.values()):
+            return right
+    return None
+
+
+def shape(mechanics: Mechanics, z: complex, bits: int) -> Mapping[str, acb] | None:
     """Motion of all nodes at the eigenvalue next to z, to any scale."""
     poles = Poles(mechanics)
-    with precision(BITS):
+    with precision(bits):
         s = acb(ball(z.real), ball(z.imag))
         try:
             for _ in range(4):
@@ -62,8 +73,8 @@ def shape(mechanics: Mechanics, z: complex) -> Mapping[str, acb] | None:
         return {node: motion[node] for node in mechanics.nodes}
 
 
-def scaled(exact: Mapping[str, acb], given: Mapping[str, complex]) -> dict[str, complex]:
+def scaled(exact: Mapping[str, acb], given: Mapping[str, complex], bits: int) -> dict[str, complex]:
     """The exact shape, equal to the given one where that is largest."""
     largest = max(given, key=lambda node: abs(given[node]))
-    with precision(BITS):
+    with precision(bits):
         return {node: complex(value / exact[largest]) * given[largest] for node, value in exact.items()}

@@ -65,7 +65,7 @@ class Bordered:
                     for i, a in ours.items():
                         _add(powers[power][line], i, term.factor * share * a)
             for column, excitation in enumerate(question.excitations):
-                _add(powers[0][line], n + column, exact(reading.direct.get(excitation.of, 0)))
+                _add(powers[0][line], n + column, reading.applied(excitation.of))
         kept = ([{key: value for key, value in row.items() if value} for row in block] for block in powers)
         return cls(tuple(kept), n)  # type: ignore[arg-type]
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 Array: TypeAlias = NDArray[Any]
 """Real where nothing damps the system, else complex; the last axis is lanes."""
 
-LARGE = 1e4
-"""A sum this much smaller than its terms is in doubt: what follows from it has lost four digits or more."""
+LARGE = 1e3
+"""A sum this much smaller than its terms is in doubt: three digits are lost, and two such sums on the way lose six."""
 
 
 class Doubt:
@@ -24,14 +24,12 @@ class Doubt:
     def shares(self, share: Array, factor: float = 1.0) -> None:
         """Look at a term over its sum, ``factor`` times ``share``."""
         limit, flat = LARGE / factor, share.view(float)
-        if not np.vdot(flat, flat) < limit * limit:
-            self._mark(~(np.abs(share) < limit))
+        if not (np.vdot(flat, flat) < limit * limit or -0.7 * limit < flat.min() <= flat.max() < 0.7 * limit):
+            self.marked |= ~(np.abs(share) < limit)
 
     def sums(self, term: Array, total: Array) -> None:
         """Look at a sum of two, of which ``term`` is one. Real parts tell where a closer look is needed."""
         ratio = np.divide(term.real, total.real, out=self._ratio)
         if not ratio @ ratio < LARGE * LARGE:
-            self._mark(np.abs(term) > LARGE * np.abs(total))
-
-    def _mark(self, found: NDArray[np.bool_]) -> None:
-        self.marked |= found.reshape(-1, found.shape[-1]).any(axis=0)
+            close = np.flatnonzero(~(np.abs(ratio, out=ratio) < LARGE))
+            self.marked[close] |= np.abs(term[close]) > LARGE * np.abs(total[close])

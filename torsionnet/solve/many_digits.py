@@ -163,13 +163,14 @@ def _quotient(outputs: list[list[Number]], measured: list[list[Number]]) -> list
     """Outputs times the inverse of the measured inputs, sums in which nothing is left being 0."""
     import mpmath
 
-    below, share = mpmath.matrix(measured), _share()
-    try:
-        inverse = mpmath.inverse(below)
-    except ZeroDivisionError:
+    share, places = _share(), range(len(measured))
+    columns = [
+        eliminate([dict(enumerate(row)) for row in measured], [number(i == j) for i in places])[1] for j in places
+    ]
+    if not all(columns):
         return None
-    if mpmath.mnorm(inverse, 1) * mpmath.mnorm(below, 1) * share > 1:
+    inverse = mpmath.matrix(columns).T
+    if mpmath.mnorm(inverse, 1) * mpmath.mnorm(mpmath.matrix(measured), 1) * share > 1:
         return None
-    places = range(len(measured))
     parts = [[[row[k] * inverse[k, j] for k in places] for j in places] for row in outputs]
     return [[_above(sum(terms), share * sum(abs(term) for term in terms)) for terms in row] for row in parts]
