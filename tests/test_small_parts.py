@@ -1,5 +1,6 @@
 """Parts that small faults were put into without any other test seeing it: each beside a number of its own."""
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -12,6 +13,7 @@ from torsionnet.signals.agreement import agreement
 from torsionnet.signals.detrending import without_trend
 from torsionnet.signals.excitation import SteppedSine
 from torsionnet.signals.timing import gaps
+from torsionnet.solve.many_digits import _quotient
 
 
 def rotor(*elements):
@@ -39,6 +41,28 @@ class TestEigenvalues:
         table = [[0.1, stiffness, 1.0], [1.9, stiffness, 1.0], [2.1, stiffness, -1.0], [20, stiffness, -1.0]]
         (mode,) = rotor(tn.TabulatedSpring("k", nodes=("a", "ground"), table=table)).modes().eigenvalues
         assert mode.real == pytest.approx(1 / (2 * 2), rel=1e-3)
+
+
+class TestManyDigits:
+    @pytest.mark.parametrize("n", [1, 2, 3, 5])
+    def test_quotients_of_readings(self, n):
+        rng = np.random.default_rng(n)
+        above, below = rng.normal(size=(2, n)), rng.normal(size=(n, n))
+        found = _quotient(mpmath.matrix(above).tolist(), mpmath.matrix(below).tolist())
+        np.testing.assert_allclose(np.array(found, dtype=float), above @ np.linalg.inv(below), rtol=1e-11)
+
+    def test_zeros_of_an_inverse_are_zero(self):
+        """[[a, b], [c, 0]] has the inverse [[0, 1/c], [1/b, -a/(b c)]], however small c is."""
+        with mpmath.workdps(100):
+            a, b, c = mpmath.mpf(1) / 3, mpmath.mpf(10) ** -30 / 7, mpmath.mpf(10) ** -60 / 11
+            found = _quotient([[1, 0]], [[a, b], [c, 0]])
+        assert found[0][0] == 0
+        assert float(found[0][1] * c) == pytest.approx(1)
+
+    def test_readings_that_depend_on_each_other(self):
+        with mpmath.workdps(100):
+            third = mpmath.mpf(1) / 3
+            assert _quotient([[1, 0]], [[third, 1], [third * third, third]]) is None
 
 
 class TestSignals:

@@ -110,9 +110,9 @@ class ManyDigits:
         row = []
         for excitation, motion in zip(self.question.excitations, motions, strict=True):
             applied = reading.applied(excitation.of) if excitation.quantity == "torque" else 0
-            terms = [number(applied), *(part for term in reading.terms for part in _parts(term, motion, kappa, s))]
-            size = sum(abs(term) for term in terms)
-            row.append(_above(sum(terms), size * _share()))
+            row.append(
+                _left([number(applied), *(part for term in reading.terms for part in _parts(term, motion, kappa, s))])
+            )
         return row
 
 
@@ -160,17 +160,38 @@ def _add(row: dict[int, Number], column: int, value: Number) -> None:
 
 
 def _quotient(outputs: list[list[Number]], measured: list[list[Number]]) -> list[list[Number]] | None:
-    """Outputs times the inverse of the measured inputs, sums in which nothing is left being 0."""
-    import mpmath
+    """Outputs times the inverse of the measured inputs, sums in which nothing is left being 0.
 
-    share, places = _share(), range(len(measured))
-    columns = [
-        eliminate([dict(enumerate(row)) for row in measured], [number(i == j) for i in places])[1] for j in places
-    ]
-    if not all(columns):
+    By Cramer's rule: an elimination would leave rounding in place of zeros of the inverse.
+    """
+    places = range(len(measured))
+    every = (1 << len(measured)) - 1
+    whole = _minors(measured).get(every, number(0))
+    if not whole:
         return None
-    inverse = mpmath.matrix(columns).T
-    if mpmath.mnorm(inverse, 1) * mpmath.mnorm(mpmath.matrix(measured), 1) * share > 1:
-        return None
-    parts = [[[row[k] * inverse[k, j] for k in places] for j in places] for row in outputs]
-    return [[_above(sum(terms), share * sum(abs(term) for term in terms)) for terms in row] for row in parts]
+    inverse: list[list[Number]] = [[number(0)] * len(measured) for _ in places]
+    for j in places:
+        minors = _minors([*measured[:j], *measured[j + 1 :]])
+        for k in places:
+            inverse[k][j] = (-1) ** (k + j) * minors.get(every ^ (1 << k), number(0)) / whole
+    parts = [[[row[k] * inverse[k][j] for k in places] for j in places] for row in outputs]
+    return [[_left(terms) for terms in row] for row in parts]
+
+
+def _minors(rows: Sequence[Sequence[Number]]) -> dict[int, Number]:
+    """Determinants of all these rows in as many columns, by the bits of the columns; those not there are 0."""
+    found = {0: number(1)}
+    for row in rows:
+        terms: dict[int, list[Number]] = {}
+        for chosen, minor in found.items():
+            for column, value in enumerate(row):
+                if value and minor and not chosen >> column & 1:
+                    sign = (-1) ** (chosen >> column).bit_count()
+                    terms.setdefault(chosen | 1 << column, []).append(sign * value * minor)
+        found = {chosen: _left(parts) for chosen, parts in terms.items()}
+    return found
+
+
+def _left(terms: Sequence[Number]) -> Number:
+    """Their sum, exactly 0 where nothing is left of them."""
+    return _above(sum(terms), _share() * sum(abs(term) for term in terms))
