@@ -16,6 +16,7 @@ from click.testing import CliRunner
 
 import torsionnet as tn
 from torsionnet.cli.app import COMMANDS, app
+from torsionnet.cli.options import OutputFile
 
 ROOT = Path(__file__).parents[1]
 
@@ -709,3 +710,40 @@ def test_files_are_written_though_nobody_reads_what_is_printed(tmp_path, ending)
     assert "Traceback" not in done.stderr
     assert len((tmp_path / "all.csv").read_text().splitlines()) > 5000
     assert (tmp_path / "all.svg").exists()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "frf dmf_rig --output theta_1 --input T_T",
+        "modes dmf_rig",
+        "sensitivity dmf_rig",
+        "show dmf_rig",
+    ],
+)
+def test_files_are_written_before_anything_is_printed(words, tmp_path, monkeypatch):
+    command, *rest = words.split()
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("click.echo", interrupted)
+    monkeypatch.setattr(f"torsionnet.cli.{command}.wrote", lambda _: None)
+    monkeypatch.setattr("torsionnet.cli.show.wrote", lambda _: None)
+    files = [tmp_path / "table.csv", tmp_path / "picture.svg"]
+    run(command, *rest, "--csv", files[0], "--plot", files[1], code=130)
+    assert all(file.stat().st_size for file in files)
+
+
+OUTPUT_OPTIONS = {("-o", "--output-file"), ("--csv",), ("--plot",), ("--json",)}
+OUTPUT_WORDS = {word for words in OUTPUT_OPTIONS for word in words}
+OWN_FILES = {("fit", ("--model",))}
+
+
+def test_one_vocabulary_of_output():
+    for name in COMMANDS:
+        command = app.get_command(None, name)
+        for option in command.params:
+            spelt = tuple(option.opts)
+            is_output = isinstance(option.type, OutputFile) or not OUTPUT_WORDS.isdisjoint(spelt)
+            assert not is_output or spelt in OUTPUT_OPTIONS or (name, spelt) in OWN_FILES

@@ -56,6 +56,11 @@ def command(
         case.drivetrain.modes(measured_input=measured_input, excitation=excitation, lowest=lowest) for case in cases
     ]
     tables = [modes.table(conventions) for modes in results]
+    if csv_file:
+        joined(cases, tables, named=bool(configurations)).to_csv(csv_file)
+        wrote(csv_file)
+    if plot_file:
+        _plot(plot_file, cases, results, conventions)
     if as_json:
         print_json([_as_data(case, modes) for case, modes in zip(cases, results, strict=True)])
     else:
@@ -65,11 +70,6 @@ def command(
                 if number or position:
                     say()
                 print_table(extra)
-    if csv_file:
-        joined(cases, tables, named=bool(configurations)).to_csv(csv_file)
-        wrote(csv_file)
-    if plot_file:
-        _plot(plot_file, cases, results, conventions)
 
 
 def on_screen(table: Table) -> Table:

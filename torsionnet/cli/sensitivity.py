@@ -55,10 +55,6 @@ def command(
         for case in cases
     ]
     tables = [_chosen(one, modes) for one in results]
-    if as_json:
-        print_json([_as_data(case, one, modes) for case, one in zip(cases, results, strict=True)])
-    else:
-        print_table(joined(cases, tables, named=bool(configurations)))
     if csv_file:
         joined(cases, tables, named=bool(configurations)).to_csv(csv_file)
         wrote(csv_file)
@@ -69,6 +65,10 @@ def command(
             path = file_of(plot_file, case, cases)
             report.save(report.tornado(one, modes=list(modes) or None), path)
             wrote(path)
+    if as_json:
+        print_json([_as_data(case, one, modes) for case, one in zip(cases, results, strict=True)])
+    else:
+        print_table(joined(cases, tables, named=bool(configurations)))
 
 
 def _chosen(found: ModeSensitivities, modes: tuple[int, ...]) -> Table:

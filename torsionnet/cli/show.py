@@ -36,13 +36,6 @@ def command(
     With --equations or --matrices only these; --csv writes the table of elements.
     """
     cases = load_cases(model, configurations, settings)
-    if as_json:
-        print_json([_as_data(case, equations, matrices) for case in cases])
-    else:
-        for number, case in enumerate(cases):
-            if number:
-                say()
-            _show(case.drivetrain, equations, matrices)
     if csv_file:
         from torsionnet.cli.describe import elements_table
 
@@ -50,6 +43,13 @@ def command(
         wrote(csv_file)
     if plot_file:
         _plot(plot_file, cases)
+    if as_json:
+        print_json([_as_data(case, equations, matrices) for case in cases])
+    else:
+        for number, case in enumerate(cases):
+            if number:
+                say()
+            _show(case.drivetrain, equations, matrices)
 
 
 def _show(rig: Drivetrain, equations: bool, matrices: bool) -> None:
