@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from torsionnet.channels import ELEMENT_QUANTITIES
+from torsionnet.checks.balance import unbalanced_torques
+from torsionnet.checks.motions import left_free
 from torsionnet.definition import Definition, all_nodes
-from torsionnet.elements import GROUND, Law, Values
-from torsionnet.elimination import Reduction
+from torsionnet.elements import GROUND, Values
 from torsionnet.errors import USELESS, Fault, ModelError, UsageError, did_you_mean
 from torsionnet.kinematics import (
     Kinematics,
     contradicting_loop,
-    exact_row,
-    pseudo_node,
     solve_kinematics,
     torques_are_determinate,
     virtual_motion,
@@ -82,7 +81,7 @@ def contradicting_gears(definition: Definition, kinematics: Kinematics) -> list[
 
 def massless_without_hold(definition: Definition, kinematics: Kinematics) -> list[Fault]:
     """Motions no inertia, spring or damper answers: the receptance there would be infinite at every frequency."""
-    left = _left_free(kinematics, lambda law: law.acts)
+    left = left_free(kinematics, lambda law: law.acts)
     moving: dict[str, list[str]] = {name: [] for name in kinematics.coordinates if left.is_free(name)}
     for node in kinematics.nodes if moving else ():
         coordinates = kinematics.reduction.free_names({node: 1})
@@ -100,14 +99,6 @@ def massless_without_hold(definition: Definition, kinematics: Kinematics) -> lis
         text = f"{_listed(nodes)} {verb} freely, with no inertia, spring or damper to hold {them}"
         faults.append(Fault(text, ("elements", owner) if owner else (), on_key=True))
     return faults
-
-
-def _left_free(kinematics: Kinematics, answers: Callable[[Law], bool]) -> Reduction:
-    """The motions that leave every law at rest which ``answers``; imposed angles stand still."""
-    imposed = [{pseudo_node(name): 1} for name in kinematics.imposed]
-    rows = [exact_row(law.row) for _, law in kinematics.laws if answers(law)]
-    order = {name: index for index, name in enumerate((*kinematics.nodes, *map(pseudo_node, kinematics.imposed)))}
-    return kinematics.reduction.followed_by([*imposed, *rows], order)
 
 
 def locked_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]:
@@ -188,7 +179,7 @@ def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fau
 
 def rigid_motions(kinematics: Kinematics) -> list[str]:
     """A coordinate for each independent motion that no spring resists."""
-    left = _left_free(kinematics, lambda law: law.holds_at_rest)
+    left = left_free(kinematics, lambda law: law.holds_at_rest)
     return [name for name in kinematics.coordinates if left.is_free(name)]
 
 
@@ -220,4 +211,5 @@ def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
     if faults:
         return faults
     faults = [fault for check in CHECKS for fault in check(definition, kinematics)]
-    return faults + inconsistent_speeds(definition, values)
+    faults += inconsistent_speeds(definition, values)
+    return faults + unbalanced_torques(definition, kinematics, values)
