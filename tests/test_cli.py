@@ -747,3 +747,28 @@ def test_one_vocabulary_of_output():
             spelt = tuple(option.opts)
             is_output = isinstance(option.type, OutputFile) or not OUTPUT_WORDS.isdisjoint(spelt)
             assert not is_output or spelt in OUTPUT_OPTIONS or (name, spelt) in OWN_FILES
+
+
+def test_sensitivity_shows_the_ten_largest():
+    short, full = run("sensitivity", "amt_rig", "-c", "V"), run("sensitivity", "amt_rig", "-c", "V", "--full")
+    effects = [[line.split() for line in shown.stdout.splitlines() if line.startswith("V ")] for shown in (short, full)]
+    assert [len(rows) for rows in effects] == [10, 18]
+    moves = [math.hypot(float(row[5]), float(row[3]) * float(row[6])) for row in effects[1]]
+    assert sorted(moves)[-10:] == sorted(math.hypot(float(row[5]), float(row[3]) * float(row[6])) for row in effects[0])
+    assert "the 10 largest of 18 effects" in short.stdout
+    assert "largest of" not in full.stdout
+    assert "largest of" not in run("sensitivity", "amt_rig", "-c", "V", "--mode", "1").stdout
+
+
+def test_sensitivity_of_a_mode_there_is_not():
+    assert "there is no mode 99 to move; there are 1, 2" in run("sensitivity", "amt_rig", "--mode", "99", code=2).stderr
+
+
+def test_screens_are_120_columns_wide():
+    shown = run("modes", "six_cylinder_diesel", "--energies", "--shapes").stdout
+    assert max(map(len, shown.splitlines())) <= 120
+    modes = tn.load("six_cylinder_diesel").modes()
+    assert re.findall(r"\|shape (\d+)\|", shown) == [str(number + 1) for number in range(len(modes))]
+    shares = [cell for line in shown.splitlines() if re.match(r"crank_1 .* - ", line) for cell in line.split()[1:]]
+    expected = [100 * share for index in range(len(modes)) for share in modes.energy_shares(index)["crank_1"]]
+    assert [0 if cell == "-" else float(cell) for cell in shares] == pytest.approx(expected, abs=0.006)

@@ -8,7 +8,7 @@ import click
 
 from torsionnet.cli.cases import Case, file_of, joined, load_cases
 from torsionnet.cli.options import csv_option, json_option, model_options, plot_option
-from torsionnet.cli.terminal import print_json, print_table, say, wrote
+from torsionnet.cli.terminal import print_json, print_table, say, wrapped, wrote
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -73,8 +73,8 @@ def _describe(rig: Drivetrain) -> None:
 
     say(rig.title)
     for text in (rig.description, rig.source and f"Source: {rig.source}"):
-        if text:
-            say(text)
+        for line in wrapped(text):
+            say(line)
     for table in tables(rig):
         if table.rows:
             say()
