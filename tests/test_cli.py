@@ -16,6 +16,7 @@ from click.testing import CliRunner
 
 import torsionnet as tn
 from torsionnet.cli.app import COMMANDS, app
+from torsionnet.cli.options import OutputFile
 
 ROOT = Path(__file__).parents[1]
 
@@ -709,3 +710,65 @@ def test_files_are_written_though_nobody_reads_what_is_printed(tmp_path, ending)
     assert "Traceback" not in done.stderr
     assert len((tmp_path / "all.csv").read_text().splitlines()) > 5000
     assert (tmp_path / "all.svg").exists()
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "frf dmf_rig --output theta_1 --input T_T",
+        "modes dmf_rig",
+        "sensitivity dmf_rig",
+        "show dmf_rig",
+    ],
+)
+def test_files_are_written_before_anything_is_printed(words, tmp_path, monkeypatch):
+    command, *rest = words.split()
+
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("click.echo", interrupted)
+    monkeypatch.setattr(f"torsionnet.cli.{command}.wrote", lambda _: None)
+    monkeypatch.setattr("torsionnet.cli.show.wrote", lambda _: None)
+    files = [tmp_path / "table.csv", tmp_path / "picture.svg"]
+    run(command, *rest, "--csv", files[0], "--plot", files[1], code=130)
+    assert all(file.stat().st_size for file in files)
+
+
+OUTPUT_OPTIONS = {("-o", "--output-file"), ("--csv",), ("--plot",), ("--json",)}
+OUTPUT_WORDS = {word for words in OUTPUT_OPTIONS for word in words}
+OWN_FILES = {("fit", ("--model",))}
+
+
+def test_one_vocabulary_of_output():
+    for name in COMMANDS:
+        command = app.get_command(None, name)
+        for option in command.params:
+            spelt = tuple(option.opts)
+            is_output = isinstance(option.type, OutputFile) or not OUTPUT_WORDS.isdisjoint(spelt)
+            assert not is_output or spelt in OUTPUT_OPTIONS or (name, spelt) in OWN_FILES
+
+
+def test_sensitivity_shows_the_ten_largest():
+    short, full = run("sensitivity", "amt_rig", "-c", "V"), run("sensitivity", "amt_rig", "-c", "V", "--full")
+    effects = [[line.split() for line in shown.stdout.splitlines() if line.startswith("V ")] for shown in (short, full)]
+    assert [len(rows) for rows in effects] == [10, 18]
+    moves = [math.hypot(float(row[5]), float(row[3]) * float(row[6])) for row in effects[1]]
+    assert sorted(moves)[-10:] == sorted(math.hypot(float(row[5]), float(row[3]) * float(row[6])) for row in effects[0])
+    assert "the 10 largest of 18 effects" in short.stdout
+    assert "largest of" not in full.stdout
+    assert "largest of" not in run("sensitivity", "amt_rig", "-c", "V", "--mode", "1").stdout
+
+
+def test_sensitivity_of_a_mode_there_is_not():
+    assert "there is no mode 99 to move; there are 1, 2" in run("sensitivity", "amt_rig", "--mode", "99", code=2).stderr
+
+
+def test_screens_are_120_columns_wide():
+    shown = run("modes", "six_cylinder_diesel", "--energies", "--shapes").stdout
+    assert max(map(len, shown.splitlines())) <= 120
+    modes = tn.load("six_cylinder_diesel").modes()
+    assert re.findall(r"\|shape (\d+)\|", shown) == [str(number + 1) for number in range(len(modes))]
+    shares = [cell for line in shown.splitlines() if re.match(r"crank_1 .* - ", line) for cell in line.split()[1:]]
+    expected = [100 * share for index in range(len(modes)) for share in modes.energy_shares(index)["crank_1"]]
+    assert [0 if cell == "-" else float(cell) for cell in shares] == pytest.approx(expected, abs=0.006)

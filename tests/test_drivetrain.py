@@ -265,6 +265,67 @@ class TestChecks:
         found = faults_of(WHEEL, HELD, inputs={"T": {"torque": "a"}, "x": {"angle": "a"}})
         assert any("is imposed by x" in fault for fault in found)
 
+    @pytest.mark.parametrize("quantity", ["torque", "angle"])
+    @pytest.mark.parametrize("locked_as_written", [False, True])
+    def test_free_and_locked_share_a_file(self, quantity, locked_as_written):
+        rig = tn.Drivetrain(
+            "x",
+            [
+                tn.Inertia("rotor", node="a", inertia=1),
+                tn.Spring("k", nodes=("a", "b"), stiffness=1e3),
+                tn.Inertia("load", node="b", inertia=2),
+                tn.Lock("brake", node="b", enabled=locked_as_written),
+            ],
+            inputs={"driven": {quantity: "b"}, "T": {"torque": "a"}},
+            sensors={"speed": {"velocity": "b"}, "angle": {"angle": "a"}},
+            configurations={"free": {"off": ["brake"]}, "locked": {"on": ["brake"]}},
+        )
+        said = [fault.text for fault in rig.check() if fault.severity == "warning"]
+        where = "" if locked_as_written else "in configuration locked: "
+        assert f'{where}input driven does nothing: "b" is locked' in said
+        assert f'{where}sensor speed reads zero: "b" is locked' in said
+        free, locked = rig.configured("free"), rig.configured("locked")
+        omega = 2 * np.pi * 3.0
+        given = free.frequency_response("angle", "driven", [3.0]).values[0, 0, 0]
+        determinant = (1e3 - omega**2) * (1e3 - 2 * omega**2) - 1e6
+        expected = 1e3 / (1e3 - omega**2 if quantity == "angle" else determinant)
+        assert given == pytest.approx(expected, rel=1e-12)
+        held = locked.frequency_response("angle", "T", [3.0]).values[0, 0, 0]
+        assert held == pytest.approx(1 / (1e3 - omega**2), rel=1e-12)
+        with pytest.raises(tn.UsageError, match='input driven does nothing: "b" is locked in this configuration'):
+            locked.frequency_response("angle", "driven", [3.0])
+        with pytest.raises(tn.UsageError, match='speed reads zero: "b" is locked in this configuration'):
+            locked.frequency_response("speed", "T", [3.0])
+        assert locked.frequency_response("b", "T", [3.0]).values[0, 0, 0] == 0  # a node asked for by name is zero
+
+    def test_a_channel_that_no_configuration_sets_free_is_an_error(self):
+        with pytest.raises(tn.ModelError, match='input T does nothing: "a" is locked'):
+            tn.Drivetrain(
+                "x",
+                [WHEEL, tn.Lock("l", node="a")],
+                parameters={"p": 1},
+                inputs={"T": {"torque": "a"}},
+                configurations={"one": {"p": 2}, "two": {"p": 3}},
+            )
+
+    def test_a_torque_that_one_configuration_leaves_undetermined(self):
+        rig = tn.Drivetrain(
+            "x",
+            [
+                WHEEL,
+                HELD,
+                tn.RigidCoupling("one", nodes=("a", "b")),
+                tn.RigidCoupling("two", nodes=("a", "b"), enabled=False),
+            ],
+            inputs={"T": {"torque": "a"}},
+            sensors={"through": {"torque": "one"}},
+            configurations={"single": {}, "double": {"on": ["two"]}},
+        )
+        assert any(fault.severity == "warning" and "rigid loop" in fault.text for fault in rig.check())
+        assert np.isfinite(rig.configured("single").frequency_response("through", "T", [1.0]).values).all()
+        with pytest.raises(tn.UsageError, match="rigid loop"):
+            rig.configured("double").frequency_response("through", "T", [1.0])
+
     def test_two_imposed_angles_on_one_rigid_part(self):
         found = faults_of(
             WHEEL, tn.RigidCoupling("c", nodes=("a", "b")), HELD, inputs={"x": {"angle": "a"}, "y": {"angle": "b"}}

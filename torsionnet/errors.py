@@ -30,14 +30,18 @@ class Position:
     source: str = ""
 
 
+USELESS = "useless"
+"""Kind of a fault of an input or sensor that cannot be used in this configuration, while another may allow it."""
+
+
 @dataclass(frozen=True)
 class Fault:
     """One thing that is wrong (``severity="error"``) or worth knowing (``"warning"``, ``"note"``) in a model.
 
     ``path`` names the entry in the model's own structure; a reader of files adds ``position``.
     ``on_key`` marks the entry's name instead of its value. ``kind`` is ``"unknown key"``, ``"missing key"``,
-    ``"unknown name"`` or empty, ``about`` the key or name in question and ``meant`` the one probably intended;
-    ``configuration`` is set where only that configuration has the fault.
+    ``"unknown name"``, :data:`USELESS` or empty, ``about`` the key or name in question and ``meant`` the one probably
+    intended; ``configuration`` is set where only that configuration has the fault.
     """
 
     message: str

@@ -32,7 +32,8 @@ class Kinematics:
     parts : tuple of OwnedPart
         In the order of the elements.
     imposed : tuple of str
-        Names of the inputs that impose an angle; each appears in rows as the pseudo node ``input:NAME``.
+        Names of the inputs that impose an angle; each appears in rows as the pseudo node ``input:NAME``. One on a node
+        that elements lock is not among them.
     driven : tuple of str
         The nodes they impose it on.
     reduction : Reduction
@@ -51,6 +52,10 @@ class Kinematics:
     def reduced(self, row: Mapping[str, Any]) -> Row:
         """A row over nodes as a row over coordinates and imposed angles."""
         return self.reduction.reduced(row)
+
+    def holds(self, node: str) -> bool:
+        """Whether rigid connections to ground keep the node at zero."""
+        return not self.reduction.is_free(node) and not self.reduction.reduced({node: 1})
 
     @property
     def laws(self) -> tuple[tuple[str, Law], ...]:
@@ -115,9 +120,12 @@ def solve_kinematics(
         again = replace(like, parts=parts)
         if again.constraints == like.constraints:
             return again
-    owners = [*imposed, *(name for name, _ in constraints_of(parts))]
-    rows: list[Any] = [*imposed.values(), *(exact_row(row) for _, row in constraints_of(parts))]
     order = {node: index for index, node in enumerate(nodes)}
+    rigid = [exact_row(row) for _, row in constraints_of(parts)]
+    imposed = _without_locked(imposed, rigid, order)
+    driven = tuple(definition.inputs[name].of for name in imposed)
+    owners = [*imposed, *(name for name, _ in constraints_of(parts))]
+    rows: list[Any] = [*imposed.values(), *rigid]
     keep = {*referred_to, *(pseudo_node(name) for name in imposed)}
     reduction = reduce_rows(rows, order, keep)
     tied = [index for index in reduction.blocked if _names_kept(rows[index], reduction, referred_to)]
@@ -127,6 +135,15 @@ def solve_kinematics(
         raise UsageError(msg)
     coordinates = tuple(node for node in nodes if reduction.is_free(node))
     return Kinematics(nodes, parts, tuple(imposed), driven, reduction, coordinates)
+
+
+def _without_locked(imposed: dict[str, Row], rigid: Sequence[Row], order: Mapping[str, int]) -> dict[str, Row]:
+    """Imposed angles of nodes that the ``rigid`` connections alone leave able to move."""
+    if not imposed:
+        return imposed
+    alone = reduce_rows(rigid, order)
+    locked = {name for row in imposed.values() for name in row if name in order and not alone.reduced({name: 1})}
+    return {name: row for name, row in imposed.items() if locked.isdisjoint(row)}
 
 
 def _names_kept(row: Row, reduction: Reduction, referred_to: Collection[str]) -> bool:

@@ -6,7 +6,7 @@ and run on the base model and on every alternative of every axis.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from torsionnet.checks import names, values
@@ -15,7 +15,7 @@ from torsionnet.checks.structure import structure, unconnected_parts
 from torsionnet.collecting import collector_paused
 from torsionnet.configurations import combinations, label
 from torsionnet.definition import Definition
-from torsionnet.errors import Fault
+from torsionnet.errors import USELESS, Fault
 from torsionnet.parameters import resolve
 
 MOST_COMBINATIONS = 64
@@ -32,9 +32,11 @@ def check_definition(definition: Definition) -> list[Fault]:
     faults += found + values.sizes(definition, known) + unusual_sizes(definition, known)
     if has_errors(faults):
         return _unique(faults)
-    faults += structure(definition, known)
-    for name, variant in variants(definition):
-        faults += _in_configuration(name, check_variant(variant), faults)
+    base = structure(definition, known)
+    others = {name: check_variant(variant) for name, variant in variants(definition)}
+    faults += _refused_everywhere(base, others.values())
+    for name, found in others.items():
+        faults += _in_configuration(name, found, faults)
     return _unique(faults)
 
 
@@ -64,6 +66,14 @@ def variants(definition: Definition) -> Iterator[tuple[str, Definition]]:
 
 def has_errors(faults: list[Fault]) -> bool:
     return any(fault.severity == "error" for fault in faults)
+
+
+def _refused_everywhere(base: list[Fault], others: Iterable[list[Fault]]) -> list[Fault]:
+    """The findings of the base; what cannot be used there and in no configuration either is an error."""
+    useless = {fault.path for fault in base if fault.kind == USELESS}
+    for found in others:
+        useless &= {fault.path for fault in found if fault.kind == USELESS}
+    return [replace(fault, severity="error") if fault.path in useless else fault for fault in base]
 
 
 def _in_configuration(name: str, found: list[Fault], base: list[Fault]) -> list[Fault]:

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from torsionnet.channels import ELEMENT_QUANTITIES
+from torsionnet.checks.balance import unbalanced_torques
+from torsionnet.checks.motions import left_free
 from torsionnet.definition import Definition, all_nodes
-from torsionnet.elements import GROUND, Law, Values
-from torsionnet.elimination import Reduction
-from torsionnet.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.elements import GROUND, Values
+from torsionnet.errors import USELESS, Fault, ModelError, UsageError, did_you_mean
 from torsionnet.kinematics import (
     Kinematics,
     contradicting_loop,
-    exact_row,
-    pseudo_node,
     solve_kinematics,
     torques_are_determinate,
     virtual_motion,
@@ -82,7 +81,7 @@ def contradicting_gears(definition: Definition, kinematics: Kinematics) -> list[
 
 def massless_without_hold(definition: Definition, kinematics: Kinematics) -> list[Fault]:
     """Motions no inertia, spring or damper answers: the receptance there would be infinite at every frequency."""
-    left = _left_free(kinematics, lambda law: law.acts)
+    left = left_free(kinematics, lambda law: law.acts)
     moving: dict[str, list[str]] = {name: [] for name in kinematics.coordinates if left.is_free(name)}
     for node in kinematics.nodes if moving else ():
         coordinates = kinematics.reduction.free_names({node: 1})
@@ -102,42 +101,37 @@ def massless_without_hold(definition: Definition, kinematics: Kinematics) -> lis
     return faults
 
 
-def _left_free(kinematics: Kinematics, answers: Callable[[Law], bool]) -> Reduction:
-    """The motions that leave every law at rest which ``answers``; imposed angles stand still."""
-    imposed = [{pseudo_node(name): 1} for name in kinematics.imposed]
-    rows = [exact_row(law.row) for _, law in kinematics.laws if answers(law)]
-    order = {name: index for index, name in enumerate((*kinematics.nodes, *map(pseudo_node, kinematics.imposed)))}
-    return kinematics.reduction.followed_by([*imposed, *rows], order)
-
-
-def locked_inputs(definition: Definition, kinematics: Kinematics) -> list[Fault]:
-    """An input on a node that cannot move."""
+def locked_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]:
+    """Inputs and motion sensors on a node that cannot move: another configuration may set it free."""
     faults = []
-    imposed = {definition.inputs[name].of: name for name in kinematics.imposed}
     for name, channel in definition.inputs.items():
-        row = kinematics.reduction.solved.get(channel.of)
-        path = ("inputs", name, channel.quantity)
-        if row is not None and not row:
-            faults.append(Fault(f'"{channel.of}" is locked; an input there does nothing', path))
-        elif channel.quantity == "torque" and channel.of in imposed:
-            faults.append(
-                Fault(
-                    f'the angle of "{channel.of}" is imposed by {imposed[channel.of]}; a torque there does nothing',
-                    path,
-                )
-            )
+        if channel.of in kinematics.nodes and kinematics.holds(channel.of):
+            text = f'input {name} does nothing: "{channel.of}" is locked'
+            faults.append(Fault(text, ("inputs", name, channel.quantity), "warning", kind=USELESS))
+    for name, sensor in definition.sensors.items():
+        moves = sensor.quantity not in ELEMENT_QUANTITIES and sensor.of in kinematics.nodes
+        if moves and kinematics.holds(sensor.of):
+            text = f'sensor {name} reads zero: "{sensor.of}" is locked'
+            faults.append(Fault(text, ("sensors", name, sensor.quantity), "warning"))
+    return faults
+
+
+def contradicting_inputs(definition: Definition, kinematics: Kinematics) -> list[Fault]:
+    """Inputs that act where an imposed angle already says what moves."""
+    imposed = {definition.inputs[name].of: name for name in kinematics.imposed}
+    faults = []
+    for name, channel in definition.inputs.items():
+        if channel.quantity == "torque" and channel.of in imposed:
+            text = f'the angle of "{channel.of}" is imposed by {imposed[channel.of]}; a torque there does nothing'
+            faults.append(Fault(text, ("inputs", name, channel.quantity)))
     fixed = [index for index in kinematics.reduction.blocked if index < len(kinematics.imposed)]
     for index in fixed:
         name = kinematics.imposed[index]
-        faults.append(
-            Fault(
-                f"the angle imposed by {name} contradicts a rigid connection to another imposed angle", ("inputs", name)
-            )
-        )
+        text = f"the angle imposed by {name} contradicts a rigid connection to another imposed angle"
+        faults.append(Fault(text, ("inputs", name)))
     if not fixed and kinematics.reduction.blocked:
-        faults.append(
-            Fault("two imposed angles act on nodes that are rigidly connected", ("inputs", kinematics.imposed[-1]))
-        )
+        text = "two imposed angles act on nodes that are rigidly connected"
+        faults.append(Fault(text, ("inputs", kinematics.imposed[-1])))
     return faults
 
 
@@ -154,7 +148,8 @@ def indeterminate_torques(definition: Definition, kinematics: Kinematics) -> lis
                 try:
                     virtual_motion(kinematics, index)
                 except UsageError as error:
-                    faults.append(Fault(str(error), ("sensors", name, "torque")))
+                    path = ("sensors", name, "torque")
+                    faults.append(Fault(str(error), path, "warning", kind=USELESS))
     return faults
 
 
@@ -184,7 +179,7 @@ def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fau
 
 def rigid_motions(kinematics: Kinematics) -> list[str]:
     """A coordinate for each independent motion that no spring resists."""
-    left = _left_free(kinematics, lambda law: law.holds_at_rest)
+    left = left_free(kinematics, lambda law: law.holds_at_rest)
     return [name for name in kinematics.coordinates if left.is_free(name)]
 
 
@@ -200,7 +195,8 @@ def inconsistent_speeds(definition: Definition, values: Mapping[str, Any]) -> li
 
 
 CHECKS = (
-    locked_inputs,
+    locked_channels,
+    contradicting_inputs,
     massless_without_hold,
     indeterminate_torques,
     idle_channels,
@@ -215,4 +211,5 @@ def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
     if faults:
         return faults
     faults = [fault for check in CHECKS for fault in check(definition, kinematics)]
-    return faults + inconsistent_speeds(definition, values)
+    faults += inconsistent_speeds(definition, values)
+    return faults + unbalanced_torques(definition, kinematics, values)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.cli.options import OutputFile, Settings, json_option, plot_option
+from torsionnet.cli.options import Settings, json_option, output_file_option, plot_option
 from torsionnet.cli.terminal import message, print_json, print_table, say, wrote
 
 if TYPE_CHECKING:
@@ -30,9 +30,7 @@ ALL = "all"
 )
 @click.option("--set", "settings", type=Settings(), multiple=True, help="Change a parameter of the model. Repeatable.")
 @click.option("--seed", type=click.IntRange(0), help="Another run of the same test.")
-@click.option(
-    "-o", "--out", "file", type=OutputFile(), help="The record; default: RIG.npz here. The ending tells the format."
-)
+@output_file_option("The record; default: RIG.npz here. The ending tells the format.")
 @click.option("--truth", is_flag=True, help="Write torque and motion as they are, without errors of measurement.")
 @json_option
 @plot_option("the signals over time")
@@ -41,7 +39,7 @@ def command(
     configurations: tuple[str, ...],
     settings: tuple[tuple[str, str], ...],
     seed: int | None,
-    file: str | None,
+    output_file: str | None,
     truth: bool,
     as_json: bool,
     plot_file: str | None,
@@ -60,7 +58,7 @@ def command(
     from torsionnet.virtual import load_bench
 
     bench = load_bench(rig)
-    target = Path(file or f"{Path(rig).stem}.npz")
+    target = Path(output_file or f"{Path(rig).stem}.npz")
     format_of(target)
     benches = _benches(bench, configurations, dict(settings))
     results = []

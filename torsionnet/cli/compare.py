@@ -67,10 +67,6 @@ def command(
     test = estimated(record, reading, (output,), (into,), averaging, start, stop)
     calculated = _calculated(case.drivetrain, test, model_output or output, model_input or into, excitation)
     conventions = Conventions(angle=angle)
-    if as_json:
-        print_json(_as_data(test, calculated, conventions))
-    else:
-        print_table(agreement(test, calculated, conventions))
     if csv_file:
         _full(test, calculated, conventions).to_csv(csv_file)
         wrote(csv_file)
@@ -79,6 +75,10 @@ def command(
 
         report.save(report.comparison(test, calculated, conventions=conventions), plot_file)
         wrote(plot_file)
+    if as_json:
+        print_json(_as_data(test, calculated, conventions))
+    else:
+        print_table(agreement(test, calculated, conventions))
 
 
 def _calculated(

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.cli.options import OutputFile, csv_option, json_option, plot_option
+from torsionnet.cli.options import csv_option, json_option, output_file_option, plot_option
 from torsionnet.cli.record_options import Averaging, Reading, averaging_options, record_options
 from torsionnet.cli.terminal import message, print_json, print_table, wrote
 
@@ -26,9 +26,7 @@ RESPONSE_ENDINGS = (".uff", ".unv", ".mat", ".npz", ".csv")
 @click.option("--angle", type=click.Choice(["rad", "deg"]), default="rad", show_default=True, help="Unit of angles.")
 @json_option
 @csv_option
-@click.option(
-    "-o", "--out", "out_file", type=OutputFile(RESPONSE_ENDINGS), help="Write the response: UFF58, MAT, NPZ or CSV."
-)
+@output_file_option("Write the response: UFF58, MAT, NPZ or CSV.", RESPONSE_ENDINGS)
 @plot_option("magnitude, phase and coherence")
 def command(
     record: str,
@@ -41,7 +39,7 @@ def command(
     angle: str,
     as_json: bool,
     csv_file: str | None,
-    out_file: str | None,
+    output_file: str | None,
     plot_file: str | None,
 ) -> None:
     """Frequency responses and coherence from a record of signals.
@@ -56,23 +54,23 @@ def command(
 
     response = estimated(record, reading, outputs, inputs, averaging, start, stop)
     conventions = Conventions(angle=angle)
-    if as_json:
-        print_json(as_data(response, conventions))
-    else:
-        print_table(peak_table(response, conventions))
     if csv_file:
         response.to_csv(csv_file, conventions)
         wrote(csv_file)
-    if out_file:
+    if output_file:
         from torsionnet.interchange import write_frequency_response
 
-        write_frequency_response(response, out_file)
-        wrote(out_file)
+        write_frequency_response(response, output_file)
+        wrote(output_file)
     if plot_file:
         from torsionnet import report
 
         report.save(report.bode(response, conventions=conventions), plot_file)
         wrote(plot_file)
+    if as_json:
+        print_json(as_data(response, conventions))
+    else:
+        print_table(peak_table(response, conventions))
 
 
 def estimated(

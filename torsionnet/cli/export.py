@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from torsionnet.cli.cases import file_of, load_cases
-from torsionnet.cli.options import OutputFile, model_options
+from torsionnet.cli.options import model_options, output_file_option
 from torsionnet.cli.terminal import wrote
 
 FORMATS = {".tors": "tors", ".json": "tors", ".m": "matlab", ".mat": "mat", ".mo": "modelica", ".fmu": "fmu"}
@@ -16,7 +16,7 @@ FORMATS = {".tors": "tors", ".json": "tors", ".m": "matlab", ".mat": "mat", ".mo
 
 @click.command("export")
 @model_options
-@click.option("-o", "--output", "file", type=OutputFile(), required=True, help="The file to write.")
+@output_file_option("The file to write.", required=True)
 @click.option(
     "--format",
     "form",
@@ -28,7 +28,7 @@ def command(
     model: str,
     configurations: tuple[str, ...],
     settings: tuple[tuple[str, str], ...],
-    file: str,
+    output_file: str,
     form: str | None,
     step: float | None,
 ) -> None:
@@ -44,7 +44,7 @@ def command(
     torsionnet export amt_rig -c V -o rig.mo
     torsionnet export dmf_rig -o rig.fmu --step 0.001
     """  # noqa: D301
-    chosen = _format(Path(file).suffix.lower(), form)
+    chosen = _format(Path(output_file).suffix.lower(), form)
     if step is not None and chosen != "fmu":
         msg = "--step belongs to an FMU"
         raise click.UsageError(msg)
@@ -60,7 +60,7 @@ def command(
     }
     more = {} if step is None else {"step": step}
     for case in cases:
-        target = file_of(file, case, cases)
+        target = file_of(output_file, case, cases)
         writers[chosen](case.drivetrain, target, **more)
         wrote(target)
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.cli.options import OutputFile, csv_option, json_option, plot_option
+from torsionnet.cli.options import OutputFile, csv_option, json_option, output_file_option, plot_option
 from torsionnet.cli.terminal import message, print_json, print_table, say, wrote
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 @click.option(
     "--profile", is_flag=True, help="Intervals by profile likelihood too: slower, and right where they are lopsided."
 )
-@click.option("-o", "--out", "out_file", type=OutputFile((".yaml", ".yml")), help="Write the result as YAML.")
+@output_file_option("Write the result as YAML.", (".yaml", ".yml"))
 @click.option(
     "--model", "model_file", type=OutputFile((".yaml", ".yml")), help="Write the model with the values found."
 )
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 def command(
     file: str,
     profile: bool,
-    out_file: str | None,
+    output_file: str | None,
     model_file: str | None,
     as_json: bool,
     csv_file: str | None,
@@ -53,20 +53,14 @@ def command(
         _announce(plan)
         found = identify(plan.model, plan.measurements, plan.parameters, **plan.options)
         profiles = {name: found.profile(name) for name in found.values} if profile else {}
-    if as_json:
-        print_json(_as_data(found, profiles, plan.true))
-    else:
-        print_table(found.table(true=plan.true or None))
-        for name, (low, high) in profiles.items():
-            say(f"{name}: 95 % by profile likelihood from {low:.6g} to {high:.6g}")
     for verdict in found.verdicts:
         message("warning", verdict)
     if csv_file:
         found.table(true=plan.true or None).to_csv(csv_file)
         wrote(csv_file)
-    if out_file:
-        found.to_yaml(out_file)
-        wrote(out_file)
+    if output_file:
+        found.to_yaml(output_file)
+        wrote(output_file)
     if model_file:
         found.configured(plan.model).to_yaml(model_file)
         wrote(model_file)
@@ -76,6 +70,12 @@ def command(
 
         report.save(report.fit(found, conventions=Conventions(angle="deg")), plot_file)
         wrote(plot_file)
+    if as_json:
+        print_json(_as_data(found, profiles, plan.true))
+    else:
+        print_table(found.table(true=plan.true or None))
+        for name, (low, high) in profiles.items():
+            say(f"{name}: 95 % by profile likelihood from {low:.6g} to {high:.6g}")
 
 
 def _announce(plan: FitPlan) -> None:

@@ -120,14 +120,6 @@ def command(
     question = Question(outputs, inputs, excitations, quantity)
     cases, solvers, responses = _answered(question, cases, frequencies)
     picture = _picture(responses, shown) if plot_file else None  # refuses unlike units before anything is printed
-    if as_json:
-        print_json([as_data(*trio, shown.conventions) for trio in zip(cases, responses, solvers, strict=True)])
-    else:
-        tables = [
-            full_table(response, shown) if full else peak_table(response, solve, shown)
-            for response, solve in zip(responses, solvers, strict=True)
-        ]
-        print_table(joined(cases, tables, named=bool(configurations)))
     if csv_file:
         tables = [full_table(response, shown) for response in responses]
         joined(cases, tables, named=bool(configurations)).to_csv(csv_file)
@@ -137,6 +129,14 @@ def command(
 
         report.save(picture, plot_file)
         wrote(plot_file)
+    if as_json:
+        print_json([as_data(*trio, shown.conventions) for trio in zip(cases, responses, solvers, strict=True)])
+    else:
+        tables = [
+            full_table(response, shown) if full else peak_table(response, solve, shown)
+            for response, solve in zip(responses, solvers, strict=True)
+        ]
+        print_table(joined(cases, tables, named=bool(configurations)))
 
 
 def _answered(

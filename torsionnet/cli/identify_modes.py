@@ -63,18 +63,14 @@ def command(
     """  # noqa: D301
     from torsionnet.cli.estimate import estimated
 
+    if plot_file and method == "peaks":
+        msg = "peak picking has no stabilisation diagram; leave --plot out, or choose another --method"
+        raise click.UsageError(msg)
     response = estimated(record, reading, outputs, inputs, averaging, start, stop)
     if stop is None and response.usable_up_to is not None:
         response = response.between(start, response.usable_up_to)
     found, diagram = _identified(response, method, order)
     compared = _compared(found, model, configuration, inputs) if model else None
-    if as_json:
-        print_json(_as_data(found, compared))
-    else:
-        print_table(found.table())
-        if compared:
-            say()
-            print_table(compared.table())
     for note in found.notes:
         kind, _, text = note.partition(": ")
         if kind == "warning":
@@ -85,11 +81,15 @@ def command(
     if plot_file:
         from torsionnet import report
 
-        if diagram is None:
-            msg = "peak picking has no stabilisation diagram; leave --plot out, or choose another --method"
-            raise click.UsageError(msg)
         report.save(report.stabilisation(diagram, found), plot_file)
         wrote(plot_file)
+    if as_json:
+        print_json(_as_data(found, compared))
+    else:
+        print_table(found.table())
+        if compared:
+            say()
+            print_table(compared.table())
 
 
 def _identified(response: FrequencyResponse, method: Any, order: int | None) -> tuple[ModalEstimate, Any]:

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import click
 
-from torsionnet.cli.options import OutputFile
+from torsionnet.cli.options import output_file_option
 from torsionnet.cli.terminal import wrote
 
 
 @click.command("import")
 @click.argument("source", metavar="FILE")
-@click.option(
-    "-o", "--output", "file", type=OutputFile((".yaml", ".yml")), help="The model file to write; default: stdout."
-)
-def command(source: str, file: str | None) -> None:
+@output_file_option("The model file to write; default: stdout.", (".yaml", ".yml"))
+def command(source: str, output_file: str | None) -> None:
     """Make a model file of a model of another program: a TORS file of openTorsion or its editor.
 
     \b
@@ -21,8 +19,8 @@ def command(source: str, file: str | None) -> None:
     """  # noqa: D301
     from torsionnet.interchange.tors_reading import read_tors
 
-    text = read_tors(source).to_yaml(file)
-    if file is None:
+    text = read_tors(source).to_yaml(output_file)
+    if output_file is None:
         click.echo(text, nl=False)
     else:
-        wrote(file)
+        wrote(output_file)

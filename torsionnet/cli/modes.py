@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from torsionnet.cli.blocks import in_blocks, shares_on_screen
 from torsionnet.cli.cases import Case, file_of, joined, load_cases
 from torsionnet.cli.options import csv_option, frequency_unit_option, json_option, model_options, plot_option
 from torsionnet.cli.terminal import print_json, print_table, say, wrote
@@ -56,20 +57,22 @@ def command(
         case.drivetrain.modes(measured_input=measured_input, excitation=excitation, lowest=lowest) for case in cases
     ]
     tables = [modes.table(conventions) for modes in results]
-    if as_json:
-        print_json([_as_data(case, modes) for case, modes in zip(cases, results, strict=True)])
-    else:
-        for number, (modes, table) in enumerate(zip(results, tables, strict=True)):
-            wanted = [(True, on_screen(table)), (shapes, modes.shape_table()), (energies, modes.energy_table())]
-            for position, extra in enumerate(table for shown, table in wanted if shown):
-                if number or position:
-                    say()
-                print_table(extra)
     if csv_file:
         joined(cases, tables, named=bool(configurations)).to_csv(csv_file)
         wrote(csv_file)
     if plot_file:
         _plot(plot_file, cases, results, conventions)
+    if as_json:
+        print_json([_as_data(case, modes) for case, modes in zip(cases, results, strict=True)])
+    else:
+        for number, (modes, table) in enumerate(zip(results, tables, strict=True)):
+            parts = [on_screen(table)]
+            parts += in_blocks(modes.shape_table(), 2) if shapes else []
+            parts += in_blocks(shares_on_screen(modes.energy_table()), 3) if energies else []
+            for position, part in enumerate(parts):
+                if number or position:
+                    say()
+                print_table(part)
 
 
 def on_screen(table: Table) -> Table:

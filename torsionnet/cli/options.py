@@ -77,6 +77,11 @@ def model_options(command: F) -> F:
     return click.argument("model", metavar="MODEL")(command)
 
 
+def output_file_option(text: str, endings: tuple[str, ...] = (), *, required: bool = False) -> Callable[[F], F]:
+    """-o, --output-file: what a command makes, if that is a file."""
+    return click.option("-o", "--output-file", type=OutputFile(endings), required=required, help=text)
+
+
 def json_option(command: F) -> F:
     return click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")(command)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.cli.options import OutputFile, model_options
+from torsionnet.cli.options import model_options, output_file_option
 from torsionnet.cli.record_options import PRESETS, Averaging, Reading
 from torsionnet.cli.terminal import wrote
 
@@ -22,13 +22,7 @@ ENDINGS = (".html", ".pdf", ".tex", ".md", ".htm")
 
 @click.command("report")
 @model_options
-@click.option(
-    "-o",
-    "--out",
-    "file",
-    type=OutputFile(ENDINGS),
-    help="Ends in .html, .pdf, .tex or .md.  [default: MODEL.html]",
-)
+@output_file_option("Ends in .html, .pdf, .tex or .md.  [default: MODEL.html]", ENDINGS)
 @click.option("--section", "sections", metavar="NAME", multiple=True, help="Repeatable.  [default: all that apply]")
 @click.option(
     "--tf", "pairs", metavar="OUTPUT/INPUT", multiple=True, help='Transfer function, "theta_1/T_T". Repeatable.'
@@ -53,7 +47,7 @@ def command(
     model: str,
     configurations: tuple[str, ...],
     settings: tuple[tuple[str, str], ...],
-    file: str | None,
+    output_file: str | None,
     sections: tuple[str, ...],
     pairs: tuple[str, ...],
     band: tuple[float, float] | None,
@@ -77,7 +71,7 @@ def command(
     from torsionnet.document.report import make_report, writer_for
     from torsionnet.files import load
 
-    target = Path(file or f"{Path(model).stem}.html")
+    target = Path(output_file or f"{Path(model).stem}.html")
     write = writer_for(target)
     rig = load(model)
     named = () if ALL in configurations and ALL not in rig.configurations else configurations

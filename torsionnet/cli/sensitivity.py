@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -9,12 +10,15 @@ import click
 from torsionnet.cli.cases import Case, file_of, joined, load_cases
 from torsionnet.cli.options import csv_option, json_option, model_options, plot_option
 from torsionnet.cli.terminal import print_json, print_table, wrote
+from torsionnet.errors import UsageError
 
 if TYPE_CHECKING:
     from torsionnet.response import Table
     from torsionnet.sensitivity import ModeSensitivities
 
 ROUNDING = 1e-9
+MOST = 10
+"""Effects on the screen unless some are asked for."""
 
 
 @click.command("sensitivity")
@@ -25,6 +29,7 @@ ROUNDING = 1e-9
 @click.option("--mode", "modes", type=click.IntRange(1), multiple=True, help="Only this mode. Repeatable.")
 @click.option("--measured-input", metavar="SENSOR", help="Poles of responses against this sensor instead.")
 @click.option("--excitation", metavar="INPUT", help="What drives the drivetrain then, if it has several inputs.")
+@click.option("--full", is_flag=True, help=f"Print every effect instead of the {MOST} largest.")
 @json_option
 @csv_option
 @plot_option("a tornado plot")
@@ -36,6 +41,7 @@ def command(
     modes: tuple[int, ...],
     measured_input: str | None,
     excitation: str | None,
+    full: bool,
     as_json: bool,
     csv_file: str | None,
     plot_file: str | None,
@@ -54,11 +60,8 @@ def command(
         )
         for case in cases
     ]
+    _require(modes, results)
     tables = [_chosen(one, modes) for one in results]
-    if as_json:
-        print_json([_as_data(case, one, modes) for case, one in zip(cases, results, strict=True)])
-    else:
-        print_table(joined(cases, tables, named=bool(configurations)))
     if csv_file:
         joined(cases, tables, named=bool(configurations)).to_csv(csv_file)
         wrote(csv_file)
@@ -69,6 +72,19 @@ def command(
             path = file_of(plot_file, case, cases)
             report.save(report.tornado(one, modes=list(modes) or None), path)
             wrote(path)
+    if as_json:
+        print_json([_as_data(case, one, modes) for case, one in zip(cases, results, strict=True)])
+    else:
+        shown = tables if full or modes or parameters else [_largest(table) for table in tables]
+        print_table(joined(cases, shown, named=bool(configurations)))
+
+
+def _require(modes: tuple[int, ...], results: list[ModeSensitivities]) -> None:
+    known = sorted({one.number(mode) for one in results for mode in range(len(one.poles))})
+    for mode in modes:
+        if mode not in known:
+            msg = f"there is no mode {mode} to move; there are {', '.join(map(str, known)) or 'none'}"
+            raise UsageError(msg)
 
 
 def _chosen(found: ModeSensitivities, modes: tuple[int, ...]) -> Table:
@@ -81,6 +97,19 @@ def _chosen(found: ModeSensitivities, modes: tuple[int, ...]) -> Table:
     )
     notes = tuple(note for index, note in enumerate(table.notes) if not modes or found.number(index) in modes)
     return replace(table, rows=rows, notes=notes)
+
+
+def _largest(table: Table) -> Table:
+    """The effects that move an eigenvalue farthest for its size, and what is said of their modes."""
+    from dataclasses import replace
+
+    if len(table.rows) <= MOST:
+        return table
+    rows = sorted(table.rows, key=lambda row: math.hypot(row[4], row[2] * row[5]), reverse=True)[:MOST]
+    seen = {row[0] for row in rows}
+    notes = [note for note in table.notes if any(note.startswith(f"mode {mode} ") for mode in seen)]
+    rest = f"the {MOST} largest of {len(table.rows)} effects; --mode and --parameter choose, --full prints all"
+    return replace(table, rows=tuple(rows), notes=(*notes, rest))
 
 
 def _as_data(case: Case, found: ModeSensitivities, modes: tuple[int, ...]) -> dict[str, Any]:

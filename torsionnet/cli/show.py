@@ -8,7 +8,7 @@ import click
 
 from torsionnet.cli.cases import Case, file_of, joined, load_cases
 from torsionnet.cli.options import csv_option, json_option, model_options, plot_option
-from torsionnet.cli.terminal import print_json, print_table, say, wrote
+from torsionnet.cli.terminal import print_json, print_table, say, wrapped, wrote
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -36,13 +36,6 @@ def command(
     With --equations or --matrices only these; --csv writes the table of elements.
     """
     cases = load_cases(model, configurations, settings)
-    if as_json:
-        print_json([_as_data(case, equations, matrices) for case in cases])
-    else:
-        for number, case in enumerate(cases):
-            if number:
-                say()
-            _show(case.drivetrain, equations, matrices)
     if csv_file:
         from torsionnet.cli.describe import elements_table
 
@@ -50,6 +43,13 @@ def command(
         wrote(csv_file)
     if plot_file:
         _plot(plot_file, cases)
+    if as_json:
+        print_json([_as_data(case, equations, matrices) for case in cases])
+    else:
+        for number, case in enumerate(cases):
+            if number:
+                say()
+            _show(case.drivetrain, equations, matrices)
 
 
 def _show(rig: Drivetrain, equations: bool, matrices: bool) -> None:
@@ -73,8 +73,8 @@ def _describe(rig: Drivetrain) -> None:
 
     say(rig.title)
     for text in (rig.description, rig.source and f"Source: {rig.source}"):
-        if text:
-            say(text)
+        for line in wrapped(text):
+            say(line)
     for table in tables(rig):
         if table.rows:
             say()

@@ -58,11 +58,6 @@ def command(
             found = _joined(list(decimated(found, settings.decimation)))
             settings = replace(settings, decimation=1)
         seen = [spectrogram(found, name, settings) for name in channels or found.names]
-    if as_json:
-        print_json([_as_data(one) for one in seen])
-    else:
-        for one in seen:
-            print_table(_table(one))
     for one in seen:
         if csv_file:
             path = _file(csv_file, one.name, len(seen))
@@ -70,6 +65,11 @@ def command(
             wrote(path)
         if plot_file:
             _plot(one, _file(plot_file, one.name, len(seen)), highest, span, angle)
+    if as_json:
+        print_json([_as_data(one) for one in seen])
+    else:
+        for one in seen:
+            print_table(_table(one))
 
 
 def _joined(blocks: list[Recording]) -> Recording:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import sys
+import textwrap
 from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -19,6 +20,10 @@ if TYPE_CHECKING:
 
 COLOURS = {"error": "red", "warning": "yellow", "note": "blue"}
 NARROWEST, NARROWEST_TEXT, BETWEEN_COLUMNS = 9, 16, 2
+LEAST_ROOM = 30
+"""Characters below which a text is not folded into a column."""
+WIDTH = 120
+"""Columns of a screen that reading does without scrolling."""
 
 
 def message(kind: str, text: str) -> None:
@@ -68,7 +73,13 @@ def print_table(table: Table) -> None:
     else:
         click.echo("\n".join(_aligned(table)))
     for note in table.notes:
-        say(note)
+        for line in wrapped(note, indent="  "):
+            say(line)
+
+
+def width_of(table: Table) -> int:
+    """Characters in the longest line of a table as it is printed in a pipe."""
+    return max(map(len, _aligned(table)), default=0)
 
 
 def _safe(table: Table) -> Table:
@@ -87,7 +98,7 @@ def _is_number_column(table: Table, index: int) -> bool:
 
 
 def _aligned(table: Table) -> list[str]:
-    """Title, headings broken into lines, rows; numbers to the right, text to the left."""
+    """Title, headings broken into lines, rows; numbers to the right, text to the left, folded if it is long."""
     cells = table.cells()
     right = [_is_number_column(table, index) for index in range(len(table.columns))]
     widths, headings = [], []
@@ -96,10 +107,29 @@ def _aligned(table: Table) -> list[str]:
         lines = _broken(column.name, column.unit, max(content, NARROWEST))
         headings.append(lines)
         widths.append(max([content, *map(len, lines)]))
+    room = WIDTH - sum(widths[:-1]) - BETWEEN_COLUMNS * (len(widths) - 1)
+    if widths and not right[-1] and LEAST_ROOM <= room < widths[-1]:
+        widths[-1], cells = room, _folded(cells, room)
     height = max((len(lines) for lines in headings), default=0)
     padded = [[*lines, *[""] * (height - len(lines))] for lines in headings]
     rows = [*([lines[level] for lines in padded] for level in range(height)), ["-" * width for width in widths], *cells]
     return [*([table.title] if table.title else []), *(_line(row, widths, right) for row in rows)]
+
+
+def _folded(cells: list[list[str]], room: int) -> list[list[str]]:
+    """Texts of the last column over as many lines as they need."""
+    folded = []
+    for row in cells:
+        first, *rest = wrapped(row[-1], room) or [""]
+        folded += [[*row[:-1], first], *([*[""] * (len(row) - 1), line] for line in rest)]
+    return folded
+
+
+def wrapped(text: str, width: int = WIDTH, indent: str = "") -> list[str]:
+    """Lines of a text; a number stays with its percent sign, and words stay whole."""
+    kept = text.replace(" %", "\N{NO-BREAK SPACE}%")
+    lines = textwrap.wrap(kept, width, subsequent_indent=indent, break_long_words=False, break_on_hyphens=False)
+    return [line.replace("\N{NO-BREAK SPACE}%", " %") for line in lines]
 
 
 def _line(row: list[str], widths: list[int], right: list[bool]) -> str:

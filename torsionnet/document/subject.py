@@ -16,6 +16,7 @@ from torsionnet.errors import UsageError
 from torsionnet.outline import Pair
 from torsionnet.response import Conventions, FrequencyResponse, Modes
 from torsionnet.solve.grid import Adaptive, vibration_range
+from torsionnet.solve.question import usable
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -123,11 +124,8 @@ class Subject:
         """The transfer functions asked for; else the first sensors over the first input."""
         if self.request.pairs:
             return self.request.pairs
-        rig = self.cases[0].drivetrain
-        if not rig.inputs:
-            return ()
-        driven = next(iter(rig.inputs))
-        return tuple(Pair(sensor, driven) for sensor in list(rig.sensors)[:DEFAULT_PAIRS])
+        inputs, sensors = usable(self.cases[0].drivetrain)
+        return tuple(Pair(sensor, driven) for driven in inputs[:1] for sensor in sensors[:DEFAULT_PAIRS])
 
     @cached_property
     def band(self) -> tuple[float, float]:

@@ -10,6 +10,7 @@ from torsionnet.channels import UNITS, Sensor
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.response import FrequencyResponse
+from torsionnet.solve.question import usable
 
 MOTIONS = ("angle", "velocity", "acceleration", "twist")
 
@@ -53,8 +54,10 @@ def default_pair(rig: Drivetrain, overlay: FrequencyResponse | None = None) -> P
         measured = Pair(overlay.outputs[0].name, overlay.inputs[0].name)
         if measured.output in {*rig.sensors, *rig.nodes} and measured.input in {*rig.inputs, *rig.sensors, *rig.nodes}:
             return measured
-    motions = [name for name, sensor in rig.sensors.items() if sensor.quantity in MOTIONS]
-    return Pair([*motions, *rig.sensors, *rig.nodes][0], [*rig.inputs, *rig.nodes][0])
+    inputs, sensors = usable(rig)
+    motions = [name for name in sensors if rig.sensors[name].quantity in MOTIONS]
+    moving = rig.assembly.kinematics.coordinates or rig.nodes
+    return Pair([*motions, *sensors, *moving][0], [*inputs, *moving][0])
 
 
 def choices(rig: Drivetrain, pairs: Sequence[Pair]) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from torsionnet.files.changing import changed_text, place_of
 from torsionnet.files.decoding import decode
 from torsionnet.files.reader import find_model, loads
 from torsionnet.response import FrequencyResponse
-from torsionnet.solve.grid import vibration_range
+from torsionnet.solve.grid import opening_range
 
 MOST_SURVEYED = 24
 """Configurations whose modes are looked at to find the first band of frequencies."""
@@ -173,7 +173,7 @@ def open_session(
 
 def _band(base: Drivetrain) -> tuple[float, float]:
     names = base.configurations[:MOST_SURVEYED]
-    return vibration_range(base.modes(), *(base.configured(name).modes() for name in names))
+    return opening_range(base.modes(), *(base.configured(name).modes() for name in names))
 
 
 def _read_test(path: str | os.PathLike[str]) -> FrequencyResponse:

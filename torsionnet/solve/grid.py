@@ -16,6 +16,7 @@ STEEPEST = 85.0
 NARROWEST = 1e-6
 """Half-width of a peak without damping, as a share of its frequency."""
 BELOW, ABOVE = 10.0, 2.0
+FIRST_SEEN, MARGIN_BELOW, MARGIN_ABOVE = 6, 3.0, 1.5
 WITHOUT_MODES = (0.1, 100.0)
 CLOSEST = 1e-10
 """Of a frequency: points nearer to each other than this count as one."""
@@ -80,6 +81,20 @@ def vibration_range(*modes: Modes) -> tuple[float, float]:
     if not found:
         return WITHOUT_MODES
     return rounded(float(min(found)) / BELOW, up=False), rounded(float(max(found)) * ABOVE, up=True)
+
+
+def opening_range(*modes: Modes) -> tuple[float, float]:
+    """Hz: what to look at first, around the lowest few vibrations of each, on round numbers.
+
+    >>> import torsionnet as tn
+    >>> opening_range(tn.load("six_cylinder_diesel").modes())
+    (50.0, 5000.0)
+    """
+    found = [sorted(float(value) for value in mode.damped_frequencies if value > 0)[:FIRST_SEEN] for mode in modes]
+    if not any(found):
+        return WITHOUT_MODES
+    low, high = min(few[0] for few in found if few), max(few[-1] for few in found if few)
+    return rounded(low / MARGIN_BELOW, up=False), rounded(high * MARGIN_ABOVE, up=True)
 
 
 def rounded(value: float, *, up: bool) -> float:

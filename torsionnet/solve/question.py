@@ -9,7 +9,7 @@ from typing import Any
 
 from torsionnet.assembly.functionals import Functional, functional
 from torsionnet.assembly.system import Assembly
-from torsionnet.channels import Input, Sensor, parse_sensor
+from torsionnet.channels import ELEMENT_QUANTITIES, Input, Sensor, parse_sensor
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError, did_you_mean
 from torsionnet.solve.posed import Posed, pose
@@ -179,6 +179,9 @@ def _present(drivetrain: Drivetrain, name: str) -> Input:
     if channel.of not in drivetrain.nodes:
         msg = f'input {name} acts on node "{channel.of}", which is not there in this configuration'
         raise UsageError(msg)
+    if drivetrain.assembly.kinematics.holds(channel.of):
+        msg = f'input {name} does nothing: "{channel.of}" is locked in this configuration'
+        raise UsageError(msg)
     return channel
 
 
@@ -207,8 +210,9 @@ def _given(drivetrain: Drivetrain, channel: Input) -> Input:
     """An excitation given as an object: a torque anywhere, an imposed angle only where the model declares it."""
     if channel.quantity == "torque" and channel.of in drivetrain.nodes:
         return _torque_on(drivetrain, channel.of)
-    if channel in drivetrain.inputs.values():
-        return channel
+    for name, declared in drivetrain.inputs.items():
+        if channel == declared:
+            return _present(drivetrain, name)
     msg = f"the model has no {channel}; declare an imposed angle as an input of the model, a torque needs a node"
     raise UsageError(msg)
 
@@ -235,6 +239,7 @@ def _output(drivetrain: Drivetrain, entry: str | Sensor) -> Functional:
     if sensor is None and entry in drivetrain.nodes:
         sensor = Sensor("angle", str(entry))
     if sensor is not None:
+        _require_moving(drivetrain, sensor, str(entry))
         return functional(drivetrain, sensor, str(entry))
     known = [*drivetrain.sensors, *drivetrain.nodes]
     hint = did_you_mean(str(entry), known)
@@ -244,6 +249,33 @@ def _output(drivetrain: Drivetrain, entry: str | Sensor) -> Functional:
     raise UsageError(msg)
 
 
+def usable(drivetrain: Drivetrain) -> tuple[list[str], list[str]]:
+    """Names of the inputs and of the sensors that can be used: on what is there, and not locked.
+
+    >>> import torsionnet as tn
+    >>> usable(tn.load("dmf_rig"))
+    (['T_M'], ['theta_1', 'T_T'])
+    """
+    nodes, holds = set(drivetrain.nodes), drivetrain.assembly.kinematics.holds
+
+    def acts(channel: Input | Sensor) -> bool:
+        if channel.quantity in ELEMENT_QUANTITIES and isinstance(channel, Sensor):
+            return channel.of in drivetrain.elements
+        return channel.of in nodes and not holds(channel.of)
+
+    tables: tuple[Any, Any] = (drivetrain.inputs, drivetrain.sensors)
+    inputs, sensors = ([name for name, channel in table.items() if acts(channel)] for table in tables)
+    return inputs, sensors
+
+
+def _require_moving(drivetrain: Drivetrain, sensor: Sensor, name: str) -> None:
+    """Refuse a sensor of the model on a node that this configuration locks; a node asked for by name is zero there."""
+    of_node = name in drivetrain.sensors and sensor.quantity not in ELEMENT_QUANTITIES
+    if of_node and sensor.of in drivetrain.nodes and drivetrain.assembly.kinematics.holds(sensor.of):
+        msg = f'{name} reads zero: "{sensor.of}" is locked in this configuration'
+        raise UsageError(msg)
+
+
 def _input(drivetrain: Drivetrain, entry: str | Sensor | Input) -> Input | Functional:
     if isinstance(entry, Input):
         return _given(drivetrain, entry)
@@ -251,6 +283,7 @@ def _input(drivetrain: Drivetrain, entry: str | Sensor | Input) -> Input | Funct
         return _present(drivetrain, entry)
     sensor = as_sensor(drivetrain, entry)
     if sensor is not None:
+        _require_moving(drivetrain, sensor, str(entry))
         return functional(drivetrain, sensor, str(entry))
     if entry in drivetrain.nodes:
         return _torque_on(drivetrain, str(entry))
