@@ -205,3 +205,10 @@ def test_one_example_of_the_whole():
     text = to_matlab(geared_line())
     assert "coordinates = {'m', 'g'};  % q" in text
     assert "    sys = ss(state_space.A, state_space.B, state_space.C, state_space.D, 'InputName', inputs, " in text
+
+
+@pytest.mark.parametrize(("name", "why"), [("for", "a word of Matlab"), ("K", "a variable that the script sets")])
+def test_names_that_a_script_cannot_have(tmp_path, name, why):
+    with pytest.raises(UsageError, match=f"{name} is {why}.*; e.g. {name}_model.m"):
+        write_matlab(tn.load("dmf_rig"), tmp_path / f"{name}.m")
+    assert not list(tmp_path.iterdir())

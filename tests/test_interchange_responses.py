@@ -212,7 +212,7 @@ class TestUniversalFiles:
         assert heads[0][1].strip() == b"rig"
         # FORMAT(2(I5,I10),2(1X,10A1,I10,I4)): response entity, node, direction; reference entity, node, direction.
         assert (record6[31:41].strip(), int(record6[41:51]), int(record6[51:55])) == (b"y", 1, 4)
-        assert (record6[56:66].strip(), int(record6[66:76]), int(record6[76:80])) == (b"u_0", 1, 4)
+        assert (record6[56:66].strip(), int(record6[66:76]), int(record6[76:80])) == (b"u_0", 2, 4)
         # FORMAT(3I10,3E13.5): complex double precision, three values, evenly spaced from 1 by 1.
         assert [int(record7[at : at + 10]) for at in (0, 10, 20)] == [6, 3, 1]
         assert [float(record7[at : at + 13]) for at in (30, 43)] == [1, 1]
@@ -220,6 +220,16 @@ class TestUniversalFiles:
         for record, code, unit in ((abscissa, 18, b"Hz"), (numerator, 8, b"rad"), (denominator, 13, b"N*m")):
             assert int(record[:10]) == code
             assert record[47:67].strip() == unit
+
+    def test_only_one_channel_over_itself_is_a_driving_point(self, tmp_path, pyuff):
+        channels = (Channel("motor", "rad"), Channel("load", "rad")), (Channel("T", "N*m"), Channel("motor", "rad"))
+        response = FrequencyResponse(np.array([1.0, 2.0]), np.ones((2, 2, 2), dtype=complex), *channels)
+        write_frequency_response(response, tmp_path / "r.uff")
+        units, nodes, *functions = pyuff.UFF(str(tmp_path / "r.uff")).read_sets()
+        assert (units["type"], units["length"], units["force"]) == (164, 1.0, 1.0)
+        assert (nodes["type"], list(nodes["node_nums"])) == (15, [1, 2, 3])
+        ends = {item["id1"]: (item["rsp_node"], item["ref_node"]) for item in functions}
+        assert {name for name, (above, below) in ends.items() if above == below} == {"motor / motor"}
 
     def dataset(self, **more):
         base = {

@@ -4,6 +4,7 @@ import copy
 import json
 import random
 import warnings
+from datetime import date
 
 import numpy as np
 import pytest
@@ -143,8 +144,16 @@ class TestWhereOpenTorsionReadsOtherwise:
             rig = from_tors(file_of(("a", disk("x"), continuous, disk("y"))))
         assert rig.elements["s"].to_data()["damping"] == 4
 
+    def test_stiffness_of_a_disk_is_a_spring_to_ground(self):
+        """One disk of 2 kg m^2 on 800 N m/rad: 20 rad/s."""
+        data = file_of(("a", disk("x", 2.0, stiffness=800.0), shaft("s"), disk("y", 0.0)))
+        with pytest.warns(TorsionnetWarning, match="a.x has a stiffness to ground, which .* leaves out of disks"):
+            rig = from_tors(data)
+        assert rig.modes().natural_frequencies.max() == pytest.approx(20 / (2 * np.pi))
+
 
 FAULTS = {
+    "nothing": ({"components": [], "structure": []}, "the file holds no components"),
     "no list": ({"components": 3}, "this is no TORS file"),
     "type": (changed(["components", 0, "elements", 2, "type"], "ShaftDiscret"), 'did you mean "ShaftDiscrete"?'),
     "missing": (changed(["components", 0, "elements", 2], {"name": "c", "type": "ShaftDiscrete"}), "needs a number as"),
@@ -254,6 +263,15 @@ class TestWriting:
         back = read_tors(tmp_path / "t.tors")
         np.testing.assert_allclose(back.modes().natural_frequencies, rig.modes().natural_frequencies, rtol=1e-12)
         assert set(back.nodes) == set(rig.nodes)
+
+    def test_the_editor_finds_what_it_asks_for(self):
+        """Texts for name and date, lists for the rest, a name and a type for every element."""
+        data = to_tors(tn.load("marine_steam_turbine"))
+        assert isinstance(data["name"], str)
+        assert date.fromisoformat(data["date"])
+        assert all(isinstance(end, str) for pair in data["structure"] for end in pair)
+        elements = [element for component in data["components"] for element in component["elements"]]
+        assert all(isinstance(element[key], str) for element in elements for key in ("name", "type"))
 
     @pytest.mark.parametrize(
         ("elements", "text"),

@@ -74,3 +74,18 @@ def test_a_dot_in_the_name_of_a_model():
     parts = [tn.Inertia("j", node="a", inertia=2), tn.Spring("k", nodes=("a", "ground"), stiffness=300)]
     model = tn.Drivetrain("2.0 l diesel", parts, inputs={"T": {"torque": "a"}}, sensors={"phi": {"angle": "a"}})
     assert agrees(model).name == "2_0 l diesel"
+
+
+def test_states_are_named_after_what_they_are():
+    """Two inertias; a massless node between damper and spring is a state, one between springs is none."""
+    elements = [
+        tn.Inertia("Ja", node="a", inertia=1),
+        tn.Spring("k1", nodes=("a", "b"), stiffness=10),
+        tn.Damper("c", nodes=("b", "ground"), damping=2),
+        tn.Spring("k2", nodes=("a", "d"), stiffness=10),
+        tn.Spring("k3", nodes=("d", "ground"), stiffness=10),
+    ]
+    rig = tn.Drivetrain("rig", elements, inputs={"T": {"torque": "a"}}, sensors={"b": {"angle": "b"}})
+    space = rig.to_control()
+    assert space.state_labels == ["angle(a)", "velocity(a)", "angle(b)"]
+    np.testing.assert_allclose(space.A[2], [5, 0, -5])

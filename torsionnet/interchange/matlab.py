@@ -36,6 +36,13 @@ LISTS = {
     "outputs": "y",
     "output_units": "",
 }
+RESERVED = frozenset({
+    "break", "case", "catch", "classdef", "continue", "else", "elseif", "end", "for", "function", "global", "if",
+    "otherwise", "parfor", "persistent", "return", "spmd", "switch", "try", "while", "do", "until", "endfor",
+    "endfunction", "endif", "endswitch", "endwhile", "end_try_catch", "end_unwind_protect", "unwind_protect",
+    "unwind_protect_cleanup", "enumeration", "events", "methods", "properties",
+})  # fmt: skip
+"""Words of Matlab and Octave, under which neither runs a script."""
 LARGEST = 1e15
 """Up to which whole numbers are written without a point."""
 DENSE = 400
@@ -98,6 +105,10 @@ def write_matlab(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
     if ending == ".m":
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", target.stem):
             msg = f'Matlab runs no script named "{target.name}"; use letters, digits and _, beginning with a letter'
+            raise UsageError(msg)
+        if target.stem in RESERVED | NUMBERS.keys() | LISTS.keys() | {"title", "state_space", "sys"}:
+            what = "a word of Matlab's own" if target.stem in RESERVED else "a variable that the script sets"
+            msg = f'Matlab cannot run "{target.name}": {target.stem} is {what}; e.g. {target.stem}_model.m'
             raise UsageError(msg)
         write_text(target, to_matlab(drivetrain))
     elif ending == ".mat":

@@ -17,15 +17,13 @@ from torsionnet.errors import Fault, Path, did_you_mean
 SHEAR_MODULUS, DENSITY = 80e9, 8000.0
 """Pa and kg/m^3; the format has no shear modulus, and openTorsion takes this density where none is given."""
 
-NUMBERS: dict[str, tuple[str, ...]] = {
-    "Disk": ("inertia", "damping"),
-    "ShaftDiscrete": ("stiffness", "damping"),
-    "ShaftContinuous": ("length", "outerDiameter", "innerDiameter", "damping", "density"),
-    "GearElement": ("inertia", "diameter", "teeth"),
+NUMBERS: dict[str, dict[str, str]] = {
+    "Disk": {"inertia": "", "damping": "?", "stiffness": "?"},
+    "ShaftDiscrete": {"stiffness": "+", "damping": "?"},
+    "ShaftContinuous": {"length": "+", "outerDiameter": "+", "innerDiameter": "?", "damping": "?", "density": "+?"},
+    "GearElement": {"inertia": "", "diameter": "+?", "teeth": "+?"},
 }
-"""Element types and their numbers."""
-OPTIONAL = {"damping", "density", "innerDiameter", "diameter", "teeth"}
-POSITIVE = {"stiffness", "length", "outerDiameter", "density", "diameter", "teeth"}
+"""Element types and their numbers; ? may be missing, + has to be greater than 0."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +59,8 @@ def read_document(data: Any) -> tuple[Document | None, list[Fault]]:
     if not isinstance(data, Mapping) or not isinstance(data.get("components"), list):
         text = 'this is no TORS file: it has no list of "components" (elements) and "structure" (connections)'
         return None, [Fault(text)]
+    if not data["components"]:
+        return None, [Fault("the file holds no components", ("components",))]
     components: dict[str, tuple[Entry, ...]] = {}
     faults: list[Fault] = []
     for index, raw in enumerate(data["components"]):
@@ -117,14 +117,14 @@ def _entries(component: str, raw: list[Any], path: Path) -> tuple[tuple[Entry, .
 def _values(item: Mapping[str, Any], path: Path) -> tuple[dict[str, float], list[Fault]]:
     values: dict[str, float] = {}
     faults: list[Fault] = []
-    for key in NUMBERS[item["type"]]:
-        raw = item.get(key)
-        if raw is None and key in OPTIONAL:
+    for key, mark in NUMBERS[item["type"]].items():
+        raw, positive = item.get(key), "+" in mark
+        if raw is None and "?" in mark:
             continue
         if isinstance(raw, bool) or not isinstance(raw, int | float) or raw != raw or abs(raw) == float("inf"):  # noqa: PLR0124
             faults.append(Fault(f"{item['type']} needs a number as {key}, got {raw!r}", (*path, key)))
-        elif raw < 0 or (raw == 0 and key in POSITIVE):
-            word = "greater than 0" if key in POSITIVE else "not less than 0"
+        elif raw < 0 or (raw == 0 and positive):
+            word = "greater than 0" if positive else "not less than 0"
             faults.append(Fault(f"{key} must be {word}, got {raw}", (*path, key)))
         else:
             values[key] = raw

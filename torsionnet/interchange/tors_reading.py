@@ -22,10 +22,11 @@ VERSION = "openTorsion 0.3.2"
 def read_tors(path: str | os.PathLike[str]) -> Drivetrain:
     """Read a model of openTorsion or its editor.
 
-    Disks become inertias, with a damper to ground where they have damping; discrete shafts springs; continuous shafts
-    ``Shaft`` elements of one segment with consistent inertia, G = 80 GPa and, where the file says nothing, 8000 kg/m^3
-    as in openTorsion; pairs of gears a ``Gear`` of negative ratio -z_child/z_parent, for opposite senses. Nodes are
-    named after the first disk or gear on them. An excitation becomes an input of that place; its values are left out.
+    Disks become inertias, with a damper or spring to ground where they have one; discrete shafts springs;
+    continuous shafts ``Shaft`` elements of one segment with consistent inertia, G = 80 GPa and, where the file says
+    nothing, 8000 kg/m^3 as in openTorsion; pairs of gears a ``Gear`` of negative ratio -z_child/z_parent, for
+    opposite senses. Nodes are named after the first disk or gear on them. An excitation becomes an input of that
+    place; its values are left out.
 
     Parameters
     ----------
@@ -98,9 +99,9 @@ def from_tors(data: Any, file: str = "TORS data") -> Drivetrain:
     builder.component(document.start, None)
     if builder.faults:
         raise ModelError(builder.faults, file)
+    elements = builder.elements()
     for text in builder.differences:
         warnings.warn(text, TorsionnetWarning, stacklevel=2)
-    elements = builder.elements()
     return Drivetrain(document.name, elements, inputs=builder.inputs, source=f"TORS file {file}")
 
 
@@ -216,6 +217,9 @@ class _Builder:
         if values.get("damping") and kind == "Disk":
             name = f"{label}_damping" if values.get("inertia") else label
             yield Damper(self.names.new(name), nodes=(nodes[-1], GROUND), damping=values["damping"])
+        if values.get("stiffness") and kind == "Disk":
+            self.differences.append(f"{entry.label} has a stiffness to ground, which {VERSION} leaves out of disks")
+            yield Spring(self.names.new(f"{label}_stiffness"), nodes=(nodes[-1], GROUND), stiffness=values["stiffness"])
 
 
 def _pick(values: Any, *keys: str) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from datetime import UTC, datetime
 from typing import Any
 
 from torsionnet.atomic import write_text
@@ -41,7 +42,9 @@ def to_tors(drivetrain: Drivetrain) -> dict[str, Any]:
     """
     layout = _laid_out(tors_graph(drivetrain))
     components = [{"name": name, "elements": chain.items} for name, chain in layout.chains.items()]
-    return {"name": drivetrain.title, "components": components, "structure": layout.structure}
+    # The editor of openTorsion opens no file without a date.
+    today = datetime.now(tz=UTC).date().isoformat()
+    return {"name": drivetrain.title, "date": today, "components": components, "structure": layout.structure}
 
 
 def write_tors(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:

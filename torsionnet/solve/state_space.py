@@ -18,9 +18,10 @@ import numpy as np
 from torsionnet.assembly.functionals import Functional, functional
 from torsionnet.assembly.rows import FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
-from torsionnet.channels import ELEMENT_QUANTITIES, Input, Sensor
+from torsionnet.channels import Input, Sensor
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
+from torsionnet.solve.question import usable
 from torsionnet.solve.reduction import null_basis, orthogonal_complement
 
 if TYPE_CHECKING:
@@ -31,12 +32,13 @@ NEGLIGIBLE = 1e-9
 
 @dataclass(frozen=True)
 class FirstOrder:
-    """x' = A x + B u, and the coordinates q = X x + U u."""
+    """x' = A x + B u, and the coordinates q = X x + U u; ``states`` are the names of x."""
 
     A: FloatArray
     B: FloatArray
     X: FloatArray
     U: FloatArray
+    states: tuple[str, ...]
 
 
 def to_control(drivetrain: Drivetrain) -> control.StateSpace:
@@ -66,6 +68,7 @@ def to_control(drivetrain: Drivetrain) -> control.StateSpace:
         D,
         inputs=list(present.inputs),
         outputs=list(present.sensors),
+        states=[name.replace(".", "_") for name in system.states],
         name=drivetrain.title.replace(".", "_"),  # python-control keeps dots for the signals of a system
         remove_useless_states=False,
     )
@@ -80,15 +83,11 @@ class Channels:
 
 
 def active_channels(drivetrain: Drivetrain) -> Channels:
-    """Inputs and sensors without those on parts that are switched off."""
-    nodes, elements = set(drivetrain.nodes), set(drivetrain.elements)
-    inputs = {name: channel for name, channel in drivetrain.inputs.items() if channel.of in nodes}
-    homes = {
-        name: elements if sensor.quantity in ELEMENT_QUANTITIES else nodes
-        for name, sensor in drivetrain.sensors.items()
-    }
-    sensors = {name: sensor for name, sensor in drivetrain.sensors.items() if sensor.of in homes[name]}
-    return Channels(inputs, sensors)
+    """Inputs and sensors without those on parts that are switched off or locked."""
+    inputs, sensors = usable(drivetrain)
+    return Channels(
+        {name: drivetrain.inputs[name] for name in inputs}, {name: drivetrain.sensors[name] for name in sensors}
+    )
 
 
 def first_order(assembly: Assembly, inputs: Sequence[Input]) -> FirstOrder:
@@ -108,7 +107,23 @@ def first_order(assembly: Assembly, inputs: Sequence[Input]) -> FirstOrder:
         msg = "an imposed angle has no state space with torque inputs; make it a torque, or use frequency_response"
         raise UsageError(msg)
     loads = [assembly.rows_of({channel.of: 1})[0] for channel in inputs]
-    return _condensed(system, *_kinds(system), np.array(loads).reshape(len(loads), system.n_coordinates).T)
+    heavy, damped, static = _kinds(system)
+    columns = np.array(loads).reshape(len(loads), system.n_coordinates).T
+    states = _state_names(assembly.kinematics.coordinates, heavy, damped)
+    return _condensed(system, heavy, damped, static, columns, states)
+
+
+def _state_names(coordinates: Sequence[str], heavy: FloatArray, damped: FloatArray) -> tuple[str, ...]:
+    """What each state is where it is the angle or velocity of one coordinate, else a number."""
+
+    def named(basis: FloatArray, what: str) -> list[str]:
+        columns = [np.flatnonzero(column) for column in basis.T]
+        return [
+            f"{what}({coordinates[held[0]]})" if len(held) == 1 else f"{what} of motion {number}"
+            for number, held in enumerate(columns, 1)
+        ]
+
+    return (*named(heavy, "angle"), *named(heavy, "velocity"), *named(damped, "angle"))
 
 
 def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -119,12 +134,19 @@ def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
     damped_rows = system.rows[system.damping > 0] @ massless
     still = null_basis(damped_rows)
     moving = np.asarray(orthogonal_complement(still, massless.shape[1]), dtype=float)
-    return heavy, massless @ moving, massless @ still
+    return _upright(heavy), _upright(massless @ moving), massless @ still
+
+
+def _upright(basis: FloatArray) -> FloatArray:
+    """With the largest entry of every column positive."""
+    largest = np.abs(basis).argmax(axis=0) if basis.size else np.zeros(0, dtype=int)
+    return np.asarray(basis * np.where(basis[largest, np.arange(len(largest))] < 0, -1.0, 1.0))
 
 
 def _condensed(
-    system: RowSystem, heavy: FloatArray, damped: FloatArray, static: FloatArray, loads: FloatArray
-) -> FirstOrder:
+    system: RowSystem, heavy: FloatArray, damped: FloatArray, static: FloatArray, loads: FloatArray,
+    names: tuple[str, ...],
+) -> FirstOrder:  # fmt: skip
     M, C, K = system.M, system.C, system.K
     hold = np.linalg.solve(static.T @ K @ static, static.T) if static.shape[1] else np.zeros((0, len(K)))
     n_a, n_b = heavy.shape[1], damped.shape[1]
@@ -144,7 +166,7 @@ def _condensed(
     A[v] = -weight @ (heavy.T @ K @ X + drag @ damped @ A[b])
     A[v, v] -= weight @ drag @ heavy
     B[v] = weight @ (heavy.T @ (loads - K @ U) - drag @ damped @ B[b])
-    return FirstOrder(A, B, X, U)
+    return FirstOrder(A, B, X, U, names)
 
 
 def output_rows(

@@ -1,7 +1,8 @@
-"""Universal files, dataset 58: a function of type 4 for every transfer function, of type 6 for its coherence.
+"""Universal files: units (dataset 164), the channels as nodes (15), and dataset 58 for the functions.
 
-Both sides are rotations about the X axis (direction 4), numbered as outputs and inputs; the first line of a dataset
-names them, ``output / input``.
+That is one of type 4 for every transfer function, of type 6 for its coherence. Both sides are rotations about the X
+axis (direction 4). An output and an input have the number of one node only if they have one name, as programs take such
+a pair for a driving point. The first line of a dataset names both, ``output / input``.
 """
 
 from __future__ import annotations
@@ -39,6 +40,11 @@ _UNUSED = {
     for entry in ("spec_data_type", "len_unit_exp", "force_unit_exp", "temp_unit_exp")
 } | {"z_axis_value": 0.0, "z_axis_axis_units_lab": "NONE"}
 
+_SI = {
+    "type": 164, "units_code": 1, "units_description": "SI", "temp_mode": 1, "length": 1.0, "force": 1.0, "temp": 1.0,
+    "temp_offset": 273.15,
+}  # fmt: skip
+
 
 def read(path: Path) -> FrequencyResponse:
     """All transfer functions of a universal file as one response."""
@@ -55,23 +61,37 @@ def write(response: FrequencyResponse, path: Path) -> None:
     if len(response.frequencies) < 2:  # noqa: PLR2004
         msg = "a universal file takes responses at two frequencies or more; write an .npz or .csv file"
         raise UsageError(msg)
-    sets = list(_datasets(response))
-    if not all(np.isfinite(item["data"]).all() for item in sets):
+    functions = list(_datasets(response))
+    if not all(np.isfinite(item["data"]).all() for item in functions):
         msg = "a universal file takes finite values only; leave frequencies without them out, as with between()"
         raise UsageError(msg)
     with replacing(path) as temporary, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         temporary.unlink()  # pyuff would add to the empty file as if it had an end of a dataset
-        for item in sets:
+        for item in (_SI, _nodes(response), *functions):
             pyuff.UFF(str(temporary)).write_sets(item, mode="add")
 
 
+def _numbers(response: FrequencyResponse) -> dict[str, int]:
+    """Number of the node of every channel, by name."""
+    names = dict.fromkeys(channel.name for channel in (*response.outputs, *response.inputs))
+    return {name: number for number, name in enumerate(names, 1)}
+
+
+def _nodes(response: FrequencyResponse) -> dict[str, Any]:
+    """A drivetrain has no places in space: its channels stand one behind the other on the axis."""
+    numbers = list(_numbers(response).values())
+    aside = np.zeros(len(numbers))
+    return {"type": 15, "node_nums": numbers, "x": np.arange(len(numbers), dtype=float), "y": aside, "z": aside}
+
+
 def _datasets(response: FrequencyResponse) -> Iterator[dict[str, Any]]:
-    common = _common(response)
+    common, numbers = _common(response), _numbers(response)
     for o, out in enumerate(response.outputs):
         for i, into in enumerate(response.inputs):
-            place = {"id1": _first_line(out, into), "rsp_node": o + 1, "ref_node": i + 1, "rsp_dir": ROTATION,
-                     "ref_dir": ROTATION, "rsp_ent_name": _entity(out), "ref_ent_name": _entity(into)}  # fmt: skip
+            place = {"id1": _first_line(out, into), "rsp_node": numbers[out.name], "rsp_dir": ROTATION,
+                     "ref_node": numbers[into.name], "ref_dir": ROTATION,
+                     "rsp_ent_name": _entity(out), "ref_ent_name": _entity(into)}  # fmt: skip
             yield {**common, **place, "func_type": FRF, "data": _complex(response.values[:, o, i]),
                    **_side("ordinate", out), **_side("orddenom", into)}  # fmt: skip
             if response.coherence is not None:
