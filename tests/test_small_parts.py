@@ -129,3 +129,25 @@ def test_times_of_pulses_become_an_angle(tmp_path):
     file.write_text("pulse [s]\n" + "\n".join(f"{0.05 * i:.4f}" for i in range(80)) + "\n")
     record = tn.signals.read_recording(file, pulses={"pulse": 10}, sampling_rate=100)
     assert np.ptp(record["pulse"].values) / np.ptp(record.time) == pytest.approx(4 * np.pi, rel=1e-3)
+
+
+class TestInANotebook:
+    def test_a_drivetrain_shows_its_tables(self):
+        shown = tn.load("amt_rig").configured("V")._repr_html_()
+        assert "<td>inertia I_MT = 0.078 kg*m^2</td>" in shown
+        assert "<caption>Parameters" in shown
+
+    def test_a_large_one_shows_the_first_rows(self):
+        elements = [tn.Spring(f"k{i}", nodes=(f"n{i}", f"n{i + 1}"), stiffness=1) for i in range(199)]
+        elements.append(tn.Inertia("J", node="n0", inertia=1))
+        shown = tn.Drivetrain("large", elements, description="<b>")._repr_html_()
+        assert "the first 60 of 200" in shown
+        assert shown.count("<tr>") == 61
+
+    def test_a_recording_shows_its_signals(self):
+        record = Recording((Signal("T", "torque", np.array([1.0, np.nan, 3.0])),), 10.0)
+        assert record.table().rows == (("T", "torque", "N*m", 2.0, 1.0, 1.0, 3.0),)
+        assert "3 samples at 10 Hz" in record._repr_html_()
+
+    def test_large_symbolic_systems_are_one_line(self):
+        assert len(repr(tn.load("six_cylinder_diesel").symbolic())) < 150

@@ -478,11 +478,13 @@ class Drivetrain:
         return hash((self.name, tuple(self._definition.elements)))
 
     def __repr__(self) -> str:
-        counts = (
-            f"{len(self.elements)} elements, {len(self.nodes)} nodes, {len(self._definition.parameters)} parameters"
-        )
-        chosen = f", {self.configuration}" if self._choice else ""
-        return f"<Drivetrain {self.name!r}: {counts}{chosen}>"
+        counts = f"{len(self.elements)} elements, {len(self.nodes)} nodes, {len(self.parameters)} parameters"
+        return f"<Drivetrain {self.name!r}: {counts}{f', {self.configuration}' if self._choice else ''}>"
+
+    def _repr_html_(self) -> str:
+        from torsionnet.cli.describe import page
+
+        return page(self)
 
 
 def _state(

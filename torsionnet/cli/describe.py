@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import math
 from collections.abc import Iterator
 from dataclasses import replace
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
     from torsionnet.configurations import Overlay
     from torsionnet.drivetrain import Drivetrain
 
+MOST_ROWS = 60
+"""Rows of a table in a notebook."""
 SHOWN_ELSEWHERE = (NodeName, NodePair, Text)
 
 
@@ -32,6 +35,20 @@ def tables(rig: Drivetrain) -> tuple[Table, ...]:
         channels_table(rig),
         configurations_table(rig),
         speeds_table(rig),
+    )
+
+
+def page(rig: Drivetrain) -> str:
+    """The tables in HTML, of large models the first rows of each."""
+    shown = [_beginning(table) for table in tables(rig) if table.rows]
+    return "\n".join([f"<p><b>{html.escape(rig.title)}</b></p>", *(table.to_html() for table in shown)])
+
+
+def _beginning(table: Table) -> Table:
+    if len(table.rows) <= MOST_ROWS:
+        return table
+    return replace(
+        table, rows=table.rows[:MOST_ROWS], notes=(*table.notes, f"the first {MOST_ROWS} of {len(table.rows)}")
     )
 
 

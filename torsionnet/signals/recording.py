@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.response.table import Column, Table
 
 FloatArray = NDArray[np.float64]
 
@@ -129,3 +130,23 @@ class Recording:
     def __repr__(self) -> str:
         size = f"{len(self)} samples at {self.sampling_rate:g} Hz, {self.duration:g} s"
         return f"<Recording {', '.join(self.names)}: {size}>"
+
+    def table(self) -> Table:
+        """Its signals: unit, mean, standard deviation and range of each.
+
+        >>> Recording((Signal("T_T", "torque", np.array([0.0, 2.0])),), sampling_rate=10).table().rows
+        (('T_T', 'torque', 'N*m', 1.0, 1.0, 0.0, 2.0),)
+        """
+        columns = tuple(map(Column, ("signal", "quantity", "unit", "mean", "standard deviation", "lowest", "highest")))
+        rows = tuple(_described(signal) for signal in self.signals)
+        span = f"{len(self)} samples at {self.sampling_rate:g} Hz, {self.duration:g} s"
+        return Table(self.title or "Recording", columns, rows, (span, *self.notes))
+
+    def _repr_html_(self) -> str:
+        return self.table().to_html()
+
+
+def _described(signal: Signal) -> tuple[str | float | None, ...]:
+    known = signal.values[np.isfinite(signal.values)]
+    numbers = (known.mean(), known.std(), known.min(), known.max()) if len(known) else (None,) * 4
+    return (signal.name, signal.quantity, signal.unit, *(None if x is None else float(x) for x in numbers))

@@ -28,7 +28,7 @@ MOST_SHOWN = 8
 """Coordinates of a system that a notebook shows as matrices."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class SymbolicSystem(SymbolicMatrices):
     """Matrices over the kept coordinates, and transfer functions; in the matrices imposed angles stand still.
 
@@ -144,6 +144,11 @@ class SymbolicSystem(SymbolicMatrices):
         from torsionnet.symbolics.equations import to_latex
 
         return to_latex(self, part)
+
+    def __repr__(self) -> str:
+        shown = self.coordinates[:MOST_SHOWN]
+        more = ", ..." if len(self.coordinates) > MOST_SHOWN else ""
+        return f"<SymbolicSystem: M, C, K over {len(self.coordinates)} coordinates, {', '.join(map(str, shown))}{more}>"
 
     def _repr_latex_(self) -> str | None:
         return f"$\\displaystyle {self.to_latex()}$" if len(self.coordinates) <= MOST_SHOWN else None
