@@ -8,14 +8,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from torsionnet.cli.terminal import message, tell
+from torsionnet.configurations import EVERY
 from torsionnet.files import load
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.errors import Fault
     from torsionnet.response.table import Table
-
-ALL = "all"
 
 
 @dataclass(frozen=True)
@@ -51,7 +50,7 @@ def _names(rig: Drivetrain, configurations: Sequence[str]) -> list[str]:
         if available:
             message("note", f"parameters as written; configurations: {_listed(available)} (-c NAME, or -c all)")
         return [""]
-    if ALL in configurations and ALL not in available:
+    if EVERY in configurations and EVERY not in available:
         if not available:
             message("note", "the model has no configurations")
         return list(available) or [""]
