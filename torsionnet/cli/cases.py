@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from torsionnet.cli.models import load_model
 from torsionnet.cli.terminal import message, tell
 from torsionnet.configurations import EVERY
-from torsionnet.files import load
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -27,7 +27,7 @@ class Case:
 
 def load_cases(model: str, configurations: Sequence[str], settings: Sequence[tuple[str, str]]) -> list[Case]:
     """The model in every configuration asked for; what is worth knowing about it goes to stderr."""
-    rig = load(model)
+    rig = load_model(model)
     found = list(rig.check())
     names = _names(rig, configurations)
     cases = []
