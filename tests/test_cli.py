@@ -772,3 +772,13 @@ def test_screens_are_120_columns_wide():
     shares = [cell for line in shown.splitlines() if re.match(r"crank_1 .* - ", line) for cell in line.split()[1:]]
     expected = [100 * share for index in range(len(modes)) for share in modes.energy_shares(index)["crank_1"]]
     assert [0 if cell == "-" else float(cell) for cell in shares] == pytest.approx(expected, abs=0.006)
+
+
+def test_a_model_from_standard_input():
+    text = (ROOT / "library" / "dmf_rig.yaml").read_bytes()
+    shown = runner().invoke(app, ["modes", "-"], input=text)
+    assert shown.exit_code == 0, shown.output
+    assert shown.stdout == run("modes", "dmf_rig").stdout
+    broken = runner().invoke(app, ["check", "-"], input=BROKEN)
+    assert broken.exit_code == 1
+    assert '<stdin>:4:46: error: "0.012 kg*m"' in broken.stdout

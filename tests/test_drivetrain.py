@@ -1,7 +1,9 @@
 """The drivetrain itself: immutability, parameters, configurations, operating point, checks in Python."""
 
 import copy
+import math
 import pickle
+import time
 
 import numpy as np
 import pytest
@@ -36,6 +38,25 @@ class TestParameters:
 
     def test_values_are_those_written(self):
         assert tn.load("amt_rig").exact_values["tau"] * 100 == 796
+
+    def test_powers_of_powers_end_as_floats(self):
+        chain = {"p0": "1.0001"} | {f"p{number + 1}": f"p{number}**4" for number in range(8)}
+        start = time.process_time()
+        rig = tn.Drivetrain("x", [tn.Inertia("wheel", node="a", inertia="p8")], parameters=chain)
+        assert time.process_time() - start < 1.0
+        assert rig.parameters["p8"] == pytest.approx(math.exp(4**8 * math.log(1.0001)), rel=1e-9)
+
+    def test_bounds_have_the_unit_of_the_parameter(self):
+        with pytest.raises(tn.ModelError, match="this bound has the dimension of") as caught:
+            tn.loads(
+                "torsionnet: 1\n"
+                "parameters: {k: {value: 1 kN*m/rad, bounds: [100 kg, 2 kN*m/rad]}}\n"
+                "elements:\n"
+                "  wheel: {type: inertia, node: a, inertia: 1}\n"
+                "  held: {type: spring, nodes: [a, ground], stiffness: k}\n"
+            )
+        (fault,) = caught.value.faults
+        assert (fault.position.line, fault.position.column) == (2, 46)
 
     def test_unknown_or_impossible_overrides(self):
         rig = tn.load("amt_rig")
@@ -142,6 +163,10 @@ class TestConfigurations:
         ):
             with pytest.raises(tn.UsageError, match=words):
                 car.configured(text)
+
+    def test_no_configuration_is_named_as_all_of_them(self):
+        found = faults_of(WHEEL, HELD, parameters={"k": 1}, configurations={"all": {"k": 2}, "soft": {"k": 1}})
+        assert any('"all" means every configuration' in fault for fault in found)
 
     def test_one_axis_needs_no_name(self):
         flat = tn.Drivetrain("x", [WHEEL, HELD], configurations={"a": {}, "b": {}})

@@ -405,6 +405,7 @@ class TestCommand:
             (["amt_rig", "--tf", "theta_1"], 2, "OUTPUT/INPUT"),
             (["amt_rig", "--tf", "theta1/T_M"], 2, 'did you mean "theta_1"'),
             (["amt_rig", "--band", "5", "1"], 2, "0 < LOW < HIGH"),
+            (["amt_rig", "--band", "1", "inf"], 2, "0 < LOW < HIGH <= 1e+09 Hz"),
             (["amt_rig", "--overlay", "nothing.csv"], 2, 'there is no file "nothing.csv"'),
             (["amt_rig", "--overlay", "nothing.xyz"], 2, "no ending of a frequency response"),
         ],

@@ -57,3 +57,15 @@ def test_a_value_on_its_bound_is_inside():
     text = text.replace("both: D*half", "both: D*0.01")
     text = text.replace("inertia: 1}", "inertia: half}", 1)
     assert [fault.message for fault in tn.loads(text).check() if "bounds" in fault.message] == []
+
+
+def test_a_loss_factor_in_percent_is_asked_about():
+    text = MODEL.format(**USUAL).replace("type: spring", "type: hysteretic_spring")
+    assert "eta = 50 is 5000 %; did you mean 0.5?" in [
+        fault.message for fault in tn.loads(text.replace("damping: {zeta: 0.02, at: 5 Hz}", "loss_factor: 50")).check()
+    ]
+
+
+def test_an_inertia_that_nothing_has_is_asked_about():
+    text = MODEL.format(**USUAL).replace("inertia: 1}", "inertia: 1e30}")
+    assert any("mass moment of inertia of 1e+30" in fault.message for fault in tn.loads(text).check())

@@ -14,7 +14,8 @@ import torsionnet as tn
 from torsionnet.report import bode, mode_shapes, save, schematic
 from torsionnet.report.blocks import ROLES
 from torsionnet.report.labels import number, quantity, symbol
-from torsionnet.report.stations import axis_of
+from torsionnet.report.shapes import view_of
+from torsionnet.report.stations import axis_of, idle_nodes
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.phase import unwrapped
 
@@ -40,6 +41,36 @@ def curve(axes, number=0):
 
 def legend(figure):
     return [text.get_text() for box in figure.legends for text in box.get_texts()]
+
+
+def transaxle():
+    """An engine on gears to an open differential, with two gears that idle, in a block on its mount."""
+    inertias = {"engine": "engine", "first": "cage", "two": "left", "three": "right", "roll": "block"}
+    return tn.Drivetrain(
+        "transaxle",
+        [
+            *(tn.Inertia(name, node=node, inertia=1) for name, node in inertias.items()),
+            tn.Spring("clutch", nodes=("engine", "pinion"), stiffness=100),
+            tn.Gear("final", nodes=("pinion", "cage"), ratio=3, housing="block"),
+            tn.Gear("idle_3", nodes=("pinion", "third"), ratio=2, housing="block"),
+            tn.Gear("idle_4", nodes=("pinion", "fourth"), ratio=4, housing="block"),
+            tn.Inertia("wheel_3", node="third", inertia=0.1),
+            tn.Inertia("wheel_4", node="fourth", inertia=0.1),
+            tn.Differential("diff", cage="cage", left="left", right="right"),
+            tn.Spring("mount", nodes=("block", "ground"), stiffness=1e4),
+        ],
+    )
+
+
+def free_planetary(operating_point=None):
+    return tn.Drivetrain(
+        "free set",
+        [
+            *(tn.Inertia(node, node=node, inertia=1) for node in ("c", "r", "s")),
+            tn.Planetary("set", sun="s", carrier="c", ring="r", ratio=3),
+        ],
+        operating_point=operating_point,
+    )
 
 
 class TestBode:
@@ -143,6 +174,32 @@ def dots(axes):
     return np.asarray([line for line in axes.lines if line.get_marker() == "o"][-1].get_ydata())
 
 
+class TestColoursAndDashes:
+    def patterns(self, *responses, **options):
+        axes = bode(list(responses), **options).axes[0]
+        return {line.get_label(): (line.get_color(), str(line._dash_pattern)) for line in axes.lines}
+
+    def test_outputs_by_colour_and_inputs_by_dashes(self):
+        rig = tn.load("oil_engine")
+        one, two, three = rig.nodes
+        found = self.patterns(rig.frequency_response([one, two, three], [one, three], [1.0, 2.0]))
+        colour, dash = ({label: look[side] for label, look in found.items()} for side in (0, 1))
+        for output in rig.nodes:
+            assert colour[f"{output}/{one}"] == colour[f"{output}/{three}"]
+            assert (
+                dash[f"{output}/{one}"] == dash[f"{one}/{one}"] != dash[f"{output}/{three}"] == dash[f"{one}/{three}"]
+            )
+        assert len(set(colour.values())) == 3
+
+    def test_responses_of_several_outputs(self):
+        rig = tn.load("amt_rig")
+        gears = [rig.configured(gear).frequency_response(["theta_1", "hub"], "T_M", [1.0, 2.0]) for gear in ("II", "V")]
+        found = self.patterns(*gears)
+        assert len(set(found.values())) == 4
+        assert found["II, theta_1/T_M"][0] == found["V, theta_1/T_M"][0] != found["II, hub/T_M"][0]
+        assert found["II, theta_1/T_M"][1] == found["II, hub/T_M"][1] != found["V, hub/T_M"][1]
+
+
 class TestModeShapes:
     def test_a_panel_for_each_mode(self):
         rig = tn.load("amt_rig")
@@ -232,11 +289,57 @@ class TestModeShapes:
         still = mode_shapes(tn.load("oil_engine").modes(), tn.load("oil_engine"))
         assert "imaginary part" not in legend(still)
 
-    def test_behind_an_open_differential_there_is_no_fixed_ratio(self):
-        rig = MODELS["axle"]()
-        assert "no fixed ratio to l, r, wl, wr" in legend(mode_shapes(rig.modes(), rig))
-        locked = MODELS["locked axle"]()
-        assert not [text for text in legend(mode_shapes(locked.modes(), locked)) if "fixed" in text]
+    def test_outputs_of_an_open_differential_turn_alike(self):
+        rig = transaxle()
+        modes = rig.modes()
+        assert modes.kinds[:2] == ("rigid body", "rigid body")
+        view = view_of(modes, rig)
+        expected = {"engine": 1, "pinion": 1, "cage": 3, "left": 3, "right": 3, "block": 1}
+        assert dict(zip(modes.nodes, view.factors, strict=True)) == pytest.approx(expected | {"third": 2, "fourth": 4})
+        assert view.free == ()
+        assert view.standing == ("block",)  # on its mount, while the engine turns
+        assert "own angle of block" in legend(mode_shapes(modes, rig))
+
+    def test_a_planetary_set_without_a_held_member_has_no_fixed_ratio(self):
+        rig = free_planetary()
+        assert "no fixed ratio to r, s" in legend(mode_shapes(rig.modes(), rig, referred_to="c"))
+
+    def test_speeds_of_the_operating_point_come_first(self):
+        rig = free_planetary({"speed": {"c": 100, "r": 50}})  # s from the kinematics of the set
+        view = view_of(rig.modes(), rig, "c")
+        factors = dict(zip(rig.nodes, view.factors, strict=True))
+        assert factors["r"] == pytest.approx(2)
+        assert factors["s"] == pytest.approx(100 / (100 * (1 + 3) - 3 * 50))
+        assert view.free == ()
+
+    def test_idle_gear_wheels_are_left_out_unless_asked_for(self):
+        rig = transaxle()
+        modes = rig.modes()
+        names = {station.node for station in view_of(modes, rig).axis.stations}
+        assert names == set(rig.nodes) - {"third", "fourth"}
+        assert "2 idle gear wheels not shown" in legend(mode_shapes(modes, rig))
+        every = mode_shapes(modes, rig, idle=True)
+        assert {station.node for station in view_of(modes, rig, idle=True).axis.stations} == set(rig.nodes)
+        assert not [text for text in legend(every) if "idle" in text]
+
+    def test_a_load_behind_a_gear_is_no_idler(self):
+        rig = geared_line()
+        assert idle_nodes(rig) == set()
+        assert idle_nodes(tn.load("geared_branch")) == set()
+
+    def test_in_a_rigid_body_mode_every_branch_turns_alike(self):
+        rig = transaxle()
+        modes = rig.modes()
+        view = view_of(modes, rig)
+        turning = modes.shapes[:, 0] * view.factors
+        other = modes.shapes[:, 1] * view.factors
+        place = {node: index for index, node in enumerate(modes.nodes)}
+        # The motion in which both wheels turn alike, out of the two of the open differential.
+        weight = np.linalg.solve(
+            [[turning[place[n]], other[place[n]]] for n in ("left", "right")], np.array([1.0, 1.0], dtype=complex)
+        )
+        together = weight[0] * turning + weight[1] * other
+        assert np.delete(together, place["block"]) == pytest.approx(np.ones(len(together) - 1))
 
     @pytest.mark.parametrize("example", [name for name in MODELS if name != "mesh"])
     def test_every_node_is_shown_once(self, example):

@@ -1,12 +1,14 @@
 """Frequency responses as a result: conversions, units, tables, conventions."""
 
 import json
+import math
 
 import numpy as np
 import pytest
 from models import geared_line
 
 import torsionnet as tn
+from torsionnet.response.phase import phase_at_rest
 
 F = np.array([1.0, 2.0, 5.0])
 
@@ -89,3 +91,15 @@ def test_conventions_are_checked(wrong):
 def test_repr_is_short(H):
     assert repr(H) == "<FrequencyResponse angle, g / m, g: 3 frequencies, 1 to 5 Hz>"
     assert H._repr_html_().count("<tr>") == 4
+
+
+@pytest.mark.parametrize(
+    ("value", "phase"), [(1 + 1e-67j, 0), (-1 - 1e-67j, 180), (1 - 1e-3j, -math.degrees(math.atan(1e-3))), (1e-9j, 90)]
+)
+def test_a_phase_of_rounding_is_none_at_rest(value, phase):
+    assert phase_at_rest(value) == pytest.approx(phase, abs=1e-13)
+
+
+def test_what_is_infinite_or_unknown_has_no_phase():
+    assert math.isnan(phase_at_rest(complex(math.inf)))
+    assert math.isnan(phase_at_rest(complex(math.nan)))

@@ -335,3 +335,22 @@ def test_modes_have_the_numbers_of_their_table():
     assert "mode 3: 3.67 Hz" in report.tornado(found, modes=[3]).axes[0].get_title()
     with pytest.raises(UsageError, match="there is no mode 1; there are 2, 3"):
         report.tornado(found, modes=[1])
+
+
+def test_tornado_has_no_empty_panels():
+    undamped = mode_sensitivities(tn.load("geared_branch"))
+    from torsionnet import report
+
+    figure = report.tornado(undamped)
+    assert [axes.get_title() for axes in figure.axes] == [
+        f"mode {undamped.number(mode)}: {undamped.natural_frequencies[mode]:.4g} Hz" for mode in range(3)
+    ]
+    overdamped = report.tornado(mode_sensitivities(tn.load("marine_steam_turbine")), modes=[2, 3])
+    assert [axes.get_title() for axes in overdamped.axes] == [
+        "mode 2: real pole, 0.02097 Hz",
+        "mode 3: 2.961 Hz",
+        "damping ratio 3.91 %",
+    ]
+    assert all(max(abs(bar.get_width()) for bar in axes.patches) > 0 for axes in overdamped.axes)
+    labels = [axes.get_xlabel() for axes in overdamped.axes]
+    assert labels == ["", "natural frequency [% per %]", "damping ratio [% per %]"]

@@ -15,6 +15,8 @@ from torsionnet.parameters import read_value
 
 DEFAULT_AXIS = "configuration"
 SWITCHES = ("on", "off")
+EVERY = "all"
+"""What stands for all configurations where one is asked for."""
 
 Axes = Mapping[str, Mapping[str, "Overlay"]]
 
@@ -69,6 +71,10 @@ def _read_axis(alternatives: Mapping[str, Any], path: tuple[str, ...]) -> tuple[
             faults.append(
                 Fault(f'"{name}" is no name for a configuration: no spaces, commas or =', (*path, name), on_key=True)
             )
+            continue
+        if str(name) == EVERY:
+            text = f'"{EVERY}" means every configuration; give this one another name'
+            faults.append(Fault(text, (*path, name), on_key=True))
             continue
         overlays[str(name)], found = read_overlay(raw, (*path, name))
         faults += found

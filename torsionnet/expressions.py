@@ -41,13 +41,6 @@ class ExpressionError(TorsionnetError, ValueError):
         self.offset = offset
 
 
-def _exact_sqrt(value: Fraction | float) -> Fraction | float:
-    if not isinstance(value, Fraction | int):
-        return math.sqrt(value)
-    root = Fraction(math.isqrt(value.numerator), math.isqrt(value.denominator))
-    return root if root * root == value else math.sqrt(value)
-
-
 @dataclass(frozen=True)
 class Algebra:
     """What an expression is evaluated in: how numbers enter, and the two things that are not arithmetic."""
@@ -57,7 +50,7 @@ class Algebra:
     pi: Any
 
 
-RATIONAL = Algebra(number=lambda number: number, sqrt=_exact_sqrt, pi=math.pi)
+RATIONAL = Algebra(number=lambda number: number, sqrt=units.exact_sqrt, pi=math.pi)
 FLOAT = Algebra(number=float, sqrt=math.sqrt, pi=math.pi)
 
 
@@ -217,8 +210,10 @@ class Binary(Expression):
         left, right = self.left.value_in(values, algebra), self.right.value_in(values, algebra)
         if self.operator == "/":
             _refuse_zero(right, self.right)
-            return left / right
-        return left * right if self.operator == "*" else left + right if self.operator == "+" else left - right
+            return units.limited(left / right)
+        return units.limited(
+            left * right if self.operator == "*" else left + right if self.operator == "+" else left - right
+        )
 
     def kind_of(self, dimensions: Mapping[str, Dimension | None]) -> _Kind:
         left, right = self.left.kind_of(dimensions), self.right.kind_of(dimensions)
@@ -261,7 +256,7 @@ class Power(Expression):
         if exponent < 0:
             _refuse_zero(base, self.base)
         if exponent.denominator == 1:
-            return base**exponent.numerator
+            return units.limited(base**exponent.numerator)
         if isinstance(base, int | float | Fraction) and base < 0:
             raise ExpressionError(f'"{self.base}" is {float(base):g}; a negative number has no square root here')
         return algebra.sqrt(base) ** exponent.numerator

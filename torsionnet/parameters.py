@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
@@ -26,6 +26,8 @@ class Parameter:
     value: Any
     description: str = ""
     bounds: tuple[float, float] | None = None
+    bound_dimensions: tuple[Dimension | None, ...] = field(default=(), compare=False)
+    """Of the bounds as they were written; None of a bare number."""
 
     def __post_init__(self) -> None:
         if not isinstance(self.value, Expression):
@@ -78,16 +80,17 @@ def read_parameter(raw: Any) -> Parameter:
     if not isinstance(description, str):
         msg = f"expected text, got {description!r}"
         raise FieldError(msg, ("description",))
-    return Parameter(value, description, _bounds(raw.get("bounds")))
+    return Parameter(value, description, *_bounds(raw.get("bounds")))
 
 
-def _bounds(raw: Any) -> tuple[float, float] | None:
+def _bounds(raw: Any) -> tuple[tuple[float, float] | None, tuple[Dimension | None, ...]]:
     if raw is None:
-        return None
+        return None, ()
     if not isinstance(raw, (list, tuple)) or len(raw) != 2:  # noqa: PLR2004
         msg = f"bounds are [lower, upper], got {raw!r}"
         raise FieldError(msg, ("bounds",))
-    ends = []
+    ends: list[float] = []
+    kinds: list[Dimension | None] = []
     for index, end in enumerate(raw):
         try:
             number = read_value(end)
@@ -97,10 +100,11 @@ def _bounds(raw: Any) -> tuple[float, float] | None:
             msg = "a bound is a number or a quantity, no expression"
             raise FieldError(msg, ("bounds", index))
         ends.append(float(number.value))
+        kinds.append(number.unit_dimension)
     if ends[0] >= ends[1]:
         msg = "the lower bound must be smaller than the upper bound"
         raise FieldError(msg, ("bounds",))
-    return (ends[0], ends[1])
+    return (ends[0], ends[1]), tuple(kinds)
 
 
 def read_parameters(raw: Mapping[str, Any]) -> tuple[dict[str, Parameter], list[Fault]]:

@@ -106,6 +106,37 @@ def mean_speeds(definition: Definition, values: Mapping[str, Any]) -> dict[str, 
     return {node: row.get(UNIT, 0.0) for node, row in speeds.items() if row.keys() <= {UNIT}}
 
 
+def speeds_with(definition: Definition, values: Mapping[str, Any], reference: str) -> dict[str, float]:
+    """Speed of every node while ``reference`` turns: the mean speeds where the operating point has them.
+
+    What springs tie to ground stands still then, and the outputs of an open differential turn alike, unless the rest
+    speaks against it. Nodes that turn independently all the same are not among the result.
+    """
+    order = {node: index for index, node in enumerate(all_nodes(definition.active))}
+    point = _numbers(definition.operating_point, values)
+    given = point if mean_speeds(definition, values).get(reference) else {reference: Fraction(1)}
+    turning: Rows = [{node: Fraction(1), UNIT: -speed} for node, speed in given.items() if node in order]
+    elimination = _eliminated([*turning, *holding_rows(definition, values)], order)
+    _clamp(definition, [elimination])
+    for row in _at_ease(definition, values):
+        if not elimination.blocks(row):
+            elimination.add(row)
+    reduction = Reduction(elimination)
+    rows = {node: reduction.in_floats({node: 1}) for node in order if not reduction.is_free(node)}
+    return {node: row.get(UNIT, 0.0) for node, row in rows.items() if row.keys() <= {UNIT}}
+
+
+def _at_ease(definition: Definition, values: Mapping[str, Any]) -> Iterator[dict[str, Fraction]]:
+    """What holds on average although nothing compels it: springs to ground at rest, outputs that turn alike."""
+    value = Values(values)
+    for element in definition.active:
+        yield from (exact_row(row) for row in element.holds(value) if len(row) == 1)
+    for element in definition.active:
+        if element.glyph == "differential":
+            left, right = element.ports["left"], element.ports["right"]
+            yield {left: Fraction(1), right: Fraction(-1)}
+
+
 def mean_torques(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:
     """Mean external torque in N m on the nodes for which the operating point gives one."""
     return {node: float(value.evaluate(values)) for node, value in definition.operating_point.torque.items()}

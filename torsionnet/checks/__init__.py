@@ -26,7 +26,7 @@ def check_definition(definition: Definition) -> list[Fault]:
     """Every fault, warning and note of a model with all its configurations."""
     faults = [fault for check in names.CHECKS for fault in check(definition)]
     faults += values.wrong_dimensions(definition) + values.overlay_dimensions(definition)
-    faults += values.passive_tables(definition)
+    faults += values.bound_dimensions(definition) + values.passive_tables(definition)
     faults += unconnected_parts(definition)
     known, found = resolve(definition.parameters)
     faults += found + values.sizes(definition, known) + unusual_sizes(definition, known)

@@ -9,7 +9,7 @@ from typing import TypeAlias
 from torsionnet.damping import DampingMeasure
 from torsionnet.definition import Definition
 from torsionnet.elements import Element
-from torsionnet.elements.fields import Quantity
+from torsionnet.elements.fields import LossFactor, Quantity
 from torsionnet.errors import Fault, Path
 from torsionnet.expressions import Expression, ExpressionError, Number
 from torsionnet.units import expected_unit
@@ -33,6 +33,8 @@ def _of(element: Element, numbers: Numbers) -> Iterator[Fault]:
         if isinstance(value, DampingMeasure):
             text = _percent(value, numbers)
             path = (*path, value.measure)
+        elif isinstance(spec, LossFactor):
+            text = _percent(DampingMeasure("eta", value, None), numbers)
         else:
             text = _unusual(spec, value, numbers) if isinstance(spec, Quantity) and spec.usual else None
         if text:

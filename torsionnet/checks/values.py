@@ -44,6 +44,19 @@ def overlay_dimensions(definition: Definition) -> list[Fault]:
     return faults
 
 
+def bound_dimensions(definition: Definition) -> list[Fault]:
+    """Bounds of another dimension than the parameter they belong to."""
+    known, _ = dimensions(definition.parameters)
+    faults = []
+    for name, parameter in definition.parameters.items():
+        wanted = known.get(name)
+        for index, found in enumerate(parameter.bound_dimensions):
+            if wanted is not None and found is not None and found != wanted:
+                text = f"this bound has the dimension of {found}; the parameter is in {wanted}"
+                faults.append(Fault(text, ("parameters", name, "bounds", index)))
+    return faults
+
+
 def _dimension_fault(expression: Expression, wanted: str, known: Mapping[str, Dimension | None]) -> str | None:
     if not expression.names or not expression.names <= known.keys():
         return None

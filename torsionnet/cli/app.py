@@ -72,7 +72,7 @@ class LazyGroup(click.Group):
 @click.group(
     cls=LazyGroup,
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
-    epilog="MODEL is a model file (.yaml, .yml, .json) or the name of a library model. "
+    epilog="MODEL is a model file (.yaml, .yml, .json), the name of a library model, or - for standard input. "
     "Results go to stdout, messages to stderr. "
     "Exit codes: 1 wrong model, 2 wrong usage, 3 no numerical answer, 4 missing package.",
 )

@@ -7,15 +7,14 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from torsionnet.cli.models import load_model
 from torsionnet.cli.terminal import message, tell
-from torsionnet.files import load
+from torsionnet.configurations import EVERY
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.errors import Fault
     from torsionnet.response.table import Table
-
-ALL = "all"
 
 
 @dataclass(frozen=True)
@@ -28,7 +27,7 @@ class Case:
 
 def load_cases(model: str, configurations: Sequence[str], settings: Sequence[tuple[str, str]]) -> list[Case]:
     """The model in every configuration asked for; what is worth knowing about it goes to stderr."""
-    rig = load(model)
+    rig = load_model(model)
     found = list(rig.check())
     names = _names(rig, configurations)
     cases = []
@@ -51,7 +50,7 @@ def _names(rig: Drivetrain, configurations: Sequence[str]) -> list[str]:
         if available:
             message("note", f"parameters as written; configurations: {_listed(available)} (-c NAME, or -c all)")
         return [""]
-    if ALL in configurations and ALL not in available:
+    if EVERY in configurations and EVERY not in available:
         if not available:
             message("note", "the model has no configurations")
         return list(available) or [""]

@@ -8,10 +8,10 @@ from typing import Any
 
 import click
 
+from torsionnet.cli.models import read_model
 from torsionnet.cli.options import json_option
 from torsionnet.cli.terminal import message, print_json, say
 from torsionnet.errors import Fault, UsageError
-from torsionnet.files import read_file
 
 WRONG_MODEL, WRONG_USAGE = 1, 2
 
@@ -25,7 +25,7 @@ def command(models: tuple[str, ...], as_json: bool) -> None:
     code = 0
     for model in dict.fromkeys(models):
         try:
-            reports[model] = read_file(model)[1]
+            reports[model] = read_model(model)[1]
         except UsageError as error:
             message("error", str(error))
             code = WRONG_USAGE

@@ -10,6 +10,7 @@ from typing import Any
 from torsionnet.cli.cases import Case
 from torsionnet.response import Column, Conventions, FrequencyResponse, Table
 from torsionnet.response.frequency_response import SIGN_NOTE
+from torsionnet.response.phase import phase_at_rest
 from torsionnet.solve.peaks import Peak, Solver, peaks, static_value
 
 
@@ -63,8 +64,7 @@ def peak_table(response: FrequencyResponse, solve: Solver, shown: Shown) -> Tabl
 
 def _points(response: FrequencyResponse, solve: Solver, o: int, i: int) -> Iterator[tuple[str, Peak]]:
     value = static_value(solve, o, i)
-    phase = math.degrees(math.atan2(value.imag, value.real)) if math.isfinite(abs(value)) else math.nan
-    yield "static", Peak(0.0, abs(value), phase)
+    yield "static", Peak(0.0, abs(value), phase_at_rest(value))
     for number, peak in enumerate(peaks(response, solve, o, i), 1):
         yield f"peak {number}", peak
 

@@ -67,14 +67,14 @@ def command(
     torsionnet report dmf_rig -o dmf.pdf --author "A. Engineer" --band 0.3 150
     torsionnet report amt_rig -c V --record test.npz --output theta_1 --input T_T --preset paper
     """  # noqa: D301
-    from torsionnet.cli.cases import ALL
+    from torsionnet.configurations import EVERY
     from torsionnet.document.report import make_report, writer_for
     from torsionnet.files import load
 
     target = Path(output_file or f"{Path(model).stem}.html")
     write = writer_for(target)
     rig = load(model)
-    named = () if ALL in configurations and ALL not in rig.configurations else configurations
+    named = () if EVERY in configurations and EVERY not in rig.configurations else configurations
     fits = [_fit(name) for name in texts.pop("fits")]
     tests = [_measured(name, rig, output, into, preset) for name in records]
     report = make_report(

@@ -26,7 +26,7 @@ class Inertia(Element):
     sign: ClassVar[str] = "positive when the drivetrain accelerates the inertia in the positive sense"
 
     node: Any = entry(NodeName("the node it turns with", allow_ground=False))
-    inertia: Any = entry(Quantity("mass moment of inertia", "inertia", "J"))
+    inertia: Any = entry(Quantity("mass moment of inertia", "inertia", "J", usual=(1e-12, 1e10)))
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         return (Law(make_row([(self.node, 1)]), inertia=value(self.inertia)),)

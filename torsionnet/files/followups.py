@@ -41,6 +41,7 @@ def _sound_checks(definition: Definition) -> Iterator[Fault]:
         yield from check(definition)
     yield from values.wrong_dimensions(definition)
     yield from values.overlay_dimensions(definition)
+    yield from values.bound_dimensions(definition)
     yield from values.passive_tables(definition)
     known, found = resolve(definition.parameters)
     yield from found

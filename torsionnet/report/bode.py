@@ -40,6 +40,10 @@ class Curve:
     coherence: FloatArray | None
     poor: NDArray[np.bool_]
     usable_up_to: float = math.inf
+    pair: str = ""
+    """The transfer function, as ``theta_1/T_T``."""
+    name: str = ""
+    """The response it is of, where there are several."""
 
     @property
     def is_meant(self) -> NDArray[np.bool_]:
@@ -173,6 +177,8 @@ def _curves(response: FrequencyResponse, label: str, conventions: Conventions, *
                     None if response.coherence is None else response.coherence[shown, o, i],
                     poor[shown],
                     _limit(response) * conventions.frequency_scale,
+                    f"{out.name}/{into.name}",
+                    label,
                 )
             )
     return curves
@@ -206,8 +212,7 @@ def _axes(figure: Figure, panels: Sequence[str]) -> list[Axes]:
 def _draw(
     axes: Sequence[Axes], panels: Sequence[str], curves: Sequence[Curve], *, decibels: bool, conventions: Conventions
 ) -> None:
-    for number, curve in enumerate(curves):
-        look = style.line_style(number)
+    for curve, look in zip(curves, _looks(curves), strict=True):
         size = 20 * np.log10(curve.magnitude / conventions.db_reference) if decibels else curve.magnitude
         for panel, data in zip(axes, (size, curve.phase, curve.coherence), strict=False):
             if data is not None:
@@ -226,6 +231,18 @@ def _draw(
     if "coherence" in panels:
         axes[2].set_ylabel("coherence [-]")
         axes[2].set_ylim(0, 1.05)
+
+
+def _looks(curves: Sequence[Curve]) -> list[dict[str, Any]]:
+    """Colour by output and dashes by input; of several responses, by transfer function and by response."""
+    sides = [(curve.pair, curve.name) for curve in curves]
+    if len({name for _, name in sides}) == 1:
+        sides = [(output, into) for output, _, into in (curve.pair.rpartition("/") for curve in curves)]
+    firsts, seconds = (list(dict.fromkeys(side[index] for side in sides)) for index in (0, 1))
+    if len(set(sides)) < len(sides):
+        return [style.line_style(number) for number in range(len(curves))]
+    sizes = (len(firsts), len(seconds))
+    return [style.paired_style(firsts.index(one), seconds.index(other), sizes) for one, other in sides]
 
 
 def _make_room(panel: Axes, sizes: FloatArray, *, decibels: bool, conventions: Conventions) -> None:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from torsionnet.errors import UsageError, did_you_mean
 from torsionnet.report import style
-from torsionnet.report.stations import Axis, axis_of, plain_axis, ratios
+from torsionnet.report.stations import Axis, axis_of, idle_nodes, plain_axis, ratios
 from torsionnet.response import SI, Conventions, Modes
 
 if TYPE_CHECKING:
@@ -26,6 +26,8 @@ MOST = 12
 COLUMNS, WIDE = 2, 16
 """Panels beside each other, unless there are more stations than this."""
 
+MOST_LETTERS, HANDLE = 105, 8
+"""Letters beside each other in a legend, and those that a line takes the room of."""
 MANY_NODES, FEW_LETTERS, FEW_NAMES = 24, 22, 4
 STANDING = 1e-9
 LIMIT, CLOSE = 1.45, 2.2
@@ -46,6 +48,10 @@ class View:
     label: str
     free: tuple[str, ...] = ()
     """Moving nodes to which no fixed ratio leads."""
+    standing: tuple[str, ...] = ()
+    """Moving nodes that stand still on average, whose own angle is shown."""
+    idle: tuple[str, ...] = ()
+    """Nodes left out because they only run along."""
 
 
 def mode_shapes(
@@ -57,6 +63,7 @@ def mode_shapes(
     title: str | None = None,
     referred_to: str | None = None,
     own_angles: bool = False,
+    idle: bool = False,
 ) -> Figure:
     """Relative angles of the nodes in each mode, referred to one shaft.
 
@@ -78,10 +85,14 @@ def mode_shapes(
     title : str, optional
         By default the title of the modes.
     referred_to : str, optional
-        The node to whose speed angles are referred; by default the first one. Behind an open differential or a free
-        planetary set there is no fixed ratio: there the ratio of the shaft in front is kept, and the legend says so.
+        The node to whose speed angles are referred; by default the first one. Ratios are those of the mean speeds: of
+        the operating point where it tells them, else with housings on springs at rest and the outputs of an open
+        differential alike. Behind a planetary set that leaves them open the ratio of the shaft in front is kept, and
+        what stands still on average shows its own angle; the legend says so.
     own_angles : bool, optional
         Each node's own angle instead; gears then jump by their ratio.
+    idle : bool, optional
+        Also gear wheels that only run along: behind a rigid gear beside others, with nothing further on.
 
     Raises
     ------
@@ -96,13 +107,20 @@ def mode_shapes(
     ['1: 7.105 Hz, zeta = 22.3 %', '2: 80.98 Hz, zeta = 1.39 %']
     """
     chosen = _chosen(modes, which)
-    view = view_of(modes, drivetrain, referred_to, own=own_angles)
+    view = view_of(modes, drivetrain, referred_to, own=own_angles, idle=idle)
     figure = _panels(modes, chosen, view, conventions)
     style.heading(figure, modes.title if title is None else title)
     return figure
 
 
-def view_of(modes: Modes, drivetrain: Drivetrain | None, referred_to: str | None = None, *, own: bool = False) -> View:
+def view_of(
+    modes: Modes,
+    drivetrain: Drivetrain | None,
+    referred_to: str | None = None,
+    *,
+    own: bool = False,
+    idle: bool = False,
+) -> View:
     """Axis and factors for shapes referred to one shaft, or for each node's own angle."""
     if referred_to is not None and referred_to not in modes.nodes:
         msg = f'no node is named "{referred_to}"{did_you_mean(referred_to, modes.nodes)}'
@@ -113,9 +131,10 @@ def view_of(modes: Modes, drivetrain: Drivetrain | None, referred_to: str | None
             msg = "angles can be referred to a node only where the drivetrain is given too"
             raise UsageError(msg)
         return View(plain_axis(modes.nodes), ones, "angle of each node [-]")
-    axis = axis_of(drivetrain)
+    left_out = () if idle else tuple(node for node in drivetrain.nodes if node in idle_nodes(drivetrain))
+    axis = axis_of(drivetrain, left_out)
     if own or not axis.stations:
-        return View(axis, ones, "angle of each node [-]")
+        return View(axis, ones, "angle of each node [-]", idle=left_out)
     reference = referred_to or axis.stations[0].node
     found = ratios(drivetrain, reference)
     factors = np.array([found.of[node] for node in modes.nodes])
@@ -123,8 +142,10 @@ def view_of(modes: Modes, drivetrain: Drivetrain | None, referred_to: str | None
     plain = np.allclose(factors, 1.0, rtol=1e-12)
     label = "angle [-]" if plain else f"angle referred to {reference} [-]"
     # What cannot turn stays at zero whatever its ratio.
-    free = [node for node in found.free if np.any(np.abs(modes.shapes[modes.nodes.index(node)]) > STANDING)]
-    return View(axis, factors, label, tuple(free))
+    seen = {station.node for station in axis.stations}
+    seen = {node for node in seen if np.any(np.abs(modes.shapes[modes.nodes.index(node)]) > STANDING)}
+    free, standing = (tuple(node for node in some if node in seen) for some in (found.free, found.standing))
+    return View(axis, factors, label, free, standing, left_out)
 
 
 def _panels(modes: Modes, chosen: Sequence[int], view: View, conventions: Conventions) -> Figure:
@@ -159,10 +180,10 @@ def _chosen(modes: Modes, which: Sequence[int] | None) -> list[int]:
 def shown(modes: Modes, index: int, view: View) -> NDArray[np.complex128]:
     """The shape at the stations, turned and scaled so that its largest value is 1."""
     place = {node: index for index, node in enumerate(modes.nodes)}
-    shape = modes.shapes[:, index] * view.factors
+    referred = modes.shapes[:, index] * view.factors
+    shape = np.array([referred[place[station.node]] for station in view.axis.stations], dtype=complex)
     largest = shape[np.argmax(np.abs(shape))] if shape.size else 1.0
-    scaled = shape / largest if largest else shape
-    return np.array([scaled[place[station.node]] for station in view.axis.stations], dtype=complex)
+    return np.asarray(shape / largest if largest else shape, dtype=complex)
 
 
 def scatter(shape: NDArray[np.complex128]) -> float:
@@ -261,13 +282,14 @@ def _legend(figure: Figure, total: int, chosen: Sequence[int], view: View, *, sc
     for kind in sorted({join.kind for join in view.axis.joins} & set(words), reverse=True):
         handles.append(Line2D([], [], color=REAL, linestyle=JOINS[kind], linewidth=1.6))
         names.append(words[kind])
-    if view.free:
-        handles.append(Line2D([], [], linestyle=""))
-        names.append(f"no fixed ratio to {_few(view.free)}")
-    if len(chosen) < total:
-        handles.append(Line2D([], [], linestyle=""))
-        names.append(f"{len(chosen)} of {total} modes shown")
-    figure.legend(handles, names, loc="outside lower center", ncols=5, frameon=False, fontsize=style.SMALL)
+    remarks = [f"no fixed ratio to {_few(view.free)}"] if view.free else []
+    remarks += [f"own angle of {_few(view.standing)}"] if view.standing else []
+    remarks += [f"{len(view.idle)} idle gear wheels not shown"] if view.idle else []
+    remarks += [f"{len(chosen)} of {total} modes shown"] if len(chosen) < total else []
+    handles += [Line2D([], [], linestyle="") for _ in remarks]
+    names += remarks
+    columns = max(1, min(5, int(MOST_LETTERS / (max(map(len, names)) + HANDLE))))
+    figure.legend(handles, names, loc="outside lower center", ncols=columns, frameon=False, fontsize=style.SMALL)
 
 
 def _few(names: Sequence[str]) -> str:

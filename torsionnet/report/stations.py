@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from itertools import pairwise, permutations, zip_longest
+from itertools import permutations, zip_longest
 from typing import TYPE_CHECKING
 
-from torsionnet.elements import Gear
-from torsionnet.errors import UsageError
+from torsionnet.elements import GROUND, Gear
 from torsionnet.report.courses import Course, courses
 from torsionnet.report.topology import Connections, Link, Vertex, connections, trees
+from torsionnet.speeds import speeds_with
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
+BRANCHING = 3
+"""Ways on from a node that make it a place where something branches off."""
 BETWEEN = 0.7
 """Room between two branches, in distances between nodes."""
 
@@ -73,16 +75,17 @@ def plain_axis(nodes: Iterable[str]) -> Axis:
     return Axis([Station(float(place), node) for place, node in enumerate(nodes)])
 
 
-def axis_of(drivetrain: Drivetrain) -> Axis:
+def axis_of(drivetrain: Drivetrain, without: Collection[str] = ()) -> Axis:
     """Main line first, then the branches in the order of the schematic; what a schematic hides in a box comes last."""
     found = connections(drivetrain)
-    hidden = _hidden(found, drivetrain)
+    found.links = [link for link in found.links if link.first.name not in without and link.second.name not in without]
+    hidden = {*_hidden(found, drivetrain), *without}
     grown, _ = trees(found, [node for node in drivetrain.nodes if node not in hidden])
     axis = Axis()
     for tree in grown:
         for course in _in_depth(courses(tree)):
             _line(axis, course, drivetrain)
-    left = [node for node in drivetrain.nodes if node not in {station.node for station in axis.stations}]
+    left = [node for node in drivetrain.nodes if node not in {*without, *(station.node for station in axis.stations)}]
     for place, node in enumerate(left):
         if place == 0:
             axis.border()
@@ -158,59 +161,68 @@ class Ratios:
 
     of: dict[str, float]
     free: tuple[str, ...]
-    """Nodes without a fixed ratio: behind an open differential or a free planetary set, or clamped."""
+    """Nodes that turn independently of the reference: their ratio is that of the shaft beside them."""
+    standing: tuple[str, ...]
+    """Nodes that stand still while the reference turns: theirs is one."""
 
 
 def ratios(drivetrain: Drivetrain, reference: str) -> Ratios:
-    """Ratios from a node to all others; where none is fixed, that of the shaft next to it is kept.
-
-    Springs, dampers, couplings and shafts pass a speed on, so that only one node of each shaft line is asked for.
-    """
-    lead = _shaft_lines(drivetrain)
-    asked: dict[str, float | None] = {lead[reference]: 1.0}
-    for node in drivetrain.nodes:
-        if lead[node] not in asked:
-            asked[lead[node]] = _ratio(drivetrain, reference, lead[node])
-    known = {line: ratio for line, ratio in asked.items() if ratio is not None}
-    _spread(drivetrain, lead, known)
-    free = tuple(node for node in drivetrain.nodes if asked[lead[node]] is None)
-    return Ratios({node: known.get(lead[node], 1.0) for node in drivetrain.nodes}, free)
+    """Ratios from a node to all others, by mean speeds; where there is none, that of the shaft beside it is kept."""
+    speeds = speeds_with(drivetrain.definition, drivetrain.exact_values, reference)
+    standing = tuple(node for node, speed in speeds.items() if speed == 0)
+    known = {node: speeds[reference] / speed for node, speed in speeds.items() if speed}
+    free = tuple(node for node in drivetrain.nodes if node not in speeds)
+    _spread(drivetrain, known, free)
+    return Ratios({node: known.get(node, 1.0) for node in drivetrain.nodes}, free, standing)
 
 
-def _spread(drivetrain: Drivetrain, lead: dict[str, str], known: dict[str, float]) -> None:
-    """Give every shaft line without a ratio that of one it shares an element with."""
-    pairs = [
-        (lead[one], lead[other])
-        for element in drivetrain.elements.values()
-        for one, other in permutations([node for node in element.ports.values() if node in lead], 2)
-    ]
-    before = -1
-    while len(known) != before:
-        before = len(known)
-        for one, other in pairs:
-            if one in known and other not in known:
-                known[other] = known[one]
-
-
-def _ratio(drivetrain: Drivetrain, reference: str, node: str) -> float | None:
-    try:
-        return drivetrain.ratio_between(reference, node) or None
-    except UsageError:
-        return None
-
-
-def _shaft_lines(drivetrain: Drivetrain) -> dict[str, str]:
-    """The first node of the shaft line each node is on."""
-    lead = {node: node for node in drivetrain.nodes}
-
-    def first(node: str) -> str:
-        while lead[node] != node:
-            node = lead[node]
-        return node
-
+def _spread(drivetrain: Drivetrain, known: dict[str, float], free: Iterable[str]) -> None:
+    """Give every node in ``free`` the ratio of one it shares an element with."""
+    missing = set(free)
+    beside: dict[str, list[str]] = {}
     for element in drivetrain.elements.values():
-        if element.glyph in ("spring", "damper", "coupling", "shaft"):
-            nodes = [node for node in (*element.ports.values(), *element.internal_nodes) if node in lead]
-            for one, other in pairwise(nodes):
-                lead[first(other)] = first(one)
-    return {node: first(node) for node in drivetrain.nodes}
+        for one, other in permutations(dict.fromkeys((*element.ports.values(), *element.internal_nodes)), 2):
+            beside.setdefault(one, []).append(other)
+    waiting = list(known)
+    for node in waiting:
+        for other in beside.get(node, ()):
+            if other in missing:
+                missing.discard(other)
+                known[other] = known[node]
+                waiting.append(other)
+
+
+def idle_nodes(drivetrain: Drivetrain) -> set[str]:
+    """Gear wheels that only run along: a rigid gear leads there from a node with other ways on, and nothing further.
+
+    What drives, measures or loads the drivetrain is no idler.
+    """
+    used = {channel.of for channel in drivetrain.inputs.values()}
+    used |= {sensor.of for sensor in drivetrain.sensors.values()}
+    used |= {*drivetrain.mean_torques, *drivetrain.definition.operating_point.speed}
+    ways = {node: _ways(drivetrain, node) for node in drivetrain.nodes}
+    left = {node: set(names) for node, names in ways.items()}
+    idle: set[str] = set()
+    waiting = list(drivetrain.nodes)
+    while waiting:
+        node = waiting.pop()
+        gear = drivetrain.elements[next(iter(left[node]))] if len(left[node]) == 1 else None
+        if node in used | idle or not isinstance(gear, Gear) or gear.stiffness is not None or node not in gear.nodes:
+            continue
+        other = gear.nodes[1 - gear.nodes.index(node)]
+        if other in ways and len(ways[other]) >= BRANCHING:
+            idle.add(node)
+            left[other].discard(gear.name)
+            waiting.append(other)
+    return idle
+
+
+def _ways(drivetrain: Drivetrain, node: str) -> list[str]:
+    """Elements that lead on from a node or hold it; inertia and drag do neither."""
+    found = []
+    for element in drivetrain.elements.values():
+        ends = set(element.ports.values())
+        holds = element.glyph == "clamp" or (GROUND in ends and element.glyph != "damper")
+        if node in ends and (holds or len(ends - {GROUND}) > 1):
+            found.append(element.name)
+    return found

@@ -34,6 +34,24 @@ def line_style(index: int) -> dict[str, Any]:
     return {"color": color, "linestyle": dashes, "linewidth": 1.6}
 
 
+def paired_style(first: int, second: int, sizes: tuple[int, int]) -> dict[str, Any]:
+    """Colour for the first of two counts and dashes for the second, or the other way round where dashes do not suffice.
+
+    ``sizes`` are how many there are of each. Where one of them is a single one, colour and dashes change together.
+
+    >>> one, other = paired_style(0, 0, (2, 3)), paired_style(0, 1, (2, 3))
+    >>> one["color"] == other["color"], one["linestyle"] == other["linestyle"]
+    (True, False)
+    """
+    if min(sizes) == 1:
+        return line_style(max(first, second))
+    if sizes[1] > len(DASHES) >= sizes[0]:
+        first, second, sizes = second, first, (sizes[1], sizes[0])
+    if sizes[0] > len(PALETTE) or sizes[1] > len(DASHES):
+        return line_style(first * sizes[1] + second)
+    return {"color": PALETTE[first], "linestyle": DASHES[second], "linewidth": 1.6}
+
+
 def dress(axes: Axes) -> None:
     """Light grid, no box, readable ticks."""
     axes.grid(visible=True, which="major", color=FAINT, linewidth=0.7)

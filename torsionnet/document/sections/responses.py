@@ -14,6 +14,7 @@ from torsionnet.document.tree import Block, Cell, Group, Heading, Math, Number, 
 from torsionnet.document.words import aligned, pair_latex, sentence, unit
 from torsionnet.outline import Pair
 from torsionnet.response import FrequencyResponse
+from torsionnet.response.phase import phase_at_rest
 from torsionnet.solve.peaks import Peak, peaks, static_value
 
 if TYPE_CHECKING:
@@ -121,10 +122,9 @@ def read_off(subject: Subject, pair: Pair, response: FrequencyResponse, index: i
     """What it is and where, of one case."""
     solve = subject.solver(subject.cases[index], pair)
     value = static_value(solve, 0, 0)
-    phase = math.degrees(np.angle(value)) if math.isfinite(abs(value)) else math.nan
     found = [peak for peak in peaks(response, solve, 0, 0) if _stands_out(response, peak.frequency)]
     if not is_damped(subject.cases[index]):
         found = [replace(peak, magnitude=math.inf, phase=math.nan) for peak in found]
     highest = sorted(sorted(found, key=lambda peak: -peak.magnitude)[:MOST_PEAKS], key=lambda peak: peak.frequency)
     rest = [(f"peak {number}", peak) for number, peak in enumerate(highest, 1)]
-    return [("static value", Peak(0.0, abs(value), phase)), *rest]
+    return [("static value", Peak(0.0, abs(value), phase_at_rest(value))), *rest]
