@@ -17,10 +17,12 @@ from torsionnet.files import load
 from torsionnet.files.decoding import decode
 from torsionnet.files.located import Document, compose
 from torsionnet.files.placing import placed, presentable
+from torsionnet.identification.instrument import set_points
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.unknown import Unknown
 from torsionnet.response import FrequencyResponse
-from torsionnet.signals.files import read_recording
+from torsionnet.signals.files import channel_names, read_recording
+from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import PAPER, Welch
 from torsionnet.units import UnitError
 
@@ -32,6 +34,7 @@ SETTINGS: dict[str, Spec] = {
     "seconds": Value("length of a segment", "time", exclusive=True),
     "overlap": Value("share of a segment that the next one repeats", "1"),
     "detrend": Text("mean, linear or none"),
+    "estimator": Text("H1, H2 or Hr; by default Hr where there is a set-point, else H1"),
     "decimation": Count("keep every n-th sample", upper=100_000),
 }
 MEASUREMENT: dict[str, Spec] = {
@@ -45,6 +48,7 @@ MEASUREMENT: dict[str, Spec] = {
     "excitation": Text("what drives the model, if it has several inputs"),
     "delay": Flag("find a delay of the output's channel along"),
     "gain": Flag("find a gain of the output's channel along"),
+    "reference": Text("channel of the set-point; by default the model's input with _set"),
     "settling": Value("time at the start that is left out", "time"),
 }
 NEEDS = {"record": "either record or response"}
@@ -228,7 +232,8 @@ class _Reader:
             if lacking or len(values) < len([key for key in raw if key in MEASUREMENT]):
                 continue
             key = "record" if "record" in raw else "response"
-            data = self._data(key, values.pop(key), (values["output"], values["input"]), path)
+            names = [values[name] for name in ("output", "input", "reference") if name in values]
+            data = self._data(key, values.pop(key), names, model, path)
             if data is not None:
                 more = {**values, "configuration": configuration, **bands}
                 yield Measurement(data, name=str(name), settings=settings if key == "record" else None, **more)
@@ -267,7 +272,9 @@ class _Reader:
             return None
         return low, high
 
-    def _data(self, key: str, file: str, names: tuple[str, str], path: tuple[str, ...]) -> Any:
+    def _data(
+        self, key: str, file: str, names: list[str], model: Drivetrain | None, path: tuple[str, ...]
+    ) -> FrequencyResponse | Recording | None:
         target = self.folder / file
         if not target.is_file():
             beside = [entry.name for entry in self.folder.iterdir()] if self.folder.is_dir() else []
@@ -277,7 +284,9 @@ class _Reader:
         try:
             if key == "response":
                 return self.read_response(target)
-            return read_recording(target, names=list(dict.fromkeys(names)))
+            there = channel_names(target)
+            offered = [name for name in set_points(model) if name in there] if model else []
+            return read_recording(target, names=list(dict.fromkeys([*names, *offered])))
         except ModelError as error:
             self.faults += [Fault(f"{file}: {fault.message}", (*path, key)) for fault in error.faults]
         except UsageError as error:

@@ -8,6 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.identification.noise_bias import biased
 from torsionnet.identification.problem import Problem
 
 ALIKE = 0.95
@@ -28,6 +29,7 @@ def verdicts(
         *_vague(problem, values, errors),
         *_bounds(problem, values),
         *_odd(problem, values),
+        *biased(problem, values, errors),
     )
 
 
