@@ -55,6 +55,11 @@ class Block(ABC):
         """Lines compared, Hz."""
 
     @property
+    def described(self) -> str:
+        """What is compared, in a few words."""
+        return f"{len(self.frequencies)} lines"
+
+    @property
     @abstractmethod
     def measured(self) -> ComplexArray:
         """What the test says at the lines."""
@@ -151,6 +156,10 @@ class RecordBlock(Block):
 
     def __post_init__(self) -> None:
         self.covariance = self._part(self.windowed.output_covariance())
+
+    @property
+    def described(self) -> str:
+        return f"{super().described} of {self.windowed.instrument}"
 
     @property
     def frequencies(self) -> FloatArray:

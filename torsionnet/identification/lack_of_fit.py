@@ -11,6 +11,7 @@ from scipy import stats
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.identification.blocks import Block
 from torsionnet.identification.noise import Noise
+from torsionnet.identification.noise_bias import noise_shift
 from torsionnet.identification.problem import Problem
 
 LEVEL = 1e-3
@@ -19,7 +20,7 @@ WAVES = 5
 """Patterns over frequency that are looked for, in size and in phase: cosines of up to four half periods."""
 TAKEN = 1e-3
 """Share of a pattern's noise below which the parameters have taken it up."""
-NEGLIGIBLE = 1e-3
+NEGLIGIBLE = 2e-3
 """RMS of the misfit over that of the response below which no sensor is calibrated."""
 
 
@@ -105,10 +106,13 @@ def misfits(problem: Problem, values: FloatArray) -> tuple[Misfit, ...]:
 
     The residuals of the optimum, r = (1 - P) e with the projection P on what the parameters can do, have the covariance
     (1 - P) R (1 - P) under noise of the covariance R. Sums of squares of them are compared with their mean and scatter
-    under that (Satterthwaite); patterns are sums along cosines over the lines.
+    under that (Satterthwaite); patterns are sums along cosines over the lines. What squared noise does to them is taken
+    off before.
     """
     residuals, slopes = problem.both(values)
+    shift = noise_shift(problem, values)
     basis, _ = np.linalg.qr(slopes / np.maximum(np.linalg.norm(slopes, axis=0), np.finfo(float).tiny))
+    residuals = residuals - shift + basis @ (basis.T @ shift)
     found = [block.measured_noise(values[place]) for block, place in zip(problem.blocks, problem.places, strict=True)]
     known = [
         (block, span, noise) for block, span, noise in zip(problem.blocks, problem.spans, found, strict=True) if noise

@@ -20,7 +20,12 @@ AT_BOUND = 1e-6
 
 
 def verdicts(
-    problem: Problem, values: FloatArray, errors: FloatArray, correlation: FloatArray, lost: FloatArray
+    problem: Problem,
+    values: FloatArray,
+    errors: FloatArray,
+    correlation: FloatArray,
+    lost: FloatArray,
+    moved: FloatArray,
 ) -> tuple[str, ...]:
     """Everything a reader of the values should know."""
     return (
@@ -29,7 +34,7 @@ def verdicts(
         *_vague(problem, values, errors),
         *_bounds(problem, values),
         *_odd(problem, values),
-        *biased(problem, values, errors),
+        *biased(problem, values, errors, moved),
     )
 
 
