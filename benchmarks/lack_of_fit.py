@@ -45,11 +45,12 @@ def fitted(rig: Any, benches: dict[str, tn.Bench], start: Any, settings: Welch, 
     """By records, or by responses estimated from them."""
     tests = []
     for gear, one in benches.items():
-        data: Any = one.run(seed)
-        more: dict[str, Any] = {"settings": settings}
-        if route == "responses":
-            data, more = estimate(data, "theta_1", "T_T", settings=settings, reference="T_M_set"), {}
-        tests.append(tn.Measurement(data, "theta_1", "T_T", gear, band=BAND, **more))
+        record = one.run(seed)
+        response = estimate(record, "theta_1", "T_T", settings=settings, reference="T_M_set")
+        band = (BAND[0], min(BAND[1], response.usable_up_to or BAND[1]))
+        more: dict[str, Any] = {"settings": settings} if route == "records" else {}
+        data: Any = record if route == "records" else response
+        tests.append(tn.Measurement(data, "theta_1", "T_T", gear, band=band, **more))
     return tn.identify(rig, tests, start)
 
 

@@ -19,6 +19,8 @@ AnySpring: TypeAlias = Spring | HystereticSpring
 Change: TypeAlias = Callable[[Drivetrain], Drivetrain]
 FREED = ("inertia", "stiffness", "damping")
 """What is set free of the quantities that a model takes for known."""
+GONE = {"hysteretic": "damping", "viscous": "loss_factor"}
+"""What a spring no longer has with the other kind of damping."""
 
 
 @dataclass(frozen=True)
@@ -116,8 +118,12 @@ def with_causes(problem: Problem, causes: Sequence[Cause], values: FloatArray, *
         Whether another kind of damping takes the place of the one there is, or begins at 0 beside it.
     """
     more = [cause.unknown for cause in causes if not cause.is_of_channel]
+    gone = {f"{cause.element}.{GONE[cause.kind]}" for cause in causes if cause.element and instead}
     flags: dict[str, Any] = {cause.unknown: True for cause in causes if cause.is_of_channel}
-    unknowns = {**problem.unknowns, **{name: Unknown() for name in more}}
+    unknowns = {
+        **{name: one for name, one in problem.unknowns.items() if name not in gone},
+        **{name: Unknown() for name in more},
+    }
     top = np.exp(np.mean([np.log(block.frequencies).mean() for block in problem.blocks]))
     changes = [_change(cause, float(top), instead) for cause in causes if cause.element]
 
@@ -132,7 +138,7 @@ def with_causes(problem: Problem, causes: Sequence[Cause], values: FloatArray, *
         for block in problem.blocks
     ]
     found = laid_out(problem.blocks[0].response.drivetrain, blocks, unknowns, known)
-    idle = [name for name in problem.unknowns if not _acts(found, name)] if instead and changes else []
+    idle = [name for name in unknowns if not _acts(found, name)] if instead and changes else []
     if not idle:
         return found
     kept = {name: unknown for name, unknown in unknowns.items() if name not in idle}

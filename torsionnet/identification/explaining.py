@@ -12,6 +12,8 @@ from torsionnet.errors import TorsionnetError
 from torsionnet.identification.causes import Cause, causes_of, with_causes
 from torsionnet.identification.lack_of_fit import Explanation, misfits
 from torsionnet.identification.problem import Problem
+from torsionnet.signals.recording import Recording
+from torsionnet.signals.resolution import ENOUGH, resolution
 
 TRIED = 6
 """Causes that are fitted, those first that would take away most by a linear estimate."""
@@ -37,7 +39,7 @@ def explanations(problem: Problem, values: FloatArray, solve: Solve, errors: Err
         for cause in _promising(problem, start)
     ]
     best: dict[Cause, _Tried] = {}
-    for one in sorted((one for one in tried if one is not None), key=lambda one: one.squares):
+    for one in sorted((one for one in tried if one is not None), key=lambda one: one.criterion):
         best.setdefault(one.cause, one)
     listed = list(best.values())
     good = [one for one in listed if one.squares < min((1 - MOST) * whole, ALIKE * listed[0].squares)]
@@ -53,6 +55,11 @@ class _Tried:
     problem: Problem
     values: FloatArray
     squares: float
+
+    @property
+    def criterion(self) -> float:
+        """Akaike's, in units of noise: of two that leave as much, the one with fewer unknowns comes first."""
+        return self.squares + 2 * len(self.values)
 
 
 def _tried(problem: Problem, cause: Cause, start: FloatArray, solve: Solve) -> _Tried | None:
@@ -107,3 +114,17 @@ def _explained(one: _Tried, left: float, solve: Solve, errors: Errors) -> Explan
         complete=not any(one.rejected for one in misfits(tried, at)),
         left=left,
     )
+
+
+def too_coarse(problem: Problem) -> tuple[str, ...]:
+    """Records that are compared beyond where the steps of their sensor are small against its motion."""
+    found = []
+    for block in problem.blocks:
+        one = block.measurement
+        if isinstance(one.data, Recording):
+            steps = resolution(one.data, one.output, one.input)
+            if steps is not None and steps.enough_up_to < block.frequencies[-1]:
+                found.append(
+                    f"{one.output} moves by less than {ENOUGH:g} of its steps above {steps.enough_up_to:.3g} Hz"
+                )
+    return tuple(dict.fromkeys(found))

@@ -12,7 +12,7 @@ from scipy.optimize import least_squares
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import SolveError, UsageError, did_you_mean
-from torsionnet.identification.explaining import explanations
+from torsionnet.identification.explaining import explanations, too_coarse
 from torsionnet.identification.fit import Fit, make_fit
 from torsionnet.identification.lack_of_fit import LackOfFit, misfits
 from torsionnet.identification.measurement import Measurement
@@ -129,7 +129,7 @@ def _judged(model: Drivetrain, problem: Problem, best: Solution, loss: Loss) -> 
         return make_fit(model, tried, values, loss).standard_errors
 
     found = explanations(problem, best.x, solve, errors)
-    return make_fit(model, problem, best.x, loss, replace(lack, explanations=found))
+    return make_fit(model, problem, best.x, loss, replace(lack, explanations=found, doubts=too_coarse(problem)))
 
 
 def _moved(before: FloatArray, after: FloatArray) -> float:

@@ -24,7 +24,7 @@ from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import Welch
 
 LOUD = 0.1
-"""Share of the highest power of a line above which a segment excites it."""
+"""Share of the power of a line in segments that excite it (the mean that power itself weighs) above which one does."""
 MOST_LOUD = 0.5
 """Share of segments that excite a line above which the others say too little of the noise."""
 
@@ -122,7 +122,7 @@ def without_background(lines: ComplexArray) -> tuple[ComplexArray, NDArray[np.bo
     segments excite stay as they are: whether they do, (n_b,).
     """
     power = np.abs(lines) ** 2
-    loud = power > LOUD * power.max(axis=0)
+    loud = power > LOUD * (power**2).sum(axis=0) / np.maximum(power.sum(axis=0), np.finfo(float).tiny)
     share = loud.mean(axis=0)
     kept = share > MOST_LOUD
     return np.asarray(np.where(kept, lines, lines * (loud - share))), np.asarray(kept)

@@ -90,10 +90,13 @@ class LackOfFit:
         Those whose noise can be told apart from the model's error.
     explanations : tuple of Explanation
         Freedoms with each of which the model would fit, the best first; sought only where it does not.
+    doubts : tuple of str
+        What else may be wrong with the data, in words.
     """
 
     measurements: tuple[Misfit, ...]
     explanations: tuple[Explanation, ...] = ()
+    doubts: tuple[str, ...] = ()
 
     @property
     def rejected(self) -> bool:

@@ -27,16 +27,17 @@ def lacking(lack: LackOfFit | None) -> Iterator[str]:
     where = "" if len(lack.measurements) == 1 else f" {', '.join(one.name for one in wrong)}"
     worst = max(one.ratio for one in wrong)
     says = f"the model does not fit{where}: the residuals are {worst:.2g} times the noise, in a pattern over frequency"
+    withheld = "; ".join([WITHHELD, *lack.doubts])
     if not lack.explanations:
         yield (
             f"{says}; no delay, gain, other kind of damping or single other value explains it: look at the residuals, "
-            f"or try other starts. {WITHHELD}"
+            f"or try other starts. {withheld}"
         )
         return
     best, *others = lack.explanations
     verb = "would explain it" if best.complete else "would explain most of it"
     also = f" (as would {' or '.join(_what(one) for one in others)})" if others else ""
-    yield f"{says}; {_what(best)} {verb}{also}: {_values(best)}; {AGREED[best.kind]}. {WITHHELD}"
+    yield f"{says}; {_what(best)} {verb}{also}: {_values(best)}; {AGREED[best.kind]}. {withheld}"
 
 
 def _what(one: Explanation) -> str:
