@@ -1,5 +1,5 @@
 # Needs make and Python >= 3.11, nothing else: each target first installs what it needs into .venv (once).
-# Choose an interpreter with `make PYTHON=python3.13 ...`; further arguments for pytest with `make test ARGS="-k gear"`.
+# Choose an interpreter with `make PYTHON=python3.13 ...`; further arguments with `make test ARGS="-k gear"`.
 
 PYTHON ?= python3
 ARGS ?=
@@ -7,14 +7,15 @@ ARGS ?=
 VENV := .venv
 RUN := $(VENV)/bin/python
 PIP := $(RUN) -m pip --disable-pip-version-check
+BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo figures identify test lint format types docs bench clean
+.PHONY: help demo figures identify test compare mutation lint format types docs bench bench-short clean
 
 help:  ## show this list
-	@awk -F ':.*## ' '/^[a-z]+:.*## / {printf "  make %-8s %s\n", $$1, $$2}' Makefile
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
 
 demo: $(VENV)/.installed  ## tables on the screen, plots and reports in out/
 	$(RUN) -m torsionnet.demo
@@ -27,6 +28,12 @@ identify: $(VENV)/.installed  ## the paper's identification on the virtual bench
 
 test: $(VENV)/.group-test  ## all tests and docstring examples, on all cores
 	$(RUN) -m pytest -n auto $(ARGS)
+
+compare: $(VENV)/.group-test  ## 300 random models against exact mechanics; make compare ARGS="--models 3000 --seed 1"
+	cd tests && ../$(RUN) -m oracle $(ARGS)
+
+mutation: $(VENV)/.group-test  ## small faults in a copy of the package: which does no test notice?
+	PYTHONPATH=tests $(RUN) -m mutation $(ARGS)
 
 lint: $(VENV)/.group-lint  ## ruff: rules and formatting
 	$(RUN) -m ruff check .
@@ -44,10 +51,10 @@ docs: $(VENV)/.group-docs  ## HTML pages in docs/_build/html; a warning or a bro
 	$(RUN) docs/check_links.py
 
 bench: $(VENV)/.group-test  ## run every script in benchmarks/
-	@set -e; for script in benchmarks/[!_]*.py; do \
-	    test -e "$$script" || { echo "no scripts in benchmarks/"; break; }; \
-	    echo "== $$script"; $(RUN) "$$script"; \
-	done
+	@set -e; for script in $(BENCHMARKS); do echo "== $$script"; $(RUN) -m "benchmarks.$$script"; done
+
+bench-short: $(VENV)/.group-test  ## the same with small sizes, to see that they run
+	@set -e; for script in $(BENCHMARKS); do echo "== $$script"; $(RUN) -m "benchmarks.$$script" --short; done
 
 clean:  ## remove everything that make creates, .venv included
 	rm -rf $(VENV) build dist out docs/_build docs/gallery docs/sg_execution_times.rst

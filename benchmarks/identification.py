@@ -1,6 +1,6 @@
 """A fit of three parameters over three gears with 600 lines each, beside lmfit with finite differences.
 
-python benchmarks/identification.py
+python -m benchmarks.identification
 """
 
 from __future__ import annotations
@@ -12,10 +12,12 @@ from typing import Any
 import numpy as np
 
 import torsionnet as tn
+from benchmarks._sizes import sized
 
 GEARS = ("II", "III", "IV")
 START = {"c_O": 80.0, "c_B": 4.0, "k_1": 700.0}
-F = np.linspace(0.5, 30, 600)
+F = np.linspace(0.5, 30, sized(600, 60))
+ROUNDS = sized(5, 1)
 
 
 def tests(rig: Any) -> dict[str, Any]:
@@ -54,10 +56,10 @@ def with_lmfit(rig: Any, measured: dict[str, Any]) -> dict[str, float]:
     return {name: float(found.params[name].value) for name in START}
 
 
-def timed(call: Callable[..., dict[str, float]], *arguments: Any, rounds: int = 5) -> tuple[float, dict[str, float]]:
+def timed(call: Callable[..., dict[str, float]], *arguments: Any) -> tuple[float, dict[str, float]]:
     call(*arguments)
     took = []
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         began = time.perf_counter()
         found = call(*arguments)
         took.append(time.perf_counter() - began)
@@ -67,7 +69,7 @@ def timed(call: Callable[..., dict[str, float]], *arguments: Any, rounds: int = 
 def main() -> None:
     rig = tn.load("amt_rig")
     measured = tests(rig)
-    print("3 parameters, 3 gears x 600 lines, seconds for the whole fit (best of 5):")
+    print(f"3 parameters, 3 gears x {len(F)} lines, seconds for the whole fit (best of {ROUNDS}):")
     own, values = timed(ours, rig, measured)
     print(f"  torsionnet.identify   {own:8.3f}   " + ", ".join(f"{name} {value:.5g}" for name, value in values.items()))
     try:

@@ -6,13 +6,15 @@ openTorsion 0.3.2 is no dependency: its row needs it in the interpreter named by
 
 import os
 import platform
-import sys
 from pathlib import Path
 
 import numpy as np
-from frequency_response import opentorsion_seconds, seconds
 
 import torsionnet as tn
+from benchmarks._sizes import ARGUMENTS, sized
+from benchmarks.frequency_response import opentorsion_seconds, seconds
+
+LARGE, MIDDLE = sized((500, 250), (60, 40))
 
 
 def rig(n, *, damped=True):
@@ -29,16 +31,16 @@ def rig(n, *, damped=True):
 
 def rows():
     """Yield work, seconds here, seconds there, ratio to reach."""
-    chain = rig(500)
+    chain = rig(LARGE)
     here = seconds(lambda: chain.modes(lowest=20), runs=3)
-    there = opentorsion_seconds(500, 1, "modes") if "OPENTORSION_PYTHON" in os.environ else None
-    yield "500 DOF damped, lowest 20, against openTorsion `modal_analysis` + `eigenmodes`", here, there, 20
-    middle = rig(250)
+    there = opentorsion_seconds(LARGE, 1, "modes") if "OPENTORSION_PYTHON" in os.environ else None
+    yield f"{LARGE} DOF damped, lowest 20, against openTorsion `modal_analysis` + `eigenmodes`", here, there, 20
+    middle = rig(MIDDLE)
     few, every = seconds(lambda: middle.modes(lowest=20), runs=3), seconds(middle.modes, runs=1)
-    yield "250 DOF damped, lowest 20, against all modes", few, every, None
-    undamped = rig(250, damped=False)
+    yield f"{MIDDLE} DOF damped, lowest 20, against all modes", few, every, None
+    undamped = rig(MIDDLE, damped=False)
     few, every = seconds(lambda: undamped.modes(lowest=20), runs=3), seconds(undamped.modes, runs=1)
-    yield "250 DOF undamped, lowest 20, against all modes", few, every, None
+    yield f"{MIDDLE} DOF undamped, lowest 20, against all modes", few, every, None
 
 
 def table():
@@ -62,8 +64,8 @@ def main():
     for line in table():
         print(line, flush=True)
         lines.append(line)
-    if len(sys.argv) > 1:
-        Path(sys.argv[1]).write_text("\n".join(lines) + "\n", encoding="utf-8")
+    if ARGUMENTS:
+        Path(ARGUMENTS[0]).write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

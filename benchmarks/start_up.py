@@ -8,8 +8,10 @@ import sys
 import tempfile
 from pathlib import Path
 
+from benchmarks._sizes import sized
+
 ROOT = Path(__file__).parents[1]
-RUNS = 5
+RUNS = sized(5, 1)
 BUDGETS = {
     "--help": 0.1,
     "check dmf_rig": 0.2,

@@ -10,8 +10,9 @@ import statistics
 import time
 
 import torsionnet as tn
+from benchmarks._sizes import sized
 
-RUNS = 7
+RUNS = sized(7, 1)
 
 
 def chain(size):

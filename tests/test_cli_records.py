@@ -7,6 +7,7 @@ import re
 import numpy as np
 import pytest
 from test_cli import run
+from test_estimation import TestBand as Modes
 
 import torsionnet as tn
 from torsionnet.signals import Recording, Signal, read_recording, write_recording
@@ -256,3 +257,13 @@ def test_large_records_are_read_in_blocks(record, monkeypatch):
     assert "read in blocks of 7 s" in result.stderr
     blocks = json.loads(result.stdout)
     assert np.allclose(blocks["responses"][0]["real"], whole["responses"][0]["real"], rtol=1e-9, atol=1e-15)
+
+
+def test_warnings_are_about_the_band_asked_for(folder):
+    write_recording(Modes().two_light_modes(), folder / "modes.npz")
+    arguments = ("estimate", "modes.npz", "--input", "T", "--output", "t")
+    assert re.search("at the peak at 5 Hz .*, 48 Hz", run(*arguments).stderr)
+    low = run(*arguments, "--to", 20).stderr
+    assert "at the peak at 5 Hz" in low
+    assert "48 Hz" not in low
+    assert "peak" not in run(*arguments, "--from", 20, "--to", 40).stderr

@@ -47,7 +47,7 @@ def test_downstream_of_the_cut_it_turns_round_with_the_excitation():
 
 def test_the_general_way_agrees_with_the_cut():
     rig = geared_line()
-    general = measured_poles(rig, ask(rig, "angle", "T", None))
+    general, _ = measured_poles(rig, ask(rig, "angle", "T", None))
     np.testing.assert_allclose(general.eigenvalues, rig.modes(measured_input="T").eigenvalues, rtol=1e-8)
 
 
@@ -121,3 +121,21 @@ def test_a_spring_as_torque_meter_adds_its_own_pole():
 def test_wrong_measured_inputs(name, words):
     with pytest.raises(tn.UsageError, match=words):
         geared_line().modes(measured_input=name)
+
+
+def test_torque_on_a_node_that_also_follows_an_imposed_angle():
+    """Node c is the cage of a differential one side of which is held by an imposed angle: half of what drives it."""
+
+    def rig(*, imposed):
+        elements = [
+            tn.Differential("D", cage="c", left="l", right="r"),
+            tn.Inertia("J", node="l", inertia=2),
+            tn.Spring("k", nodes=("l", "x"), stiffness=100),
+            tn.Inertia("K", node="x", inertia=3),
+            *([] if imposed else [tn.Lock("held", node="r")]),
+        ]
+        inputs = {"T": {"torque": "c"}} | ({"phi": {"angle": "r"}} if imposed else {})
+        return tn.Drivetrain("axle", elements, inputs=inputs)
+
+    found, expected = (rig(imposed=one).modes(measured_input="angle(x)", excitation="T") for one in (True, False))
+    assert found.eigenvalues == pytest.approx(expected.eigenvalues, rel=1e-12)

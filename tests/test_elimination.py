@@ -13,14 +13,14 @@ def test_each_row_eliminates_its_last_name():
 def test_later_rows_reach_back_into_earlier_solutions():
     found = reduce_rows([{"a": 1, "d": -1}, {"a": Fraction(1), "b": Fraction(-3)}, {"b": Fraction(1)}], ORDER)
     assert found.solved == {"d": {}, "b": {}, "a": {}}
-    assert found.origins["d"] == {0, 1, 2}
+    assert found.origin("d") == {0, 1, 2}
 
 
 def test_dependent_rows_are_told_apart_from_blocked_ones():
     rows = [{"a": 1, "b": -1}, {"b": 2, "a": -2}, {"a": 1}]
     found = reduce_rows(rows, ORDER, keep={"a"})
-    assert found.redundant == {1: frozenset({0})}
-    assert found.blocked == {2: frozenset()}
+    assert (found.redundant, found.origin_of_row(1)) == ((1,), {0})
+    assert (found.blocked, found.origin_of_row(2)) == ((2,), set())
     assert found.rank == 1
 
 
@@ -35,7 +35,8 @@ def test_decisions_are_exact():
         {"b": Fraction(1), "c": Fraction(-3)},
         {"a": Fraction(1), "c": Fraction(-3, 10)},
     ]
-    assert reduce_rows(rows, ORDER).redundant == {2: frozenset({0, 1})}
+    found = reduce_rows(rows, ORDER)
+    assert (found.redundant, found.origin_of_row(2)) == ((2,), {0, 1})
 
 
 def test_substitute_drops_what_cancels():

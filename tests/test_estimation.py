@@ -355,6 +355,17 @@ class TestSingleTests:
         np.testing.assert_allclose(response.values[:, 0, 0], 0.04 * np.exp(-1j), rtol=1e-9)
         assert "3 steps" in response.notes[-1]
 
+    def test_steps_are_told_in_the_time_of_the_record(self):
+        time = 100 + np.arange(8000) / 1000
+        angle = 2 * np.pi * np.where(time < 104, 5.0, 11.0) * time
+        signals = Signal("T", "torque", 2 * np.sin(angle)), Signal("t", "angle", np.sin(angle - 0.5))
+        found = stepped_sine(
+            Recording(signals, 1000, 100.0), "t", "T", [Step(5, 100, 104), Step(11, 104, 108)], settling=0.3
+        )
+        np.testing.assert_allclose(found.values[:, 0, 0], 0.5 * np.exp(-0.5j), rtol=1e-9)
+        with pytest.raises(UsageError, match="no whole period"):
+            stepped_sine(Recording(signals, 1000, 100.0), "t", "T", [Step(5, 99.9, 104)])
+
     @pytest.mark.parametrize("step", [Step(0.5, 0, 1), Step(5, 30, 40), Step(5, -1, 1)])
     def test_step_without_a_whole_period(self, step):
         with pytest.raises(UsageError, match="no whole period"):
@@ -430,7 +441,7 @@ class TestQuestions:
         ("arguments", "message"),
         [
             (("t", "T", "H3"), 'no estimator is named "H3"; there is H1, H2, Hv, Hs'),
-            (("t", "T1"), 'no signal is named "T1"'),
+            (("t", "t22"), r'^no signal is named "t22"; did you mean "t2"\?; there is T, t, t2$'),
             (("t", ["T", "t2"], "H2"), "as many outputs as inputs; there are 1 and 2"),
             (("t", ["T", "t2"], "Hs"), "needs a noise ratio"),
             (("t", "T", "H1", None, 2.0), "belongs to Hs"),
@@ -493,3 +504,39 @@ class TestComparison:
         for compare in (difference, frac):
             with pytest.raises(UsageError, match=message):
                 compare(one, two)
+
+
+class TestBand:
+    """Only what was asked for is kept, and judged."""
+
+    def two_light_modes(self):
+        """Resonances at 5 and 48 Hz (60 Hz before the bilinear transform), both far too narrow for the windows."""
+        torque = white(20_000, 5)
+        answers = []
+        for f in (5.0, 60.0):
+            omega = 2 * np.pi * f
+            b, a = signal.cont2discrete(([omega**2], [1, 0.004 * omega, omega**2]), 1 / RATE, method="bilinear")[:2]
+            answers.append(signal.lfilter(b[0], a, torque))
+        return recorded(T=torque, t=answers[0] + answers[1])
+
+    def test_warnings_are_about_the_band_alone(self):
+        record = self.two_light_modes()
+        whole = estimate(record, "t", "T")
+        assert any("at 5 Hz" in note and "48 Hz" in note for note in whole.notes)
+        low = estimate(record, "t", "T", band=(0.5, 20))
+        assert any("at 5 Hz" in note for note in low.notes)
+        assert not any("48 Hz" in note for note in low.notes)
+        assert estimate(record, "t", "T", band=(20, 40)).notes == whole.notes[:-1]
+        np.testing.assert_array_equal(low.values, whole.between(0.5, 20).values)
+        assert (low.frequencies[0], low.frequencies[-1]) == (0.5, 20)
+
+    def test_inputs_that_are_proportional_elsewhere(self):
+        common, own = white(40_000, 6), signal.lfilter(*signal.butter(8, 30, fs=RATE), white(40_000, 7))
+        record = recorded(T1=common, T2=common + own, t=white(40_000, 8))
+        assert any("all but proportional" in note for note in estimate(record, "t", ["T1", "T2"]).notes)
+        assert not any("proportional" in note for note in estimate(record, "t", ["T1", "T2"], band=(1, 20)).notes)
+
+    def test_decimation_limits_the_same_whatever_the_band(self):
+        record = self.two_light_modes()
+        settings = Welch(decimation=2)
+        assert estimate(record, "t", "T", settings=settings, band=(0, 10)).usable_up_to == 40

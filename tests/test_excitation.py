@@ -79,6 +79,11 @@ def test_burst_is_in_its_band_silent_and_repeatable():
     assert np.array_equal(signal.samples(RATE), signal.samples(RATE))
 
 
+def test_burst_of_the_whole_period_is_never_silent():
+    x = BurstRandom(start=5, stop=40, period=4, periods=2, share=1).samples(RATE).reshape(2, -1)
+    assert np.all(np.abs(x[:, -200:]).max(axis=1) > 0.1)
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [

@@ -4,9 +4,11 @@ import itertools
 import json
 import os
 import re
+import signal
 import stat
 import subprocess
 import sys
+import threading
 from dataclasses import MISSING
 from fractions import Fraction
 from pathlib import Path
@@ -388,6 +390,39 @@ def test_atomic_write_follows_a_link(tmp_path):
     atomic.write_text(link, "new")
     assert link.is_symlink()
     assert target.read_text() == "new"
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="the system has no named pipes")
+@pytest.mark.parametrize("through_link", [False, True])
+def test_a_pipe_gets_the_bytes_and_stays_a_pipe(tmp_path, through_link):
+    pipe = path = tmp_path / "p.csv"
+    os.mkfifo(pipe)
+    if through_link:
+        path = tmp_path / "link.csv"
+        path.symlink_to(pipe)
+    received = []
+    reader = threading.Thread(target=lambda: received.append(pipe.read_bytes()), daemon=True)
+    reader.start()
+    atomic.write_text(path, "a,b\n")
+    reader.join(10)
+    assert received == [b"a,b\n"]
+    assert stat.S_ISFIFO(pipe.stat().st_mode)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows ends programs without a signal")
+def test_told_to_end_it_leaves_no_temporary_file(tmp_path):
+    path = tmp_path / "out.csv"
+    program = (
+        "import sys, time\nfrom torsionnet.atomic import replacing\n"
+        "with replacing(sys.argv[1]) as temporary:\n"
+        "    temporary.write_text('half')\n    print('writing', flush=True)\n    time.sleep(60)\n"
+    )
+    with subprocess.Popen([sys.executable, "-c", program, str(path)], stdout=subprocess.PIPE) as running:
+        assert running.stdout.readline().strip() == b"writing"
+        assert len(list(tmp_path.iterdir())) == 1
+        running.send_signal(signal.SIGTERM)
+        assert running.wait(20) == 128 + signal.SIGTERM
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("step", ["write_bytes", "replace"])

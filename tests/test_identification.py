@@ -183,12 +183,8 @@ def test_a_record_that_begins_in_motion_needs_settling():
 
 @pytest.mark.slow
 def test_intervals_hold_the_truth():
-    """benchmarks/coverage.py does it 200 times."""
-    import sys
-    from pathlib import Path
-
-    sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
-    from coverage import cases
+    """benchmarks/interval_coverage.py does it 200 times."""
+    from benchmarks.interval_coverage import cases
 
     for _, model, benches, parameters in cases():
         inside = []

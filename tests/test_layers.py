@@ -37,7 +37,7 @@ LAYERS = (  # top to bottom: first name below torsionnet
     {"elements"},
     {"modal"},
     {"signals"},
-    {"response", "units", "damping", "expressions", "elimination", "atomic", "errors"},
+    {"response", "units", "damping", "expressions", "elimination", "pivoting", "proportions", "atomic", "errors"},
 )
 HEIGHT = {name: -depth for depth, layer in enumerate(LAYERS) for name in layer}
 TOP = 1  # torsionnet/__init__.py offers names from every layer

@@ -257,6 +257,10 @@ class TestHarmonics:
         with pytest.raises(UsageError, match=message):
             sweep_harmonics(recorded(self.TIME, 1000), "x", *arguments)
 
+    def test_one_point(self):
+        found = sweep_harmonics(recorded(10 * np.sin(self.SWEEP), 1000), "x", self.FREQUENCY, points=1)
+        np.testing.assert_allclose(found.amplitude, [[10, 0, 0]], atol=1e-3)
+
     def test_no_points(self):
         with pytest.raises(UsageError, match="at least one point"):
             sweep_harmonics(recorded(self.TIME, 1000), "x", self.FREQUENCY, points=0)

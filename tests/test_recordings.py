@@ -7,10 +7,11 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from torsionnet.errors import MissingExtraError, ModelError, UsageError
+from torsionnet.errors import MissingExtraError, ModelError, TorsionnetWarning, UsageError
 from torsionnet.signals.checks import check_recording
-from torsionnet.signals.encoder import angle_from_counts, angle_from_pulses, missing_pulses, unwrapped
+from torsionnet.signals.encoder import angle_from_counts, angle_from_pulses, unwrapped
 from torsionnet.signals.files import extras, iter_blocks, read_recording, write_recording
+from torsionnet.signals.pulses import missing_pulses
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.resampling import resampled
 
@@ -99,13 +100,52 @@ class TestRoundTrip:
         assert path.read_text() == "old"
         assert [file.name for file in tmp_path.iterdir()] == [path.name]
 
-    def test_two_channels_of_one_name_are_refused(self, tmp_path):
+    @pytest.mark.parametrize("ending", [ending for ending in ENDINGS if ending != ".uff"])  # there names are no keys
+    def test_two_channels_of_one_name_are_refused(self, tmp_path, ending):
+        needs(ending)
         twice = Signal("T", "torque", np.zeros(3))
         with pytest.raises(UsageError, match="two channels of one name: T"):
-            write_recording(Recording((twice, twice), 1.0), tmp_path / "r.npz")
+            write_recording(Recording((twice, twice), 1.0), tmp_path / f"r{ending}")
+        assert list(tmp_path.iterdir()) == []
+
+    def test_names_that_mat_files_cannot_take(self, tmp_path):
+        for length in (63, 64):
+            given = Recording((Signal("T" * length, "torque", np.arange(3.0)),), 10.0)
+            if length == 63:
+                write_recording(given, tmp_path / "r.mat")
+                assert read_recording(tmp_path / "r.mat").names == given.names
+            else:
+                with pytest.raises(UsageError, match=r"names of 63 characters .* write an \.h5 or \.npz file"):
+                    write_recording(given, tmp_path / "r.mat")
 
 
 class TestForeignFiles:
+    @pytest.mark.parametrize("rate", [1000.0, 1000.0003, 999.99, 31.25, 1 / 3])
+    def test_rate_of_stamps_without_their_rounding(self, tmp_path, rate):
+        """Nine digits of time say the rate to eight; one that is round is meant to be round."""
+        lines = [f"{5 + place / rate:.9g},{place}" for place in range(2000)]
+        found = read_recording(write(tmp_path, "\n".join(["time [s],T [Nm]", *lines])))
+        assert found.sampling_rate == pytest.approx(rate, rel=1e-8)
+        if rate in (1000.0, 31.25):
+            assert found.sampling_rate == rate
+
+    @pytest.mark.parametrize(
+        ("name", "dialect", "message"),
+        [
+            ("r.npz", {"separator": ";"}, "separator cannot be given for a NPZ file"),
+            ("r.csv", {"delimiter": ";"}, "delimiter cannot be given for a text file"),
+            ("r.csv", {"separator": ";", "quote": "'"}, "separator, quote cannot be given for a text file"),
+        ],
+    )
+    def test_what_cannot_be_said_of_a_file(self, tmp_path, name, dialect, message):
+        (tmp_path / name).write_text("time;T\n0;1\n1;2\n")
+        with pytest.raises(UsageError, match=message):
+            read_recording(tmp_path / name, **dialect)
+
+    def test_separator_and_decimal_may_be_given(self, tmp_path):
+        path = write(tmp_path, "time;T [Nm]\n0;1,5\n1;2,5\n")
+        assert read_recording(path, separator=";", decimal=",")["T"].values.tolist() == [1.5, 2.5]
+
     def test_units_become_si(self, tmp_path):
         path = write(tmp_path, "t [ms];M [kNm];phi [deg];n [rpm]\n0;1,5;180;60\n1;2;90;30\n")
         found = read_recording(path)
@@ -116,6 +156,15 @@ class TestForeignFiles:
         assert found.sampling_rate == 1000.0
         assert "assumed: cells between semicolons, decimal comma" in found.notes
         assert found["M"].notes == ("converted from kNm",)
+
+    @pytest.mark.parametrize(("unit", "step"), [("s", 0.01), ("ms", 10.0)])
+    def test_blocks_last_as_long_as_asked(self, tmp_path, unit, step):
+        lines = [f"{step * place:.6g},{place}" for place in range(1000)]
+        path = write(tmp_path, "\n".join([f"time [{unit}],T [Nm]", *lines]))
+        blocks = list(iter_blocks(path, seconds=3.0))
+        assert [len(block) for block in blocks] == [300, 300, 300, 100]
+        assert [block.start for block in blocks] == pytest.approx([0, 3, 6, 9])
+        assert {round(block.sampling_rate, 9) for block in blocks} == {100.0}
 
     @pytest.mark.parametrize(
         ("text", "names", "note"),
@@ -276,32 +325,69 @@ def with_values(at, value):
 JITTERED = TIME + 1e-4 * np.random.default_rng(2).uniform(-1, 1, len(TIME))
 GAPPED = np.delete(TIME, slice(1000, 1500))
 LOST = np.delete(TIME, [1000, 2000, 2001])
-FAULTS = {
-    "nan": (one(with_values(slice(1000, 1003), np.nan)), "channels.x: error: 3 values NaN or infinite: from 1 to 1.002 s"),
-    "inf": (one(with_values(1000, np.inf)), "1 value NaN or infinite: at 1 s"),
-    "clipped": (one(np.clip(sine(2.0), -1.5, 1.5)), "channels.x: error: clipped: "),
-    "constant": (one(np.full(5000, 2.0)), "channels.x: warning: constant at 2 N*m"),
-    "short": (one(sine()[:1500]), "channels: error: the record lasts 1.5 s, less than one window of 2 s"),
-    "few": (one(sine()), "channels: warning: the record has only 2.5 windows of 2 s"),
+ANGLE, LEAPING = np.arange(5000) * 0.01, (np.arange(5000) + 3 * (np.arange(5000) > 1000)) * 0.01
+# 2 |sin| >= 1.5 holds for 47 of the 100 samples of each of 50 half periods; the angle passes 2 pi at 0.314 s.
+CLIPPED = "clipped: 2350 samples at the range of 1.5 N*m, from 0.027 to 0.073 s, from 0.127 to 0.173 s, "
+CLIPPED += "from 0.227 to 0.273 s and 47 more; take a larger range"
+WRAPPED = "the encoder wraps around: 15 jumps of 6.263 rad, first at 0.314 s; unwrapped() removes them"
+# Differences of two uniform numbers between -0.1 and 0.1 ms scatter by sqrt(2/3) of that.
+UNEVEN = (
+    "time: warning: sampling is not uniform: intervals vary by 8.2 % (standard deviation); resampled() makes it uniform"
+)
+BACKWARDS = with_values(3, 0.0) * 0 + np.r_[TIME[:3], 0.001, TIME[4:]]
+FEW = "channels: warning: the record has only 2.5 windows of 2 s: few averages, large random errors"
+SHORT = "channels: error: the record lasts 1.5 s, less than one window of 2 s; record longer or take a shorter window"
+ANYTHING = "give one of torque, angle, velocity, acceleration"
+PULSES = "time: error: 3 encoder pulses are missing: 1 after 0.999 s, 2 after 1.999 s; angle_from_pulses() counts them"
+LEAPS = "channels.x: warning: the angle leaps by encoder steps at 1.001 s: pulses are missing or too many"
+TWICE = Recording((Signal("x", "torque", sine()), Signal("x", "torque", sine())), RATE)
+FAULTS = {  # all that is said for windows of 2 s, beside that these are few
+    "nan": (one(with_values(slice(1000, 1003), np.nan)), "channels.x: error: 3 values NaN or infinite: from 1 to 1.002 s; cut them out or mend the record"),
+    "inf": (one(with_values(1000, np.inf)), "channels.x: error: 1 value NaN or infinite: at 1 s; cut them out or mend the record"),
+    "clipped": (one(np.clip(sine(2.0), -1.5, 1.5)), f"channels.x: error: {CLIPPED}"),
+    "constant": (one(np.full(5000, 2.0)), "channels.x: warning: constant at 2 N*m: the sensor may be dead, or not connected"),
+    "short": (one(sine()[:1500]), SHORT),
     "gap": (one(sine()[: len(GAPPED)], times=GAPPED), "time: error: 1 gap in the time stamps: 0.501 s after 0.999 s"),
-    "jitter": (one(sine(), times=JITTERED), "time: warning: sampling is not uniform: intervals vary by 8"),
-    "backwards": (one(sine(), times=with_values(3, 0.0) * 0 + np.r_[TIME[:3], 0.001, TIME[4:]]), "0.001 s follows 0.002 s"),
-    "quantity": (one(sine(), ""), "channels.x: error: quantity and unit are missing"),
-    "wrap": (one(np.mod(20 * TIME, 2 * np.pi), "angle"), "the encoder wraps around: 15 jumps of 6.2"),
-    "pulses": (one(np.arange(4997) * 0.01, "angle", LOST), "3 encoder pulses are missing: 1 after 0.999 s, 2 after 1.999 s"),
-    "leap": (one((np.arange(5000) + 3 * (np.arange(5000) > 1000)) * 0.01, "angle"), "the angle leaps by encoder steps at 1.001 s"),
-    "names": (
-        Recording((Signal("x", "torque", sine()), Signal("x", "torque", sine())), RATE),
-        "channels.x: error: 2 channels are named x",
-    ),
+    "gaps": (one(sine()[: len(LOST)], times=LOST), "time: error: 2 gaps in the time stamps: 0.002 s after 0.999 s, 0.003 s after 1.999 s"),
+    "jitter": (one(sine(), times=JITTERED), UNEVEN),
+    "jitter of a ramp": (one(ANGLE, times=JITTERED), UNEVEN),
+    "backwards": (one(sine(), times=BACKWARDS), "time: error: time stamps do not increase: 0.001 s follows 0.002 s"),
+    "quantity": (one(sine(), ""), f"channels.x: error: quantity and unit are missing; {ANYTHING}"),
+    "unknown quantity": (one(sine(), "force"), f'channels.x: error: unknown quantity "force"; {ANYTHING}'),
+    "wrap": (one(np.mod(20 * TIME, 2 * np.pi), "angle"), f"channels.x: error: {WRAPPED}"),
+    "pulses": (one(ANGLE[: len(LOST)], "angle", LOST), PULSES),
+    "leap": (one(LEAPING, "angle"), LEAPS),
+    "names": (TWICE, "channels.x: error: 2 channels are named x; rename all but one"),
 }  # fmt: skip
 
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_check_tells(fault):
     given, message = FAULTS[fault]
-    texts = [str(found) for found in check_recording(given)]
-    assert any(message in text for text in texts), texts
+    assert {str(found) for found in check_recording(given)} == {message, *([FEW] if fault != "short" else [])}
+
+
+@pytest.mark.parametrize(("windows", "said"), [(4, 0), (3.9, 1)])
+def test_how_many_windows_are_few(windows, said):
+    assert len(check_recording(one(sine()), window=5 / windows)) == said
+
+
+def test_one_window_is_no_error():
+    (fault,) = check_recording(one(sine()[:2000]))
+    assert fault.severity == "warning"
+
+
+def test_errors_come_first():
+    severities = [fault.severity for fault in check_recording(one(with_values(3, np.nan), times=JITTERED))]
+    assert severities == ["error", "warning", "warning"]
+
+
+def test_stamped_pulses_of_a_speed_that_changes_are_no_jitter():
+    """Every sample is a step further, however few there are."""
+    for count in (3, 4, 50):
+        times = np.cumsum(np.linspace(1.0, 1.3, count))
+        found = check_recording(one(0.01 * np.arange(count), "angle", times), window=0.1)
+        assert found == ()
 
 
 @pytest.mark.parametrize(
@@ -326,6 +412,12 @@ def test_check_with_a_range_given():
     assert texts[0].startswith("clipped: ")
 
 
+@pytest.mark.parametrize("rate", [0.0, -1.0, np.inf, np.nan])
+def test_sampling_rate_is_positive(rate):
+    with pytest.raises(UsageError, match="the sampling rate must be a positive number of Hz"):
+        Recording((Signal("x", "torque", np.zeros(3)),), rate)
+
+
 class TestEncoder:
     def test_counter_of_sixteen_bits(self):
         counts = np.arange(200_000)[::7]
@@ -343,9 +435,10 @@ class TestEncoder:
         kept = np.delete(times, [50, 200, 201])
         lost = missing_pulses(kept)
         assert list(zip(lost.after.tolist(), lost.counts.tolist(), strict=True)) == [(49, 1), (198, 2)]
-        found, start = angle_from_pulses(kept, 100, sampling_rate=50.0)
+        with pytest.warns(TorsionnetWarning, match="3 pulses missing and counted: 1 after pulse 49 at "):
+            found, start = angle_from_pulses(kept, 100, sampling_rate=50.0)
         time = start + np.arange(len(found)) / 50.0
-        np.testing.assert_allclose(found, time**2 - 1, atol=0.01)
+        np.testing.assert_allclose(found, time**2 - 1, atol=1e-6)
 
 
 class TestResampled:

@@ -9,15 +9,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import torsionnet as tn
-from torsionnet.assembly.law_stiffness import sampled_stiffness
+from torsionnet.assembly.law_stiffness import LawStiffness, sampled_stiffness
 from torsionnet.assembly.rows import Rows, RowSystem
-from torsionnet.solve import dense, starmesh, sweep
+from torsionnet.solve import dense, starmesh, taping
 from torsionnet.solve.graph_plan import make_plan
+from torsionnet.solve.problem import Excitation, Problem
 from torsionnet.solve.row_algebra import clique, combined, common_motion, normalised
 
 DIGITS = 60
 
-both_ways = pytest.mark.parametrize("respond", [starmesh.respond, starmesh.respond_compiled], ids=["numpy", "compiled"])
+both_ways = pytest.mark.parametrize(
+    "respond", [starmesh.respond_in_numpy, starmesh.respond_compiled], ids=["numpy", "compiled"]
+)
 
 
 def system_of(n, laws):
@@ -36,9 +39,23 @@ def stiffness(system, frequencies):
 
 
 def unit_load(n, at=0):
-    load = np.zeros((1, n, 1), dtype=complex)
-    load[0, at, 0] = 1
-    return load
+    return np.eye(n)[:, [at]]
+
+
+def problem_of(system, loads, rows):
+    """Motion of rows (n_rows, n_q) under loads (n_q, n_exc)."""
+    excitations = tuple(Excitation(load=load) for load in Rows.of(loads.T).maps)
+    return Problem(system.sparse_rows, system.n_coordinates, excitations, Rows.of(rows).maps)
+
+
+def solved(respond, system, kappa, loads, rows):
+    """(n_lanes, n_rows, n_exc) for dynamic stiffnesses (n_lanes, n_laws)."""
+    return np.moveaxis(respond(problem_of(system, loads, rows), sampled_stiffness(kappa)).values, 2, 0)
+
+
+def plan_of(rows, outputs, loads):
+    n = 1 + max(j for row in rows for j in row)
+    return make_plan(rows, n, loads, [{} for _ in loads], outputs, ())
 
 
 def exact(system, kappa, load):
@@ -84,8 +101,8 @@ def test_free_drivetrains_down_to_a_tenth_of_a_radian(respond, seed, n, loops):
     system = random_system(rng, n, loops if n > 4 else 0)
     frequencies = np.array([0.1, 1.0, 13.0, 97.0, 400.0, 2500.0]) / (2 * np.pi)
     kappa = stiffness(system, frequencies)
-    found = respond(system, sampled_stiffness(kappa), unit_load(n), np.eye(n))[:, :, 0]
-    reference = np.array([exact(system, at, unit_load(n)[0, :, 0]) for at in kappa])
+    found = solved(respond, system, kappa, unit_load(n), np.eye(n))[:, :, 0]
+    reference = np.array([exact(system, at, unit_load(n)[:, 0]) for at in kappa])
     assert np.abs(found / reference - 1).max() <= 1e-12
 
 
@@ -93,12 +110,9 @@ def test_lapack_is_not_good_enough_for_that():
     """The test above says something: the assembled matrix loses k/(J omega^2) of its digits."""
     system = random_system(np.random.default_rng(1), 30)
     kappa = stiffness(system, [0.1 / (2 * np.pi)])
-    reference = exact(system, kappa[0], unit_load(30)[0, :, 0])
+    reference = exact(system, kappa[0], unit_load(30)[:, 0])
     assert (
-        np.abs(
-            dense.respond(system, sampled_stiffness(kappa), unit_load(30), np.eye(30))[0, :, 0] / reference - 1
-        ).max()
-        > 1e-11
+        np.abs(solved(dense.respond, system, kappa, unit_load(30), np.eye(30))[0, :, 0] / reference - 1).max() > 1e-11
     )
 
 
@@ -109,7 +123,7 @@ def test_twists_of_a_free_drivetrain(respond, loops):
     system = random_system(np.random.default_rng(4), 20, loops, ratios=(1.0,))
     kappa = stiffness(system, [0.01])
     springs = system.rows[:19]
-    found = respond(system, sampled_stiffness(kappa), unit_load(20, 7), springs)[0, :, 0]
+    found = solved(respond, system, kappa, unit_load(20, 7), springs)[0, :, 0]
     with mpmath.workdps(DIGITS):
         n = system.n_coordinates
         D = mpmath.matrix(n, n)
@@ -130,8 +144,8 @@ def test_planetary_with_compliant_mesh_turning_freely(respond):
     laws += [({i: 1.0}, J, 0, 0) for i, J in enumerate((0.01, 0.3, 1.2, 5.0))]
     system = system_of(4, laws)
     kappa = stiffness(system, [0.01, 1.0, 50.0])
-    found = respond(system, sampled_stiffness(kappa), unit_load(4), np.eye(4))[:, :, 0]
-    reference = np.array([exact(system, at, unit_load(4)[0, :, 0]) for at in kappa])
+    found = solved(respond, system, kappa, unit_load(4), np.eye(4))[:, :, 0]
+    reference = np.array([exact(system, at, unit_load(4)[:, 0]) for at in kappa])
     assert np.abs(found / reference - 1).max() <= 1e-12
 
 
@@ -140,11 +154,11 @@ def test_undamped_antiresonance_is_as_good_as_its_condition(respond):
     system = random_system(np.random.default_rng(2), 12, zeta=0.0, ratios=(1.0,))
     frequencies = np.linspace(1, 300, 97)
     kappa = stiffness(system, frequencies)
-    found = respond(system, sampled_stiffness(kappa), unit_load(12), np.eye(12))[:, :, 0]
+    found = solved(respond, system, kappa, unit_load(12), np.eye(12))[:, :, 0]
     for at, value in zip(kappa, found, strict=True):
-        reference = exact(system, at, unit_load(12)[0, :, 0])
+        reference = exact(system, at, unit_load(12)[:, 0])
         change = max(
-            np.abs(exact(system, at * (1 + 1e-9 * sign), unit_load(12)[0, :, 0]) - reference).max()
+            np.abs(exact(system, at * (1 + 1e-9 * sign), unit_load(12)[:, 0]) - reference).max()
             for sign in np.random.default_rng(3).choice([-1, 1], (2, len(at)))
         )
         assert np.abs(value - reference).max() <= 1e-15 * change / 1e-9 * 40 + 1e-14 * np.abs(reference).max()
@@ -159,7 +173,7 @@ def row_systems(draw):
     n = draw(st.integers(1, 9))
     coefficient = st.sampled_from([1.0, -1.0, 2.0, -0.5, 3.3, -1.7])
     laws = [({i: 1.0}, draw(st.floats(0.1, 2)), draw(st.floats(1, 20)), draw(st.floats(10, 1e3))) for i in range(n)]
-    for _ in range(draw(st.integers(0, 3 * n))):
+    for _ in range(draw(st.integers(0, n))):
         touched = draw(st.lists(st.integers(0, n - 1), min_size=1, max_size=4, unique=True))
         row = {j: draw(coefficient) for j in touched}
         laws.append((row, draw(st.sampled_from([0.0, 0.1])), draw(st.floats(0, 5)), draw(st.floats(0, 1e4))))
@@ -167,15 +181,15 @@ def row_systems(draw):
 
 
 @both_ways
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(row_systems(), st.integers(1, 6))
 def test_any_rows_as_lapack(respond, system, n_exc):
     n = system.n_coordinates
     rng = np.random.default_rng(n_exc)
     kappa = stiffness(system, [0.0, 1.0, 7.3, 30.0])
-    loads = rng.normal(size=(4, n, n_exc)) + 1j * rng.normal(size=(4, n, n_exc))
+    loads = rng.normal(size=(n, n_exc))
     rows = np.vstack([np.eye(n), system.rows, np.zeros((1, n))])
-    found, reference = (solve(system, sampled_stiffness(kappa), loads, rows) for solve in (respond, dense.respond))
+    found, reference = (solved(solve, system, kappa, loads, rows) for solve in (respond, dense.respond))
     assert found.shape == (4, len(rows), n_exc)
     assert np.abs(found - reference).max() <= 1e-9 * np.abs(reference).max()
 
@@ -188,7 +202,7 @@ def test_trees_and_loops_as_lapack(respond, seed, n, loops, tree):
     system = random_system(rng, n, loops, zeta=0.02, tree=tree, grounded=True)
     kappa = stiffness(system, rng.uniform(1, 500, 5))
     rows, load = np.eye(n), unit_load(n, int(rng.integers(n)))
-    found, reference = (solve(system, sampled_stiffness(kappa), load, rows) for solve in (respond, dense.respond))
+    found, reference = (solved(solve, system, kappa, load, rows) for solve in (respond, dense.respond))
     scale = np.abs(reference).max(axis=(1, 2), keepdims=True)
     assert np.abs((found - reference) / scale).max() <= 1e-8
 
@@ -202,7 +216,7 @@ def test_model_of_the_library_with_both_methods(sensor):
 
 
 def test_unknown_method_is_refused():
-    with pytest.raises(tn.UsageError, match='no method is named "lu"; choose graph, compiled, dense'):
+    with pytest.raises(tn.UsageError, match='no method is named "lu"; choose auto, graph, compiled, dense'):
         tn.load("dmf_rig").frequency_response("theta_1", "T_M", [1.0], method="lu")
 
 
@@ -216,7 +230,7 @@ def test_chain_of_a_thousand_in_its_pass_band_and_far_below(respond):
     system = system_of(n, laws)
     frequencies = [1e-4, 20.0, 250.0]
     ends = np.eye(n)[[0, n - 1]]
-    found = respond(system, sampled_stiffness(stiffness(system, frequencies)), unit_load(n), ends)[:, :, 0]
+    found = solved(respond, system, stiffness(system, frequencies), unit_load(n), ends)[:, :, 0]
     with mpmath.workdps(DIGITS):
         for kappa, value in zip(stiffness(system, frequencies), found, strict=True):
             link, mass = mpmath.mpmathify(complex(kappa[0])), mpmath.mpmathify(complex(kappa[n]))
@@ -234,52 +248,62 @@ def test_stop_band_of_a_long_chain_decays_to_nothing_without_noise(respond):
     n = 400
     laws = [({i: 1.0, i + 1: -1.0}, 0, 0, 1e4) for i in range(n - 1)] + [({i: 1.0}, 1.0, 0.1, 0) for i in range(n)]
     system = system_of(n, laws)
-    found = np.abs(respond(system, sampled_stiffness(stiffness(system, [100.0])), unit_load(n), np.eye(n))[0, :, 0])
+    found = np.abs(solved(respond, system, stiffness(system, [100.0]), unit_load(n), np.eye(n))[0, :, 0])
     assert np.isfinite(found).all()
     assert (np.diff(found[found > 0]) < 0).all()
     assert 1e-200 < found[100] < 1e-100
 
 
 @both_ways
-@pytest.mark.parametrize("at", [0, 1])
-def test_exact_undamped_resonance_is_large_and_finite(respond, at):
-    system = system_of(2, [({0: 1.0}, 1, 0, 0), ({1: 1.0}, 1, 0, 0), ({0: 1.0, 1: -1.0}, 0, 0, 2.0)])
-    kappa = np.array([[-4.0, -4.0, 2.0]], dtype=complex)  # omega = 2: both swing against each other
-    found = respond(system, sampled_stiffness(kappa), unit_load(2, at), np.eye(2))[0, :, 0]
-    assert np.isfinite(found).all()
-    assert np.abs(found).min() > 1e12
-    assert found[0] == pytest.approx(-found[1], rel=1e-12)
+def test_lanes_that_lose_digits_are_in_doubt(respond):
+    """A resonance met exactly, a leaf at its own frequency, a sum that all but vanishes; the others are not."""
+    laws = [({0: 1.0}, 1, 0, 0), ({1: 1.0}, 1, 0, 0), ({0: 1.0, 1: -1.0}, 0, 0, 2.0)]
+    system = system_of(2, laws)
+    kappa = np.array([[-4.0, -4.0, 2.0], [-4.0, -4.0, 4.0], [-1.0, 2.0, 2 * (1 + 1e-9)], [-4.0, -4.0, 3.0]])
+    found = respond(problem_of(system, unit_load(2), np.eye(2)), sampled_stiffness(kappa.astype(complex)))
+    assert found.doubtful.tolist() == [True, True, True, False]
 
 
 @both_ways
-def test_leaf_at_its_own_frequency_holds_its_neighbour_still(respond):
-    system = system_of(2, [({0: 1.0}, 1, 0, 0), ({1: 1.0}, 1, 0, 0), ({0: 1.0, 1: -1.0}, 0, 0, 4.0)])
-    kappa = np.array([[-4.0, -4.0, 4.0]], dtype=complex)
-    found = respond(system, sampled_stiffness(kappa), unit_load(2), np.eye(2))[0, :, 0]
-    assert abs(found[0]) < 1e-15
-    assert found[1] == pytest.approx(-0.25, rel=1e-12)
+def test_a_law_whose_stiffness_and_inertia_all_but_cancel_is_in_doubt(respond):
+    problem = Problem([{0: 1.0}], 1, (Excitation(load={0: 1.0}),), ({0: 1.0},))
+    omega = np.array([1.0, 2.0, 2.0 * (1 + 1e-6)])
+    kappa = LawStiffness(*(np.array([[value]]) for value in (1.0, 0.0, 4.0)), omega=omega)
+    found = respond(problem, kappa)
+    assert found.doubtful.tolist() == [False, True, True]
+    assert found.values[0, 0, 0] == pytest.approx(1 / 3)
 
 
-@both_ways
-def test_pivot_near_zero_in_a_loop_is_given_its_digits_back(respond, monkeypatch):
-    """S of coordinate 1, with four neighbours in loops, is 1e-9 of its terms, which costs 9 digits of the rest."""
-    pairs = [(i, j) for i in range(5) for j in range(i)]
-    laws = [({i: 1.0}, 0, 0, 1.0) for i in range(5)] + [({i: 1.0, j: -1.0}, 0, 0, 1.0) for i, j in pairs]
-    system = system_of(5, laws)
-    values = np.random.default_rng(0).uniform(1, 3, len(laws))
-    around = [5 + number for number, pair in enumerate(pairs) if 1 in pair]
-    values[1] = -values[around].sum() + 1e-9
-    kappa, rest = values[None].astype(complex), [0, 2, 3, 4]
-    reference = exact(system, kappa[0], unit_load(5)[0, :, 0])
+def test_exact_undamped_resonance_is_large_and_leaf_at_its_own_frequency_holds_its_neighbour():
+    f, k = 1.0, (2 * np.pi) ** 2
+    elements = [tn.Inertia("J", node="a", inertia=1), tn.Inertia("leaf", node="b", inertia=1)]
+    rig = tn.Drivetrain("two masses", [*elements, tn.Spring("k", nodes=("a", "b"), stiffness=k / 2)])
+    assert np.abs(rig.frequency_response(["a", "b"], "a", [f]).values).min() > 1e10
+    rig = tn.Drivetrain("two masses", [*elements, tn.Spring("k", nodes=("a", "b"), stiffness=k)])
+    still, leaf = rig.frequency_response(["a", "b"], "a", [f]).values[0, :, 0]
+    assert abs(still) < 1e-15
+    assert leaf == pytest.approx(-1 / k, rel=1e-12)
 
-    def error():
-        found = respond(system, sampled_stiffness(kappa), unit_load(5), np.eye(5))[0, :, 0]
-        return np.abs(found - reference)[rest].max() / np.abs(reference).max()
 
-    assert error() <= 1e-14
-    if respond is starmesh.respond:
-        monkeypatch.setattr(sweep, "LARGE", np.inf)
-        assert error() > 1e-10
+def test_pivot_near_zero_in_a_loop_is_given_its_digits_back():
+    """S of node n1, with four neighbours in loops, is 1e-9 of its terms, which costs 9 digits of the rest."""
+    pairs, omega = [(i, j) for i in range(5) for j in range(i)], 2 * np.pi
+    k = np.random.default_rng(0).uniform(1, 3, len(pairs))
+    around = sum(value for value, pair in zip(k, pairs, strict=True) if 1 in pair)
+    J = [1.0] * 5
+    J[1] = around * (1 - 1e-9) / omega**2
+    elements = [tn.Inertia(f"J{i}", node=f"n{i}", inertia=J[i]) for i in range(5)]
+    links = zip(pairs, k.tolist(), strict=True)
+    elements += [tn.Spring(f"k{i}{j}", nodes=(f"n{i}", f"n{j}"), stiffness=value) for (i, j), value in links]
+    rig = tn.Drivetrain("mesh", elements)
+    found = rig.frequency_response([f"n{i}" for i in range(5)], "n0", [1.0]).values[0, :, 0]
+    with mpmath.workdps(DIGITS):
+        D = mpmath.diag([-mpmath.mpf(value) * (2 * mpmath.pi) ** 2 for value in J])
+        for (i, j), value in zip(pairs, k.tolist(), strict=True):
+            for a, b, sign in ((i, i, 1), (j, j, 1), (i, j, -1), (j, i, -1)):
+                D[a, b] += sign * mpmath.mpf(value)
+        reference = mpmath.lu_solve(D, mpmath.matrix([1, 0, 0, 0, 0]))
+        assert found == pytest.approx(np.array([complex(value) for value in reference]), rel=1e-9)
 
 
 @both_ways
@@ -289,7 +313,7 @@ def test_parts_without_load_stand_still(respond):
         ({2: 1.0, 3: -1.0}, 0, 0, 9.0),
     ]
     system = system_of(4, laws)
-    found = respond(system, sampled_stiffness(stiffness(system, [1.0])), unit_load(4), np.eye(4))[0, :, 0]
+    found = solved(respond, system, stiffness(system, [1.0]), unit_load(4), np.eye(4))[0, :, 0]
     assert found[2] == found[3] == 0
     assert (found[:2] != 0).all()
 
@@ -300,8 +324,7 @@ def test_parts_without_load_stand_still(respond):
 def test_tree_has_no_fill():
     rng = np.random.default_rng(0)
     rows = [{i: 1.0} for i in range(200)] + [{i: 1.0, int(rng.integers(i)): -1.0} for i in range(1, 200)]
-    plan = make_plan(rows, [{150: 1.0}], [3], 3)
-    assert plan.is_tree
+    plan = plan_of(rows, [{150: 1.0}], [{3: 1.0}])
     assert plan.n_slots == len(rows)
     assert sum(len(step.pairs) for step in plan.steps) == 199
     assert plan.steps[-1].coordinate == 3
@@ -309,23 +332,51 @@ def test_tree_has_no_fill():
 
 def test_only_the_path_is_walked_back():
     rows = [{i: 1.0} for i in range(50)] + [{i: 1.0, i + 1: -1.0} for i in range(49)]
-    assert sum(len(step.motions) for step in make_plan(rows, [{10: 1.0}], [0], 0).steps) == 11
+    assert sum(len(step.motions) for step in plan_of(rows, [{10: 1.0}], [{0: 1.0}]).steps) == 11
 
 
 def test_dense_ratios_do_not_multiply():
     rng = np.random.default_rng(0)
     rows = [{i: 1.0} for i in range(15)]
     rows += [dict(zip(rng.choice(15, 2, replace=False).tolist(), rng.normal(size=2), strict=True)) for _ in range(60)]
-    assert make_plan(rows, [{1: 1.0}], [0], 0).n_slots < 15 * 15 * 4
+    assert plan_of(rows, [{1: 1.0}], [{0: 1.0}]).n_slots < 15 * 15 * 4
 
 
-@both_ways
-def test_plan_is_made_once_for_systems_with_the_same_rows(respond):
-    system = random_system(np.random.default_rng(0), 5)
-    other = RowSystem(system.law_rows, system.inertia * 2, system.damping, system.stiffness, plans=system.plans)
-    for one in (system, other):
-        respond(one, sampled_stiffness(stiffness(one, [3.0])), unit_load(5), np.eye(5))
-    assert len(system.plans) == (1 if respond is starmesh.respond else 2)
+def test_few_readings_go_forward_and_give_the_same_as_those_that_come_back(monkeypatch):
+    system = random_system(np.random.default_rng(3), 12, loops=3, grounded=True)
+    kappa = sampled_stiffness(stiffness(system, np.linspace(1, 300, 50)))
+    forward = problem_of(system, unit_load(12, 2), np.eye(12)[[0, 7]])
+    found = starmesh.respond_in_numpy(forward, kappa).values
+    monkeypatch.setattr(taping, "FEW", 0)
+    back = problem_of(system, unit_load(12, 2), np.eye(12)[[0, 7]])
+    assert len(back.tape) != len(forward.tape)
+    assert starmesh.respond_in_numpy(back, kappa).values == pytest.approx(found, rel=1e-12)
+
+
+def test_registers_of_a_walk_forward_do_not_grow_with_the_drivetrain():
+    def registers(n):
+        rows = [{i: 1.0} for i in range(n)] + [{i: 1.0, i + 1: -1.0} for i in range(n - 1)]
+        return taping.make_tape(plan_of(rows, [{n - 1: 1.0}], [{0: 1.0}])).n_registers
+
+    assert registers(400) == registers(20) < 6
+
+
+@pytest.mark.parametrize("broken", [ImportError("no numba"), RuntimeError("its cache cannot be written")])
+def test_large_work_is_compiled_where_that_works(monkeypatch, broken):
+    system = random_system(np.random.default_rng(0), 5, grounded=True)
+    problem, kappa = problem_of(system, unit_load(5), np.eye(5)), sampled_stiffness(stiffness(system, [3.0, 5.0]))
+    expected, asked = starmesh.respond_in_numpy(problem, kappa).values, []
+
+    def compiled(*arguments):
+        asked.append(arguments)
+        raise broken
+
+    monkeypatch.setattr(starmesh, "respond_compiled", compiled)
+    assert np.array_equal(starmesh.respond(problem, kappa).values, expected)
+    assert not asked
+    monkeypatch.setattr(starmesh, "WORTH", 10)
+    assert np.array_equal(starmesh.respond(problem, kappa).values, expected)
+    assert len(asked) == 1
 
 
 @pytest.mark.parametrize(("changes", "shared"), [({"c_O": 360}, True), ({"tau": 5}, False), ({"c_O": 0}, False)])

@@ -109,7 +109,8 @@ def __getattr__(name: str) -> object:
     if name not in _HOMES:
         msg = f"module {__name__!r} has no attribute {name!r}"
         raise AttributeError(msg)
-    return getattr(importlib.import_module(f"torsionnet.{_HOMES[name]}"), name)
+    value = globals()[name] = getattr(importlib.import_module(f"torsionnet.{_HOMES[name]}"), name)
+    return value
 
 
 def __dir__() -> list[str]:

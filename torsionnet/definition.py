@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import MISSING, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.channels import Input, Sensor, read_channels
@@ -231,19 +231,19 @@ def _read_element(name: Any, entry: Any) -> Element:
     if not isinstance(kind, str) or kind not in ELEMENT_TYPES:
         raise ModelError([_kind_fault(kind, path)])
     cls = ELEMENT_TYPES[kind]
-    declared = {entry.name: entry for entry in cls.declared()}
-    rest = f"{kind} has {', '.join(declared)}"
-    unknown = [key for key in entry if key != "type" and key not in declared]
-    faults = [unknown_key(key, declared, (*path, key), rest) for key in unknown]
-    missing = [key for key, spec in declared.items() if spec.default is MISSING and key not in entry]
-    faults += [_missing(key, kind, name, declared[key].metadata["spec"].description) for key in missing]
-    empty = [key for key in entry if key in declared and entry[key] is None and declared[key].default is not MISSING]
+    specs = dict(cls.specs())
+    required = cls.required()
+    unknown = [key for key in entry if key != "type" and key not in specs]
+    faults = [unknown_key(key, specs, (*path, key), f"{kind} has {', '.join(specs)}") for key in unknown]
+    missing = [key for key in required if key not in entry]
+    faults += [_missing(key, kind, name, specs[key].description) for key in missing]
+    empty = [key for key in entry if key in specs and entry[key] is None and key not in required]
     faults += [
         Fault(f"{key} has no value; give one, or leave the entry out", (*path, key), on_key=True) for key in empty
     ]
     if empty:
         raise ModelError(faults)
-    given = {key: value for key, value in entry.items() if key in declared}
+    given = {key: value for key, value in entry.items() if key in specs}
     try:
         element = cls(name, **(given | dict.fromkeys(missing)))
     except ModelError as error:

@@ -7,11 +7,16 @@ command line. A wrong model gives one :class:`ModelError` that holds *all* its f
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TypeAlias
 
 Path: TypeAlias = tuple[str | int, ...]
+
+LEAST_LIKENESS = 0.6
+"""Of a name and what it may have been meant to be, between 0 and 1."""
 
 
 @dataclass(frozen=True)
@@ -58,21 +63,45 @@ class Fault:
         return f"in configuration {self.configuration}: {self.message}" if self.configuration else self.message
 
     def __str__(self) -> str:
+        said = f"{self.severity}: {visible(self.text)}"
         if self.position is None:
-            where = ".".join(str(part) for part in self.path)
-            return f"{where}: {self.severity}: {self.text}" if where else f"{self.severity}: {self.text}"
-        return f"{_located(self.position)}: {self.severity}: {self.text}{_excerpt(self.position)}"
+            where = visible(".".join(str(part) for part in self.path))
+            return f"{where}: {said}" if where else said
+        return f"{_located(self.position)}: {said}{_excerpt(self.position)}"
 
 
 def _located(position: Position) -> str:
-    return f"{position.file}:{position.line}:{position.column}"
+    return f"{visible(position.file)}:{position.line}:{position.column}"
 
 
 def _excerpt(position: Position) -> str:
     if not position.source:
         return ""
-    width = max(1, min(position.end_column, len(position.source) + 1) - position.column)
-    return f"\n{position.line:5d} | {position.source}\n      | {' ' * (position.column - 1)}{'^' * width}"
+    start, end = position.column - 1, min(position.end_column - 1, len(position.source))
+    before, marked, after = (visible(part) for part in _cut(position.source, start, end))
+    line = f"{before}{marked}{after}"
+    return f"\n{position.line:5d} | {line}\n      | {' ' * len(before)}{'^' * max(1, len(marked))}"
+
+
+def _cut(text: str, start: int, end: int) -> tuple[str, str, str]:
+    return text[:start], text[start:end], text[max(start, end) :]
+
+
+def visible(text: str) -> str:
+    r"""Text of a file, safe to show: what would steer a terminal or turn the direction of reading is written out.
+
+    >>> print(visible("a\x1b[31mb\u202ec"))
+    a\x1b[31mb\u202ec
+    """
+    return text if text.isprintable() else _STEERING.sub(_written_out, text)
+
+
+_STEERING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+
+
+def _written_out(found: re.Match[str]) -> str:
+    code = ord(found[0])
+    return f"\\x{code:02x}" if code < 0x100 else f"\\u{code:04x}"  # noqa: PLR2004
 
 
 class TorsionnetError(Exception):
@@ -121,12 +150,42 @@ class TorsionnetWarning(UserWarning):
 
 
 def nearest(name: str, candidates: Iterable[str]) -> str:
-    """The candidate ``name`` was probably meant to be, or the empty string."""
-    import difflib
+    """The candidate ``name`` was probably meant to be, or the empty string.
+
+    The likeness is that of :mod:`difflib`. It is at most that of the letters without their order, which are quickly
+    compared: the most promising candidates come first, and most of many need no closer look.
+    """
+    from difflib import SequenceMatcher
 
     known = {candidate.casefold(): candidate for candidate in candidates}
-    close = difflib.get_close_matches(str(name).casefold(), known, n=1, cutoff=0.6)
-    return known[close[0]] if close else ""
+    wanted = str(name).casefold()
+    letters = _letters(wanted)
+    promising = [
+        (promise, other)
+        for other in known
+        if other
+        and (promise := 2 * (letters & _letters(other)).bit_count() / (len(wanted) + len(other))) >= LEAST_LIKENESS
+    ]
+    best = (LEAST_LIKENESS, "")
+    matcher = SequenceMatcher(b=wanted)
+    for promise, other in sorted(promising, reverse=True):
+        if promise < best[0]:
+            break
+        matcher.set_seq1(other)
+        best = max(best, (matcher.ratio(), other))
+    return known[best[1]] if best[1] else ""
+
+
+@lru_cache(maxsize=2**15)
+def _letters(text: str) -> int:
+    """A bit for each letter and how often it came before; letters that share a bit only make texts look more alike."""
+    seen: dict[int, int] = {}
+    bits = 0
+    for letter in text:
+        kind = ord(letter) % 64
+        seen[kind] = seen.get(kind, -1) + 1
+        bits |= 1 << (kind + 64 * seen[kind])
+    return bits
 
 
 def did_you_mean(name: str, candidates: Iterable[str]) -> str:
@@ -135,19 +194,23 @@ def did_you_mean(name: str, candidates: Iterable[str]) -> str:
     >>> did_you_mean("gerbox", ["gearbox", "motor"])
     '; did you mean "gearbox"?'
     """
-    meant = nearest(name, candidates)
+    return _question(nearest(name, candidates))
+
+
+def _question(meant: str) -> str:
     return f'; did you mean "{meant}"?' if meant else ""
 
 
 def unknown_key(key: object, known: Iterable[str], path: Path, rest: str) -> Fault:
     """Fault of a key that means nothing there; ``rest`` says which keys do."""
-    name, known = str(key), list(known)
-    text = f'unknown key "{name}"{did_you_mean(name, known)}; {rest}'.replace("?; ", "? ")
-    return Fault(text, path, on_key=True, kind="unknown key", about=name, meant=nearest(name, known))
+    name = str(key)
+    meant = nearest(name, known)
+    text = f'unknown key "{name}"{_question(meant)}; {rest}'.replace("?; ", "? ")
+    return Fault(text, path, on_key=True, kind="unknown key", about=name, meant=meant)
 
 
 def unknown_name(what: str, name: str, known: Iterable[str], path: Path, *, on_key: bool = False) -> Fault:
     """Fault of a name nobody defines: ``no node is named "x"; did you mean "y"?``."""
-    known = list(known)
-    text = f'no {what} is named "{name}"{did_you_mean(name, known)}'
-    return Fault(text, path, on_key=on_key, kind="unknown name", about=name, meant=nearest(name, known))
+    meant = nearest(name, known)
+    text = f'no {what} is named "{name}"{_question(meant)}'
+    return Fault(text, path, on_key=on_key, kind="unknown name", about=name, meant=meant)

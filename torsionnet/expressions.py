@@ -21,7 +21,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from torsionnet import units
 from torsionnet.errors import TorsionnetError, did_you_mean
@@ -57,7 +57,7 @@ class Algebra:
     pi: Any
 
 
-RATIONAL = Algebra(number=Fraction, sqrt=_exact_sqrt, pi=math.pi)
+RATIONAL = Algebra(number=lambda number: number, sqrt=_exact_sqrt, pi=math.pi)
 FLOAT = Algebra(number=float, sqrt=math.sqrt, pi=math.pi)
 
 
@@ -115,21 +115,24 @@ class Expression:
 class Number(Expression):
     """An exact number in SI units; ``text`` is what was written, for example ``0.46 kN*m/rad``."""
 
-    value: Fraction | float
+    value: Any  # a real number; stored as a Fraction
     unit_dimension: Dimension | None = None
     text: str | None = field(default=None, compare=False)
+    names: ClassVar[frozenset[str]] = frozenset()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "value", units.exact(self.value))
 
-    def value_in(self, values: Mapping[str, Any], algebra: Algebra) -> Any:  # noqa: ARG002
-        return algebra.number(Fraction(self.value))
+    def value_in(self, values: Mapping[str, Any], algebra: Algebra = RATIONAL) -> Any:  # noqa: ARG002
+        return algebra.number(self.value)
+
+    evaluate = value_in  # that it is finite was seen when it was read
 
     def kind_of(self, dimensions: Mapping[str, Dimension | None]) -> _Kind:  # noqa: ARG002
         return "bare" if self.unit_dimension is None else self.unit_dimension
 
     def written(self) -> tuple[str, int]:
-        text = units.numeral_of(Fraction(self.value))
+        text = units.numeral_of(self.value)
         return text, _PRODUCT if "/" in text else _UNARY if text.startswith("-") else _ATOM
 
     def __str__(self) -> str:
@@ -315,9 +318,8 @@ _OPERATORS: dict[type[ast.operator], Literal["+", "-", "*", "/"]] = {
 def check_name(name: str) -> str | None:
     """Tell why a name cannot be that of a parameter, or None if it can.
 
-    >>> check_name("k_1")
-    >>> check_name("omega")
-    '"omega" is reserved'
+    >>> check_name("k_1"), check_name("omega")
+    (None, '"omega" is reserved')
     """
     if not _NAME.fullmatch(name):
         return f'"{name}" is no name: a letter comes first, then letters, digits and _ (no accents)'
@@ -473,7 +475,7 @@ def scalar(value: object) -> Expression:
 
 def _from_object(value: Any) -> Expression:
     if isinstance(value, numbers.Real) and not isinstance(value, bool):
-        return Number(units.exact(value))
+        return Number(value)
     if hasattr(value, "magnitude") and hasattr(value, "units"):
         return _from_quantity(units.read_pint(value))
     got = str(value).lower() if isinstance(value, bool) else _short(repr(value))

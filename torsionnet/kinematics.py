@@ -9,7 +9,7 @@ from typing import Any
 
 from torsionnet.definition import Definition, all_nodes
 from torsionnet.elements import Constraint, Law, Part, Row, Values
-from torsionnet.elimination import Reduction, exact, reduce_rows, smallest_culprits, substitute
+from torsionnet.elimination import Reduction, exact, holding, reduce_rows, smallest_culprits
 from torsionnet.errors import UsageError, did_you_mean
 
 
@@ -33,6 +33,8 @@ class Kinematics:
         In the order of the elements.
     imposed : tuple of str
         Names of the inputs that impose an angle; each appears in rows as the pseudo node ``input:NAME``.
+    driven : tuple of str
+        The nodes they impose it on.
     reduction : Reduction
         Every dependent node over coordinates and imposed angles; an empty row is a node held at zero.
     coordinates : tuple of str
@@ -42,12 +44,13 @@ class Kinematics:
     nodes: tuple[str, ...]
     parts: tuple[OwnedPart, ...]
     imposed: tuple[str, ...]
+    driven: tuple[str, ...]
     reduction: Reduction
     coordinates: tuple[str, ...]
 
     def reduced(self, row: Mapping[str, Any]) -> Row:
         """A row over nodes as a row over coordinates and imposed angles."""
-        return substitute(row, self.reduction.solved)
+        return self.reduction.reduced(row)
 
     @property
     def laws(self) -> tuple[tuple[str, Law], ...]:
@@ -63,6 +66,10 @@ def pseudo_node(input_name: str) -> str:
     return f"input:{input_name}"
 
 
+UNIT = pseudo_node("")
+"""The unknown that stands for one, in rows that are not homogeneous."""
+
+
 def owned_parts(definition: Definition, value: Values) -> tuple[OwnedPart, ...]:
     """Laws and constraints of all elements that are switched on."""
     return tuple(OwnedPart(element.name, part) for element in definition.active for part in element.parts(value))
@@ -72,7 +79,7 @@ def constraints_of(parts: Sequence[OwnedPart]) -> tuple[tuple[str, Row], ...]:
     return tuple((owned.element, owned.part.row) for owned in parts if isinstance(owned.part, Constraint))
 
 
-def exact_row(row: Row) -> dict[str, Fraction]:
+def exact_row(row: Mapping[str, Any]) -> dict[str, Fraction]:
     """The row on exact rational values, on which pivots and rank are decided."""
     return {node: exact(coefficient) for node, coefficient in row.items()}
 
@@ -101,8 +108,10 @@ def solve_kinematics(
     nodes = all_nodes(definition.active)
     _require_nodes(referred_to, nodes)
     parts = owned_parts(definition, value)
-    imposed = imposed_rows(definition, nodes)
-    if like is not None and not referred_to and (nodes, tuple(imposed)) == (like.nodes, like.imposed):
+    imposed = imposed_rows(definition, set(nodes))
+    driven = tuple(definition.inputs[name].of for name in imposed)
+    same = like is not None and (nodes, tuple(imposed), driven) == (like.nodes, like.imposed, like.driven)
+    if like is not None and same and not referred_to:
         again = replace(like, parts=parts)
         if again.constraints == like.constraints:
             return again
@@ -111,21 +120,17 @@ def solve_kinematics(
     order = {node: index for index, node in enumerate(nodes)}
     keep = {*referred_to, *(pseudo_node(name) for name in imposed)}
     reduction = reduce_rows(rows, order, keep)
-    tied = [
-        index
-        for index, row in enumerate(rows)
-        if index in reduction.blocked and _names_kept(row, reduction, referred_to)
-    ]
+    tied = [index for index in reduction.blocked if _names_kept(rows[index], reduction, referred_to)]
     if tied and referred_to:
         kept = ", ".join(referred_to)
         msg = f"{kept} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground"
         raise UsageError(msg)
-    coordinates = tuple(node for node in nodes if node not in reduction.solved)
-    return Kinematics(nodes, parts, tuple(imposed), reduction, coordinates)
+    coordinates = tuple(node for node in nodes if reduction.is_free(node))
+    return Kinematics(nodes, parts, tuple(imposed), driven, reduction, coordinates)
 
 
 def _names_kept(row: Row, reduction: Reduction, referred_to: Collection[str]) -> bool:
-    return any(node in referred_to for node in substitute(row, reduction.solved))
+    return any(node in referred_to for node in reduction.free_names(row))
 
 
 def _require_nodes(wanted: Collection[str], nodes: Collection[str]) -> None:
@@ -145,19 +150,23 @@ def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list
     rows = [exact_row(row) for _, row in loose]
     order = {node: index for index, node in enumerate(nodes)}
     reduction = reduce_rows(rows, order)
-    held = [node for node, row in reduction.solved.items() if not row]
-    if not held:
+    if not (held := reduction.held()):
         return []
 
     def contradicts(some: Sequence[Any]) -> bool:
-        return any(not row for row in reduce_rows(some, order).solved.values())
+        return bool(reduce_rows(some, order).held())
 
-    suspects = min((reduction.origins[node] for node in held), key=len)
-    return list(dict.fromkeys(loose[index][0] for index in smallest_culprits(rows, suspects, contradicts)))
+    origin, node = min(((sorted(reduction.origin(node)), node) for node in held), key=lambda found: len(found[0]))
+    loop = [origin[place] for place in holding([rows[index] for index in origin], node)]
+    if any(len(rows[index]) > 2 for index in loop):  # noqa: PLR2004
+        loop = smallest_culprits(rows, loop, contradicts)  # a loop of pairs is closed by all of them or not at all
+    return list(dict.fromkeys(loose[index][0] for index in loop))
 
 
 def virtual_motion(kinematics: Kinematics, index: int) -> dict[str, Fraction]:
     """Motion z that violates constraint number ``index`` by one and no other: its torque is the work of all else on z.
+
+    Driven nodes stand still in it: what drives them does no work on z.
 
     Raises
     ------
@@ -166,27 +175,24 @@ def virtual_motion(kinematics: Kinematics, index: int) -> dict[str, Fraction]:
     """
     constraints = kinematics.constraints
     rows: list[Any] = [exact_row(row) for _, row in constraints]
-    rows[index] = {**rows[index], _UNIT: Fraction(-1)}
+    rows[index] = {**rows[index], UNIT: Fraction(-1)}
     rows = [row for number, row in enumerate(rows) if number != index] + [rows[index]]
     names = [name for number, (name, _) in enumerate(constraints) if number != index] + [constraints[index][0]]
-    imposed = [{node: Fraction(1)} for row in _imposed_nodes(kinematics) for node in row]
+    imposed: list[Any] = [{node: Fraction(1)} for node in kinematics.driven]
     order = {node: number for number, node in enumerate(kinematics.nodes)}
-    reduction = reduce_rows([*imposed, *rows], order, {_UNIT})
-    for blocked, origin in reduction.blocked.items():
-        loop = sorted({number - len(imposed) for number in (*origin, blocked) if number >= len(imposed)})
+    reduction = reduce_rows([*imposed, *rows], order, {UNIT})
+    for blocked in reduction.blocked:
+        origin = {*reduction.origin_of_row(blocked), blocked}
+        loop = sorted(number - len(imposed) for number in origin if number >= len(imposed))
         owners = {names[number] for number in loop}
         loop_names = list(dict.fromkeys(name for name, _ in constraints if name in owners))
         raise UsageError(_indeterminate(constraints[index][0], loop_names))
-    solved = reduction.solved
-    return {node: row[_UNIT] for node, row in solved.items() if _UNIT in row}
+    return {node: row[UNIT] for node, row in reduction.solved.items() if UNIT in row}
 
 
-_UNIT = "one"
-
-
-def _imposed_nodes(kinematics: Kinematics) -> list[list[str]]:
-    tied = kinematics.reduction.solved
-    return [[node for node, row in tied.items() if row == {pseudo_node(name): 1}][:1] for name in kinematics.imposed]
+def torques_are_determinate(kinematics: Kinematics) -> bool:
+    """Whether no constraint follows from others, so that equilibrium tells the torque of each."""
+    return not kinematics.reduction.redundant and not kinematics.reduction.blocked
 
 
 def _indeterminate(element: str, loop: list[str]) -> str:

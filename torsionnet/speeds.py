@@ -7,42 +7,54 @@ clamped ring still makes the ratio of its planetary set.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
 from typing import Any, TypeAlias
 
 from torsionnet.definition import Definition, all_nodes
 from torsionnet.elements import Values
-from torsionnet.elimination import Reduction, exact, reduce_rows, substitute
+from torsionnet.elimination import Reduction, exact, reduce_rows
 from torsionnet.errors import Fault, ModelError, UsageError, did_you_mean
-from torsionnet.kinematics import exact_row
+from torsionnet.kinematics import UNIT, exact_row
 from torsionnet.operating_point import OperatingPoint
+from torsionnet.pivoting import Elimination
 
-_UNIT = "one"
 BRANCHING = ("planetary", "differential", "gear")
 Rows: TypeAlias = list[dict[str, Fraction]]
-Fits: TypeAlias = Callable[[Reduction], bool]
 
 
-def holding_rows(definition: Definition, values: Mapping[str, Any]) -> list[dict[str, Fraction]]:
+def holding_rows(definition: Definition, values: Mapping[str, Any]) -> Rows:
     """Rows that vanish at steady mean speed."""
     value = Values(values)
     rows = [exact_row(row) for element in definition.active for row in element.holds(value)]
     return [row for row in rows if len(row) > 1]
 
 
-def _clamped(rows: Rows, definition: Definition, order: Mapping[str, int], keep: Collection[str], fits: Fits) -> Rows:
-    """The rows, and every clamp that leaves the speeds in question possible: it holds a member of a planetary set.
-
-    Clamps on members of such sets come first, so that the order of declaration does not matter.
-    """
+def _clamps(definition: Definition) -> Iterator[dict[str, Fraction]]:
+    """Those on members of planetary sets and gears come first, so that the order of declaration does not matter."""
     branching = {node for element in definition.active if element.glyph in BRANCHING for node in element.ports.values()}
     clamps = [element for element in definition.active if element.glyph == "clamp"]
     for element in sorted(clamps, key=lambda clamp: branching.isdisjoint(clamp.ports.values())):
-        more: Rows = [*rows, *({node: Fraction(1)} for node in element.ports.values())]
-        if fits(reduce_rows(more, order, keep)):
-            rows = more
-    return rows
+        yield {node: Fraction(1) for node in element.ports.values()}
+
+
+def _clamp(definition: Definition, speeds: Sequence[Elimination]) -> Rows:
+    """Add every clamp that leaves the speeds in question possible: it holds a member of a planetary set."""
+    added: Rows = []
+    if not any(speed.blocked for speed in speeds):
+        for row in _clamps(definition):
+            if not any(speed.blocks(row) for speed in speeds):
+                added.append(row)
+                for speed in speeds:
+                    speed.add(row)
+    return added
+
+
+def _eliminated(rows: Rows, order: Mapping[str, int]) -> Elimination:
+    found = Elimination(order, {UNIT})
+    for row in rows:
+        found.add(row)
+    return found
 
 
 def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, second: str) -> float:
@@ -60,13 +72,12 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
             msg = f'no node is named "{node}"{did_you_mean(node, nodes)}'
             raise UsageError(msg)
     order = {node: index for index, node in enumerate(nodes)}
-
-    def turning(reduction: Reduction) -> bool:
-        return all(reduction.solved.get(node, True) for node in (first, second))
-
-    rows = _clamped(holding_rows(definition, values), definition, order, (), turning)
-    solved = reduce_rows(rows, order).solved
-    row, other = (substitute({node: Fraction(1)}, solved) for node in (first, second))
+    rows = holding_rows(definition, values)
+    turning = [
+        _eliminated([{node: Fraction(1), UNIT: Fraction(-1)}, *rows], order) for node in dict.fromkeys((first, second))
+    ]
+    reduction = reduce_rows([*rows, *_clamp(definition, turning)], order)
+    row, other = (reduction.reduced({node: Fraction(1)}) for node in (first, second))
     if not other:
         msg = f"{second} cannot turn, there is no ratio to it"
         raise UsageError(msg)
@@ -85,19 +96,14 @@ def mean_speeds(definition: Definition, values: Mapping[str, Any]) -> dict[str, 
     """Mean speed in rad/s of every node that the operating point determines."""
     given = _numbers(definition.operating_point, values)
     order = {node: index for index, node in enumerate(all_nodes(definition.active))}
-    rows: list[dict[str, Fraction]] = [
-        {node: Fraction(1), _UNIT: -speed} for node, speed in given.items() if node in order
-    ]
-    rows_of_ratios = _clamped(
-        [*rows, *holding_rows(definition, values)], definition, order, {_UNIT}, lambda found: not found.blocked
-    )
-    reduction = reduce_rows(rows_of_ratios, order, {_UNIT})
-    if reduction.blocked:
+    rows: Rows = [{node: Fraction(1), UNIT: -speed} for node, speed in given.items() if node in order]
+    elimination = _eliminated([*rows, *holding_rows(definition, values)], order)
+    _clamp(definition, [elimination])
+    if elimination.blocked:
         raise ModelError([Fault(_contradiction(definition, rows), ("operating_point", "speed"))])
-    solved = reduction.solved
-    return {
-        node: float(solved[node].get(_UNIT, 0)) for node in order if node in solved and solved[node].keys() <= {_UNIT}
-    }
+    reduction = Reduction(elimination)
+    speeds = {node: reduction.in_floats({node: 1}) for node in order if not reduction.is_free(node)}
+    return {node: row.get(UNIT, 0.0) for node, row in speeds.items() if row.keys() <= {UNIT}}
 
 
 def mean_torques(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:
@@ -109,8 +115,8 @@ def _numbers(point: OperatingPoint, values: Mapping[str, Any]) -> dict[str, Frac
     return {node: exact(value.evaluate(values)) for node, value in point.speed.items()}
 
 
-def _contradiction(definition: Definition, rows: list[dict[str, Fraction]]) -> str:
+def _contradiction(definition: Definition, rows: Rows) -> str:
     shown = ", ".join(
-        f"{node} {definition.operating_point.speed[node]}" for row in rows for node in row if node != _UNIT
+        f"{node} {definition.operating_point.speed[node]}" for row in rows for node in row if node != UNIT
     )
     return f"the mean speeds ({shown}) do not fit the ratios between these nodes"

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
 from numbers import Integral
@@ -360,7 +361,9 @@ def exact(value: Real | RealNumber) -> Fraction:
     if isinstance(value, Fraction):
         return value
     # numpy's integers and floats come here, too, and write themselves differently.
-    return Fraction(int(value)) if isinstance(value, Integral) else Fraction(float.__repr__(size))
+    if type(value) is not float and isinstance(value, Integral):
+        return Fraction(int(value))
+    return Fraction(*Decimal(float.__repr__(size)).as_integer_ratio())
 
 
 def numeral_of(value: Fraction) -> str:

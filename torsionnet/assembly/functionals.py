@@ -1,15 +1,17 @@
 """What sensors read, as linear functionals of motion and applied torque.
 
-Every reading is a sum of terms coefficient(s) * gamma, gamma = a^T theta, plus a direct share of applied torques. The
-torque through a rigid connection is its multiplier: with a virtual motion z that violates that constraint alone by one,
-lambda = z^T (B u - D(s) theta), so that it reads like any other sensor.
+Every reading is a sum of terms coefficient(s) * gamma, gamma = a^T theta, plus reactions. The torque through a rigid
+connection is its multiplier, the reaction on its gap: with a virtual motion z that violates that constraint alone by
+one, lambda = z^T (B u - D(s) theta). Written out it is a sum of terms and a direct share of applied torques; solvers
+that care about accuracy keep the gap as a column of its own, because these terms may cancel.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -30,33 +32,79 @@ from torsionnet.kinematics import exact_row, virtual_motion
 class Term:
     """factor * s^power * (row theta), or with ``law`` factor * kappa_law(s) * (row theta).
 
-    ``row`` and ``imposed`` are the floats of ``exact``, the row over coordinates and imposed angles.
+    ``columns`` is the row over the ``n_coordinates`` coordinates and, after them, imposed angles: the floats of
+    ``exact``.
     """
 
-    row: FloatArray
-    imposed: FloatArray
+    columns: Mapping[int, float]
+    n_coordinates: int
     exact: Mapping[str, Fraction]
     factor: Fraction
     power: int = 0
     law: int | None = None
 
+    @property
+    def row(self) -> FloatArray:
+        """The row over the coordinates as an array (n_q,): not for large systems."""
+        row = np.zeros(self.n_coordinates)
+        for column, coefficient in self.columns.items():
+            if column < self.n_coordinates:
+                row[column] = coefficient
+        return row
+
+
+@dataclass(frozen=True)
+class Reaction:
+    """Torque of a rigid connection, ``factor`` times the multiplier of constraint number ``constraint``.
+
+    Attributes
+    ----------
+    constraint : int
+    factor : Fraction
+    motion : mapping
+        Node -> angle in the virtual motion z that opens the gap of this constraint by one.
+    work : mapping
+        Law -> a^T z, how far z moves its row.
+    terms : tuple of Term
+        The same torque as a sum over these laws.
+    """
+
+    constraint: int
+    factor: Fraction
+    motion: Mapping[str, Fraction]
+    work: Mapping[int, Fraction]
+    terms: tuple[Term, ...]
+
 
 @dataclass(frozen=True)
 class Functional:
-    """A reading: terms of motion, and ``direct``: node -> share of a torque applied there."""
+    """A reading: ``own`` terms of motion, and reactions of rigid connections."""
 
     name: str
     unit: str
-    terms: tuple[Term, ...]
-    direct: Mapping[str, float] = field(default_factory=dict)
+    own: tuple[Term, ...]
+    reactions: tuple[Reaction, ...] = ()
 
-    def coefficients(self, kappa: LawStiffness) -> ComplexArray:
-        """Coefficient of every term, shape (n_lanes, n_terms)."""
-        columns = [
-            float(term.factor) * (kappa.s**term.power if term.law is None else kappa.of(term.law))
-            for term in self.terms
-        ]
-        return np.stack(columns, axis=1) if columns else np.zeros((kappa.n_lanes, 0), dtype=complex)
+    @cached_property
+    def terms(self) -> tuple[Term, ...]:
+        """Everything as terms of motion, but for what ``applied`` says."""
+        return (*self.own, *(term for reaction in self.reactions for term in reaction.terms))
+
+    def applied(self, node: str) -> Fraction:
+        """Share of a torque applied at a node that is read without any motion, besides ``terms``."""
+        shares = (reaction.factor * reaction.motion.get(node, 0) for reaction in self.reactions)
+        return sum(shares, start=Fraction(0))
+
+    @cached_property
+    def direct(self) -> dict[str, float]:
+        """These shares by node."""
+        nodes = {node for reaction in self.reactions for node in reaction.motion}
+        return {node: float(self.applied(node)) for node in sorted(nodes)}
+
+
+def coefficient(term: Term, kappa: LawStiffness) -> ComplexArray:
+    """What the motion of a term is multiplied with, shape (n_lanes,)."""
+    return np.asarray(float(term.factor) * (kappa.s**term.power if term.law is None else kappa.of(term.law)))
 
 
 def functional(drivetrain: Drivetrain, sensor: Sensor, name: str = "") -> Functional:
@@ -96,7 +144,7 @@ def _require(name: str, known: Any, what: str, switched_off: Any = ()) -> None:
 
 def _motion(assembly: Assembly, row: Mapping[str, Any], power: int) -> Term:
     exact = exact_row(assembly.kinematics.reduced(row))
-    return Term(*assembly.rows_of(row), exact=exact, factor=Fraction(1), power=power)
+    return Term(assembly.columns_of(exact), assembly.system.n_coordinates, exact, factor=Fraction(1), power=power)
 
 
 def port_of(element: Element, at: str | None) -> tuple[str, int]:
@@ -127,31 +175,31 @@ def _other_end(element: Element, index: int) -> int:
 
 def _torque(assembly: Assembly, element: Element, at: str | None, label: str) -> Functional:
     node, sign = port_of(element, at)
-    terms: list[Term] = []
-    direct: dict[str, float] = {}
-    for index, (owner, law) in enumerate(zip(assembly.owners, assembly.laws, strict=True)):
-        if owner == element.name and node in law.row:
-            terms.append(_law_term(assembly, index, sign * exact(law.row[node])))
-    for index, (owner, row) in enumerate(assembly.kinematics.constraints):
-        if owner == element.name and node in row:
-            more, shares = _multiplier(assembly, index, sign * exact(row[node]))
-            terms += more
-            direct = {name: direct.get(name, 0.0) + shares.get(name, 0.0) for name in {*direct, *shares}}
-    return Functional(label, UNITS["torque"], tuple(terms), direct)
+    own = tuple(
+        _law_term(assembly, index, sign * exact(assembly.laws[index].row[node]))
+        for index in assembly.laws_at.get(node, ())
+        if assembly.owners[index] == element.name
+    )
+    reactions = tuple(
+        _reaction(assembly, index, sign * exact(row[node]))
+        for index, (owner, row) in enumerate(assembly.kinematics.constraints)
+        if owner == element.name and node in row
+    )
+    return Functional(label, UNITS["torque"], own, reactions)
 
 
 def _law_term(assembly: Assembly, index: int, factor: Fraction) -> Term:
-    rows = (assembly.system.rows[index], assembly.imposed_rows[index], assembly.exact_rows[index])
-    return Term(*rows, factor=factor, law=index)
+    columns, n_coordinates = assembly.law_columns[index], assembly.system.n_coordinates
+    return Term(columns, n_coordinates, assembly.exact_rows[index], factor=factor, law=index)
 
 
-def _multiplier(assembly: Assembly, index: int, factor: Fraction) -> tuple[list[Term], dict[str, float]]:
-    """Lambda = z^T (B u - D theta) times ``factor``."""
+def _reaction(assembly: Assembly, index: int, factor: Fraction) -> Reaction:
     motion = virtual_motion(assembly.kinematics, index)
-    terms = []
-    for number, law in enumerate(assembly.laws):
-        shares = (exact(coefficient) * motion[node] for node, coefficient in law.row.items() if node in motion)
-        work = sum(shares, start=Fraction(0))
-        if work:
-            terms.append(_law_term(assembly, number, -factor * work))
-    return terms, {node: float(factor * value) for node, value in motion.items()}
+    work: dict[int, Fraction] = {}
+    for number in sorted({law for node in motion for law in assembly.laws_at.get(node, ())}):
+        row = assembly.laws[number].row
+        done = sum((exact(a) * motion[node] for node, a in row.items() if node in motion), start=Fraction(0))
+        if done:
+            work[number] = done
+    terms = tuple(_law_term(assembly, number, -factor * done) for number, done in work.items())
+    return Reaction(index, factor, motion, work, terms)

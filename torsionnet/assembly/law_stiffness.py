@@ -7,8 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 
@@ -68,6 +71,87 @@ class LawStiffness:
         for law, values in self.sampled:
             kappa[law] += values
         return kappa.reshape(self.n_laws, self.n_lanes)
+
+    def at(self, lanes: NDArray[np.intp]) -> LawStiffness:
+        """Some lanes, as frequencies of one variant."""
+        some = replace(self, omega=self.omega[lanes % len(self.omega)])
+        return some.sampled_as(self.by_law[:, lanes])
+
+    def sampled_as(self, values: ComplexArray) -> LawStiffness:
+        """At the same frequencies of one variant, but with stiffnesses (n_laws, n_f) of any values."""
+        nothing = np.zeros((1, self.n_laws))
+        sampled = tuple((law, value[None]) for law, value in enumerate(values))
+        return LawStiffness(nothing, nothing, nothing, self.omega, sampled)
+
+    @property
+    def is_real(self) -> bool:
+        """Whether nothing damps."""
+        return not (self.damping.any() or any(values.imag.any() for _, values in self.sampled))
+
+    def gathered(self, sources: Sequence[Sequence[tuple[int, float]]]) -> LawStiffness:
+        """Sums over laws, one for each of ``sources``: (law, factor), ..."""
+        shape = (len(self.stiffness), len(sources))
+        J, c, k = np.zeros(shape), np.zeros(shape), np.zeros(shape)
+        places: dict[int, list[tuple[int, float]]] = {}
+        slots, laws, factors = [], [], []
+        for slot, source in enumerate(sources):
+            for law, factor in source:
+                slots.append(slot)
+                laws.append(law)
+                factors.append(factor)
+                places.setdefault(law, []).append((slot, factor))
+        for part, whole in ((J, self.inertia), (c, self.damping), (k, self.stiffness)):
+            np.add.at(part.T, slots, (whole[:, laws] * factors).T)
+        sampled: dict[int, ComplexArray] = {}
+        for law, values in self.sampled:
+            for slot, factor in places.get(law, ()):
+                sampled[slot] = factor * values + sampled.get(slot, 0.0)
+        return LawStiffness(J, c, k, self.omega, tuple(sampled.items()))
+
+    @cached_property
+    def _columns(self) -> list[tuple[Any, Any, Any]]:
+        """J, c and k of every law: numbers for one variant, else (n_variants, 1) arrays; None where there is none."""
+        parts = self.inertia, self.damping, self.stiffness
+        shaped: list[Any] = [part[0].tolist() if len(part) == 1 else part.T[:, :, None] for part in parts]
+        acting = [np.any(part, axis=0) for part in parts]
+        columns = [
+            [value if some else None for value, some in zip(values, there, strict=True)]
+            for values, there in zip(shaped, acting, strict=True)
+        ]
+        return list(zip(*columns, strict=True))
+
+    @cached_property
+    def _squares(self) -> FloatArray:
+        return -(self.omega * self.omega)
+
+    @cached_property
+    def _samples(self) -> dict[int, ComplexArray]:
+        return dict(self.sampled)
+
+    def write(self, law: int, real: FloatArray, imag: FloatArray | None) -> None:
+        """Dynamic stiffness of one law into real and imaginary parts (n_variants, n_f); None where nothing damps."""
+        J, c, k = self._columns[law]
+        if J is None:
+            real[...] = 0.0 if k is None else k
+        else:
+            np.multiply(self._squares, J, out=real)
+            if k is not None:
+                real += k
+        if imag is not None and c is None:
+            imag[...] = 0.0
+        elif imag is not None:
+            np.multiply(self.omega, c, out=imag)
+        if law in self._samples:
+            real += self._samples[law].real
+            if imag is not None:
+                imag += self._samples[law].imag
+
+    def inertial(self, law: int) -> FloatArray | None:
+        """J omega^2 of a law (n_lanes,) where a stiffness acts against it; else None."""
+        J, _, k = self._columns[law]
+        if J is None or (k is None and law not in self._samples):
+            return None
+        return np.asarray(np.broadcast_to(-self._squares * J, (len(self.stiffness), len(self.omega))).ravel())
 
     def blocks(self, size: int) -> Iterator[LawStiffness]:
         """Parts of at most ``size`` lanes that follow each other: several variants, or frequencies of one."""

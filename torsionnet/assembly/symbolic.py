@@ -7,7 +7,7 @@ collected by the ratios they are reflected with, so that ``k_1 + k_2/tau**2`` st
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -149,7 +149,7 @@ class _Ratios:
         return tuple(found)
 
 
-def _uncancelled(row: Row, solved: dict[Any, Row]) -> dict[str, Any]:
+def _uncancelled(row: Row, solved: Mapping[Any, Row]) -> dict[str, Any]:
     result: dict[str, Any] = {}
     for node, coefficient in row.items():
         for free, factor in solved.get(node, {node: twin(1)}).items():
@@ -172,7 +172,7 @@ def twin_kinematics(
     order = {node: index for index, node in enumerate(plain.nodes)}
     reduction = reduce_rows(rows, order, {*names, *(pseudo_node(name) for name in plain.imposed)})
     coordinates = tuple(node for node in plain.nodes if node not in reduction.solved)
-    return Kinematics(plain.nodes, parts, plain.imposed, reduction, coordinates)
+    return Kinematics(plain.nodes, parts, plain.imposed, plain.driven, reduction, coordinates)
 
 
 def law_parts(owner: str, law: Law) -> tuple[Any, Any, Any]:

@@ -66,11 +66,27 @@ class Assembly:
     def node_index(self) -> dict[str, int]:
         return {node: index for index, node in enumerate(self.nodes)}
 
-    def rows_of(self, row: Mapping[str, Any]) -> tuple[FloatArray, FloatArray]:
+    def rows_of(self, row: dict[str, Any]) -> tuple[FloatArray, FloatArray]:
         """A row over nodes as arrays over coordinates (n_q,) and imposed angles (n_x,)."""
-        reduced = self.kinematics.reduced(row)
+        reduced = self.kinematics.reduction.in_floats(exact_row(row))
         free, imposed = (Rows.named([reduced], columns).dense[0] for columns in self._columns)
         return free, imposed
+
+    def columns_of(self, row: Mapping[str, Any]) -> dict[int, float]:
+        """A row over coordinates and imposed angles by name, as one over columns: coordinates, then imposed angles."""
+        return {self._column[name]: float(coefficient) for name, coefficient in row.items()}
+
+    @cached_property
+    def _column(self) -> dict[str, int]:
+        free, imposed = self._columns
+        return {**free, **{name: len(free) + index for name, index in imposed.items()}}
+
+    @cached_property
+    def law_columns(self) -> tuple[dict[int, float], ...]:
+        """Gamma of every law over coordinates and, after them, imposed angles."""
+        n = self.system.n_coordinates
+        pairs = zip(self.system.law_rows.maps, self.imposed_law_rows.maps, strict=True)
+        return tuple({**free, **{n + j: a for j, a in imposed.items()}} for free, imposed in pairs)
 
     @cached_property
     def _columns(self) -> tuple[dict[str, int], dict[str, int]]:
@@ -80,6 +96,15 @@ class Assembly:
     def laws(self) -> tuple[Law, ...]:
         """The laws behind the rows of ``system``, with exact coefficients."""
         return tuple(law for _, law in self.kinematics.laws if law.acts)
+
+    @cached_property
+    def laws_at(self) -> dict[str, list[int]]:
+        """Numbers of the laws with a coefficient on a node."""
+        found: dict[str, list[int]] = {}
+        for number, law in enumerate(self.laws):
+            for node in law.row:
+                found.setdefault(node, []).append(number)
+        return found
 
     @cached_property
     def exact_rows(self) -> tuple[dict[str, Fraction], ...]:
@@ -104,8 +129,9 @@ def assemble(
         system = RowSystem(shared.law_rows, *_coefficients(laws), plans=shared.plans)
         return replace(like, kinematics=kinematics, system=system)
     coordinates, imposed = _columns(kinematics)
-    nodes = [kinematics.reduced({node: 1}) for node in kinematics.nodes]
-    rows = [kinematics.reduced(law.row) for _, law in laws]
+    in_floats = kinematics.reduction.in_floats
+    nodes = [in_floats({node: 1}) for node in kinematics.nodes]
+    rows = [in_floats(exact_row(law.row)) for _, law in laws]
     return Assembly(
         kinematics,
         RowSystem(Rows.named(rows, coordinates), *_coefficients(laws)),

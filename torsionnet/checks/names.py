@@ -11,9 +11,12 @@ from torsionnet.errors import Fault, Path, did_you_mean, unknown_name
 from torsionnet.expressions import Expression
 from torsionnet.operating_point import OperatingPoint
 
+MOST_HINTS = 20
+"""Dead ends for which a node is looked for that may have been meant: where there are more, they are no misspellings."""
 
-def _nodes(definition: Definition) -> tuple[str, ...]:
-    return all_nodes(definition.elements.values())
+
+def _nodes(definition: Definition) -> dict[str, None]:
+    return dict.fromkeys(all_nodes(definition.elements.values()))
 
 
 def _unknown_node(name: str, nodes: Collection[str], path: Path, *, on_key: bool = False) -> Fault:
@@ -26,9 +29,8 @@ def _expressions(definition: Definition) -> Iterator[tuple[Path, Expression]]:
     for name, parameter in definition.parameters.items():
         yield ("parameters", name), parameter.value
     for name, element in definition.elements.items():
-        for entry, (spec, value) in element.scalars().items():
-            for subpath, expression, _ in spec.expressions(value):
-                yield ("elements", name, entry, *subpath), expression
+        for path, _, expression, _ in element.expressions():
+            yield ("elements", name, *path), expression
     for axis, alternatives in definition.axes.items():
         for label, overlay in alternatives.items():
             for name, value in overlay.parameters.items():
@@ -172,13 +174,12 @@ def dead_ends(definition: Definition) -> list[Fault]:
             touching.setdefault(node, []).append(element.name)
     used = {channel.of for table in (definition.inputs, definition.sensors) for channel in table.values()}
     used |= {GROUND, *definition.operating_point.speed, *definition.operating_point.torque}
-    faults = []
+    faults: list[Fault] = []
     for node, names in touching.items():
         if len(names) == 1 and node not in used and len(definition.elements[names[0]].ports) > 1:
-            others = [other for other in touching if other != node]
-            text = (
-                f'only {names[0]} is attached to node "{node}"{did_you_mean(node, others)}; it carries no torque there'
-            )
+            others = (other for other in touching if other != node)
+            hint = did_you_mean(node, others) if len(faults) < MOST_HINTS else ""
+            text = f'only {names[0]} is attached to node "{node}"{hint}; it carries no torque there'
             faults.append(Fault(text, ("elements", names[0]), "warning", on_key=True))
     return faults
 

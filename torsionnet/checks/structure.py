@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 from torsionnet.channels import ELEMENT_QUANTITIES
 from torsionnet.definition import Definition, all_nodes
-from torsionnet.elements import GROUND, Values
-from torsionnet.elimination import reduce_rows
+from torsionnet.elements import GROUND, Law, Values
+from torsionnet.elimination import Reduction
 from torsionnet.errors import Fault, ModelError, UsageError, did_you_mean
-from torsionnet.kinematics import Kinematics, contradicting_loop, exact_row, solve_kinematics, virtual_motion
+from torsionnet.kinematics import (
+    Kinematics,
+    contradicting_loop,
+    exact_row,
+    pseudo_node,
+    solve_kinematics,
+    torques_are_determinate,
+    virtual_motion,
+)
 from torsionnet.speeds import mean_speeds
 
 MOST_GROUPS = 10
@@ -44,11 +52,13 @@ def node_groups(groups: Iterable[Iterable[str]]) -> list[set[str]]:
     """Connected groups of nodes, from the groups each element joins."""
     home: dict[str, set[str]] = {}
     for group in groups:
-        merged = set(group) - {GROUND}
-        for node in list(merged):
-            merged |= home.get(node, set())
-        for node in merged:
-            home[node] = merged
+        nodes = dict.fromkeys(node for node in group if node != GROUND)
+        parts = {id(part): part for part in (home.setdefault(node, {node}) for node in nodes)}
+        merged = max(parts.values(), key=len, default=set())
+        for part in parts.values():
+            if part is not merged:  # the smaller ones move, so that no node moves more than log n times
+                merged |= part
+                home.update(dict.fromkeys(part, merged))
     return list({id(group): group for group in home.values()}.values())
 
 
@@ -59,7 +69,8 @@ def _listed(names: Sequence[str], most: int = 6) -> str:
 
 def contradicting_gears(definition: Definition, kinematics: Kinematics) -> list[Fault]:
     """A rigid loop whose ratios do not agree: nothing on it could turn."""
-    loop = contradicting_loop(kinematics.parts, kinematics.nodes)
+    reduction = kinematics.reduction
+    loop = contradicting_loop(kinematics.parts, kinematics.nodes) if reduction.held() or reduction.blocked else []
     if not loop:
         return []
     text = (
@@ -71,16 +82,19 @@ def contradicting_gears(definition: Definition, kinematics: Kinematics) -> list[
 
 def massless_without_hold(definition: Definition, kinematics: Kinematics) -> list[Fault]:
     """Motions no inertia, spring or damper answers: the receptance there would be infinite at every frequency."""
-    rows = [exact_row(kinematics.reduced(law.row)) for _, law in kinematics.laws if law.acts]
-    free = free_motions(rows, kinematics.coordinates)
+    left = _left_free(kinematics, lambda law: law.acts)
+    moving: dict[str, list[str]] = {name: [] for name in kinematics.coordinates if left.is_free(name)}
+    for node in kinematics.nodes if moving else ():
+        coordinates = kinematics.reduction.free_names({node: 1})
+        for name in dict.fromkeys(name for coordinate in coordinates for name in left.free_names({coordinate: 1})):
+            moving[name].append(node)
+    owners: dict[str, str] = {}
+    for element in definition.elements.values() if moving else ():
+        for node in element.ports.values():
+            owners.setdefault(node, element.name)
     faults = []
-    for moving in free:
-        nodes = [node for node in kinematics.nodes if kinematics.reduced({node: 1}).keys() & moving]
-        if not nodes:
-            continue
-        owner = next(
-            (name for name, element in definition.elements.items() if nodes[0] in element.ports.values()), None
-        )
+    for nodes in moving.values():
+        owner = owners.get(nodes[0])
         verb = "moves" if len(nodes) == 1 else "move together"
         them = "it" if len(nodes) == 1 else "them"
         text = f"{_listed(nodes)} {verb} freely, with no inertia, spring or damper to hold {them}"
@@ -88,13 +102,12 @@ def massless_without_hold(definition: Definition, kinematics: Kinematics) -> lis
     return faults
 
 
-def free_motions(rows: Sequence[Mapping[str, Any]], coordinates: Sequence[str]) -> list[set[str]]:
-    """For each independent motion that leaves every row at zero, the coordinates that move in it."""
-    order = {name: index for index, name in enumerate(coordinates)}
-    kept = [{name: value for name, value in row.items() if name in order} for row in rows]
-    solved = reduce_rows([row for row in kept if row], order).solved
-    free = [name for name in coordinates if name not in solved]
-    return [{name, *(other for other, row in solved.items() if name in row)} for name in free]
+def _left_free(kinematics: Kinematics, answers: Callable[[Law], bool]) -> Reduction:
+    """The motions that leave every law at rest which ``answers``; imposed angles stand still."""
+    imposed = [{pseudo_node(name): 1} for name in kinematics.imposed]
+    rows = [exact_row(law.row) for _, law in kinematics.laws if answers(law)]
+    order = {name: index for index, name in enumerate((*kinematics.nodes, *map(pseudo_node, kinematics.imposed)))}
+    return kinematics.reduction.followed_by([*imposed, *rows], order)
 
 
 def locked_inputs(definition: Definition, kinematics: Kinematics) -> list[Fault]:
@@ -130,6 +143,8 @@ def locked_inputs(definition: Definition, kinematics: Kinematics) -> list[Fault]
 
 def indeterminate_torques(definition: Definition, kinematics: Kinematics) -> list[Fault]:
     """Torque sensors on a rigid connection whose torque equilibrium alone does not determine."""
+    if torques_are_determinate(kinematics):
+        return []
     faults = []
     for name, sensor in definition.sensors.items():
         if sensor.quantity != "torque":
@@ -146,11 +161,12 @@ def indeterminate_torques(definition: Definition, kinematics: Kinematics) -> lis
 def idle_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]:
     """Sensors and inputs on parts that are switched off (information: they come back with another configuration)."""
     active = {element.name for element in definition.active}
+    nodes = set(kinematics.nodes)
     faults = []
     for table in ("inputs", "sensors"):
         for name, channel in getattr(definition, table).items():
             on_element = table == "sensors" and channel.quantity in ELEMENT_QUANTITIES
-            if channel.of not in (active if on_element else kinematics.nodes):
+            if channel.of not in (active if on_element else nodes):
                 text = f"{name} has nothing to act on: {channel.of} is switched off"
                 faults.append(Fault(text, (table, name), "note", on_key=True))
     return faults
@@ -166,14 +182,16 @@ def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fau
     return [Fault(f"the drivetrain can turn freely: {what}", (), "note")]
 
 
-def rigid_motions(kinematics: Kinematics) -> list[set[str]]:
-    """The independent motions of the coordinates that no spring resists."""
-    rows = [exact_row(kinematics.reduced(law.row)) for _, law in kinematics.laws if law.holds_at_rest]
-    return free_motions(rows, kinematics.coordinates)
+def rigid_motions(kinematics: Kinematics) -> list[str]:
+    """A coordinate for each independent motion that no spring resists."""
+    left = _left_free(kinematics, lambda law: law.holds_at_rest)
+    return [name for name in kinematics.coordinates if left.is_free(name)]
 
 
 def inconsistent_speeds(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
     """Mean speeds that the gear ratios do not allow together."""
+    if not definition.operating_point.speed:
+        return []
     try:
         mean_speeds(definition, values)
     except ModelError as error:

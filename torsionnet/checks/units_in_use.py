@@ -20,8 +20,7 @@ def parameter_units(definition: Definition) -> dict[str, str]:
     found = dimensions(definition.parameters)[0]
     units = {name: "" if dimension is None else str(dimension) for name, dimension in found.items()}
     for element in definition.elements.values():
-        for spec, value in element.scalars().values():
-            for _, expression, dimension in spec.expressions(value):
-                if isinstance(expression, Name):
-                    units[expression.name] = expected_unit(dimension)
+        for _, _, expression, dimension in element.expressions():
+            if isinstance(expression, Name):
+                units[expression.name] = expected_unit(dimension)
     return {name: "" if unit == "1" else unit for name, unit in units.items()}

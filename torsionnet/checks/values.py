@@ -9,7 +9,7 @@ from fractions import Fraction
 from torsionnet.definition import Definition
 from torsionnet.elements import Element, Law, Values
 from torsionnet.elements.fields import DampingQuantity, Quantity
-from torsionnet.errors import Fault, Path, TorsionnetError
+from torsionnet.errors import Fault, TorsionnetError
 from torsionnet.expressions import Binary, Expression, ExpressionError
 from torsionnet.parameters import dimensions
 from torsionnet.units import DIMENSIONS, Dimension, expected_unit
@@ -24,11 +24,10 @@ def wrong_dimensions(definition: Definition) -> list[Fault]:
     """Expressions of another dimension than the place they stand in."""
     known, faults = dimensions(definition.parameters)
     for name, element in definition.elements.items():
-        for entry, (spec, value) in element.scalars().items():
-            for subpath, expression, wanted in spec.expressions(value):
-                fault = _dimension_fault(expression, wanted, known)
-                if fault:
-                    faults.append(Fault(fault, ("elements", name, entry, *subpath)))
+        for path, _, expression, wanted in element.expressions():
+            fault = _dimension_fault(expression, wanted, known)
+            if fault:
+                faults.append(Fault(fault, ("elements", name, *path)))
     return faults
 
 
@@ -95,12 +94,10 @@ def sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
 
 def _field_sizes(element: Element, numbers: Numbers) -> list[Fault]:
     faults = []
-    for entry, (spec, value) in element.scalars().items():
-        for subpath, expression, wanted in spec.expressions(value):
-            path: Path = ("elements", element.name, entry, *subpath)
-            text = _size_fault(spec, expression, numbers, measure=bool(subpath), wanted=wanted)
-            if text:
-                faults.append(Fault(text, path))
+    for path, spec, expression, wanted in element.expressions():
+        text = _size_fault(spec, expression, numbers, measure=len(path) > 1, wanted=wanted)
+        if text:
+            faults.append(Fault(text, ("elements", element.name, *path)))
     return faults
 
 
@@ -130,13 +127,7 @@ def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measu
 
 def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
     """A safety net behind the bounds of single fields: no law may have a negative coefficient."""
-    names = {
-        name
-        for _, (spec, value) in element.scalars().items()
-        for _, expression, _ in spec.expressions(value)
-        for name in expression.names
-    }
-    if not names <= numbers.keys():
+    if not all(expression.names <= numbers.keys() for _, _, expression, _ in element.expressions()):
         return []
     try:
         parts = element.parts(Values(numbers))

@@ -1,7 +1,7 @@
 """The command line: ``torsionnet COMMAND ...``, also as ``python -m torsionnet``.
 
 Results go to stdout, messages to stderr. Exit codes: 0 done, 1 wrong model, 2 wrong usage, 3 no numerical answer,
-4 missing package, 70 a bug, 74 a file that cannot be written, 130 interrupted, 141 reader gone away.
+4 missing package, 70 a bug, 74 a file that cannot be written, 130 interrupted.
 """
 
 from __future__ import annotations

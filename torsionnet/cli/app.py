@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import keyword
 import sys
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, TextIO, cast
 
 import click
 
-from torsionnet.cli.failures import guarded
+from torsionnet.cli.failures import Printed, guarded
 
 COMMANDS = {  # in the order of use; the texts stand here so that the list of commands imports none of them
     "library": "The models that come with the package.",
@@ -85,8 +86,9 @@ def run(arguments: Sequence[str] | None) -> int:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")  # a console without some character still shows the rest
-    try:
-        app.main(None if arguments is None else list(arguments), prog_name="torsionnet")
-    except SystemExit as finished:
-        return finished.code if isinstance(finished.code, int) else 0
+    with contextlib.redirect_stdout(cast("TextIO", Printed(sys.stdout))):
+        try:
+            app.main(None if arguments is None else list(arguments), prog_name="torsionnet")
+        except SystemExit as finished:
+            return finished.code if isinstance(finished.code, int) else 0
     return 0

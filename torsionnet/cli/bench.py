@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.cli.options import OutputFile, Settings, json_option, plot_option
-from torsionnet.cli.terminal import message, print_json, print_table, wrote
+from torsionnet.cli.terminal import message, print_json, print_table, say, wrote
 
 if TYPE_CHECKING:
     from torsionnet.response import Table
@@ -100,7 +100,7 @@ def _say(results: list[tuple[str, str, Recording]], *, as_json: bool) -> None:
         print_table(_table(record))
         for note in record.notes:
             kind, _, text = note.partition(": ")
-            message("warning", text) if kind == "warning" else click.echo(note)
+            message("warning", text) if kind == "warning" else say(note)
         wrote(path)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from torsionnet.cli.options import json_option
-from torsionnet.cli.terminal import message, print_json
+from torsionnet.cli.terminal import message, print_json, say
 from torsionnet.errors import Fault, UsageError
 from torsionnet.files import read_file
 
@@ -45,8 +45,8 @@ def _errors(faults: Sequence[Fault]) -> int:
 
 def _show(model: str, faults: Sequence[Fault]) -> None:
     for fault in faults:
-        click.echo(str(fault))
-    click.echo(f"{model}: {summary(faults)}")
+        say(str(fault))
+    say(f"{model}: {summary(faults)}")
 
 
 def summary(faults: Sequence[Fault]) -> str:

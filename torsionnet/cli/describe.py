@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import MISSING, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.channels import UNITS
 from torsionnet.checks.units_in_use import parameter_units
 from torsionnet.damping import DampingMeasure
 from torsionnet.elements import Element, Values
-from torsionnet.elements.fields import NodeName, NodePair, Spec, Text, spec_of
+from torsionnet.elements.fields import NodeName, NodePair, Spec, Text
 from torsionnet.elements.laws import Law
 from torsionnet.expressions import Expression, Number
 from torsionnet.response.table import Column, Table
@@ -67,17 +67,13 @@ def nodes_text(element: Element) -> str:
 
 def values_of(element: Element, rig: Drivetrain) -> Iterator[str]:
     """``stiffness k_2 = 460 N*m/rad`` for each value given."""
+    defaults = element.defaults()
     for name, (spec, value) in element.scalars().items():
         if isinstance(spec, SHOWN_ELSEWHERE) or name == "enabled":
             continue  # in columns of their own
-        if value == _default(element, name):
+        if value == defaults[name]:
             continue
         yield f"{name} {value_text(element, spec, value, rig)}"
-
-
-def _default(element: Element, name: str) -> Any:
-    declared = next(entry for entry in element.declared() if entry.name == name)
-    return None if declared.default in (MISSING, None) else spec_of(declared).coerce(declared.default)
 
 
 def value_text(element: Element, spec: Spec, value: Any, rig: Drivetrain) -> str:
@@ -106,10 +102,10 @@ def _viscous(element: Element, rig: Drivetrain) -> str:
 def resolved(value: Expression, unit: str, rig: Drivetrain) -> str:
     """As written, and in SI where that is something else: ``0.46 kN*m/rad = 460 N*m/rad``."""
     number = f"{float(value.evaluate(rig.exact_values)):.6g}{'' if unit == '1' else f' {unit}'}"
-    written = str(value)
-    if written == number or (isinstance(value, Number) and value.unit_dimension is None):
+    if isinstance(value, Number) and value.unit_dimension is None:
         return number
-    return f"{written} = {number}"
+    written = str(value)
+    return number if written == number else f"{written} = {number}"
 
 
 def parameters_table(rig: Drivetrain) -> Table:

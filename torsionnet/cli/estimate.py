@@ -93,12 +93,15 @@ def estimated(
     settings = averaging.settings()
     with progress("averaging", None) as advance:
         measured = load_record(record, reading, (*outputs, *inputs, *averaging.references), settings.seconds, advance)
-        response = estimate(measured, outputs, inputs, averaging.estimator, settings, reference=averaging.references)
+        band = (start, float("inf") if stop is None else stop)
+        response = estimate(
+            measured, outputs, inputs, averaging.estimator, settings, reference=averaging.references, band=band
+        )
     for note in response.notes:
         kind, _, text = note.partition(": ")
         if kind == "warning":
             message("warning", text)
-    return response.between(start, float("inf") if stop is None else stop)
+    return response
 
 
 def peak_table(response: FrequencyResponse, conventions: Conventions) -> Table:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from torsionnet.cli.options import model_options
-from torsionnet.cli.terminal import message, tell
+from torsionnet.cli.terminal import message, say, tell
 
 if TYPE_CHECKING:
     from torsionnet.explore import ExploreServer
@@ -62,7 +62,7 @@ def command(
 
 def _serve(server: ExploreServer, *, open_browser: bool) -> None:
     """Until Ctrl-C, which is the proper end."""
-    click.echo(server.address)
+    say(server.address)
     message("note", "the page is on this machine only; Ctrl-C ends it")
     if open_browser:
         import webbrowser

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import sys
 import warnings
 from collections.abc import Iterator
-from typing import TextIO
+from typing import Any, TextIO
 
 import click
 
 from torsionnet.cli import terminal
 
-BUG, INPUT_OUTPUT, INTERRUPTED, BROKEN_PIPE = 70, 74, 130, 141
+BUG, INPUT_OUTPUT, INTERRUPTED = 70, 74, 130
 DEBUG = "TORSIONNET_DEBUG"
 
 
@@ -32,9 +33,6 @@ def guarded() -> Iterator[None]:
             raise
         except (KeyboardInterrupt, click.Abort):
             raise click.exceptions.Exit(INTERRUPTED) from None
-        except BrokenPipeError:
-            _hush()
-            raise click.exceptions.Exit(BROKEN_PIPE) from None
         except Exception as error:  # noqa: BLE001
             if os.environ.get(DEBUG):
                 import traceback
@@ -87,7 +85,35 @@ class _Warnings:
             terminal.message("warning", shown)
 
 
-def _hush() -> None:
-    """Nobody reads stdout any more: let the flush at exit go nowhere."""
-    with contextlib.suppress(OSError, ValueError):
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+class Printed:
+    """A stream of text that ends where its reader stops reading: what is printed after that goes nowhere.
+
+    ``torsionnet frf ... --csv all.csv | head -2`` writes its file like any other. A program started without any
+    output (``>&-``) has a reader that never began.
+    """
+
+    def __init__(self, stream: TextIO | None) -> None:
+        self._stream = io.StringIO() if stream is None else stream
+
+    def write(self, text: str) -> int:
+        """Write, if anybody reads."""
+        with self._until_closed():
+            self._stream.write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        """Pass on what was written, if anybody reads."""
+        with self._until_closed():
+            self._stream.flush()
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._stream, name)
+
+    @contextlib.contextmanager
+    def _until_closed(self) -> Iterator[None]:
+        try:
+            yield
+        except BrokenPipeError:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, self._stream.fileno())
+            os.close(nowhere)

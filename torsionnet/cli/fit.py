@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.cli.options import OutputFile, csv_option, json_option, plot_option
-from torsionnet.cli.terminal import message, print_json, print_table, wrote
+from torsionnet.cli.terminal import message, print_json, print_table, say, wrote
 
 if TYPE_CHECKING:
     from torsionnet.identification import Fit
+    from torsionnet.identification.files import FitPlan
 
 
 @click.command("fit")
@@ -49,6 +50,7 @@ def command(
 
     with progress("fitting", None):
         plan = load_fit_plan(file, read_frequency_response)
+        _announce(plan)
         found = identify(plan.model, plan.measurements, plan.parameters, **plan.options)
         profiles = {name: found.profile(name) for name in found.values} if profile else {}
     if as_json:
@@ -56,7 +58,7 @@ def command(
     else:
         print_table(found.table(true=plan.true or None))
         for name, (low, high) in profiles.items():
-            click.echo(f"{name}: 95 % by profile likelihood from {low:.6g} to {high:.6g}")
+            say(f"{name}: 95 % by profile likelihood from {low:.6g} to {high:.6g}")
     for verdict in found.verdicts:
         message("warning", verdict)
     if csv_file:
@@ -81,6 +83,25 @@ def _lack(found: Fit) -> dict[str, Any] | None:
 
     lack = found.lack_of_fit
     return None if lack is None else {"rejected": lack.rejected, **asdict(lack)}
+
+
+def _announce(plan: FitPlan) -> None:
+    """How records are decimated, and the memory that the fit takes if that is much."""
+    from torsionnet.cli.memory import announce
+    from torsionnet.identification.memory import demand, total
+    from torsionnet.signals.decimation import usable_up_to
+    from torsionnet.signals.recording import Recording
+
+    demands = []
+    for one in plan.measurements:
+        record, settings = one.data, one.settings
+        if isinstance(record, Recording) and settings is not None:
+            limit = usable_up_to(record.sampling_rate, settings.decimation)
+            if settings.decimation > 1:
+                rate = record.sampling_rate / settings.decimation
+                message("note", f"{one.label}: decimated by {settings.decimation} to {rate:g} Hz")
+            demands.append(demand(record, settings, one.band or (0.0, limit)))
+    announce(total(demands), "narrower bands, or shorter windows (seconds), take less")
 
 
 def _as_data(found: Fit, profiles: dict[str, tuple[float, float]], true: Any) -> dict[str, Any]:

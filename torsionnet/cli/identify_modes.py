@@ -8,7 +8,7 @@ import click
 
 from torsionnet.cli.options import csv_option, json_option, plot_option
 from torsionnet.cli.record_options import Averaging, Reading, estimator_options, record_options
-from torsionnet.cli.terminal import message, print_json, print_table, wrote
+from torsionnet.cli.terminal import message, print_json, print_table, say, wrote
 
 if TYPE_CHECKING:
     from torsionnet.modal import Match, ModalEstimate
@@ -69,7 +69,7 @@ def command(
     else:
         print_table(found.table())
         if compared:
-            click.echo()
+            say()
             print_table(compared.table())
     for note in found.notes:
         kind, _, text = note.partition(": ")

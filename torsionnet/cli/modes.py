@@ -9,7 +9,7 @@ import click
 
 from torsionnet.cli.cases import Case, file_of, joined, load_cases
 from torsionnet.cli.options import csv_option, frequency_unit_option, json_option, model_options, plot_option
-from torsionnet.cli.terminal import print_json, print_table, wrote
+from torsionnet.cli.terminal import print_json, print_table, say, wrote
 
 if TYPE_CHECKING:
     from torsionnet.response import Conventions, Modes, Table
@@ -63,7 +63,7 @@ def command(
             wanted = [(True, on_screen(table)), (shapes, modes.shape_table()), (energies, modes.energy_table())]
             for position, extra in enumerate(table for shown, table in wanted if shown):
                 if number or position:
-                    click.echo()
+                    say()
                 print_table(extra)
     if csv_file:
         joined(cases, tables, named=bool(configurations)).to_csv(csv_file)

@@ -33,6 +33,23 @@ class Pair(PairType):
         return channel, word
 
 
+class Steps(Pair):
+    """``CHANNEL=STEPS``, a number above 0."""
+
+    def __init__(self) -> None:
+        super().__init__("STEPS", "n1=60")
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        channel, word = super().convert(value, param, ctx)
+        try:
+            steps = float(word)
+        except ValueError:
+            steps = 0.0
+        if not 0 < steps < float("inf"):
+            self.fail(f"{channel}: the steps per revolution must be a positive number, got {word}", param, ctx)
+        return channel, steps
+
+
 @dataclass(frozen=True)
 class Reading:
     """How a file of signals is read."""
@@ -43,6 +60,7 @@ class Reading:
     separator: str | None = None
     decimal: str | None = None
     resample: bool = False
+    pulses: tuple[tuple[str, float], ...] = ()
 
     @property
     def arguments(self) -> dict[str, Any]:
@@ -52,6 +70,7 @@ class Reading:
             "quantities": dict(self.quantities),
             "units": dict(self.units),
             "sampling_rate": self.rate,
+            **({"pulses": dict(self.pulses)} if self.pulses else {}),
             **{key: value for key, value in dialect.items() if value is not None},
         }
 
@@ -97,6 +116,13 @@ def record_options(command: F) -> F:
         ),
         click.option("--separator", help="Between the cells of a text file, instead of finding it out."),
         click.option("--decimal", type=click.Choice([".", ","]), help="Decimal sign of a text file."),
+        click.option(
+            "--pulses",
+            type=Steps(),
+            multiple=True,
+            help="A channel of encoder pulses, or of their times, and its steps per revolution: it becomes an angle. "
+            "Repeatable.",
+        ),
         click.option("--resample", is_flag=True, help="Make uneven time stamps even by splines."),
     ]
     return _gathered(command, options, "reading", Reading)

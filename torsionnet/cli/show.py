@@ -8,7 +8,7 @@ import click
 
 from torsionnet.cli.cases import Case, file_of, joined, load_cases
 from torsionnet.cli.options import csv_option, json_option, model_options, plot_option
-from torsionnet.cli.terminal import print_json, print_table, wrote
+from torsionnet.cli.terminal import print_json, print_table, say, wrote
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -41,7 +41,7 @@ def command(
     else:
         for number, case in enumerate(cases):
             if number:
-                click.echo()
+                say()
             _show(case.drivetrain, equations, matrices)
     if csv_file:
         from torsionnet.cli.describe import elements_table
@@ -58,26 +58,26 @@ def _show(rig: Drivetrain, equations: bool, matrices: bool) -> None:
     if equations:
         from torsionnet.cli.equations import equations_text
 
-        click.echo(equations_text(rig))
+        say(equations_text(rig))
     if matrices:
         from torsionnet.cli.equations import matrix_tables
 
         for number, table in enumerate(matrix_tables(rig)):
             if number or equations:
-                click.echo()
+                say()
             print_table(table)
 
 
 def _describe(rig: Drivetrain) -> None:
     from torsionnet.cli.describe import tables
 
-    click.echo(rig.title)
+    say(rig.title)
     for text in (rig.description, rig.source and f"Source: {rig.source}"):
         if text:
-            click.echo(text)
+            say(text)
     for table in tables(rig):
         if table.rows:
-            click.echo()
+            say()
             print_table(table)
 
 

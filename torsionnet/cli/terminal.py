@@ -6,9 +6,12 @@ import math
 import os
 import sys
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from torsionnet.errors import visible
 
 if TYPE_CHECKING:
     from torsionnet.errors import Fault
@@ -21,7 +24,12 @@ NARROWEST, NARROWEST_TEXT, BETWEEN_COLUMNS = 9, 16, 2
 def message(kind: str, text: str) -> None:
     """``kind: text`` on stderr."""
     head = click.style(f"{kind}:", fg=COLOURS.get(kind), bold=True) if _coloured(sys.stderr) else f"{kind}:"
-    click.echo(f"{head} {text}", err=True)
+    click.echo(f"{head} {visible(text)}", err=True)
+
+
+def say(text: str = "") -> None:
+    """A line on stdout."""
+    click.echo(visible(text))
 
 
 def wrote(path: str) -> None:
@@ -54,12 +62,19 @@ def finite(data: Any) -> Any:
 
 def print_table(table: Table) -> None:
     """A framed table on a terminal, aligned text in a pipe or file."""
+    table = _safe(table)
     if sys.stdout.isatty():
         _print_framed(table)
     else:
         click.echo("\n".join(_aligned(table)))
     for note in table.notes:
-        click.echo(note)
+        say(note)
+
+
+def _safe(table: Table) -> Table:
+    """With texts of files as they can be shown."""
+    rows = tuple(tuple(visible(cell) if isinstance(cell, str) else cell for cell in row) for row in table.rows)
+    return replace(table, title=visible(table.title), rows=rows)
 
 
 def _coloured(stream: Any) -> bool:

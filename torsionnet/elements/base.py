@@ -7,15 +7,27 @@ known to model files, the JSON Schema, the checks and the documentation.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import MISSING, Field, dataclass, fields
 from functools import cache
 from typing import Any, ClassVar, TypeVar
 
 from torsionnet.damping import DampingMeasure
-from torsionnet.elements.fields import FieldError, Flag, NodeName, NodePair, Spec, Text, entry, node_name_fault, spec_of
+from torsionnet.elements.fields import (
+    FieldError,
+    Flag,
+    NodeName,
+    NodePair,
+    Quantity,
+    Spec,
+    Text,
+    entry,
+    node_name_fault,
+    spec_of,
+)
 from torsionnet.elements.laws import Constraint, Law, Part, Row, Values
 from torsionnet.errors import Fault, ModelError, Path
+from torsionnet.expressions import Expression
 
 ELEMENT_TYPES: dict[str, type[Element]] = {}
 
@@ -64,14 +76,14 @@ class Element:
     def _coerce_fields(self) -> list[Fault]:
         reason = node_name_fault(self.name) if isinstance(self.name, str) else f"{self.name!r} is no name"
         faults = [Fault(reason, ("elements", str(self.name)))] if reason else []
-        for declared in self.declared():
-            raw = getattr(self, declared.name)
-            if raw is None and declared.default is None:
-                continue
+        defaults = self._defaults()
+        for name, spec in self.specs():
+            raw = getattr(self, name)
+            default, stored = defaults[name]
             try:
-                object.__setattr__(self, declared.name, spec_of(declared).coerce(raw))
+                object.__setattr__(self, name, stored if raw is default else spec.coerce(raw))
             except FieldError as error:
-                faults.append(error.fault.under("elements", self.name, declared.name))
+                faults.append(error.fault.under("elements", self.name, name))
         return faults
 
     @classmethod
@@ -80,6 +92,41 @@ class Element:
         """The fields with a specification, in the order of the class; the common ones last."""
         own = [declared for declared in fields(cls) if "spec" in declared.metadata]
         return tuple(sorted(own, key=lambda declared: declared.kw_only is True))
+
+    @classmethod
+    @cache
+    def specs(cls) -> tuple[tuple[str, Spec], ...]:
+        """Name and specification of every field, in the same order."""
+        return tuple((declared.name, spec_of(declared)) for declared in cls.declared())
+
+    @classmethod
+    @cache
+    def required(cls) -> tuple[str, ...]:
+        """Names of the fields that have to be given."""
+        return tuple(declared.name for declared in cls.declared() if declared.default is MISSING)
+
+    @classmethod
+    @cache
+    def defaults(cls) -> Mapping[str, Any]:
+        """The default of every field as it is stored; None where there is none."""
+        return {name: stored for name, (_, stored) in cls._defaults().items()}
+
+    @classmethod
+    @cache
+    def _defaults(cls) -> Mapping[str, tuple[Any, Any]]:
+        """The default of every field as it is declared and as it is stored."""
+        return {
+            declared.name: (
+                declared.default,
+                None if declared.default in (MISSING, None) else spec_of(declared).coerce(declared.default),
+            )
+            for declared in cls.declared()
+        }
+
+    @classmethod
+    @cache
+    def _specs_of(cls, *kinds: type[Spec]) -> tuple[tuple[str, Spec], ...]:
+        return tuple((name, spec) for name, spec in cls.specs() if isinstance(spec, kinds))
 
     def contradictions(self) -> list[tuple[Path, str]]:
         """(path, message) of fields that are fine alone but not together."""
@@ -102,12 +149,12 @@ class Element:
     def ports(self) -> dict[str, str]:
         """Port name to node, the port that defines the sign of the torque first."""
         ports: dict[str, str] = {}
-        for declared in self.declared():
-            spec, nodes = spec_of(declared), getattr(self, declared.name)
+        for name, spec in self._specs_of(NodePair, NodeName):
+            nodes = getattr(self, name)
             if isinstance(spec, NodePair):
-                ports |= {"first": nodes[0], "second": nodes[1]}
-            elif isinstance(spec, NodeName) and nodes is not None:
-                ports[declared.name] = nodes
+                ports["first"], ports["second"] = nodes
+            elif nodes is not None:
+                ports[name] = nodes
         return ports
 
     def sign_at(self, at: str | None) -> str:
@@ -138,23 +185,25 @@ class Element:
 
     def scalars(self) -> dict[str, tuple[Spec, Any]]:
         """Field name to (specification, value) of everything that was given."""
-        given = {declared.name: (spec_of(declared), getattr(self, declared.name)) for declared in self.declared()}
-        return {name: pair for name, pair in given.items() if pair[1] is not None}
+        return {name: (spec, value) for name, spec in self.specs() if (value := getattr(self, name)) is not None}
+
+    def expressions(self) -> Iterator[tuple[Path, Spec, Expression, str]]:
+        """(path of the entry, specification, expression, dimension name) of every expression in its fields."""
+        for name, spec in self._specs_of(Quantity):
+            value = getattr(self, name)
+            if value is not None:
+                for subpath, expression, dimension in spec.expressions(value):
+                    yield (name, *subpath), spec, expression, dimension
 
     def to_data(self) -> dict[str, Any]:
         """The entry of a model file that makes this element."""
         data: dict[str, Any] = {"type": self.kind}
-        for declared in self.declared():
-            current = getattr(self, declared.name)
-            if current is not None and current != _default(declared):
-                data[declared.name] = spec_of(declared).plain(current)
+        defaults = self.defaults()
+        for name, spec in self.specs():
+            current = getattr(self, name)
+            if current is not None and current != defaults[name]:
+                data[name] = spec.plain(current)
         return data
-
-
-def _default(declared: Field[Any]) -> Any:
-    """The default of a field as it is stored."""
-    given = declared.default is not MISSING and declared.default is not None
-    return spec_of(declared).coerce(declared.default) if given else None
 
 
 def make_element(kind: str, name: str, data: Mapping[str, Any]) -> Element:

@@ -8,10 +8,20 @@ ask for.
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from types import MappingProxyType
 from typing import Any, NamedTuple, TypeAlias
 
 import yaml
+from yaml.events import (
+    AliasEvent,
+    MappingEndEvent,
+    ScalarEvent,
+    SequenceEndEvent,
+    SequenceStartEvent,
+    StreamEndEvent,
+)
 
 from torsionnet.errors import Fault, ModelError, Path, Position
 from torsionnet.files.scalars import plain_value
@@ -53,15 +63,30 @@ class Span(NamedTuple):
     end_column: int
 
 
+Place: TypeAlias = tuple[int, int, int, int]
+_NOTHING: Mapping[str | int, Node] = MappingProxyType({})
+
+
 @dataclass(slots=True)
 class Node:
-    """A value with its place and that of its key; ``size`` counts the values in it, aliases followed."""
+    """A value with its place and that of its key; ``size`` counts the values in it, aliases followed.
+
+    Places are those of a :class:`Span` in a plain tuple, which Python's collector of cycles can forget about.
+    """
 
     value: Any
-    span: Span
-    key: Span | None = None
-    entries: dict[str | int, Node] = field(default_factory=dict)
+    place: Place
+    entries: Mapping[str | int, Node]
     size: int = 1
+    key_place: Place | None = None
+
+    @property
+    def span(self) -> Span:
+        return Span(*self.place)
+
+    @property
+    def key(self) -> Span | None:
+        return Span(*self.key_place) if self.key_place else None
 
 
 @dataclass
@@ -126,9 +151,6 @@ def compose(text: str, file: str, parser: Any = None) -> Document:
     return document
 
 
-Entry: TypeAlias = "tuple[str, Span]"
-
-
 class _Composer:
     """One pass over the events; its recursion is as deep as the data, which is bounded."""
 
@@ -140,12 +162,12 @@ class _Composer:
 
     def document(self) -> None:
         self.events.get_event()
-        if isinstance(self.events.get_event(), yaml.StreamEndEvent):
+        if type(self.events.get_event()) is StreamEndEvent:
             return
         self.result.root = self.node(self.events.get_event(), (), 0)
         self.events.get_event()
         more = self.events.get_event()
-        if not isinstance(more, yaml.StreamEndEvent):
+        if type(more) is not StreamEndEvent:
             raise self.refusal("a second document begins here (---); a file holds one model", _span(more))
 
     def refusal(self, message: str, span: Span) -> ModelError:
@@ -154,25 +176,24 @@ class _Composer:
     def node(self, event: Any, path: Path, depth: int) -> Node:
         if depth > MOST_LEVELS:
             raise self.refusal(f"entries are nested more than {MOST_LEVELS} levels deep", _span(event))
-        if isinstance(event, yaml.AliasEvent):
+        kind = type(event)
+        if kind is AliasEvent:
             return self.grow(self.alias(event), event)
-        if event.tag is not None and not (event.tag == "!" and isinstance(event, yaml.ScalarEvent)):
+        if event.tag is not None and not (event.tag == "!" and kind is ScalarEvent):
             raise self.refusal(
                 f'tags such as "{_tag(event.tag)}" have no meaning in a model file; delete it', _span(event)
             )
-        if isinstance(event, yaml.ScalarEvent):
-            node = Node(plain_value(event.value) if event.implicit[0] else event.value, _span(event))
-        elif isinstance(event, yaml.SequenceStartEvent):
-            node = self.sequence(event, path, depth)
+        if kind is ScalarEvent:
+            node = Node(plain_value(event.value) if event.implicit[0] else event.value, _place(event), _NOTHING)
         else:
-            node = self.mapping(event, path, depth)
+            node = (self.sequence if kind is SequenceStartEvent else self.mapping)(event, path, depth)
         if event.anchor:
             self.anchors[event.anchor] = node
         return self.grow(node, event)
 
     def grow(self, node: Node, event: Any) -> Node:
         """Count a finished value: an alias counts as all it stands for, anything else was counted within."""
-        self.count += node.size if isinstance(event, yaml.AliasEvent) else 1
+        self.count += node.size if type(event) is AliasEvent else 1
         if self.count > MOST_NODES:
             raise self.refusal(f"the file holds more than {MOST_NODES} entries, aliases (*) followed", _span(event))
         return node
@@ -183,43 +204,42 @@ class _Composer:
                 f'no anchor "&{event.anchor}" stands before this alias; text that begins with * needs quotes',
                 _span(event),
             )
-        return replace(self.anchors[event.anchor], span=_span(event), key=None)
+        return replace(self.anchors[event.anchor], place=_place(event), key_place=None)
 
     def sequence(self, event: Any, path: Path, depth: int) -> Node:
-        node = Node([], _span(event))
-        while not isinstance(inner := self.events.get_event(), yaml.SequenceEndEvent):
-            index = len(node.value)
-            entry = self.node(inner, (*path, index), depth + 1)
-            node.value.append(entry.value)
-            node.entries[index] = entry
-            node.size += entry.size
-        node.span = _between(event, inner)
-        return node
+        entries: dict[str | int, Node] = {}
+        size = 1
+        while type(inner := self.events.get_event()) is not SequenceEndEvent:
+            index = len(entries)
+            entry = entries[index] = self.node(inner, (*path, index), depth + 1)
+            size += entry.size
+        return Node([entry.value for entry in entries.values()], _between(event, inner), entries, size)
 
     def mapping(self, event: Any, path: Path, depth: int) -> Node:
-        node = Node({}, _span(event))
-        while not isinstance(inner := self.events.get_event(), yaml.MappingEndEvent):
-            key, span = self.key(inner)
+        entries: dict[str | int, Node] = {}
+        size = 1
+        while type(inner := self.events.get_event()) is not MappingEndEvent:
+            key, place = self.key(inner), _place(inner)
             entry = self.node(self.events.get_event(), (*path, key), depth + 1)
-            node.size += entry.size
-            entry.key = span
-            if key in node.entries:
-                self.duplicate(node.entries[key], entry, (*path, key))
+            size += entry.size
+            entry.key_place = place
+            if key in entries:
+                self.duplicate(entries[key], entry, (*path, key))
             else:
-                node.value[key] = entry.value
-                node.entries[key] = entry
-        node.span = _between(event, inner)
-        return node
+                entries[key] = entry
+        values = {key: entry.value for key, entry in entries.items()}
+        return Node(values, _between(event, inner), entries, size)
 
-    def key(self, event: Any) -> Entry:
-        span = _span(event)
-        if not isinstance(event, yaml.ScalarEvent):
-            raise self.refusal("a name is expected before the colon, not a list, mapping or alias", span)
+    def key(self, event: Any) -> str:
+        if type(event) is not ScalarEvent:
+            raise self.refusal("a name is expected before the colon, not a list, mapping or alias", _span(event))
         if event.value == "<<" and event.implicit[0]:
-            raise self.refusal("merging with << is not supported; write the entries out", span)
+            raise self.refusal("merging with << is not supported; write the entries out", _span(event))
         if event.tag is not None:
-            raise self.refusal(f'tags such as "{_tag(event.tag)}" have no meaning in a model file; delete it', span)
-        return event.value, span
+            raise self.refusal(
+                f'tags such as "{_tag(event.tag)}" have no meaning in a model file; delete it', _span(event)
+            )
+        return event.value
 
     def duplicate(self, first: Node, second: Node, path: Path) -> None:
         """Both places are named; the first entry counts, so that the others can still be checked against it."""
@@ -231,13 +251,17 @@ class _Composer:
         self.result.dropped.append((path, second.value))
 
 
-def _span(event: Any) -> Span:
+def _place(event: Any) -> Place:
     start, end = event.start_mark, event.end_mark
-    return Span(start.line, start.column, end.line, end.column)
+    return start.line, start.column, end.line, end.column
 
 
-def _between(first: Any, last: Any) -> Span:
-    return Span(first.start_mark.line, first.start_mark.column, last.end_mark.line, last.end_mark.column)
+def _span(event: Any) -> Span:
+    return Span(*_place(event))
+
+
+def _between(first: Any, last: Any) -> Place:
+    return first.start_mark.line, first.start_mark.column, last.end_mark.line, last.end_mark.column
 
 
 def _tag(tag: str) -> str:

@@ -21,12 +21,14 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.identification.instrument import instrument_of
 from torsionnet.identification.measurement import Measurement
+from torsionnet.identification.memory import check_memory
 from torsionnet.identification.noise import Noise, noise_between_lines, noise_between_windows
 from torsionnet.identification.operator import WindowedEstimate, windowed_estimate
 from torsionnet.identification.steps import steps_covariance
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.frequency_response import Channel
 from torsionnet.sensitivity import ParametricResponse, parametric_response
+from torsionnet.signals.decimation import factor_for
 from torsionnet.signals.estimators import estimate
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import PAPER, Welch
@@ -35,8 +37,6 @@ HANN = (1.0, 2 / 3, 1 / 6)
 """Correlation of neighbouring lines under a Hann window, taken for that of estimates whose window is not known."""
 LOWEST_COHERENCE, HIGHEST_COHERENCE = 1e-3, 1 - 1e-6
 SOURCE_ROUNDS = 5
-FAST = 1000.0
-"""Hz; records above are decimated unless the settings say otherwise."""
 
 
 @dataclass(eq=False)
@@ -307,8 +307,9 @@ def make_block(model: Drivetrain, measurement: Measurement, parameters: tuple[st
         chosen = _chosen_lines(data.select(measurement.output, measurement.input), measurement)
         response = _response(rig, measurement, chosen.frequencies, parameters, (chosen.outputs[0], chosen.inputs[0]))
         return ResponseBlock(measurement, response, chosen, form)
-    settings = measurement.settings or default_settings(data)
+    settings = measurement.settings or default_settings(data, measurement.band)
     band = measurement.band or _usable_band(data, measurement, settings)
+    check_memory(measurement.label, data, settings, band)
     windowed = windowed_estimate(
         data,
         measurement.output,
@@ -326,9 +327,9 @@ def make_block(model: Drivetrain, measurement: Measurement, parameters: tuple[st
     return RecordBlock(measurement, response, windowed, kept, steps)
 
 
-def default_settings(record: Recording) -> Welch:
-    """The source paper's windows; records faster than 1 kHz are decimated to between 200 and 400 Hz."""
-    factor = int(record.sampling_rate // 200) if record.sampling_rate > FAST else 1
+def default_settings(record: Recording, band: tuple[float, float] | None = None) -> Welch:
+    """The source paper's windows; records faster than 1 kHz are decimated as far as the band allows."""
+    factor = factor_for(record.sampling_rate, band[1] if band else 0.0)
     return Welch(PAPER.window, PAPER.seconds, PAPER.overlap, decimation=factor)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +17,12 @@ from torsionnet.files import load
 from torsionnet.files.decoding import decode
 from torsionnet.files.located import Document, compose
 from torsionnet.files.placing import placed, presentable
+from torsionnet.identification.blocks import default_settings
 from torsionnet.identification.instrument import set_points
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.unknown import Unknown
 from torsionnet.response import FrequencyResponse
+from torsionnet.signals.decimation import factor_for
 from torsionnet.signals.files import channel_names, read_recording
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import PAPER, Welch
@@ -35,7 +37,7 @@ SETTINGS: dict[str, Spec] = {
     "overlap": Value("share of a segment that the next one repeats", "1"),
     "detrend": Text("mean, linear or none"),
     "estimator": Text("H1, H2 or Hr; by default Hr where there is a set-point, else H1"),
-    "decimation": Count("keep every n-th sample", upper=100_000),
+    "decimation": Count("keep every n-th sample; by default as many as the band needs", upper=100_000),
 }
 MEASUREMENT: dict[str, Spec] = {
     "record": Text("file of signals, from the folder of this file"),
@@ -53,6 +55,8 @@ MEASUREMENT: dict[str, Spec] = {
 }
 NEEDS = {"record": "either record or response"}
 BANDS = ("band", "excluded")
+LISTED = (*BANDS, "pulses")
+"""Entries of a measurement that are more than one value."""
 PARAMETER = ("start", "bounds", "prior", "per_configuration")
 ReadResponse = Callable[[Path], FrequencyResponse]
 _HERTZ = Value("frequency", "frequency")
@@ -152,8 +156,6 @@ class _Reader:
         if preset not in ("", "paper"):
             self.faults.append(Fault(f'no preset is named "{preset}"; there is paper', ("settings", "preset")))
         try:
-            from dataclasses import replace
-
             return replace(PAPER if preset else Welch(), **values)
         except UsageError as error:
             self.faults.append(Fault(str(error), ("settings",)))
@@ -208,8 +210,8 @@ class _Reader:
                     values[key] = specs[key].coerce(entry)
                 except FieldError as error:
                     self.faults.append(error.fault.under(*path, key))
-            elif key not in BANDS or path[0] != "measurements":
-                known = [*specs, *(BANDS if path[0] == "measurements" else ())]
+            elif key not in LISTED or path[0] != "measurements":
+                known = [*specs, *(LISTED if path[0] == "measurements" else ())]
                 self.faults.append(unknown_key(key, known, (*path, key), f"known: {', '.join(known)}"))
         return values
 
@@ -232,11 +234,21 @@ class _Reader:
             if lacking or len(values) < len([key for key in raw if key in MEASUREMENT]):
                 continue
             key = "record" if "record" in raw else "response"
+            pulses = self._pulses(raw.get("pulses"), (*path, "pulses"))
             names = [values[name] for name in ("output", "input", "reference") if name in values]
-            data = self._data(key, values.pop(key), names, model, path)
+            data = self._data(key, values.pop(key), names, pulses, model, path)
             if data is not None:
                 more = {**values, "configuration": configuration, **bands}
-                yield Measurement(data, name=str(name), settings=settings if key == "record" else None, **more)
+                chosen = self._chosen(settings, data, bands.get("band")) if isinstance(data, Recording) else None
+                yield Measurement(data, name=str(name), settings=chosen, **more)
+
+    def _chosen(self, settings: Welch | None, record: Recording, band: tuple[float, float] | None) -> Welch:
+        """Settings for one record, decimated as far as its band allows where the file does not say how."""
+        if settings is None:
+            return default_settings(record, band)
+        if "decimation" in self._table("settings"):
+            return settings
+        return replace(settings, decimation=factor_for(record.sampling_rate, band[1] if band else 0.0))
 
     def _configuration(self, model: Drivetrain, name: str, given: str, path: tuple[str, ...]) -> str:
         if not given:
@@ -272,8 +284,22 @@ class _Reader:
             return None
         return low, high
 
+    def _pulses(self, raw: Any, path: tuple[str, ...]) -> Mapping[str, float]:
+        if raw is None:
+            return {}
+        if not isinstance(raw, Mapping) or not all(isinstance(one, (int, float)) and one > 0 for one in raw.values()):
+            self.faults.append(Fault(f"expected the steps per revolution of channels, {{n1: 60}}, got {raw!r}", path))
+            return {}
+        return {str(name): float(steps) for name, steps in raw.items()}
+
     def _data(
-        self, key: str, file: str, names: list[str], model: Drivetrain | None, path: tuple[str, ...]
+        self,
+        key: str,
+        file: str,
+        names: list[str],
+        pulses: Mapping[str, float],
+        model: Drivetrain | None,
+        path: tuple[str, ...],
     ) -> FrequencyResponse | Recording | None:
         target = self.folder / file
         if not target.is_file():
@@ -286,7 +312,7 @@ class _Reader:
                 return self.read_response(target)
             there = channel_names(target)
             offered = [name for name in set_points(model) if name in there] if model else []
-            return read_recording(target, names=list(dict.fromkeys([*names, *offered])))
+            return read_recording(target, names=list(dict.fromkeys([*names, *offered])), pulses=pulses)
         except ModelError as error:
             self.faults += [Fault(f"{file}: {fault.message}", (*path, key)) for fault in error.faults]
         except UsageError as error:

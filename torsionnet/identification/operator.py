@@ -74,8 +74,8 @@ class WindowedEstimate:
         """The same for unit white noise on the input, which the prediction passes on through G."""
         n, first = _padded(self.rows.count), self._first
         both = np.zeros(n, dtype=complex)
-        both[first : first + len(G)] = G.conj()
-        both[n - first - len(G) + 1 : n - first + 1] = G[::-1]
+        both[first : first + len(G)] = G
+        both[n - first - len(G) + 1 : n - first + 1] = G[::-1].conj()
         return self.rows.filtered_covariance(both)
 
     def unexplained(self, G: ComplexArray) -> FloatArray:

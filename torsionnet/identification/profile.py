@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from torsionnet.identification.fit import Fit
 
 DOUBLINGS = 12
+EDGE = 1e-6
+"""How near to a bound the model is asked, over the way there: at the bound itself (no inertia) there may be none."""
 
 
 def profile_interval(fit: Fit, name: str, level: float) -> tuple[float, float]:
@@ -54,9 +56,9 @@ class _Profile:
         for _ in range(DOUBLINGS):
             place = self.best[self.index] + sign * reach
             if (place - bound) * sign >= 0:
-                if self.rise(bound, guess) < 0:
-                    return bound if np.isfinite(bound) else sign * np.inf
-                place = bound
+                place = bound + EDGE * (self.best[self.index] - bound)
+                if self.rise(place, guess) < 0:
+                    return bound
             if self.rise(place, guess) >= 0:
                 low, high = sorted((inside, place))
                 return float(brentq(self.rise, low, high, args=(guess,), xtol=1e-3 * self.step))

@@ -20,8 +20,8 @@ from torsionnet.signals.welch import Welch
 
 BATCH = 2**21
 """Numbers that are transformed together."""
-HELD = 3 * 2**27
-"""Bytes of filtered rows that are kept at a time; what takes more is calculated block by block, twice over."""
+HELD = 2**28
+"""Bytes of filtered rows up to which all are kept at a time."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,7 +111,8 @@ class SegmentRows:
     @cached_property
     def squares(self) -> FloatArray:
         """Sum of the squares of each piece, (n_b,)."""
-        return np.concatenate([(np.abs(self.segments.pieces(lines)) ** 2).sum(axis=1) for lines in self._pieces_held()])
+        some = self._some(self.segments.length)
+        return np.concatenate([(np.abs(self.segments.pieces(lines)) ** 2).sum(axis=1) for lines in some])
 
     def covariance(self) -> FloatArray:
         """Of real and imaginary parts of rows @ white noise of unit variance, (2 n_b, 2 n_b).
@@ -131,37 +132,33 @@ class SegmentRows:
         return _parts_covariance(conjugate, plain)
 
     def filtered_covariance(self, spectrum: ComplexArray) -> FloatArray:
-        """The same for noise that a filter has passed: a spectrum (n,) of twice the record or more, without circling.
+        """The same for noise over the record that a filter of this spectrum (n_p,) passes on, n_p >= 2 n."""
+        if 16 * self.count * len(self.segments.bins) > HELD:
+            return self._row_by_row(spectrum)
+        rows = np.concatenate([self._backwards(lines, spectrum) for lines in self._some(len(spectrum))])
+        parts = np.concatenate([rows.real, rows.imag])
+        return np.asarray(parts @ parts.T)
 
-        ``spectrum`` is that of the filter turned back in time, by which each row is multiplied.
-        """
-        lines = len(self.segments.bins)
-        most = max(1, HELD // (16 * self.count))
-        blocks = [slice(begin, min(begin + most, lines)) for begin in range(0, lines, most)]
-        found = np.zeros((2, lines, 2, lines))
-        for place, one in enumerate(blocks):
-            rows = self._filtered(one, spectrum)
-            for other in blocks[place:]:
-                others = rows if other is one else self._filtered(other, spectrum)
-                part = np.tensordot(rows, others, axes=(2, 2))
-                found[:, one, :, other] = part
-                found[:, other, :, one] = part.transpose(2, 3, 0, 1)
-        return found.reshape(2 * lines, 2 * lines)
+    def _row_by_row(self, spectrum: ComplexArray) -> FloatArray:
+        """With one row in memory at a time: what reaches the output from a row is estimated as an output is."""
+        size = (len(self.segments.bins),) * 2
+        conjugate, plain = np.zeros(size, dtype=complex), np.zeros(size, dtype=complex)
+        for line in range(len(self.segments.bins)):
+            before = np.fft.fft(self._backwards(slice(line, line + 1), spectrum)[0], len(spectrum))
+            after = np.fft.ifft(before * spectrum)[: self.count]
+            real, imaginary = self.apply(after.real), self.apply(after.imag)
+            conjugate[:, line], plain[:, line] = real - 1j * imaginary, real + 1j * imaginary
+        return _parts_covariance(conjugate, plain)
 
-    def _filtered(self, lines: slice, spectrum: ComplexArray) -> FloatArray:
-        """Real and imaginary parts of filtered rows, (2, n_lines, n)."""
-        found = np.empty((2, lines.stop - lines.start, self.count))
-        batch = max(1, BATCH // len(spectrum))
-        for begin in range(lines.start, lines.stop, batch):
-            some = slice(begin, min(begin + batch, lines.stop))
-            passed = np.fft.fft(self.dense(some), len(spectrum), axis=1)
-            passed *= spectrum
-            rows = np.fft.ifft(passed, axis=1)[:, : self.count]
-            found[:, begin - lines.start : some.stop - lines.start] = rows.real, rows.imag
-        return found
+    def _backwards(self, lines: slice, spectrum: ComplexArray) -> ComplexArray:
+        """Rows @ filter: what a sample before the filter does to the lines, (n_lines, n)."""
+        passed = np.fft.fft(self.dense(lines), len(spectrum), axis=1)
+        passed *= spectrum.conj()
+        return np.fft.ifft(passed, axis=1)[:, : self.count]
 
-    def _pieces_held(self) -> Iterator[slice]:
-        batch, lines = max(1, BATCH // self.segments.length), len(self.segments.bins)
+    def _some(self, size: int) -> Iterator[slice]:
+        """Lines a few at a time, with so many numbers each."""
+        batch, lines = max(1, BATCH // size), len(self.segments.bins)
         yield from (slice(begin, min(begin + batch, lines)) for begin in range(0, lines, batch))
 
 

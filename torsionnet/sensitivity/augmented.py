@@ -11,8 +11,9 @@ matrix is symmetric: the same factors serve readings and loads.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
@@ -21,10 +22,10 @@ import numpy as np
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.elements import Row, Values
 from torsionnet.elements.tables import StiffnessTable
-from torsionnet.elimination import exact, reduce_rows
+from torsionnet.elimination import exact
 from torsionnet.errors import UsageError
 from torsionnet.kinematics import OwnedPart, constraints_of, imposed_rows, owned_parts
-from torsionnet.sensitivity.dual import DUALS, gradient_of
+from torsionnet.sensitivity.dual import DUALS, gradient_of, value_of
 from torsionnet.sensitivity.unknowns import Unknowns
 
 
@@ -43,10 +44,6 @@ class Rows:
     values: FloatArray
     slopes: FloatArray
 
-    def on(self, T: FloatArray) -> Rows:
-        """The rows over q, where theta = T q."""
-        return Rows(self.values @ T, np.einsum("rnp,nq->rqp", self.slopes, T))
-
 
 @dataclass(frozen=True, eq=False)
 class Augmented:
@@ -60,6 +57,8 @@ class Augmented:
     tables : tuple of (law index, table)
     law_owners, condition_owners : tuple of str
         Elements; of a condition that imposes an angle ``input:NAME``.
+    exact_laws, exact_conditions : tuple of dict
+        The rows as rationals by node; of a condition also over the angle ``input:NAME`` that it imposes.
     """
 
     laws: Rows
@@ -71,6 +70,8 @@ class Augmented:
     tables: tuple[tuple[int, StiffnessTable], ...]
     law_owners: tuple[str, ...]
     condition_owners: tuple[str, ...]
+    exact_laws: tuple[dict[str, Fraction], ...]
+    exact_conditions: tuple[dict[str, Fraction], ...]
 
     def kappa(self, omega: FloatArray | ComplexArray) -> ComplexArray:
         """Dynamic stiffness of every law, (n_f, n_laws), omega = s/j in rad/s; tables at its real part."""
@@ -95,15 +96,6 @@ class Augmented:
         for p in np.flatnonzero(np.any([*slopes, *losses], axis=0)):
             real = slopes[0][p] - omega**2 * slopes[1][p]
             yield int(p), np.asarray(real + 1j * (losses[0][p] + omega * losses[1][p]))
-
-    def on(self, T: FloatArray, conditions: Sequence[int]) -> Augmented:
-        """The same with angles theta = T q, and only these conditions: T satisfies the others."""
-        return replace(
-            self,
-            laws=self.laws.on(T),
-            conditions=Rows(self.conditions.values[conditions], self.conditions.slopes[conditions]).on(T),
-            condition_owners=tuple(self.condition_owners[index] for index in conditions),
-        )
 
     def matrix(self, kappa: ComplexArray, scale: float) -> ComplexArray:
         """The matrix (n_f, n, n) at dynamic stiffnesses (n_f, n_laws); conditions times ``scale``."""
@@ -139,7 +131,13 @@ def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], red
         tables=tuple((index, law.table) for index, law in enumerate(laws) if law.table is not None),
         law_owners=tuple(owner for owner, _ in owned),
         condition_owners=tuple(owners[index] for index in kept),
+        exact_laws=tuple(_exact(law.row) for law in laws),
+        exact_conditions=tuple(_exact(conditions[index]) for index in kept),
     )
+
+
+def _exact(row: Row) -> dict[str, Fraction]:
+    return {node: exact(value_of(coefficient)) for node, coefficient in row.items()}
 
 
 def _conditions(unknowns: Unknowns, parts: Sequence[OwnedPart], nodes: Sequence[str]) -> tuple[list[Row], list[str]]:
@@ -170,26 +168,3 @@ def _rows(rows: Sequence[Mapping[str, Any]], place: Mapping[str, int], count: in
 def _coefficients(numbers: Sequence[Any], count: int) -> Coefficients:
     slopes = np.array([gradient_of(number, count) for number in numbers]).reshape(len(numbers), count)
     return Coefficients(np.array([float(number) for number in numbers]), slopes)
-
-
-def free_motion(system: Augmented, nodes: Sequence[str], needed: Collection[str]) -> tuple[FloatArray, list[int]]:
-    """T with theta = T q for the conditions that no parameter moves and no reading needs, and the other conditions.
-
-    ``needed`` are owners of conditions whose torque is read, or whose right-hand side is driven.
-    """
-    moving = set(np.flatnonzero(system.conditions.slopes.any(axis=(1, 2))).tolist())
-    kept = [i for i, owner in enumerate(system.condition_owners) if i in moving or owner in needed]
-    solved = [i for i in range(len(system.condition_owners)) if i not in kept]
-    rows = [
-        {node: exact(float(x)) for node, x in zip(nodes, system.conditions.values[i], strict=True) if x} for i in solved
-    ]
-    order = {node: index for index, node in enumerate(nodes)}
-    reduction = reduce_rows(rows, order)
-    free = [node for node in nodes if node not in reduction.solved]
-    T = np.zeros((len(nodes), len(free)))
-    for column, name in enumerate(free):
-        T[order[name], column] = 1.0
-    for name, row in reduction.solved.items():
-        for other, coefficient in row.items():
-            T[order[name], free.index(other)] = float(coefficient)
-    return T, kept

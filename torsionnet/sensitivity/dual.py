@@ -87,3 +87,8 @@ DUALS = Algebra(number=Fraction, sqrt=_root, pi=math.pi)
 def gradient_of(number: Any, count: int) -> FloatArray:
     """Derivatives of a dual, zeros of anything else, (count,)."""
     return number.gradient if isinstance(number, Dual) else np.zeros(count)
+
+
+def value_of(number: Any) -> Any:
+    """The number without its derivatives."""
+    return number.value if isinstance(number, Dual) else number

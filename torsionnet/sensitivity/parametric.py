@@ -5,22 +5,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.channels import Input, Sensor
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import SolveError, UsageError
 from torsionnet.expressions import ExpressionError
-from torsionnet.sensitivity.augmented import Augmented, augmented, free_motion
-from torsionnet.sensitivity.forms import equation_slopes, reading_slopes
-from torsionnet.sensitivity.readings import Reading, condition_owner, reading, rows_of
+from torsionnet.sensitivity.arranged import Arranged, law_stiffness_of
+from torsionnet.sensitivity.augmented import Augmented, augmented
 from torsionnet.sensitivity.unknowns import Unknowns, unknowns
 from torsionnet.solve.question import Question, as_sensor, ask
-
-BLOCK_BYTES = 32 * 2**20
+from torsionnet.solve.starmesh import respond
+from torsionnet.solve.uncertain import ENOUGH, expected_errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +54,7 @@ class ParametricResponse:
     sensors: tuple[Sensor, ...]
     loads: tuple[Input, ...]
     _redundant: tuple[int, ...] = field(repr=False, default=())
+    _known: list[tuple[Any, Arranged]] = field(repr=False, default_factory=list)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -66,13 +68,6 @@ class ParametricResponse:
     @cached_property
     def _nodes(self) -> tuple[str, ...]:
         return self.drivetrain.assembly.kinematics.nodes
-
-    @cached_property
-    def _motion(self) -> tuple[FloatArray, list[int]]:
-        """What is solved once for all values."""
-        system = augmented(self.unknowns, self.unknowns.start, self._nodes, self._redundant)
-        driven = {f"input:{name}" for name in self.drivetrain.inputs}
-        return free_motion(system, self._nodes, driven | {condition_owner(sensor) for sensor in self.sensors})
 
     def at(self, values: Sequence[float] | FloatArray) -> Evaluation:
         """Transfer functions and derivatives for these values of the parameters.
@@ -90,55 +85,61 @@ class ParametricResponse:
         except (ZeroDivisionError, OverflowError, ExpressionError) as error:
             msg = f"the drivetrain cannot be calculated at {self._given(numbers)}: {error}"
             raise SolveError(msg) from None
-        known, elements = self.unknowns.values(numbers), dict(self.unknowns.definition.elements)
-        T, kept = self._motion
-        readings = [reading(sensor, elements, whole, self._nodes, known).on(T, kept) for sensor in self.sensors]
-        system, omega = whole.on(T, kept), 2 * np.pi * self.frequencies
-        n = T.shape[1] + len(kept)
-        block = max(1, BLOCK_BYTES // (16 * n * n))
-        parts = [self._block(system, readings, omega[start : start + block]) for start in range(0, len(omega), block)]
-        y, dy = (np.concatenate([part[i] for part in parts]) for i in (0, 1))
-        found = self._quotient(y, dy)
+        arranged, omega = self._arranged(whole, numbers), 2 * np.pi * self.frequencies
+        kappa = law_stiffness_of(whole, omega)
+        solved = respond(arranged.problem, kappa)
+        y = arranged.values(solved.values, omega)
+        found = self._quotient(y, arranged.slopes(solved.values, whole, kappa.by_law.T, omega))
+        lanes = np.flatnonzero(solved.doubtful)
+        if len(lanes) and np.isfinite(numbers).all():
+            found.values[lanes] = self._settled(arranged, kappa.at(lanes), found.values[lanes], lanes, numbers)
         if not (np.isfinite(found.values).all() and np.isfinite(found.jacobian).all()):
             msg = f"the response is not finite at {self._given(numbers)}"
             raise SolveError(msg)
         return found
 
+    def _arranged(self, system: Augmented, numbers: Sequence[float]) -> Arranged:
+        """The problem for these rows; one for all values where no parameter moves a row."""
+        slopes = (system.laws.slopes, system.conditions.slopes)
+        key = (system.exact_laws, system.exact_conditions, *(part.tobytes() for part in slopes))
+        if self._known and self._known[0][0] == key:
+            return self._known[0][1]
+        elements, names = dict(self.unknowns.definition.elements), self.drivetrain.inputs.items()
+        channels = {channel: name for name, channel in names}
+        values = self.unknowns.values(numbers)
+        arranged = Arranged(system, self.sensors, elements, values, self.loads, channels, self._nodes)
+        self._known[:] = [(key, arranged)]
+        return arranged
+
     def _given(self, numbers: Sequence[float]) -> str:
         return ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.names, numbers, strict=True))
 
-    def _block(
-        self, system: Augmented, readings: Sequence[Reading], omega: FloatArray
-    ) -> tuple[ComplexArray, ComplexArray]:
-        """Readings under unit loads (n_f, n_readings, n_loads), and their derivatives."""
-        kappa = system.kappa(omega)
-        scale = float(np.median(np.abs(kappa[np.abs(kappa) > 0]))) if np.any(kappa) else 1.0
-        rows, loads = rows_of(readings, system, kappa, omega), self._loads(system)
-        n_nodes = system.laws.values.shape[1]
-        right = np.concatenate([np.broadcast_to(loads, (len(omega), *loads.shape)), rows.transpose(0, 2, 1)], axis=2)
-        scaled = right.copy()
-        scaled[:, n_nodes:] *= scale
-        try:
-            with np.errstate(all="ignore"):
-                solved = np.linalg.solve(system.matrix(kappa, scale), scaled)
-        except np.linalg.LinAlgError:
-            solved = np.full(right.shape, np.nan, dtype=complex)
-        solved[:, n_nodes:] *= scale
-        solution: ComplexArray = solved.astype(np.complex128)
-        x, z = solution[:, :, : loads.shape[1]], solution[:, :, loads.shape[1] :]
-        return rows @ x, _derivatives(system, readings, omega, kappa, x, z)
+    def _settled(
+        self,
+        arranged: Arranged,
+        kappa: LawStiffness,
+        values: ComplexArray,
+        lanes: NDArray[np.intp],
+        numbers: Sequence[float],
+    ) -> ComplexArray:
+        """Values of lanes in doubt; those in which rounding would show as the drivetrain itself solves them."""
 
-    def _loads(self, system: Augmented) -> ComplexArray:
-        T, kept = self._motion
-        n_q = T.shape[1]
-        loads = np.zeros((n_q + len(kept), len(self.loads)), dtype=complex)
-        names = {channel: name for name, channel in self.drivetrain.inputs.items()}
-        for column, load in enumerate(self.loads):
-            if load.quantity == "torque":
-                loads[:n_q, column] = T[self._nodes.index(load.of)]
-            else:
-                loads[n_q + system.condition_owners.index(f"input:{names[load]}"), column] = 1.0
-        return loads
+        def evaluate(some: LawStiffness, turned: bool) -> ComplexArray:
+            problem = arranged.problem.otherwise if turned else arranged.problem
+            y = arranged.values(respond(problem, some).values, kappa.omega)
+            return self._quotient(y, np.zeros((*y.shape, 0))).values
+
+        poor = (expected_errors(evaluate, kappa, values) > ENOUGH).any(axis=(1, 2))
+        if poor.any():
+            changed = Drivetrain.from_definition(self.unknowns.definition).configured(
+                **dict(zip(self.unknowns.parameters, numbers, strict=True))
+            )
+            n_out = len(self.question.outputs)
+            measured = {"input": list(self.sensors[n_out:]), "excitation": list(self.loads)}
+            asked = measured if self.question.is_measured else {"input": list(self.loads)}
+            f = self.frequencies[lanes[poor]]
+            values[poor] = changed.frequency_response(list(self.sensors[:n_out]), frequencies=f, **asked).values
+        return values
 
     def _quotient(self, y: ComplexArray, dy: ComplexArray) -> Evaluation:
         if not self.question.is_measured:
@@ -152,27 +153,6 @@ class ParametricResponse:
             values = y[:, :n_out] @ inverse
             moved = dy[:, :n_out] - np.einsum("fom,fmip->foip", values, dy[:, n_out:])
             return Evaluation(values, np.einsum("foip,fij->fojp", moved, inverse))
-
-
-def _derivatives(
-    system: Augmented,
-    readings: Sequence[Reading],
-    omega: FloatArray,
-    kappa: ComplexArray,
-    x: ComplexArray,
-    z: ComplexArray,
-) -> ComplexArray:
-    """Of y = c . x: dy = dc . x - z . dD x for every reading and load, (n_f, n_readings, n_loads, n_p)."""
-    slopes = {law: list(system.kappa_slopes(law, omega)) for law in range(len(system.law_owners))}
-    parts = [
-        [
-            reading_slopes(system, one, omega, kappa, slopes, x[:, :, load])
-            - equation_slopes(system, kappa, slopes, x[:, :, load], z[:, :, number])
-            for load in range(x.shape[2])
-        ]
-        for number, one in enumerate(readings)
-    ]
-    return np.asarray(np.array(parts).transpose(3, 0, 1, 2))
 
 
 def parametric_response(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -32,16 +32,6 @@ class Reading:
     law_slopes: FloatArray
     conditions: FloatArray
     condition_slopes: FloatArray
-
-    def on(self, T: FloatArray, conditions: Sequence[int]) -> Reading:
-        """The same over q with theta = T q; see :meth:`Augmented.on`."""
-        return replace(
-            self,
-            motion=self.motion @ T,
-            motion_slopes=T.T @ self.motion_slopes,
-            conditions=self.conditions[conditions],
-            condition_slopes=self.condition_slopes[conditions],
-        )
 
 
 def reading(
@@ -74,11 +64,6 @@ class _Parts:
         self.motion, self.motion_slopes = np.zeros(n_nodes), np.zeros((n_nodes, count))
         self.laws, self.law_slopes = np.zeros(n_laws), np.zeros((n_laws, count))
         self.conditions, self.condition_slopes = np.zeros(n_conditions), np.zeros((n_conditions, count))
-
-
-def condition_owner(sensor: Sensor) -> str:
-    """The element whose conditions a sensor may read, or the empty string."""
-    return sensor.of if sensor.quantity == "torque" else ""
 
 
 def _torque(new: _Parts, sensor: Sensor, element: Element, system: Augmented, nodes: Sequence[str]) -> None:

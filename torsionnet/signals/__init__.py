@@ -5,12 +5,13 @@ from torsionnet.signals.calculus import convert, differentiate, integrate
 from torsionnet.signals.checks import check_recording
 from torsionnet.signals.comparison import Difference, difference, frac
 from torsionnet.signals.decimation import decimate
-from torsionnet.signals.encoder import MissingPulses, angle_from_counts, angle_from_pulses, missing_pulses, unwrapped
+from torsionnet.signals.encoder import angle_from_counts, angle_from_pulses, unwrapped
 from torsionnet.signals.estimators import estimate, multiple_coherence
 from torsionnet.signals.excitation import BurstRandom, LinearChirp, LogarithmicSweep, Multisine, SteppedSine
 from torsionnet.signals.files import iter_blocks, read_recording, write_recording
 from torsionnet.signals.harmonics import Harmonics, sweep_harmonics
 from torsionnet.signals.orders import OrderMap, order_map
+from torsionnet.signals.pulses import MissingPulses, Pulses, missing_pulses, repaired_pulses
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.signals.resampling import resampled
 from torsionnet.signals.resolution import Resolution, resolution
@@ -32,6 +33,7 @@ __all__ = [
     "MissingPulses",
     "Multisine",
     "OrderMap",
+    "Pulses",
     "RandomError",
     "Recording",
     "Resolution",
@@ -59,6 +61,7 @@ __all__ = [
     "random_error",
     "random_errors",
     "read_recording",
+    "repaired_pulses",
     "resampled",
     "resolution",
     "resolution_limit",

@@ -7,10 +7,13 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from torsionnet.errors import Fault
-from torsionnet.signals.encoder import missing_pulses
+from torsionnet.errors import Fault, UsageError
 from torsionnet.signals.faults_in_values import Stretches, flat_tops, leaps, stretches, wraps
+from torsionnet.signals.frozen import frozen
+from torsionnet.signals.pulses import repaired_pulses
 from torsionnet.signals.recording import QUANTITY_UNITS, FloatArray, Recording, Signal
+from torsionnet.signals.resolution import step_of
+from torsionnet.signals.spikes import spikes
 from torsionnet.signals.timing import gaps, jitter
 
 SHOWN = 3
@@ -97,10 +100,20 @@ def _counts_steps(signal: Signal) -> bool:
 
 
 def _pulses(times: FloatArray) -> Iterator[Fault]:
-    lost = missing_pulses(times)
+    try:
+        found = repaired_pulses(times)
+    except UsageError as error:
+        yield Fault(str(error), ("time",))
+        return
+    lost = found.irregular
     if lost.total:
-        where = _listed([f"{count} after {times[at]:.6g} s" for at, count in zip(lost.after, lost.counts, strict=True)])
+        after = zip(found.times[lost.after], lost.counts, strict=True)
+        where = _listed([f"{count} after {time:.6g} s" for time, count in after])
         text = f"{lost.total} encoder pulses are missing: {where}; angle_from_pulses() counts them"
+        yield Fault(text, ("time",))
+    if len(found.left_out):
+        where = _listed([f"{time:.6g} s" for time in found.left_out])
+        text = f"{len(found.left_out)} encoder pulses too many: at {where}; angle_from_pulses() leaves them out"
         yield Fault(text, ("time",))
 
 
@@ -120,6 +133,8 @@ def _signal(signal: Signal, recording: Recording, ranges: Mapping[str, float]) -
         yield Fault(f"constant at {values[0]:g} {signal.unit}: the sensor may be dead, or not connected", (), "warning")
     else:
         yield from _limits(signal, recording, ranges.get(signal.name))
+        if signal.quantity in QUANTITY_UNITS and finite.all():
+            yield from _disturbed(signal, recording)
         if signal.quantity == "angle" and finite.all():
             yield from _jumps(signal, recording)
 
@@ -138,6 +153,21 @@ def _limits(signal: Signal, recording: Recording, limit: float | None) -> Iterat
         where = _listed([_stretch(first, last, recording) for first, last in found])
         at = float(np.abs(values[found[0][0]]))
         yield Fault(f"clipped: {count} samples at the range of {at:.6g} {signal.unit}, {where}; take a larger range")
+
+
+def _disturbed(signal: Signal, recording: Recording) -> Iterator[Fault]:
+    """Spikes and stretches that stand still."""
+    step = step_of(signal.values)
+    found = spikes(signal.values, step)
+    if len(found):
+        where = _listed([f"{signal.values[at]:.6g} {signal.unit} at {recording.time[at]:.6g} s" for at in found])
+        text = f"{len(found)} single sample{'s' * (len(found) > 1)} far from those around: {where}"
+        yield Fault(f"{text}; a disturbance, to be mended or cut out", (), "warning")
+    still = frozen(signal.values, recording.sampling_rate, step)
+    if still:
+        where = _listed([_stretch(first, last, recording) for first, last in still])
+        text = f"stands still where it moves before and after: {where}"
+        yield Fault(f"{text}; samples may have been lost", (), "warning")
 
 
 def _jumps(signal: Signal, recording: Recording) -> Iterator[Fault]:

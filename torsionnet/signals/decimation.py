@@ -15,6 +15,8 @@ HALF_LENGTH = 10
 """Samples *after* decimation on either side of the filter's centre."""
 USABLE = 0.8
 """Share of the new half rate up to which the result holds: what folds onto it comes from the filter's stop band."""
+FAST, ENOUGH = 1000.0, 200.0
+"""Hz; records up to the first are taken as they are, faster ones keep at least the second."""
 
 
 def decimate(recording: Recording, factor: int) -> Recording:
@@ -61,6 +63,19 @@ def usable_up_to(sampling_rate: float, factor: int) -> float:
     80.0
     """
     return USABLE * sampling_rate / factor / 2
+
+
+def factor_for(sampling_rate: float, highest: float = 0.0) -> int:
+    """Factor by which a record is decimated that is to hold up to a frequency in Hz, and nothing says how.
+
+    Records up to 1 kHz stay as they are; faster ones keep 200 Hz or more, and what ``highest`` needs.
+
+    >>> factor_for(10e3), factor_for(5e3, highest=40), factor_for(5e3, highest=150), factor_for(500, highest=10)
+    (50, 25, 13, 1)
+    """
+    if sampling_rate <= FAST:
+        return 1
+    return max(1, int(sampling_rate / max(ENOUGH, 2 * highest / USABLE) + 1e-9))
 
 
 def anti_alias_taps(factor: int) -> FloatArray:

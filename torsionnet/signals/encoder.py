@@ -1,29 +1,22 @@
-"""Incremental encoders: from counts or the times of pulses to an angle, wrap-around, missing pulses."""
+"""Incremental encoders: from counts or the times of pulses to an angle, wrap-around."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import warnings
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from torsionnet.errors import UsageError
+from torsionnet.errors import TorsionnetWarning, UsageError
+from torsionnet.signals.pulses import check_pulses, repaired_pulses
 from torsionnet.signals.recording import FloatArray, Signal
 
+if TYPE_CHECKING:
+    from torsionnet.signals.bandlimited import Rotation
+
 REVOLUTION = 2 * np.pi
-NEIGHBOURS = 5
-
-
-@dataclass(frozen=True, eq=False)
-class MissingPulses:
-    """Where an encoder lost pulses: after pulse ``after`` (counted from 0) so many as ``counts`` says."""
-
-    after: NDArray[np.intp]
-    counts: NDArray[np.intp]
-
-    @property
-    def total(self) -> int:
-        return int(self.counts.sum())
 
 
 def angle_from_counts(counts: ArrayLike, steps_per_revolution: float, bits: int | None = None) -> FloatArray:
@@ -53,49 +46,32 @@ def unwrapped(signal: Signal, period: float = REVOLUTION) -> Signal:
     return replace(signal, values=values, notes=(*signal.notes, f"wrap-around of {period:.6g} rad removed"))
 
 
-def missing_pulses(times: ArrayLike) -> MissingPulses:
-    """Find lost pulses: intervals that are a whole multiple of those around them.
-
-    Parameters
-    ----------
-    times : (n,) array
-        Time of every pulse, s. The speed may change, but by less than half between pulses.
-
-    Examples
-    --------
-    >>> missing_pulses([0.0, 1.0, 2.0, 5.0, 6.0, 7.0, 8.0]).counts
-    array([2])
-    """
-    intervals = np.diff(np.asarray(times, dtype=float))
-    if len(intervals) < NEIGHBOURS:
-        return MissingPulses(np.empty(0, np.intp), np.empty(0, np.intp))
-    if not np.all(intervals > 0):
-        msg = "the times of pulses must be finite and increase"
-        raise UsageError(msg)
-    missing = np.rint(intervals / _around(intervals)).astype(np.intp) - 1
-    after = np.flatnonzero(missing > 0)
-    return MissingPulses(after, missing[after])
-
-
-def _around(values: FloatArray) -> FloatArray:
-    """Median of every value and its neighbours."""
-    half = NEIGHBOURS // 2
-    wide = np.pad(values, half, mode="reflect")
-    return np.asarray(np.median(np.lib.stride_tricks.sliding_window_view(wide, NEIGHBOURS), axis=-1))
-
-
 def angle_from_pulses(
     times: ArrayLike, steps_per_revolution: float, sampling_rate: float, *, fill: bool = True
 ) -> tuple[FloatArray, float]:
-    """Angle in rad at uniform times, straight between pulses, and the time of the first sample.
+    """Angle in rad at uniform times from the times of an encoder's pulses, and the time of the first sample.
+
+    The angle is exact at the pulses and band-limited between them: orders up to 5/6 of half the steps of a turn come
+    out right, of 60 lines orders 6 and 15 within 1e-6 and order 25 within 0.05 %. Twenty pulses from the ends it is
+    0.1 % of the amplitude of order 15, at the ends 10 %. Next to m pulses missing, orders up to half the steps of a
+    turn over m + 1 are within 2 %. Take a sampling rate above twice the highest frequency that the shaft turns with,
+    such as the rate of the pulses, and decimate afterwards.
 
     Parameters
     ----------
     times : (n,) array
-        Time of every pulse, s.
-    steps_per_revolution, sampling_rate : float
+        Time of every pulse, s; the shaft turns in one direction.
+    steps_per_revolution : float
+        With the teeth that a wheel with a gap does not have.
+    sampling_rate : float
+        Hz.
     fill : bool
-        Count the pulses that :func:`missing_pulses` finds.
+        Count missing pulses and leave out double ones as :func:`repaired_pulses` does, with a warning.
+
+    Raises
+    ------
+    UsageError
+        Pulses that cannot be repaired.
 
     Examples
     --------
@@ -103,15 +79,23 @@ def angle_from_pulses(
     >>> (angle / np.pi).round(9).tolist(), start
     ([0.0, 1.0, 2.0], 0.0)
     """
-    stamps = np.asarray(times, dtype=float)
-    if len(stamps) < 2 or not np.all(np.diff(stamps) > 0):  # noqa: PLR2004
-        msg = "an angle needs at least two pulses, at finite times that increase"
-        raise UsageError(msg)
-    steps = np.ones(len(stamps) - 1)
-    if fill:
-        lost = missing_pulses(stamps)
-        steps[lost.after] += lost.counts
-    angle = angle_from_counts(np.concatenate([[0.0], np.cumsum(steps)]), steps_per_revolution)
+    stamps, rotation, remarks = rotation_of(times, steps_per_revolution, fill=fill)
+    for remark in remarks:
+        warnings.warn(remark, TorsionnetWarning, stacklevel=2)
     # A whole number of intervals may miss the last pulse by a rounding error, and would lose its sample.
     count = int(np.floor((stamps[-1] - stamps[0]) * sampling_rate + 1e-9)) + 1
-    return np.interp(stamps[0] + np.arange(count) / sampling_rate, stamps, angle), float(stamps[0])
+    even = np.minimum(stamps[0] + np.arange(count) / sampling_rate, stamps[-1])
+    return angle_from_counts(rotation.at(even), steps_per_revolution), float(stamps[0])
+
+
+def rotation_of(
+    times: ArrayLike, steps_per_revolution: float, *, fill: bool = True
+) -> tuple[FloatArray, Rotation, tuple[str, ...]]:
+    """Times of the pulses that are kept, the steps between them at any time, and what was repaired."""
+    from torsionnet.signals.bandlimited import Rotation
+
+    stamps = check_pulses(times)
+    if not fill:
+        return stamps, Rotation(stamps, np.arange(len(stamps)), steps_per_revolution), ()
+    found = repaired_pulses(stamps, steps_per_revolution)
+    return found.times, Rotation(found.times, found.numbers, steps_per_revolution), found.remarks

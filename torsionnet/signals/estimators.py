@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Literal, TypeAlias, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.errors import UsageError, did_you_mean
 from torsionnet.response import FrequencyResponse
@@ -34,6 +35,7 @@ def estimate(
     settings: Welch | None = None,
     noise_ratio: float | None = None,
     reference: Names = (),
+    band: tuple[float, float] | None = None,
 ) -> FrequencyResponse:
     """Transfer functions with coherence, from averaged spectra.
 
@@ -56,6 +58,8 @@ def estimate(
     reference : str or sequence of str, optional
         Of ``Hr``: signals that drive the inputs and share no noise with them, such as the set-point of the exciter;
         as many as there are inputs, or more.
+    band : (float, float), optional
+        Lowest and highest frequency in Hz that are kept and judged; all by default.
 
     Returns
     -------
@@ -91,9 +95,12 @@ def estimate(
         coherence=transfer_matrices.ordinary_coherence(s_xx, s_xy, s_yy),
         notes=(*spectra.notes, _provenance(chosen, spectra, noise_ratio, references)),
     )
-    response = limited(response, watch, spectra.settings.decimation) if watch else response
+    low, high = band or (0.0, np.inf)
+    response = limited(response, watch, spectra.settings.decimation, high) if watch else response
+    response = response.between(low, high)
     found = remarks(response, 1 / spectra.settings.seconds, judge_coherence=len(inputs) == 1)
-    doubts = (*_doubts(spectra, s_xx), *_strangers(spectra, inputs, references))
+    inside = (spectra.frequencies >= low) & (spectra.frequencies <= high)
+    doubts = (*_doubts(spectra, s_xx, inside), *_strangers(spectra, inputs, references))
     return replace(response, notes=(*response.notes, *doubts, *found))
 
 
@@ -174,11 +181,11 @@ def _provenance(estimator: str, spectra: CrossSpectra, noise_ratio: float | None
     return f"{estimator}{ratio}, {spectra.settings}, {count}"
 
 
-def _doubts(spectra: CrossSpectra, s_xx: ComplexArray) -> list[str]:
+def _doubts(spectra: CrossSpectra, s_xx: ComplexArray, asked: NDArray[np.bool_]) -> list[str]:
     found = []
     if spectra.averages == 1:
         found.append("warning: of one segment the coherence is 1 whatever the signals; use a longer record")
-    inseparable = spectra.frequencies[transfer_matrices.independence(s_xx) < INSEPARABLE]
+    inseparable = spectra.frequencies[asked & (transfer_matrices.independence(s_xx) < INSEPARABLE)]
     if s_xx.shape[1] > 1 and len(inseparable):
         span = f"{len(inseparable)} frequencies from {inseparable[0]:g} to {inseparable[-1]:g} Hz"
         found.append(

@@ -11,7 +11,7 @@ Stretches = list[tuple[int, int]]
 TO_NEIGHBOURS = 5.0  # a quantised peak stays 4.8 times as long on its last step as on the one before
 SAME_JUMP = 0.05
 LEAP = 3
-MOST_OF_THE_TIME = 0.5
+MOST_OF_THE_TIME = 0.9  # a sine clipped at a tenth of its height is at its limits 94 % of the time, at half of it 67 %
 
 
 def stretches(where: NDArray[np.bool_]) -> Stretches:

@@ -99,8 +99,13 @@ def resolution(recording: Recording, output: str, input: str, seconds: float = 2
     return watch.found(output)
 
 
-def limited(response: FrequencyResponse, watch: Watch, decimation: int) -> FrequencyResponse:
-    """A response with the frequency up to which it can be used, and a note for every sensor that says why."""
+def limited(
+    response: FrequencyResponse, watch: Watch, decimation: int, highest: float = float("inf")
+) -> FrequencyResponse:
+    """A response with the frequency up to which it can be used, and a note for every sensor that says why.
+
+    Nothing is noted of what is above the highest frequency of interest, Hz.
+    """
     limits, notes = [], []
     if decimation > 1:
         limits.append(USABLE * float(response.frequencies[-1]))
@@ -108,7 +113,7 @@ def limited(response: FrequencyResponse, watch: Watch, decimation: int) -> Frequ
         found = watch.found(channel.name)
         if found is not None and np.isfinite(found.enough_up_to):
             limits.append(found.enough_up_to)
-            notes.append(_remark(channel, found))
+            notes += [_remark(channel, found)] if found.enough_up_to < highest else []
     if not limits:
         return response
     return replace(response, notes=(*response.notes, *notes), usable_up_to=min(limits))

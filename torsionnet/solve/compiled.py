@@ -1,7 +1,6 @@
-"""The numbers of an elimination plan in a compiled loop: some lanes at a time, small enough to stay in the cache.
+"""The numbers of a tape in a compiled loop: few lanes at a time, so that all registers stay in the cache.
 
-The same plan as in :mod:`torsionnet.solve.sweep`, walked along as a tape. numba compiles the loop when it is first used
-and keeps it on disk.
+numba compiles the loop when it is first used and keeps it on disk.
 """
 
 from __future__ import annotations
@@ -9,12 +8,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.errors import MissingExtraError
 from torsionnet.solve import tape as ops
-from torsionnet.solve.sweep import LARGE, Sweep
+from torsionnet.solve.doubt import LARGE
 from torsionnet.solve.tape import Tape
 
 try:
@@ -26,32 +26,22 @@ except ImportError as error:
 LANES = 64
 """Lanes worked on at once: enough for vector instructions, few enough for a thousand registers in the cache."""
 
-SET_LAW, ADD_LAW, SET_SUM, ADD_SUM, SET_PRODUCT = ops.SET_LAW, ops.ADD_LAW, ops.SET_SUM, ops.ADD_SUM, ops.SET_PRODUCT
-ADD_PRODUCT, LOAD, INVERSE, WATCH, OUTPUT, ZERO = (
-    ops.ADD_PRODUCT, ops.LOAD, ops.INVERSE, ops.WATCH, ops.OUTPUT, ops.ZERO,
-)  # fmt: skip
+LAW, CONSTANT, SUM, PIVOT, PRODUCT = ops.LAW, ops.CONSTANT, ops.SUM, ops.PIVOT, ops.PRODUCT
+QUOTIENT, INVERSE, WATCH, OUTPUT = ops.QUOTIENT, ops.INVERSE, ops.WATCH, ops.OUTPUT
+SQUARE = LARGE * LARGE
 
 
-def run(tape: Tape, kappa: LawStiffness, loads: ComplexArray, n_outputs: int) -> Sweep:
-    """Walk along the tape for all lanes.
-
-    Parameters
-    ----------
-    tape : Tape
-    kappa : LawStiffness
-    loads : (n_support, n_exc, n_lanes or 1) array
-    n_outputs : int
-    """
-    motion = np.zeros((n_outputs, loads.shape[1], kappa.n_lanes), dtype=complex)
+def sweep(tape: Tape, kappa: LawStiffness) -> tuple[ComplexArray, NDArray[np.bool_]]:
+    """As :func:`torsionnet.solve.sweep.sweep`."""
+    values = np.zeros((tape.n_values, kappa.n_lanes), dtype=complex)
     doubtful = np.zeros(kappa.n_lanes, dtype=bool)
     place, sampled = _sampled(kappa)
     registers = np.empty((tape.n_registers, 2, LANES))
     n_f = len(kappa.omega)
     for variant in range(len(kappa.stiffness)):
-        coefficients = (kappa.inertia[variant], kappa.damping[variant], kappa.stiffness[variant])
-        _walk(tape.operations, tape.factors, *coefficients, place, sampled[:, variant], kappa.omega, loads, registers,
-              motion, doubtful, variant * n_f)  # fmt: skip
-    return Sweep(motion, doubtful)
+        _walk(tape.operations, tape.factors, kappa.inertia[variant], kappa.damping[variant], kappa.stiffness[variant],
+              place, sampled[:, variant], kappa.omega, registers, values, doubtful, variant * n_f)  # fmt: skip
+    return values, doubtful
 
 
 def _sampled(kappa: LawStiffness) -> tuple[Any, ComplexArray]:
@@ -65,74 +55,81 @@ def _sampled(kappa: LawStiffness) -> tuple[Any, ComplexArray]:
 
 def _loop(  # noqa: PLR0912, PLR0915
     operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
-    loads: Any, registers: Any, motion: Any, doubtful: Any, offset: int,
+    r: Any, values: Any, doubtful: Any, offset: int,
 ) -> None:  # fmt: skip
-    """All operations for LANES lanes, then for the next; ``offset`` is the first lane of this variant."""
+    """All operations for LANES lanes, then for the next; ``offset`` is the first lane of this variant.
+
+    ``left`` falls below zero where a sum is smaller than its terms by more than LARGE.
+    """
     n_f = omega.shape[0]
-    w, w2 = np.empty(LANES), np.empty(LANES)
-    r = registers
+    w, w2, left = np.empty(LANES), np.empty(LANES), np.empty(LANES)
     for first in range(0, n_f, LANES):
         n = min(LANES, n_f - first)
         for i in range(LANES):
             w[i] = omega[first + min(i, n - 1)]
             w2[i] = w[i] * w[i]
+            left[i] = 0.0
         for number in range(operations.shape[0]):
-            operation, t, a, b = operations[number]
+            code, t, a, b = operations[number]
             f = factors[number]
-            if operation <= ADD_LAW:
-                if operation == SET_LAW:
+            if code == PRODUCT:
+                for i in range(LANES):
+                    real = r[a, 0, i] * r[b, 0, i] - r[a, 1, i] * r[b, 1, i]
+                    imag = r[a, 0, i] * r[b, 1, i] + r[a, 1, i] * r[b, 0, i]
+                    r[t, 0, i] = real
+                    r[t, 1, i] = imag
+            elif code == SUM:
+                for i in range(LANES):
+                    more, beside = f * r[b, 0, i], f * r[b, 1, i]
+                    real, imag = r[a, 0, i] + more, r[a, 1, i] + beside
+                    r[t, 0, i] = real
+                    r[t, 1, i] = imag
+                    left[i] = min(left[i], SQUARE * (real * real + imag * imag) - (more * more + beside * beside))
+            elif code == PIVOT:
+                for i in range(LANES):
+                    r[t, 0, i] = r[a, 0, i] + f * r[b, 0, i]
+                    r[t, 1, i] = r[a, 1, i] + f * r[b, 1, i]
+            elif code == LAW:
+                k, J, c, at = stiffness[a], inertia[a], damping[a], place[a]
+                if at < 0:
                     for i in range(LANES):
-                        r[t, 0, i] = 0.0
-                        r[t, 1, i] = 0.0
-                k, J, c = f * stiffness[a], f * inertia[a], f * damping[a]
+                        r[t, 0, i] = k - J * w2[i]
+                        r[t, 1, i] = c * w[i]
+                else:
+                    for i in range(LANES):
+                        value = sampled[at, first + min(i, n - 1)]
+                        r[t, 0, i] = k - J * w2[i] + value.real
+                        r[t, 1, i] = c * w[i] + value.imag
+                if J != 0.0 and (k != 0.0 or at >= 0):
+                    for i in range(LANES):
+                        size = r[t, 0, i] * r[t, 0, i] + r[t, 1, i] * r[t, 1, i]
+                        left[i] = min(left[i], SQUARE * size - (J * w2[i]) * (J * w2[i]))
+            elif code == QUOTIENT:
                 for i in range(LANES):
-                    r[t, 0, i] += k - J * w2[i]
-                    r[t, 1, i] += c * w[i]
-                if place[a] >= 0:
-                    for i in range(n):
-                        r[t, 0, i] += f * sampled[place[a], first + i].real
-                        r[t, 1, i] += f * sampled[place[a], first + i].imag
-            elif operation == SET_SUM:
+                    scale = 1.0 / (r[b, 0, i] * r[b, 0, i] + r[b, 1, i] * r[b, 1, i])
+                    real = r[a, 0, i] * r[b, 0, i] + r[a, 1, i] * r[b, 1, i]
+                    imag = r[a, 1, i] * r[b, 0, i] - r[a, 0, i] * r[b, 1, i]
+                    r[t, 0, i] = real * scale
+                    r[t, 1, i] = imag * scale
+            elif code == WATCH:
                 for i in range(LANES):
-                    r[t, 0, i] = f * r[a, 0, i]
-                    r[t, 1, i] = f * r[a, 1, i]
-            elif operation == ADD_SUM:
-                for i in range(LANES):
-                    r[t, 0, i] += f * r[a, 0, i]
-                    r[t, 1, i] += f * r[a, 1, i]
-            elif operation == SET_PRODUCT:
-                for i in range(LANES):
-                    real = r[a, 0, i] * r[b, 0, i] - r[a, 1, i] * r[b, 1, i]
-                    imag = r[a, 0, i] * r[b, 1, i] + r[a, 1, i] * r[b, 0, i]
-                    r[t, 0, i] = f * real
-                    r[t, 1, i] = f * imag
-            elif operation == ADD_PRODUCT:
-                for i in range(LANES):
-                    real = r[a, 0, i] * r[b, 0, i] - r[a, 1, i] * r[b, 1, i]
-                    imag = r[a, 0, i] * r[b, 1, i] + r[a, 1, i] * r[b, 0, i]
-                    r[t, 0, i] += f * real
-                    r[t, 1, i] += f * imag
-            elif operation == INVERSE:
+                    size = r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i]
+                    left[i] = min(left[i], SQUARE - f * f * size)
+            elif code == INVERSE:
                 for i in range(LANES):
                     scale = 1.0 / (r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
                     real, imag = r[a, 0, i] * scale, -r[a, 1, i] * scale
                     r[t, 0, i] = real
                     r[t, 1, i] = imag
-            elif operation == LOAD:
+            elif code == CONSTANT:
+                for i in range(LANES):
+                    r[t, 0, i] = f
+                    r[t, 1, i] = 0.0
+            else:
                 for i in range(n):
-                    load = loads[a, b, (offset + first + i) if loads.shape[2] > 1 else 0]
-                    r[t, 0, i] = load.real
-                    r[t, 1, i] = load.imag
-                r[t, :, n:] = 0.0
-            elif operation == OUTPUT:
-                for i in range(n):
-                    motion[t, b, offset + first + i] = complex(f * r[a, 0, i], f * r[a, 1, i])
-            elif operation == WATCH:
-                for i in range(n):
-                    if not (abs(r[a, 0, i]) < LARGE and abs(r[a, 1, i]) < LARGE):
-                        doubtful[offset + first + i] = True
-            elif operation == ZERO:
-                r[t] = 0.0
+                    values[t, offset + first + i] = complex(f * r[a, 0, i], f * r[a, 1, i])
+        for i in range(n):
+            doubtful[offset + first + i] = left[i] < 0.0
 
 
 _walk = numba.njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})(_loop)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeAlias
 
 import numpy as np
 
@@ -18,9 +19,12 @@ from torsionnet.channels import ELEMENT_QUANTITIES, Input, Sensor
 from torsionnet.definition import Definition, all_nodes
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import GROUND, Element
-from torsionnet.errors import UsageError
+from torsionnet.errors import SolveError, UsageError
 from torsionnet.response import Modes
 from torsionnet.solve.question import as_sensor, ask
+from torsionnet.solve.reduction import require_resistance
+
+Found: TypeAlias = tuple[Modes, tuple[str, ...]]
 
 
 @dataclass(frozen=True)
@@ -34,15 +38,19 @@ def poles_of_measured(
     drivetrain: Drivetrain,
     measured_input: str | Sensor | Sequence[str | Sensor],
     excitation: str | Sequence[str] | None,
-    natural_modes: Callable[[Drivetrain], Modes],
-) -> Modes:
-    """Modes of the drivetrain cut at a measured input.
+    natural_modes: Callable[[Drivetrain], Found],
+) -> Found:
+    """Modes of the drivetrain cut at a measured input, and what is doubtful about them.
 
     Raises
     ------
     UsageError
         The measured input is no sensor, or no excitation reaches it.
+    SolveError
+        Some coordinates have neither inertia nor spring nor damper.
     """
+    system = drivetrain.assembly.system
+    require_resistance(system, np.ones(len(system.sparse_rows), dtype=bool))
     question = ask(drivetrain, _anything(drivetrain), measured_input, excitation)
     if not question.is_measured:
         msg = f'"{measured_input}" is no sensor; a measured input is one'
@@ -54,7 +62,7 @@ def poles_of_measured(
         from torsionnet.solve.pencil import measured_poles
 
         return measured_poles(drivetrain, question)
-    return _of_cut_system(drivetrain, cut, f"cut at {entries[0]}", natural_modes)
+    return _of_cut_system(drivetrain, cut, str(entries[0]), natural_modes)
 
 
 def _anything(drivetrain: Drivetrain) -> str:
@@ -129,12 +137,22 @@ def cut_definition(definition: Definition, kept: tuple[str, ...]) -> Definition:
     return replace(definition, elements=elements, inputs=inputs, sensors=sensors)
 
 
-def _of_cut_system(drivetrain: Drivetrain, cut: Cut, title: str, natural_modes: Callable[[Drivetrain], Modes]) -> Modes:
+def _of_cut_system(
+    drivetrain: Drivetrain, cut: Cut, measured: str, natural_modes: Callable[[Drivetrain], Found]
+) -> Found:
     rest = Drivetrain.from_definition(cut_definition(drivetrain.definition, cut.kept))
-    found = natural_modes(rest)
+    try:
+        found, doubts = natural_modes(rest)
+    except SolveError as error:  # the whole has been checked, so it is the cut that leaves a loose end
+        msg = f"{measured} is zero at every frequency: nothing on the other side of it resists a motion"
+        raise UsageError(msg) from error
     shapes = np.full((len(drivetrain.nodes), len(found)), np.nan + 0j)
-    for node, row in zip(found.nodes, found.shapes, strict=True):
-        shapes[drivetrain.nodes.index(node)] = row
-    removed = [name for name in drivetrain.elements if name not in cut.kept]
-    notes = (f"poles of the drivetrain {title}, without {', '.join(removed)}",)
-    return replace(found, nodes=drivetrain.nodes, shapes=shapes, title=f"{drivetrain.title}, {title}", notes=notes)
+    place = {node: number for number, node in enumerate(drivetrain.nodes)}
+    shapes[[place[node] for node in found.nodes]] = found.shapes
+    kept = set(cut.kept)
+    removed = [name for name in drivetrain.elements if name not in kept]
+    notes = (f"poles of the drivetrain cut at {measured}, without {', '.join(removed)}",)
+    found = replace(
+        found, nodes=drivetrain.nodes, shapes=shapes, title=f"{drivetrain.title}, cut at {measured}", notes=notes
+    )
+    return found, doubts

@@ -5,35 +5,55 @@ from __future__ import annotations
 import numpy as np
 
 from torsionnet.assembly.law_stiffness import LawStiffness
-from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.assembly.rows import ComplexArray
+from torsionnet.solve.problem import Problem
+from torsionnet.solve.sweep import Sweep
 
 BLOCK_BYTES = 32 * 2**20
 
 
-def respond(system: RowSystem, kappa: LawStiffness, loads: ComplexArray, rows: FloatArray) -> ComplexArray:
-    """Motion of ``rows`` under ``loads``: rows @ D(s)^-1 @ loads; as :func:`torsionnet.solve.starmesh.respond`."""
-    return solve(system, kappa.by_law, loads, rows)
+def respond(problem: Problem, kappa: LawStiffness) -> Sweep:
+    """As :func:`torsionnet.solve.starmesh.respond`, without a word on digits lost."""
+    by_law, n_lanes = kappa.by_law, kappa.n_lanes
+    values = np.zeros((problem.n_read, len(problem.excitations), n_lanes), dtype=complex)
+    block = max(1, BLOCK_BYTES // (16 * max(1, _columns(problem)) ** 2))
+    with np.errstate(all="ignore"):
+        for start in range(0, n_lanes, block):
+            part = slice(start, min(start + block, n_lanes))
+            values[:, :, part] = np.moveaxis(_respond(problem, by_law[:, part].T), 0, 2)
+    return Sweep(values, np.zeros(n_lanes, dtype=bool))
 
 
-def solve(system: RowSystem, by_law: ComplexArray, loads: ComplexArray, rows: FloatArray) -> ComplexArray:
-    """The same for dynamic stiffnesses (n_laws, n_lanes) in N m/rad."""
-    n_lanes, n_q = by_law.shape[1], system.n_coordinates
-    motion = np.empty((n_lanes, len(rows), loads.shape[2]), dtype=complex)
-    block = max(1, BLOCK_BYTES // (16 * max(1, n_q) ** 2))
-    for start in range(0, n_lanes, block):
-        part = slice(start, min(start + block, n_lanes))
-        motion[part] = rows @ _solve(_assembled(system, by_law[:, part].T), loads if len(loads) == 1 else loads[part])
-    return motion
+def _columns(problem: Problem) -> int:
+    given = [j for row in problem.laws for j in row]
+    given += [j for one in problem.excitations for j in (*one.load, *one.motion)]
+    return max([problem.n_free, *(j + 1 for j in given), *(j + 1 for j in problem.reactions)])
 
 
-def _assembled(system: RowSystem, kappa: ComplexArray) -> ComplexArray:
-    """D (n_f, n_q, n_q): each law adds kappa a a^T, which touches the few entries where its row is not zero."""
-    stiffness = np.zeros((len(kappa), system.n_coordinates, system.n_coordinates), dtype=complex)
-    for law, row in enumerate(system.rows):
-        used = np.flatnonzero(row)
-        for i in used:
-            for j in used:
-                stiffness[:, i, j] += kappa[:, law] * (row[i] * row[j])
+def _respond(problem: Problem, kappa: ComplexArray) -> ComplexArray:
+    """Outputs and reactions (n_f, n_read, n_exc)."""
+    n, free = _columns(problem), slice(0, problem.n_free)
+    given, n_exc = slice(problem.n_free, n), len(problem.excitations)
+    D = _assembled(problem, kappa, n)
+    load, motion = np.zeros((n, n_exc)), np.zeros((len(kappa), n, n_exc), dtype=complex)
+    for number, excitation in enumerate(problem.excitations):
+        load[list(excitation.load), number] = list(excitation.load.values())
+        motion[:, list(excitation.motion), number] = list(excitation.motion.values())
+    motion[:, free] = _solve(D[:, free, free], load[free] - D[:, free, given] @ motion[:, given])
+    rows = np.zeros((len(problem.outputs), n))
+    for number, row in enumerate(problem.outputs):
+        rows[number, list(row)] = list(row.values())
+    reacted = list(problem.reactions)
+    return np.concatenate([rows @ motion, load[reacted] - D[:, reacted] @ motion], axis=1)
+
+
+def _assembled(problem: Problem, kappa: ComplexArray, n: int) -> ComplexArray:
+    """D (n_f, n, n): each law adds kappa a a^T, which touches the few entries where its row is not zero."""
+    stiffness = np.zeros((len(kappa), n, n), dtype=complex)
+    for law, row in enumerate(problem.laws):
+        for i, a in row.items():
+            for j, b in row.items():
+                stiffness[:, i, j] += kappa[:, law] * (a * b)
     return stiffness
 
 
@@ -42,7 +62,7 @@ def _solve(stiffness: ComplexArray, loads: ComplexArray) -> ComplexArray:
     scale = np.sqrt(np.abs(np.einsum("fii->fi", stiffness)))
     scale[scale == 0] = 1.0
     scaled = stiffness / (scale[:, :, None] * scale[:, None, :])
-    right = np.broadcast_to(loads, (len(stiffness), *loads.shape[1:])) / scale[:, :, None]
+    right = np.broadcast_to(loads, (len(stiffness), *loads.shape[-2:])) / scale[:, :, None]
     try:
         return np.asarray(np.linalg.solve(scaled, right) / scale[:, :, None])
     except np.linalg.LinAlgError:

@@ -3,6 +3,7 @@
     (s^2 M + s C + K) q = 0,    lambda = -zeta omega_0 +- j omega_0 sqrt(1 - zeta^2)
 
 >>> import numpy as np
+>>> from torsionnet.assembly.rows import Rows
 >>> rows = Rows.of(np.array([[1.0, 0.0], [0.0, 1.0], [1.0, -1.0]]))
 >>> two_mass = RowSystem(rows, np.array([2.0, 2.0, 0.0]), np.array([0.0, 0.0, 0.2]), np.array([0.0, 0.0, 100.0]))
 >>> modes = complex_modes(two_mass)
@@ -19,10 +20,10 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray, Rows, RowSystem
+from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.solve import frozen
 from torsionnet.solve.lowest import Motions, lowest_vibrations
-from torsionnet.solve.reduction import LARGE, AnyArray, echelon, null_basis, orthogonal_complement, subspaces
+from torsionnet.solve.reduction import LARGE, AnyArray, acting, resisting, restricted, stiff_laws, subspaces
 from torsionnet.solve.spectrum import physical, refined, solve
 
 RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
@@ -75,7 +76,8 @@ def complex_modes(system: RowSystem, lowest: int | None = None) -> EigenSolution
     SolveError
         Where coordinates have neither inertia nor spring nor damper.
     """
-    stiff = frozen.stiff_laws(system)
+    system = acting(system)
+    stiff = stiff_laws(system)
     if lowest is not None and (few := _few_modes(system, stiff, lowest)) is not None:
         return few.first(lowest)
     spaces = subspaces(system, stiff, system.damping > 0)
@@ -95,23 +97,12 @@ def complex_modes(system: RowSystem, lowest: int | None = None) -> EigenSolution
 
 def _few_modes(system: RowSystem, stiff: NDArray[np.bool_], lowest: int) -> EigenSolution | None:
     """The lowest modes of a large system by a sparse route, or None where none fits."""
+    if system.n_coordinates <= LARGE or system.dynamic:
+        return None
     damped = system.damping > 0
-    motions = _motions(system, stiff, damped)
-    if motions is None:
-        return None
-    count = lowest - motions.rigid.shape[1]
-    found = lowest_vibrations(system, motions, count, undamped=not np.any(damped))
+    motions = Motions.of(system, stiff, damped, lowest)
+    found = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=not np.any(damped))
     return None if found is None else _sorted_solution(motions.rigid, found, passive=True)
-
-
-def _motions(system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bool_]) -> Motions | None:
-    """Rigid-body motions of a large system; None if it is not large or coordinates have nothing acting on them."""
-    heavy = system.inertia > 0
-    if system.n_coordinates <= LARGE or system.dynamic or null_basis(system.rows[heavy | stiff | damped]).size:
-        return None
-    rigid = echelon(null_basis(system.rows[stiff]))
-    undamped = null_basis(system.rows[stiff | damped])
-    return Motions(rigid, undamped, system.n_coordinates - null_basis(system.rows[heavy]).shape[1])
 
 
 def is_passive(system: RowSystem, eigenvalues: ComplexArray) -> bool:
@@ -160,21 +151,29 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
     shapes : (n_q, n) array
         Real shapes; the largest component of each is 1.
     """
-    stiff = frozen.stiff_laws(system)
-    if lowest is not None and (motions := _motions(system, stiff, np.zeros_like(stiff))) is not None:
+    system = acting(system)
+    kept = resisting(system)
+    omega, shapes = _undamped_modes(acting(restricted(system, kept)), lowest)
+    every = np.zeros((system.n_coordinates, len(omega)))
+    every[kept] = shapes
+    return omega, every
+
+
+def _undamped_modes(system: RowSystem, lowest: int | None) -> tuple[FloatArray, FloatArray]:
+    stiff = stiff_laws(system)
+    undamped = np.zeros_like(stiff)
+    if lowest is not None and system.n_coordinates > LARGE and not system.dynamic:
+        motions = Motions.of(system, stiff, undamped, lowest)
         few = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=True)
         if few is not None:
             return _sorted_undamped(motions.rigid, few, lowest)
-    basis = _held_coordinates(system, stiff)
-    system = RowSystem(Rows.of(system.rows @ basis), system.inertia, system.damping, system.stiffness, system.dynamic)
-    spaces = subspaces(system, stiff, np.zeros_like(stiff))
+    spaces = subspaces(system, stiff, undamped)
     if system.dynamic:
         found = frozen.modes(system, spaces, undamped=True)
     else:
         spectrum = refined(solve(system, spaces, system.stiffness, undamped=True))
         found = frozen.Found.all_converged(spectrum, *physical(spectrum))
-    omega, shapes = _sorted_undamped(spaces.rigid, found, lowest)
-    return omega, scaled(basis @ shapes).real
+    return _sorted_undamped(spaces.rigid, found, lowest)
 
 
 def _sorted_undamped(rigid: FloatArray, found: frozen.Found, lowest: int | None) -> tuple[FloatArray, FloatArray]:
@@ -182,9 +181,3 @@ def _sorted_undamped(rigid: FloatArray, found: frozen.Found, lowest: int | None)
     omega = np.concatenate([np.zeros(rigid.shape[1]), found.values.imag[order]])
     shapes = np.hstack([rigid, found.shapes[:, order].real])
     return omega[:lowest], np.asarray(scaled(shapes)[:, :lowest])
-
-
-def _held_coordinates(system: RowSystem, stiff: NDArray[np.bool_]) -> FloatArray:
-    """Orthonormal basis of the coordinates that inertias or springs act on; the identity if that is all."""
-    floating = null_basis(system.rows[stiff | (system.inertia > 0)])
-    return np.asarray(orthogonal_complement(floating, system.n_coordinates), dtype=float)

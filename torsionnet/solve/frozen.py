@@ -100,13 +100,6 @@ class FrozenProblem:
         return np.asarray(np.abs(a.conj().T @ b) ** 2 / np.where(size > 0, size, 1.0))
 
 
-def stiff_laws(system: RowSystem) -> NDArray[np.bool_]:
-    """Laws that act as springs, for every rank: those with stiffness and those with a dynamic one."""
-    stiff = system.stiffness > 0
-    stiff[[index for index, _ in system.dynamic]] = True
-    return np.asarray(stiff)
-
-
 def modes(
     system: RowSystem, spaces: Subspaces, starts: Iterable[Start] | None = None, *, undamped: bool = False
 ) -> Found:

@@ -7,12 +7,16 @@ With D = sum_e kappa_e a_e a_e^T, eliminating coordinate v with S = sum_e kappa_
 one row b for each pair of rows that touch v. Among links and grounds this is star-mesh: two links y_vi, y_vj give the
 link y_vi y_vj / S, a link and the ground g_v give the ground y_vi g_v / S. Nothing is subtracted, so that a drivetrain
 that turns freely keeps its full accuracy however slow it is. Ratios, and laws over three and more coordinates, are rows
-like any other. A motion r q follows in the same way from the loads f and motions of the coordinates that are left,
+like any other. Loads are rows with a weight, f = sum_l w_l l, and pass to the same rows as motions r q that are read:
 
-    r q = r_v f_v / S + sum_e (kappa_e a_ev / S) b_e q,    b_e = a_ev r - r_v a_e
-    f_j' = f_j - sum_e (kappa_e a_ev a_ej / S) f_v
+    w_l l  ->  w_l (kappa_e a_ev / S) b_e,                    b_e = a_ev l - l_v a_e
+    r q    =   r_v f_v / S + sum_e (kappa_e a_ev / S) b_e q,  b_e = a_ev r - r_v a_e,  f_v = sum_l w_l l_v
 
-Coordinates with few neighbours go first: on a tree the leaves, without fill.
+Given columns (imposed angles, gaps of rigid connections) are in all rows and never eliminated. A motion over them alone
+is known. The reaction on one of them, g, is what arrives there, sum_l w_l l_g - sum_e kappa_e a_eg (a_e q); it is taken
+as soon as a single row is left that knows g, so that nothing is subtracted there either.
+
+Coordinates with few rows go first: on a tree the leaves, without fill.
 """
 
 from __future__ import annotations
@@ -20,237 +24,244 @@ from __future__ import annotations
 import collections
 import heapq
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
-from typing import NamedTuple
 
-from torsionnet.solve.row_algebra import Key, Row, clique, combined, common_motion, normalised
+from torsionnet.solve.plan import Motion, Pair, Passed, Plan, Reaction, Step
+from torsionnet.solve.row_algebra import Row, Table, clique, combined, common_motion
 
 MOST_ROWS = 2
 """Rows on one coordinate, as a multiple of what links and grounds would be, from which on they become such."""
+ALWAYS = 30
+"""Up to so many rows stay as they are: what is split subtracts."""
 
 
-class Pair(NamedTuple):
-    """kappa[target] += factor kappa_i kappa_j / S, for places i < j among the terms of a step."""
-
-    i: int
-    j: int
-    factor: float
-    target: int
-
-
-@dataclass(frozen=True)
-class Motion:
-    """value[slot] = load f_v / S + sum of factor (kappa_i / S) value[source] over ``parts`` (i, factor, source)."""
-
-    slot: int
-    load: float
-    parts: tuple[tuple[int, float, int], ...]
-
-
-@dataclass(frozen=True)
-class Step:
-    """Elimination of one coordinate.
-
-    Attributes
-    ----------
-    coordinate : int
-    terms : tuple of (slot, a_v^2)
-        S = sum of a_v^2 kappa[slot].
-    splits : tuple of (slot, ((slot, weight), ...))
-        Before all else: kappa of a row over many coordinates handed to links and grounds.
-    pairs : tuple of Pair
-    loads : tuple of (i, j, factor)
-        f_j += factor (kappa_i / S) f_v.
-    motions : tuple of Motion
-        Needed on the way back, in reverse order of the steps.
-    closes_loop : bool
-        Whether links among the neighbours arise, so that a tiny S spoils them.
-    shared : tuple of int
-        Places among the terms of which kappa_i / S is needed.
-    """
-
-    coordinate: int
-    terms: tuple[tuple[int, float], ...]
-    splits: tuple[tuple[int, tuple[tuple[int, float], ...]], ...]
-    pairs: tuple[Pair, ...]
-    loads: tuple[tuple[int, int, float], ...]
-    motions: tuple[Motion, ...]
-    closes_loop: bool
-    shared: tuple[int, ...]
-
-
-@dataclass(frozen=True)
-class Plan:
-    """Steps of the elimination.
-
-    Attributes
-    ----------
-    sources : tuple of ((law, factor), ...)
-        kappa[slot] = sum of factor kappa_law, for the first slots.
-    n_slots : int
-    steps : tuple of Step
-    outputs : tuple of (value slot or -1, factor)
-        Motion of every row asked for.
-    n_values : int
-    """
-
-    sources: tuple[tuple[tuple[int, float], ...], ...]
-    n_slots: int
-    steps: tuple[Step, ...]
-    outputs: tuple[tuple[int, float], ...]
-    n_values: int
-
-    @property
-    def is_tree(self) -> bool:
-        return not any(step.closes_loop for step in self.steps)
-
-
-@dataclass
-class _Table:
-    """Rows up to a factor, each with a number, found by the coordinates they touch."""
-
-    numbers: dict[Key, int] = field(default_factory=dict)
-    rows: list[Row] = field(default_factory=list)
-    touching: dict[int, set[int]] = field(default_factory=dict)
-
-    def add(self, row: Row) -> tuple[int, float]:
-        """Number of the row and the factor it is of it."""
-        key, unit, factor = normalised(row)
-        number = self.numbers.get(key)
-        if number is None:
-            number = self.numbers[key] = len(self.rows)
-            self.rows.append(unit)
-            for j in unit:
-                self.touching.setdefault(j, set()).add(number)
-        return number, factor
-
-    def take(self, coordinate: int) -> list[int]:
-        """Remove and return the rows on a coordinate, those over several coordinates first."""
-        numbers = list(self.touching.get(coordinate, ()))
-        for number in numbers:
-            self.remove(number)
-        return sorted(numbers, key=lambda number: (len(self.rows[number]) == 1, number))
-
-    def remove(self, number: int) -> None:
-        for j in self.rows[number]:
-            self.touching[j].discard(number)
-        del self.numbers[normalised(self.rows[number])[0]]
-
-
-def make_plan(laws: Sequence[Row], outputs: Sequence[Row], loaded: Iterable[int], last: int | None) -> Plan:
-    """Plan for the motion of ``outputs``.
+def make_plan(
+    laws: Sequence[Row],
+    n_free: int,
+    loads: Sequence[Row],
+    motions: Sequence[Row],
+    outputs: Sequence[Row],
+    reactions: Sequence[int],
+    *,
+    turned: bool = False,
+) -> Plan:
+    """Plan for the motion of ``outputs`` and the torque on given columns.
 
     Parameters
     ----------
     laws : sequence of rows
-        The row of every law.
+        The row of every law; columns from ``n_free`` on are given.
+    n_free : int
+    loads, motions : sequences of rows
+        Of every excitation: torques on columns, and motions of given columns.
     outputs : sequence of rows
-    loaded : iterable of int
-        Coordinates with a load.
-    last : int, optional
-        Coordinate to keep to the end: with the only load there, the answer is a product along the path to it.
+    reactions : sequence of int
+        Given columns.
+    turned : bool
+        Eliminate towards another root than the first load.
     """
-    return _Planner(laws, outputs, set(loaded), last).plan()
+    planner = _Planner(laws, n_free, loads, motions, outputs, reactions)
+    if turned:
+        planner.turn()
+    return planner.plan()
 
 
 class _Planner:
-    def __init__(self, laws: Sequence[Row], outputs: Sequence[Row], loaded: set[int], last: int | None) -> None:
-        self.laws, self.motions = _Table(), _Table()
-        self.loaded, self.last = loaded, last
+    def __init__(
+        self,
+        laws: Sequence[Row],
+        n_free: int,
+        loads: Sequence[Row],
+        motions: Sequence[Row],
+        outputs: Sequence[Row],
+        reactions: Sequence[int],
+    ) -> None:
+        self.n_free = n_free
+        self.driving, self.driven = motions, {j for motion in motions for j in motion}
+        self.reactions, self.open = reactions, set(reactions)
+        self.taken: dict[int, Reaction] = {}
+        self.laws, self.loads, self.motions = Table(), Table(), Table()
         self.scale: dict[int, float] | None = None
-        sources: list[list[tuple[int, float]]] = []
-        for index, row in enumerate(laws):
-            if row:
-                slot, factor = self.laws.add(row)
-                sources += [[] for _ in range(slot + 1 - len(sources))]
-                sources[slot].append((index, factor * factor))
-        self.sources = tuple(tuple(source) for source in sources)
-        self.outputs = tuple(self.motions.add(row) if row else (-1, 0.0) for row in outputs)
+        self.sources = self._sources(laws)
+        self.weights = [(e, self._load(row)) for e, row in enumerate(loads)]
+        self.outputs = tuple(self._output(row) for row in outputs)
+        self.last = min((j for row in loads[:1] for j in row if j < n_free), default=None)
+
+    def turn(self) -> None:
+        """Take a coordinate for the root that is read, or none."""
+        free = (j for table in (self.motions, self.laws) for row in table.rows for j in row if j < self.n_free)
+        self.last = next(free, None) if self.last is None else None
 
     def plan(self) -> Plan:
         steps = tuple(self._step(coordinate) for coordinate in self._order())
-        return Plan(self.sources, len(self.laws.rows), steps, self.outputs, len(self.motions.rows))
+        for column in self.open:
+            self.taken[column] = self._reaction(column)
+        weights = [(found[0], e, found[1]) for e, found in self.weights if found]
+        return Plan(
+            sources=self.sources,
+            n_slots=len(self.laws.rows),
+            n_loads=len(self.loads.rows),
+            n_motions=len(self.motions.rows),
+            n_excitations=len(self.driving),
+            weights=tuple(weights),
+            given=tuple(self._given()),
+            steps=steps,
+            outputs=self.outputs,
+            reactions=tuple(self.taken[column] for column in self.reactions),
+            subtracts=self.scale is not None,
+        )
+
+    # --- rows -------------------------------------------------------------------------------------------------------
+
+    def _sources(self, laws: Sequence[Row]) -> tuple[tuple[tuple[int, float], ...], ...]:
+        sources: list[list[tuple[int, float]]] = []
+        for index, row in enumerate(laws):
+            found = self._law(row)
+            if found:
+                slot, factor = found
+                sources += [[] for _ in range(slot + 1 - len(sources))]
+                sources[slot].append((index, factor * factor))
+        return tuple(tuple(source) for source in sources)
+
+    def _law(self, row: Row) -> tuple[int, float] | None:
+        """Slot and factor of a law's row; nothing where it resists given motions only and nobody reads that."""
+        row = {j: a for j, a in row.items() if j < self.n_free or j in self.driven or j in self.open}
+        between_given = any(j in self.driven for j in row) and any(j in self.open for j in row)
+        if any(j < self.n_free for j in row) or between_given:
+            return self.laws.add(row)
+        return None
+
+    def _load(self, row: Row) -> tuple[int, float] | None:
+        row = {j: a for j, a in row.items() if j < self.n_free or j in self.open}
+        return self.loads.add(row) if row else None
+
+    def _motion(self, row: Row) -> tuple[int, float] | None:
+        row = {j: a for j, a in row.items() if j < self.n_free or j in self.driven}
+        return self.motions.add(row) if row else None
+
+    def _output(self, row: Row) -> tuple[int, float]:
+        return self._motion(row) or (-1, 0.0)
+
+    def _given(self) -> Iterable[tuple[int, tuple[float, ...]]]:
+        """Motions over given columns alone, under every excitation."""
+        for slot, row in enumerate(self.motions.rows):
+            if min(row) >= self.n_free:
+                yield slot, tuple(sum(a * motion.get(j, 0.0) for j, a in row.items()) for motion in self.driving)
+
+    # --- order ------------------------------------------------------------------------------------------------------
 
     def _order(self) -> Iterable[int]:
-        """Coordinates as they come to have the fewest neighbours; each is eliminated before the next is asked for."""
-        names = {*self.laws.touching, *self.loaded, *self.motions.touching} - {self.last}
-        waiting = [(len(self._neighbours(v)), v) for v in names]
+        """Coordinates as they come to have the fewest rows; each is eliminated before the next is asked for.
+
+        Among links and grounds these are those with the fewest neighbours: on a tree the leaves, without fill.
+        """
+        touched = {*self.laws.touching, *self.loads.touching, *self.motions.touching}
+        names = {j for j in touched if j < self.n_free} - {self.last}
+        waiting = [(self._rows_on(v), v) for v in names]
         heapq.heapify(waiting)
         while waiting:
-            degree, v = heapq.heappop(waiting)
+            expected, v = heapq.heappop(waiting)
             if v not in names:
                 continue
-            now = self._neighbours(v)
-            if len(now) > degree:
-                heapq.heappush(waiting, (len(now), v))
+            now = self._rows_on(v)
+            if now > expected:
+                heapq.heappush(waiting, (now, v))
                 continue
             names.discard(v)
+            around = self._neighbours(v) & names
             yield v
-            for j in now & names:
-                heapq.heappush(waiting, (len(self._neighbours(j)), j))
+            for j in around:
+                heapq.heappush(waiting, (self._rows_on(j), j))
         if self.last is not None:
             yield self.last
+
+    def _rows_on(self, coordinate: int) -> int:
+        return len(self.laws.touching.get(coordinate, ()))
 
     def _neighbours(self, coordinate: int) -> set[int]:
         rows = self.laws.rows
         return {j for number in self.laws.touching.get(coordinate, ()) for j in rows[number]} - {coordinate}
 
+    # --- steps ------------------------------------------------------------------------------------------------------
+
     def _step(self, v: int) -> Step:
-        splits = self._split(v)
-        slots = self.laws.take(v)
+        handed_on = (*self._settled(), *self._split(v))
+        slots, loads = self.laws.take(v), self.loads.take(v)
         rows = [self.laws.rows[slot] for slot in slots]
-        pairs, loads = tuple(self._pairs(v, rows)), self._loads(v, rows)
-        motions = tuple(self._motion(v, number, rows) for number in self.motions.take(v))
-        shared = {*(pair.i for pair in pairs), *(i for i, _, _ in loads)}
+        pairs = tuple(self._pairs(v, rows))
+        passed = tuple(part for slot in loads for part in self._passed(v, slot, rows))
+        motions = tuple(self._read(v, number, rows, bool(loads)) for number in self.motions.take(v))
+        shared = {*(pair.i for pair in pairs), *(part.i for part in passed)}
         shared |= {i for motion in motions for i, _, _ in motion.parts}
         return Step(
             coordinate=v,
+            handed_on=handed_on,
             terms=tuple((slot, row[v] * row[v]) for slot, row in zip(slots, rows, strict=True)),
-            splits=splits,
             pairs=pairs,
-            loads=loads,
+            loads=tuple((slot, self.loads.rows[slot][v]) for slot in loads),
+            passed=passed,
             motions=motions,
-            closes_loop=len({j for row in rows for j in row}) > 2,  # noqa: PLR2004
             shared=tuple(sorted(shared)),
         )
 
     def _pairs(self, v: int, rows: Sequence[Row]) -> Iterable[Pair]:
         for i, first in enumerate(rows):
             for j in range(i + 1, len(rows)):
-                row = combined(first, rows[j], v)
-                if row:
-                    target, factor = self.laws.add(row)
-                    yield Pair(i, j, factor * factor, target)
+                found = self._law(combined(first, rows[j], v))
+                if found:
+                    yield Pair(i, j, found[1] * found[1], found[0])
 
-    def _loads(self, v: int, rows: Sequence[Row]) -> tuple[tuple[int, int, float], ...]:
-        if v not in self.loaded:
-            return ()
-        found = tuple((i, j, -row[v] * row[j]) for i, row in enumerate(rows) for j in row if j != v)
-        self.loaded.update(j for _, j, _ in found)
-        return found
+    def _passed(self, v: int, slot: int, rows: Sequence[Row]) -> Iterable[Passed]:
+        row = self.loads.rows[slot]
+        for i, law in enumerate(rows):
+            found = self._load(combined(row, law, v))
+            if found:
+                yield Passed(slot, i, law[v] * found[1], found[0])
 
-    def _motion(self, v: int, number: int, rows: Sequence[Row]) -> Motion:
+    def _read(self, v: int, number: int, rows: Sequence[Row], loaded: bool) -> Motion:
         row, parts = self.motions.rows[number], []
         for i, law in enumerate(rows):
-            rest = combined(row, law, v)
-            if rest:
-                source, factor = self.motions.add(rest)
-                parts.append((i, law[v] * factor, source))
-        return Motion(number, row[v] if v in self.loaded else 0.0, tuple(parts))
+            found = self._motion(combined(row, law, v))
+            if found:
+                parts.append((i, law[v] * found[1], found[0]))
+        return Motion(number, row[v] if loaded else 0.0, tuple(parts))
 
-    def _split(self, v: int) -> tuple[tuple[int, tuple[tuple[int, float], ...]], ...]:
+    def _split(self, v: int) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
         """Where rows on v would multiply, hand those that are not along the common motion to links and grounds."""
         numbers = self.laws.touching.get(v, set())
-        if len(numbers) <= MOST_ROWS * (len(self._neighbours(v)) + 1):
-            return ()
+        if len(numbers) <= max(ALWAYS, MOST_ROWS * (len(self._neighbours(v)) + 1)):
+            return
         if self.scale is None:
             self.scale = collections.defaultdict(lambda: 1.0, common_motion(self.laws.rows))
-        splits = []
         for number in sorted(numbers):
             row = self.laws.rows[number]
             shares = list(clique(row, self.scale)) if len(row) > 1 else []
             if len(shares) > 1:
-                self.laws.remove(number)
-                added = [(*self.laws.add(part), weight) for part, weight in shares]
-                splits.append((number, tuple((slot, weight * factor**2) for slot, factor, weight in added)))
-        return tuple(splits)
+                yield self._handed_on(number, shares)
+
+    def _handed_on(self, slot: int, shares: Iterable[tuple[Row, float]]) -> tuple[int, tuple[tuple[int, float], ...]]:
+        """Rows with a weight in the place of one."""
+        self.laws.remove(slot)
+        found = ((self._law(row), weight) for row, weight in shares)
+        return slot, tuple((there[0], weight * there[1] ** 2) for there, weight in found if there)
+
+    # --- reactions --------------------------------------------------------------------------------------------------
+
+    def _settled(self) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
+        """Reactions that hang on a single row: taken now, so that the row need no longer know of that column."""
+        for column in sorted(self.open):
+            slots = self.laws.touching.get(column, set())
+            if len(slots) == 1 and not self.loads.touching.get(column):
+                (slot,) = slots
+                self.taken[column] = self._reaction(column)
+                self.open.discard(column)
+                yield self._handed_on(slot, [(self.laws.rows[slot], 1.0)])
+
+    def _reaction(self, column: int) -> Reaction:
+        laws = []
+        for slot in sorted(self.laws.touching.get(column, ())):
+            row = self.laws.rows[slot]
+            found = self._motion({j: a for j, a in row.items() if j != column})
+            if found:
+                laws.append((slot, -row[column] * found[1], found[0]))
+        loads = [(slot, self.loads.rows[slot][column]) for slot in sorted(self.loads.touching.get(column, ()))]
+        return Reaction(tuple(laws), tuple(loads))

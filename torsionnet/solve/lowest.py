@@ -18,8 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.errors import SolveError
 from torsionnet.solve.frozen import Found
-from torsionnet.solve.reduction import LARGE, AnyArray
+from torsionnet.solve.nullspace import null_space, rows_of
+from torsionnet.solve.reduction import AnyArray, acting, echelon, require_resistance, resisting, restricted
 
 Apply: TypeAlias = Callable[[FloatArray], FloatArray]
 
@@ -27,11 +29,17 @@ SHARE = 4
 """Sparse routes find at most one in so many of the modes; for more of them the dense ones are quicker."""
 ACCURATE = 1e-10
 """Estimated relative error of an eigenvalue up to which the sparse result stands."""
+HUGE = 2000
+"""Coordinates beyond which arrays of n by n cost hours and gigabytes."""
+_ZERO = 1e-6
 _TOLERANCE = 1e-13
 _SAME = 1e-6
 _MARGIN = 1e-9
-_BESIDE = 1e-13  # relative distance to an eigenvalue at which D can be factored
-_ROUNDS = 5
+_STILL = 1e-14
+_STEPS = 4
+_BESIDE = (1e-13, 1e-12, 1e-11, 1e-10, 1e-9, 1e-8)  # relative distances to an eigenvalue to factor D at
+_RESOLVED = 0.1  # share of the shift below which all poles look alike
+_ROUNDS = 8
 _EPS = float(np.finfo(float).eps)
 
 
@@ -47,33 +55,61 @@ class Motions:
     undamped: FloatArray
     dynamic: int  # rank of M
 
+    @classmethod
+    def of(cls, system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bool_], count: int) -> Motions:
+        """At most ``count`` of each.
+
+        Raises
+        ------
+        SolveError
+            Where some coordinates have neither inertia nor spring nor damper.
+        """
+        heavy, size = system.inertia > 0, system.n_coordinates
+        require_resistance(system, heavy | stiff | damped)
+        rigid, undamped = (null_space(rows_of(system, laws), size).first(count) for laws in (stiff, stiff | damped))
+        massless = null_space(rows_of(system, heavy), size).dimension
+        return cls(echelon(rigid.basis()), undamped.basis(), size - massless)
+
 
 def lowest_vibrations(system: RowSystem, motions: Motions, count: int, *, undamped: bool) -> Found | None:
     """The lowest modes by |lambda| other than rigid bodies, at least ``count`` of them, or None.
 
     None where the structure does not fit (too few degrees of freedom for so many modes) or the sparse route
-    is not sure of its result to within `ACCURATE`.
+    is not sure of its result to within `ACCURATE`; beyond `HUGE` the errors say so instead.
+
+    Raises
+    ------
+    SolveError
+        Beyond `HUGE`, where the sparse route finds too little.
     """
     from scipy.sparse.linalg import ArpackError
 
-    if system.n_coordinates <= LARGE or system.dynamic or SHARE * (count + SHARE) > motions.dynamic:
-        return None
     if count <= 0:
         return _found(np.zeros(0, complex), np.zeros((system.n_coordinates, 0)), np.zeros(0))
+    if SHARE * (count + SHARE) > motions.dynamic:
+        return None
     try:
         with np.errstate(all="ignore"):
             found = _search(system, motions, count, undamped=undamped)
-    except (_NotFoundError, ArpackError, np.linalg.LinAlgError, RuntimeError):  # RuntimeError: singular in SuperLU
-        return None
-    return found if np.all(found.errors <= ACCURATE) else None
+    except (_NotFoundError, ArpackError, np.linalg.LinAlgError, RuntimeError) as error:  # the last: singular in SuperLU
+        if system.n_coordinates <= HUGE:
+            return None
+        size = system.n_coordinates
+        msg = f"a sparse search finds too few of the lowest modes of {size} coordinates; all modes at once take long"
+        raise SolveError(msg) from error
+    return found if system.n_coordinates > HUGE or np.all(found.errors[:count] <= ACCURATE) else None
 
 
 def _search(system: RowSystem, motions: Motions, count: int, *, undamped: bool) -> Found:
-    pencil = _Pencil.of(system, undamped=True)
-    slowest = _slowest(pencil, motions)
+    slowest = _slowest_undamped(system, motions)
     pencil = _Pencil.of(system, undamped=undamped, at=slowest)
     search = _undamped if undamped else _damped
-    values, shapes, errors = _polished(pencil, *search(pencil, motions, count, slowest))
+    starts, shapes = search(pencil, motions, count, slowest)
+    values, shapes, errors = _polished(pencil, starts, shapes)
+    kept = np.abs(values) > _ZERO * np.abs(starts)  # the others were echoes of rigid bodies
+    values, shapes, errors = values[kept], shapes[:, kept], errors[kept]
+    if len(values) < count:
+        raise _NotFoundError
     if undamped:
         values = 1j * np.sqrt(values.real)
     order = np.argsort(np.abs(values), kind="stable")
@@ -107,11 +143,13 @@ class _Pencil:
         from scipy import sparse
 
         damping = np.zeros_like(system.damping) if undamped else system.damping
+        squares = system.law_rows.csr.power(2)
         if at is None:
-            at = float(np.sqrt(system.K.trace() / system.M.trace()))
+            lengths = squares.sum(axis=1)  # traces of K and M
+            at = float(np.sqrt(system.stiffness @ lengths / (system.inertia @ lengths)))
         sizes = system.stiffness + at * damping + at**2 * system.inertia
-        scale = 1.0 / np.sqrt((sizes[:, None] * system.rows**2).sum(axis=0))
-        rows = sparse.csc_array(system.rows * scale)
+        scale = 1.0 / np.sqrt(squares.T @ sizes)
+        rows = sparse.csc_array(system.law_rows.csr @ sparse.diags_array(scale))
         return cls(rows, system.inertia, damping, system.stiffness, scale, undamped)
 
     @cached_property
@@ -183,6 +221,13 @@ class _Pencil:
         roots = [w / (2 * m) if m else np.inf, 2 * k / w if w else np.inf]
         return min(roots, key=lambda z: abs(z - near))
 
+    def split(self, shapes: AnyArray, center: Any) -> tuple[AnyArray, AnyArray]:
+        """Steps from ``center`` to the eigenvalues next to it, and how the shapes mix to theirs."""
+        motion = self.rows @ shapes
+        here, slope = (motion.T @ (law[:, None] * motion) for law in (self.laws(center), self.slopes(center)))
+        steps, mixed = np.linalg.eig(-np.linalg.solve(slope, here))
+        return steps, mixed
+
 
 # --- without damping ------------------------------------------------------------------------------------------------
 
@@ -194,12 +239,21 @@ def _inertia_rows(pencil: _Pencil) -> Any:
     return sparse.csr_array(sparse.diags_array(np.sqrt(pencil.inertia[heavy])) @ pencil.rows.tocsr()[heavy])
 
 
-def _slowest(pencil: _Pencil, motions: Motions) -> float:
+def _slowest_undamped(system: RowSystem, motions: Motions) -> float:
     """About the lowest natural frequency other than zero in rad/s, without damping."""
+    kept = resisting(system)
+    if len(kept) == system.n_coordinates:
+        return _slowest(_Pencil.of(system, undamped=True), motions.rigid)
+    system = acting(restricted(system, kept))
+    rigid = null_space(rows_of(system, system.stiffness > 0), system.n_coordinates).basis()
+    return _slowest(_Pencil.of(system, undamped=True), rigid)
+
+
+def _slowest(pencil: _Pencil, rigid: FloatArray) -> float:
     square = float(np.sum(pencil.stiffness > 0)) and 1e-6 / float(pencil.scale.max() / pencil.scale.min())
     square *= float(pencil.gram(pencil.stiffness).diagonal().sum() / pencil.M.diagonal().sum())
     for _ in range(_ROUNDS):
-        problem = _Symmetric(pencil, motions, square)
+        problem = _Symmetric(pencil, rigid, square)
         found = problem.squares(problem.run(1, tolerance=1e-3)[0])[0]
         settled = square / 100 <= found <= square * 1e4
         square = max(found, square * 1e-5)
@@ -211,10 +265,10 @@ def _slowest(pencil: _Pencil, motions: Motions) -> float:
 class _Symmetric:
     """y -> P S (K + sigma M)^-1 S^T P y, with eigenvalues 1/(omega^2 + sigma)."""
 
-    def __init__(self, pencil: _Pencil, motions: Motions, sigma: float) -> None:
+    def __init__(self, pencil: _Pencil, rigid: FloatArray, sigma: float) -> None:
         self.rows, self.sigma = _inertia_rows(pencil), sigma
         self.factors = pencil.factor(-sigma, definite=True)
-        self.known = np.linalg.qr(self.rows @ (motions.rigid / pencil.scale[:, None]))[0]
+        self.known = np.linalg.qr(self.rows @ (rigid / pencil.scale[:, None]))[0]
 
     def run(self, count: int, tolerance: float = _TOLERANCE) -> tuple[FloatArray, FloatArray]:
         """The largest eigenvalues and their vectors y outside what is known."""
@@ -242,7 +296,7 @@ def _operator(apply: Apply, size: int) -> Any:
 
 def _undamped(pencil: _Pencil, motions: Motions, count: int, slowest: float) -> tuple[FloatArray, FloatArray]:
     """omega^2 and shapes, at least ``count``."""
-    problem = _Symmetric(pencil, motions, slowest**2 / 2)
+    problem = _Symmetric(pencil, motions.rigid, slowest**2 / 2)
     values, vectors = problem.run(count + 1)
     for _ in range(count):
         problem.known = np.linalg.qr(np.hstack([problem.known, vectors]))[0]
@@ -316,14 +370,17 @@ def _damped(pencil: _Pencil, motions: Motions, count: int, slowest: float) -> tu
     for _ in range(_ROUNDS):
         if wanted > motions.dynamic:
             raise _NotFoundError
-        problem = _Companion(pencil, motions, sigma, slowest)
+        problem = _Companion(pencil, motions, sigma, 20 * sigma)
         values, vectors = problem.run(wanted)
         upper = values.imag >= 0
         values, vectors = values[upper], vectors[:, upper]
         sizes = np.sort(np.abs(values))
-        if len(sizes) >= count and sizes[count - 1] + sigma <= problem.reach * (1 + _MARGIN):
+        enough = len(sizes) >= count and sizes[count - 1] + sigma <= problem.reach * (1 + _MARGIN)
+        resolved = len(sizes) > 0 and sizes[0] > sigma * _RESOLVED
+        if enough and resolved:
             break
-        wanted, sigma = wanted + wanted // 2, min(sigma, max(float(sizes[0]), sigma / 100))
+        wanted = wanted if enough else wanted + wanted // 2
+        sigma = min(sigma, max(float(sizes[0]), sigma / 1000)) if len(sizes) else sigma
     else:
         raise _NotFoundError
     for _ in range(count):
@@ -341,30 +398,59 @@ def _damped(pencil: _Pencil, motions: Motions, count: int, slowest: float) -> tu
 
 
 def _polished(pencil: _Pencil, values: Any, shapes: Any) -> tuple[Any, Any, FloatArray]:
-    """One step of inverse iteration for modes that stand alone, and the value of each shape on the rows."""
+    """Inverse iteration for every group of values that stand together, until they no longer move."""
     values, shapes = values.copy(), shapes.astype(complex)
-    apart = np.abs(values[:, None] - values) + np.diag(np.full(len(values), np.inf))
-    alone = apart.min(axis=1, initial=np.inf) > _SAME * np.abs(values)
+    apart = np.abs(values[:, None] - values)
     errors = np.zeros(len(values))
-    for j, start in enumerate(values):
-        real = pencil.undamped or start.imag == 0
-        z, shape = (start.real, shapes[:, j].real) if real else (start, shapes[:, j])
-        shape = shape / shape[np.argmax(np.abs(shape))]
-        if alone[j]:
-            slope = pencil.rows.T @ (pencil.slopes(z) * (pencil.rows @ shape))
-            shape = pencil.factor(z * (1 + _BESIDE)).solve(slope)
-            shape = shape / shape[np.argmax(np.abs(shape))]
-        z = pencil.value(shape, z)
-        error = _error(pencil, z, shape, alone=bool(alone[j]))
-        moved = abs(z - start) > _SAME * abs(z)
-        values[j], shapes[:, j], errors[j] = z, shape, np.inf if moved or not np.isfinite(error) else error
-    return values, shapes, errors
+    left = list(range(len(values)))
+    while left:
+        group = np.array([j for j in left if apart[left[0], j] <= _SAME * abs(values[left[0]])])
+        left = [j for j in left if j not in group]
+        others = np.setdiff1d(np.arange(len(values)), group)
+        room = apart[np.ix_(group, others)].min(initial=np.inf) / 4
+        before = values[group]
+        values[group], shapes[:, group], errors[group] = _settled(pencil, before, shapes[:, group])
+        if np.any(np.abs(values[group] - before) > room):
+            errors[group] = np.inf
+    return values, shapes, np.where(np.isfinite(errors), errors, np.inf)
 
 
-def _error(pencil: _Pencil, z: Any, shape: AnyArray, *, alone: bool) -> float:
-    """Relative error of z: rounding in its three sums, and what is left of D(z) q, squared if z stands alone."""
-    motion = pencil.rows @ shape
-    slope = float(abs(pencil.slopes(z) @ motion**2) * abs(z))
-    rounding = 8 * _EPS * float(pencil.magnitudes(z) @ np.abs(motion) ** 2) / slope
-    left = float(np.linalg.norm(pencil.rows.T @ (pencil.laws(z) * motion)) * np.linalg.norm(shape)) / slope
-    return rounding + (left**2 if alone else left)
+def _settled(pencil: _Pencil, values: Any, shapes: Any) -> tuple[Any, Any, FloatArray]:
+    """Values, shapes and errors of a group after inverse iteration on all its shapes at once."""
+    alone = len(values) == 1
+    if pencil.undamped or np.all(values.imag == 0):
+        values, shapes = values.real, shapes.real
+    for _ in range(_STEPS):
+        center = values.mean()
+        slopes = pencil.rows.T @ (pencil.slopes(center)[:, None] * (pencil.rows @ shapes))
+        shapes = _beside(pencil, center).solve(slopes)
+        shapes = shapes / np.abs(shapes).max(axis=0)
+        last = values
+        if alone:
+            values = np.array([pencil.value(shapes[:, 0], center)])
+        else:
+            steps, mixed = pencil.split(shapes, center)
+            values, shapes = center + steps, shapes @ mixed
+        if np.all(np.abs(values - last) <= _STILL * np.abs(values)):
+            break
+    return values, shapes, np.abs(values - last) / np.abs(values) + _rounding(pencil, values, shapes)
+
+
+def _beside(pencil: _Pencil, z: Any) -> Any:
+    """LU factors as close to an eigenvalue as they can be had."""
+    for step in _BESIDE:
+        try:
+            return pencil.factor(z * (1 + step))
+        except RuntimeError:  # exactly singular
+            continue
+    raise _NotFoundError
+
+
+def _rounding(pencil: _Pencil, values: AnyArray, shapes: AnyArray) -> FloatArray:
+    """Relative error of each value by rounding in its sums, and by that of its shape, which enters squared."""
+    motion = pencil.rows @ shapes
+    terms = np.abs(motion) ** 2 + _EPS * (abs(pencil.rows) @ np.abs(shapes)) ** 2
+    sizes = np.stack([pencil.magnitudes(z) for z in values], axis=1)
+    slopes = np.stack([pencil.slopes(z) for z in values], axis=1)
+    slope = np.abs(np.sum(slopes * motion**2, axis=0) * values)
+    return np.asarray(8 * _EPS * np.sum(sizes * terms, axis=0) / slope)

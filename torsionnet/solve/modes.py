@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import FloatArray, RowSystem
+from torsionnet.assembly.rows import ComplexArray, FloatArray, Rows, RowSystem
 from torsionnet.assembly.system import Assembly
 from torsionnet.channels import Sensor
 from torsionnet.drivetrain import Drivetrain
@@ -17,10 +17,8 @@ from torsionnet.errors import TorsionnetWarning, UsageError
 from torsionnet.response import Modes
 from torsionnet.solve.cut import poles_of_measured
 from torsionnet.solve.eigen import EigenSolution, complex_modes, scaled, undamped_modes
-from torsionnet.solve.words import describe
-
-UNCERTAIN = 1e-6
-"""Relative error of an eigenvalue that is worth a warning."""
+from torsionnet.solve.reduction import LARGE
+from torsionnet.solve.words import describe, uncertain, unsettled
 
 
 def modes(
@@ -35,30 +33,25 @@ def modes(
         msg = f"lowest={lowest}: at least one mode must be asked for"
         raise UsageError(msg)
     if measured_input is not None:
-        found = poles_of_measured(drivetrain, measured_input, excitation, partial(natural_modes, lowest=lowest))
-        return found.first(lowest)
-    if excitation is not None:
+        found, doubts = poles_of_measured(drivetrain, measured_input, excitation, partial(natural_modes, lowest=lowest))
+    elif excitation is not None:
         msg = "excitation= goes with measured_input=; the modes of the drivetrain itself need none"
         raise UsageError(msg)
-    return natural_modes(drivetrain, lowest)
+    else:
+        found, doubts = natural_modes(drivetrain, lowest)
+    for doubt in doubts:
+        warnings.warn(doubt, TorsionnetWarning, stacklevel=3)
+    return found.first(lowest)
 
 
-def natural_modes(drivetrain: Drivetrain, lowest: int | None = None) -> Modes:
-    """Modes of the drivetrain as it stands; nodes with an imposed angle stand still."""
+def natural_modes(drivetrain: Drivetrain, lowest: int | None = None) -> tuple[Modes, tuple[str, ...]]:
+    """Modes of the drivetrain as it stands, and what is doubtful; nodes with an imposed angle stand still."""
     assembly = drivetrain.assembly
     solution = complex_modes(assembly.system, lowest)
-    if not solution.converged.all():
-        stuck = ", ".join(f"{abs(value) / (2 * np.pi):.4g} Hz" for value in solution.eigenvalues[~solution.converged])
-        text = f"the frequency-dependent stiffness did not settle for the mode(s) near {stuck}"
-        warnings.warn(text, TorsionnetWarning, stacklevel=4)
-    uncertain = np.flatnonzero(solution.errors > UNCERTAIN)
-    if len(uncertain):
-        text = f"{len(uncertain)} eigenvalues are uncertain, the worst by {solution.errors.max():.1g} of its size"
-        warnings.warn(text, TorsionnetWarning, stacklevel=4)
     elements = tuple(drivetrain.elements)
     kinetic, strain, dissipated = energies(assembly, solution, elements)
-    shapes = scaled(assembly.T @ solution.vectors).astype(complex)
-    return Modes(
+    shapes = scaled(_motion(assembly.node_rows, solution.vectors)).astype(complex)
+    found = Modes(
         eigenvalues=solution.eigenvalues,
         kinds=solution.kinds,
         nodes=assembly.nodes,
@@ -72,6 +65,12 @@ def natural_modes(drivetrain: Drivetrain, lowest: int | None = None) -> Modes:
         descriptions=describe(assembly, solution, shapes, elements, strain, dissipated),
         title=drivetrain.title,
     )
+    return found, (*unsettled(solution), *uncertain(solution.errors))
+
+
+def _motion(rows: Rows, vectors: ComplexArray) -> ComplexArray:
+    """Rows times vectors; sparse where that pays for the import of scipy."""
+    return np.asarray((rows.csr if rows.n_columns > LARGE else rows.dense) @ vectors)
 
 
 def _undamped_rates(system: RowSystem, solution: EigenSolution, lowest: int | None) -> FloatArray:
@@ -90,8 +89,9 @@ def energies(
     frequency-dependent k is taken at |Im lambda|.
     """
     system = assembly.system
-    motion = np.abs(system.rows @ solution.vectors) ** 2
-    motion[motion < (1e-12 * np.abs(system.rows).sum(axis=1, keepdims=True)) ** 2] = 0.0
+    motion = np.abs(_motion(system.law_rows, solution.vectors)) ** 2
+    sizes = np.array([sum(map(abs, row.values())) for row in system.sparse_rows])
+    motion[motion < (1e-12 * sizes[:, None]) ** 2] = 0.0
     rate = np.abs(solution.eigenvalues)
     dynamic = (
         np.stack([system.kappa(float(abs(value.imag))) for value in solution.eigenvalues], axis=1)

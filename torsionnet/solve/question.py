@@ -7,39 +7,62 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-import numpy as np
-
 from torsionnet.assembly.functionals import Functional, functional
-from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.system import Assembly
 from torsionnet.channels import Input, Sensor, parse_sensor
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.solve.posed import Posed, pose
 
 
 @dataclass(frozen=True)
 class Question:
     """Readings of a transfer function: outputs over measured inputs (or over the excitations themselves).
 
-    ``sizes`` are the numbers of coordinates and imposed angles.
+    ``assembly`` is one in which the names were looked up; others with the same rows may be asked the same.
     """
 
     outputs: tuple[Functional, ...]
     measured: tuple[Functional, ...]
     excitations: tuple[Input, ...]
     is_measured: bool
-    sizes: tuple[int, int]
+    assembly: Assembly
     notes: tuple[str, ...] = ()
 
-    @property
-    def readings(self) -> tuple[Functional, ...]:
-        return self.outputs + (self.measured if self.is_measured else ())
-
     @cached_property
-    def rows(self) -> tuple[FloatArray, FloatArray]:
-        """Rows of all terms of the readings, over coordinates (n_terms, n_q) and imposed angles (n_terms, n_x)."""
-        terms = [term for reading in self.readings for term in reading.terms]
-        motion = np.array([term.row for term in terms]).reshape(len(terms), self.sizes[0])
-        return motion, np.array([term.imposed for term in terms]).reshape(len(terms), self.sizes[1])
+    def posed(self) -> Posed:
+        """The question in rows."""
+        return pose(self.assembly, self.outputs, self.measured if self.is_measured else (), self.excitations)
+
+    def require_felt(self) -> None:
+        """Refuse measured inputs that stay zero whatever the values.
+
+        Raises
+        ------
+        UsageError
+            An excitation does not reach a measured input, or a measured input is reached by none.
+        """
+        if not self.is_measured:
+            return
+        felt = [self.posed.felt_by(len(self.outputs) + number) for number in range(len(self.measured))]
+        driven = " and ".join(str(excitation) for excitation in self.excitations)
+        for reading, reached in zip(self.measured, felt, strict=True):
+            if not reached:
+                msg = f"{reading.name} stays zero under a {driven} at every frequency; it cannot be a measured input"
+                raise UsageError(msg)
+        names = " and ".join(reading.name for reading in self.measured)
+        for number, excitation in enumerate(self.excitations):
+            if not any(number in reached for reached in felt):
+                msg = f"{names} stay zero under a {excitation} at every frequency; they cannot be its measured inputs"
+                raise UsageError(msg)
+
+    def dependent(self) -> UsageError:
+        """What to say where measured inputs never tell the excitations apart."""
+        driven = " and ".join(str(excitation) for excitation in self.excitations)
+        names = " and ".join(reading.name for reading in self.measured)
+        if len(self.measured) == 1:
+            return UsageError(f"{names} stays zero under a {driven} at every frequency; it cannot be a measured input")
+        return UsageError(f"{names} depend on each other under {driven}: they cannot be measured inputs together")
 
 
 def remembered(
@@ -55,7 +78,10 @@ def remembered(
         known = plans.get(key)
     except TypeError:  # something that is no name, for ask to refuse in words
         return ask(drivetrain, output, input, excitation)
-    question: Question = known or ask(drivetrain, output, input, excitation)
+    if known is None:
+        known = ask(drivetrain, output, input, excitation)
+        known.require_felt()
+    question: Question = known
     plans[key] = question
     return question
 
@@ -86,13 +112,8 @@ def ask(
         if excitation is not None and _chosen(drivetrain, excitation) != excitations:
             msg = "excitation= goes with measured inputs; here the input itself is the excitation"
             raise UsageError(msg)
-        return Question(outputs, measured, excitations, is_measured=False, sizes=_sizes(drivetrain))
+        return Question(outputs, measured, excitations, is_measured=False, assembly=drivetrain.assembly)
     return _measured(drivetrain, outputs, entries, resolved, excitation)
-
-
-def _sizes(drivetrain: Drivetrain) -> tuple[int, int]:
-    assembly = drivetrain.assembly
-    return assembly.system.n_coordinates, len(assembly.kinematics.imposed)
 
 
 def _measured(
@@ -123,7 +144,7 @@ def _measured(
         measured,
         excitations,
         is_measured=True,
-        sizes=_sizes(drivetrain),
+        assembly=drivetrain.assembly,
         notes=(f"measured input; excitation: {names}",),
     )
 

@@ -14,14 +14,16 @@ All dimensions come from ranks of the *unweighted* normalised rows, never from t
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import FloatArray, RowSystem
+from torsionnet.assembly.rows import FloatArray, Rows, RowSystem
 from torsionnet.errors import SolveError
+from torsionnet.solve.nullspace import null_space, rows_of
 
 AnyArray: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]
 
@@ -77,9 +79,8 @@ def null_basis(rows: FloatArray) -> FloatArray:
     free = _not_pinned(rows)
     rest = rows[:, free]
     rest = rest[np.any(rest != 0, axis=1)]
-    inside = _null_of_pairs(rest) if len(free) > LARGE else None
-    if inside is None:
-        inside = _null_of_any(rest)
+    ties = len(free) > LARGE and np.all(np.count_nonzero(rest, axis=1) == 2)  # noqa: PLR2004
+    inside = null_space(Rows.of(rest).maps, len(free)).basis() if ties else _null_of_any(rest)
     basis = np.zeros((n_q, inside.shape[1]))
     basis[free] = inside
     return basis
@@ -94,37 +95,6 @@ def _null_of_any(rows: FloatArray) -> FloatArray:
     _, sigma, vt = np.linalg.svd(unit)
     rank = int(np.count_nonzero(sigma > RANK_TOLERANCE * sigma[0]))
     return np.asarray(vt[rank:].T)
-
-
-def _null_of_pairs(rows: FloatArray) -> FloatArray | None:
-    """One direction for each connected part, from ratio to ratio; None unless every row has two entries and holds."""
-    if np.any(np.count_nonzero(rows, axis=1) != 2):  # noqa: PLR2004
-        return None
-    ends = np.nonzero(rows)[1].reshape(-1, 2)
-    factors = np.take_along_axis(rows, ends, axis=1)
-    ratios = -factors[:, 0] / factors[:, 1]  # second per first
-    links: list[list[tuple[int, float]]] = [[] for _ in range(rows.shape[1])]
-    for (first, second), ratio in zip(ends.tolist(), ratios.tolist(), strict=True):
-        links[first].append((second, ratio))
-        links[second].append((first, 1 / ratio))
-    angle, part, count = np.zeros(len(links)), np.full(len(links), -1), 0
-    for root in range(len(links)):
-        if part[root] < 0:
-            angle[root], part[root], waiting = 1.0, count, [root]
-            while waiting:
-                node = waiting.pop()
-                for other, ratio in links[node]:
-                    if part[other] < 0:
-                        angle[other], part[other] = ratio * angle[node], count
-                        waiting.append(other)
-            count += 1
-    terms = factors * angle[ends]
-    holds = np.abs(terms.sum(axis=1)) <= RANK_TOLERANCE * np.abs(terms).max(axis=1, initial=0.0)
-    if not (np.all(np.isfinite(terms)) and np.all(terms) and np.all(holds)):
-        return None
-    basis = np.zeros((len(links), count))
-    basis[np.arange(len(links)), part] = angle
-    return np.asarray(basis / np.linalg.norm(basis, axis=0))
 
 
 def _not_pinned(rows: FloatArray) -> list[int]:
@@ -178,13 +148,59 @@ def _mass_basis(scaled_rows: FloatArray, rank: int) -> FloatArray:
     lengths = np.linalg.norm(scaled_rows, axis=0)
     used = np.flatnonzero(lengths)
     basis = np.zeros((scaled_rows.shape[1], rank))
-    unit = scaled_rows[:, used] / lengths[used]
-    if np.count_nonzero(unit) == len(unit) == len(used):
+    if np.all(np.count_nonzero(scaled_rows, axis=1) <= 1):
         basis[used, np.arange(rank)] = 1.0 / lengths[used]
         return basis
+    unit = scaled_rows[:, used] / lengths[used]
     _, sigma, vt = np.linalg.svd(unit, full_matrices=False)
     basis[used] = vt[:rank].T / sigma[:rank] / lengths[used, None]
     return basis
+
+
+def acting(system: RowSystem) -> RowSystem:
+    """The system without the laws whose row is empty: on clamped nodes alone they neither move nor load anything."""
+    rows = system.law_rows
+    kept = [index for index, row in enumerate(rows.maps) if row]
+    if len(kept) == len(rows):
+        return system
+    place = {index: number for number, index in enumerate(kept)}
+    return RowSystem(
+        Rows(tuple(rows.maps[index] for index in kept), rows.n_columns),
+        system.inertia[kept],
+        system.damping[kept],
+        system.stiffness[kept],
+        tuple((place[index], law) for index, law in system.dynamic if index in place),
+    )
+
+
+def restricted(system: RowSystem, kept: Sequence[int]) -> RowSystem:
+    """The system with only these coordinates, all others at rest."""
+    if len(kept) == system.n_coordinates:
+        return system
+    place = {column: number for number, column in enumerate(kept)}
+    maps = tuple({place[c]: value for c, value in row.items() if c in place} for row in system.sparse_rows)
+    return RowSystem(Rows(maps, len(kept)), system.inertia, system.damping, system.stiffness, system.dynamic)
+
+
+def stiff_laws(system: RowSystem) -> NDArray[np.bool_]:
+    """Laws that act as springs, for every rank: those with stiffness and those with a dynamic one."""
+    stiff = system.stiffness > 0
+    stiff[[index for index, _ in system.dynamic]] = True
+    return np.asarray(stiff)
+
+
+def resisting(system: RowSystem) -> list[int]:
+    """Coordinates without one of each motion that neither inertias nor springs resist; these may stay at rest."""
+    floating = null_space(rows_of(system, stiff_laws(system) | (system.inertia > 0)), system.n_coordinates)
+    loose = {next(iter(motion)) for motion in floating.columns}
+    return [column for column in range(system.n_coordinates) if column not in loose]
+
+
+def require_resistance(system: RowSystem, laws: NDArray[np.bool_]) -> None:
+    """Refuse a system in which these laws leave a motion free."""
+    free = null_space(rows_of(system, laws), system.n_coordinates).dimension
+    if free:
+        raise SolveError(f"{free} coordinate(s) have neither inertia nor spring nor damper acting on them")
 
 
 def subspaces(system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bool_]) -> Subspaces:
@@ -196,9 +212,7 @@ def subspaces(system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bo
         Where some coordinates have neither inertia nor spring nor damper.
     """
     rows, heavy = system.rows, system.inertia > 0
-    free = null_basis(rows[heavy | stiff | damped]).shape[1]
-    if free:
-        raise SolveError(f"{free} coordinate(s) have neither inertia nor spring nor damper acting on them")
+    require_resistance(system, heavy | stiff | damped)
     massless, held = null_basis(rows[heavy]), null_basis(rows[heavy | damped])
     rigid = echelon(null_basis(rows[stiff]))
     undamped_rigid = null_basis(rows[stiff | damped])

@@ -12,8 +12,9 @@ cannot run into the same simple eigenvalue, and clusters keep their count.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -79,18 +80,31 @@ def polynomial(rows: FloatArray, coefficients: Sequence[NDArray[np.generic]]) ->
                     total = sums.setdefault((i, j), [mpmath.mpf(0)] * len(exact))
                     for d, value in enumerate(exact):
                         total[d] = total[d] + a * b * value
-    kept = {ij: tuple(total) for ij, total in sums.items() if any(total)}
-    place, operations = _least_fill(rows.shape[1], kept)
-    moved = tuple((place[i], place[j], total) for (i, j), total in kept.items())
-    return Polynomial(rows.shape[1], moved, place, operations)
+    return _renumbered(rows.shape[1], {ij: tuple(total) for ij, total in sums.items() if any(total)})
 
 
-def _least_fill(size: int, pattern: Iterable[tuple[int, int]]) -> tuple[tuple[int, ...], int]:
+def exact_polynomial(size: int, entries: Mapping[tuple[int, int], Sequence[Fraction]]) -> Polynomial:
+    """A matrix polynomial from the rational coefficients of its entries, which need not be symmetric."""
+    import mpmath
+
+    with mpmath.workdps(DIGITS):
+        kept = {ij: tuple(mpmath.mpf(x.numerator) / x.denominator for x in total) for ij, total in entries.items()}
+    return _renumbered(size, kept)
+
+
+def _renumbered(size: int, entries: Mapping[tuple[int, int], tuple[Any, ...]]) -> Polynomial:
+    place, operations = least_fill(size, entries)
+    moved = tuple((place[i], place[j], total) for (i, j), total in entries.items())
+    return Polynomial(size, moved, place, operations)
+
+
+def least_fill(size: int, pattern: Iterable[tuple[int, int]]) -> tuple[tuple[int, ...], int]:
     """Number the coordinates by minimum degree; also the multiplications that this order costs."""
     neighbours: dict[int, set[int]] = {i: set() for i in range(size)}
     for i, j in pattern:
         if i != j:
             neighbours[i].add(j)
+            neighbours[j].add(i)
     place, operations = [0] * size, 0
     for number in range(size):
         leaf = min(neighbours, key=lambda i: len(neighbours[i]))
@@ -101,6 +115,15 @@ def _least_fill(size: int, pattern: Iterable[tuple[int, int]]) -> tuple[tuple[in
         place[leaf] = number
         operations += len(around) * (len(around) + 1)
     return tuple(place), operations
+
+
+def polynomial_roots(coefficients: Sequence[Fraction]) -> list[complex]:
+    """Roots of a polynomial, ascending coefficients, without repeated roots."""
+    import mpmath
+
+    with mpmath.workdps(DIGITS):
+        exact = [mpmath.mpf(x.numerator) / x.denominator for x in reversed(coefficients)]
+        return [complex(root) for root in mpmath.polyroots(exact, maxsteps=10 * DIGITS, extraprec=20 * DIGITS)]
 
 
 def _exact(value: Any) -> Any:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import TypeAlias
 
 Row: TypeAlias = dict[int, float]
@@ -81,3 +82,36 @@ def common_motion(rows: Iterable[Mapping[int, float]]) -> dict[int, float]:
                 scale[i] = size
                 waiting += [(j, size * ratio) for j, ratio in reversed(around[i])]
     return scale
+
+
+@dataclass
+class Table:
+    """Rows up to a factor, each with a number, found by the columns they touch."""
+
+    numbers: dict[Key, int] = field(default_factory=dict)
+    rows: list[Row] = field(default_factory=list)
+    touching: dict[int, set[int]] = field(default_factory=dict)
+
+    def add(self, row: Row) -> tuple[int, float]:
+        """Number of the row and the factor it is of it."""
+        key, unit, factor = normalised(row)
+        number = self.numbers.get(key)
+        if number is None:
+            number = self.numbers[key] = len(self.rows)
+            self.rows.append(unit)
+            for j in unit:
+                self.touching.setdefault(j, set()).add(number)
+        return number, factor
+
+    def take(self, column: int) -> list[int]:
+        """Remove and return the rows on a column, those over several columns first."""
+        numbers = list(self.touching.get(column, ()))
+        for number in numbers:
+            self.remove(number)
+        return sorted(numbers, key=lambda number: (len(self.rows[number]) == 1, number))
+
+    def remove(self, number: int) -> None:
+        """Remove a row; its number is not given away again."""
+        for j in self.rows[number]:
+            self.touching[j].discard(number)
+        del self.numbers[normalised(self.rows[number])[0]]

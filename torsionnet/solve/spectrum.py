@@ -92,13 +92,13 @@ def refined(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spec
 
     p = refine.polynomial(spectrum.system.rows, coefficients)
     limit = MAX_OPERATIONS // max(p.operations, 1)
-    chosen = _affordable(chosen, spectrum.errors, limit)
+    chosen = affordable(chosen, spectrum.errors, limit)
     zeros = spectrum.spaces.rigid.shape[1] + (0 if squared else spectrum.spaces.undamped_rigid)
     roots, done = refine.refine_roots(p, starts, chosen, zeros, spectrum.errors)
     values = np.where(chosen, refine.to_complex(roots, square_root=squared), spectrum.values)
     errors = np.where(chosen, refine.CONVERGED, spectrum.errors)
     if not (
-        done and (squared or np.iscomplexobj(spectrum.stiffness) or not np.all(wanted) or _in_pairs(values, errors))
+        done and (squared or np.iscomplexobj(spectrum.stiffness) or not np.all(wanted) or in_pairs(values, errors))
     ):
         return spectrum
     shapes = spectrum.shapes.copy()
@@ -107,13 +107,13 @@ def refined(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spec
     return replace(spectrum, values=values, shapes=shapes, errors=errors)
 
 
-def _in_pairs(values: ComplexArray, errors: FloatArray) -> bool:
+def in_pairs(values: ComplexArray, errors: FloatArray) -> bool:
     """Tell whether as many eigenvalues lie above the real axis as below."""
-    sides = np.sign(values.imag)[~_on_real_axis(values, errors)]
+    sides = np.sign(values.imag)[~on_real_axis(values, errors)]
     return bool(np.sum(sides) == 0)
 
 
-def _on_real_axis(values: ComplexArray, errors: FloatArray) -> NDArray[np.bool_]:
+def on_real_axis(values: ComplexArray, errors: FloatArray) -> NDArray[np.bool_]:
     margin = np.where(errors <= REAL_BELOW, REAL_BELOW, 0.0)
     return np.asarray(np.abs(values.imag) <= margin * np.abs(values))
 
@@ -137,7 +137,7 @@ def _residuals(spectrum: Spectrum, z: AnyArray, coefficients: list[AnyArray]) ->
     return np.asarray(left / np.where(scale > 0, scale, 1.0))
 
 
-def _affordable(chosen: NDArray[np.bool_], errors: FloatArray, count: int) -> NDArray[np.bool_]:
+def affordable(chosen: NDArray[np.bool_], errors: FloatArray, count: int) -> NDArray[np.bool_]:
     """The most uncertain ones first; equal errors stay together, so that conjugates do."""
     if np.count_nonzero(chosen) <= count:
         return chosen
@@ -147,6 +147,6 @@ def _affordable(chosen: NDArray[np.bool_], errors: FloatArray, count: int) -> ND
 
 def physical(spectrum: Spectrum) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
     """Indices of one eigenvalue per conjugate pair and of all real ones, and which of these are real."""
-    real = _on_real_axis(spectrum.values, spectrum.errors)
+    real = on_real_axis(spectrum.values, spectrum.errors)
     kept = np.flatnonzero(real | (spectrum.values.imag > 0))
     return kept, np.asarray(real[kept])

@@ -1,149 +1,149 @@
-"""An elimination plan as one list of simple operations on registers, for a compiled loop to walk along.
+"""An elimination as one list of simple operations on registers, which numpy or a compiled loop walks along.
 
-A register holds one complex number for every lane. Operations either set their target or add to it:
+A register holds one number for every lane. What an operation does with its target t, from registers a and b:
 
-    LAW       target (+)= factor * kappa[a]
-    SUM       target (+)= factor * register a
-    PRODUCT   target (+)= factor * register a * register b
-    LOAD      target   = load on the coordinate in place a, excitation b
-    INVERSE   target   = 1 / register a
-    WATCH     the lane is doubtful where register a is large
-    OUTPUT    output number target of excitation b = factor * register a
+    LAW       t = dynamic stiffness of slot a
+    CONSTANT  t = factor
+    SUM       t = r_a + factor r_b;  the lane is in doubt where little is left of r_b
+    PIVOT     the same without doubt: the shares of the sum tell
+    PRODUCT   t = r_a r_b
+    QUOTIENT  t = r_a / r_b
+    INVERSE   t = 1 / r_a
+    WATCH     the lane is in doubt where r_a, a share of a sum, is large
+    OUTPUT    value number t = factor r_a
+
+Only what an output needs is on the tape, and a register is used again as soon as what it holds is needed no more: the
+numbers of a walk stay in the cache however large the drivetrain is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.solve.graph_plan import Plan, Step
+LAW, CONSTANT, SUM, PIVOT, PRODUCT, QUOTIENT, INVERSE, WATCH, OUTPUT = range(9)
+_READS = {SUM: 2, PIVOT: 2, PRODUCT: 2, QUOTIENT: 2, INVERSE: 1, WATCH: 1, OUTPUT: 1}
+"""How many registers an operation reads; the others read none."""
 
-SET_LAW, ADD_LAW, SET_SUM, ADD_SUM, SET_PRODUCT, ADD_PRODUCT, LOAD, INVERSE, WATCH, OUTPUT, ZERO = range(11)
+
+class Operation(NamedTuple):
+    """One entry of a tape."""
+
+    code: int
+    t: int
+    a: int = 0
+    b: int = 0
+    factor: float = 1.0
+
+    @property
+    def read(self) -> tuple[int, ...]:
+        return (self.a, self.b)[: _READS.get(self.code, 0)]
+
+    @property
+    def sets(self) -> bool:
+        return self.code not in (WATCH, OUTPUT)
 
 
 @dataclass(frozen=True, eq=False)
 class Tape:
-    """Operations (operation, target, a, b) with their factors, and the number of registers they need."""
+    """Operations (n, 4) and their factors (n,), the number of registers, and of values that come out."""
 
     operations: NDArray[np.int64]
     factors: NDArray[np.float64]
     n_registers: int
+    n_values: int
+
+    def __len__(self) -> int:
+        return len(self.operations)
 
 
-def make_tape(plan: Plan, support: Sequence[int], n_exc: int) -> Tape:
-    """The tape of a plan for loads on the coordinates of ``support`` under ``n_exc`` excitations.
+class Quantity(NamedTuple):
+    """``factor`` times what an operation gave; times one where ``name`` is negative."""
 
-    Examples
-    --------
-    >>> from torsionnet.solve.graph_plan import make_plan
-    >>> tape = make_tape(make_plan([{0: 1.0}, {0: 1.0, 1: -1.0}], [{1: 1.0}], [1], 1), [1], 1)
-    >>> len(tape.operations), tape.n_registers
-    (13, 11)
-    """
-    writer = _Writer(plan.n_slots)
-    for slot, source in enumerate(plan.sources):
-        for law, factor in source:
-            writer.add(SET_LAW, slot, law, factor=factor)
-    loads = [{j: writer.load(place, e) for place, j in enumerate(support)} for e in range(n_exc)]
-    back = [_eliminate(step, writer, loads) for step in plan.steps]
-    for e in range(n_exc):
-        _walk_back(
-            plan,
-            [(step, shares, quotients[e]) for step, (shares, quotients) in zip(plan.steps, back, strict=True)],
-            e,
-            writer,
-        )
-    return Tape(
-        np.array(writer.operations, dtype=np.int64).reshape(-1, 4), np.array(writer.factors), writer.n_registers
-    )
+    name: int
+    factor: float
 
 
 @dataclass
-class _Writer:
-    n_registers: int
-    operations: list[tuple[int, int, int, int]] = field(default_factory=list)
-    factors: list[float] = field(default_factory=list)
-    filled: set[int] = field(default_factory=set)
+class Writer:
+    """Writes operations, each on a quantity of its own; factors are carried along until they are needed."""
 
-    def register(self) -> int:
-        self.n_registers += 1
-        return self.n_registers - 1
+    operations: list[Operation] = field(default_factory=list)
+    n_names: int = 0
 
-    def write(self, operation: int, target: int, a: int = 0, b: int = 0, factor: float = 1.0) -> None:
-        self.operations.append((operation, target, a, b))
-        self.factors.append(factor)
+    def new(self, code: int, a: int = 0, b: int = 0, factor: float = 1.0) -> int:
+        """Name of what an operation gives."""
+        self.operations.append(Operation(code, self.n_names, a, b, factor))
+        self.n_names += 1
+        return self.n_names - 1
 
-    def add(self, operation: int, target: int, a: int, b: int = 0, factor: float = 1.0) -> None:
-        """Add to the target, or set it if nothing is there yet: each SET is followed by its ADD in the list."""
-        self.write(operation + (target in self.filled), target, a, b, factor)
-        self.filled.add(target)
+    def name(self, quantity: Quantity) -> int:
+        return quantity.name if quantity.name >= 0 else self.new(CONSTANT)
 
-    def load(self, place: int, excitation: int) -> int:
-        target = self.register()
-        self.write(LOAD, target, place, excitation)
-        self.filled.add(target)
-        return target
+    def plus(self, known: Quantity | None, term: Quantity, code: int = SUM) -> Quantity:
+        """The sum; ``known`` is None where there is nothing yet."""
+        if known is None or not known.factor:
+            return term
+        if known.name < 0 and term.name < 0:
+            return Quantity(-1, known.factor + term.factor)
+        first, second = self.name(known), self.name(term)
+        return Quantity(self.new(code, first, second, term.factor / known.factor), known.factor)
 
-    def product(self, a: int, b: int) -> int:
-        target = self.register()
-        self.add(SET_PRODUCT, target, a, b)
-        return target
+    def times(self, first: Quantity, second: Quantity) -> Quantity:
+        factor = first.factor * second.factor
+        if first.name < 0 or second.name < 0:
+            return Quantity(max(first.name, second.name), factor)
+        return Quantity(self.new(PRODUCT, first.name, second.name), factor)
 
+    def over(self, above: Quantity, below: Quantity) -> Quantity:
+        factor = above.factor / below.factor
+        if above.name < 0:
+            return Quantity(self.new(INVERSE, self.name(below)), factor)
+        return Quantity(self.new(QUOTIENT, above.name, self.name(below)), factor)
 
-def _eliminate(step: Step, writer: _Writer, loads: list[dict[int, int]]) -> tuple[dict[int, int], list[int | None]]:
-    """Registers of the shares kappa_i / S, and of the load over S under each excitation."""
-    for slot, parts in step.splits:
-        for target, weight in parts:
-            writer.add(SET_SUM, target, slot, factor=weight)
-    inverse = _inverse_of_pivot(step, writer)
-    slots = [slot for slot, _ in step.terms]
-    shares = {i: writer.product(slots[i], inverse) for i in step.shared}
-    for i, j, factor, target in step.pairs:
-        writer.add(SET_PRODUCT, target, shares[i], slots[j], factor)
-    if step.closes_loop:
-        for share in shares.values():
-            writer.write(WATCH, 0, share)
-    return shares, [_pass_load(step, writer, here, shares, inverse) for here in loads]
+    def watch(self, share: Quantity) -> None:
+        self.operations.append(Operation(WATCH, 0, share.name, 0, abs(share.factor)))
 
+    def output(self, number: int, value: Quantity) -> None:
+        self.operations.append(Operation(OUTPUT, number, self.name(value), 0, value.factor))
 
-def _inverse_of_pivot(step: Step, writer: _Writer) -> int:
-    pivot, inverse = writer.register(), writer.register()
-    if not step.terms:
-        writer.write(ZERO, pivot)
-    for slot, square in step.terms:
-        writer.add(SET_SUM, pivot, slot, factor=square)
-    writer.write(INVERSE, inverse, pivot)
-    return inverse
+    def tape(self, n_values: int) -> Tape:
+        """What the outputs need of it, with registers for the quantities."""
+        placed, n_registers = _with_registers(_needed(self.operations))
+        operations = np.array([one[:4] for one in placed], dtype=np.int64).reshape(-1, 4)
+        return Tape(operations, np.array([one.factor for one in placed]), n_registers, n_values)
 
 
-def _pass_load(step: Step, writer: _Writer, loads: dict[int, int], shares: dict[int, int], inverse: int) -> int | None:
-    load = loads.pop(step.coordinate, None)
-    if load is None:
-        return None
-    for i, j, factor in step.loads:
-        if j not in loads:
-            loads[j] = writer.register()
-        writer.add(SET_PRODUCT, loads[j], load, shares[i], factor)
-    return writer.product(load, inverse)
+def _needed(operations: list[Operation]) -> list[Operation]:
+    """Without what no output rests on."""
+    used: set[int] = set()
+    kept = []
+    for one in reversed(operations):
+        if one.code == OUTPUT or (one.a if one.code == WATCH else one.t) in used:
+            used.update(one.read)
+            kept.append(one)
+    return kept[::-1]
 
 
-def _walk_back(
-    plan: Plan, back: Sequence[tuple[Step, dict[int, int], int | None]], excitation: int, writer: _Writer
-) -> None:
-    values: dict[int, int] = {}
-    for step, shares, quotient in reversed(back):
-        for motion in step.motions:
-            parts = [(shares[i], factor, values[source]) for i, factor, source in motion.parts if source in values]
-            if not parts and (quotient is None or not motion.load):
-                continue
-            target = values[motion.slot] = writer.register()
-            if quotient is not None and motion.load:
-                writer.add(SET_SUM, target, quotient, factor=motion.load)
-            for share, factor, value in parts:
-                writer.add(SET_PRODUCT, target, share, value, factor)
-    for number, (slot, factor) in enumerate(plan.outputs):
-        if slot in values:
-            writer.write(OUTPUT, number, values[slot], excitation, factor)
+def _with_registers(operations: list[Operation]) -> tuple[list[Operation], int]:
+    """Registers in place of names: one is free again after the last operation that has to do with its name."""
+    last = {name: place for place, one in enumerate(operations) for name in one.read}
+    home: dict[int, int] = {}
+    free: list[int] = []
+    placed, count = [], 0
+    for place, one in enumerate(operations):
+        sources = [home[name] for name in one.read]
+        # Operations go element by element: the target may take the place of a source, of the first if it can.
+        free += [home.pop(name) for name in dict.fromkeys(reversed(one.read)) if last[name] == place]
+        target = one.t
+        if one.sets:
+            if not free:
+                free.append(count)
+                count += 1
+            target = home[one.t] = free.pop()
+        a, b = (*sources, one.a, one.b)[:2] if len(sources) != 1 else (sources[0], one.b)
+        placed.append(Operation(one.code, target, a, b, one.factor))
+    return placed, count

@@ -26,7 +26,7 @@ def frequency_responses(
     variants: Mapping[str, ArrayLike],
     *,
     excitation: str | Sequence[str] | None = None,
-    method: str = "graph",
+    method: str = "auto",
 ) -> FrequencyResponses:
     """See :meth:`torsionnet.Drivetrain.frequency_responses`."""
     known_method(method)

@@ -14,6 +14,10 @@ from torsionnet.solve.eigen import EigenSolution
 
 NOTEWORTHY = 0.1
 STILL = 1e-6
+UNCERTAIN = 1e-6
+"""Relative error of an eigenvalue that is worth a warning."""
+NOISE = 1e-10
+"""Angles below this share of the largest are rounding, and their signs mean nothing."""
 
 
 def describe(
@@ -37,6 +41,22 @@ def describe(
             grows = "unstable, it grows; " if solution.eigenvalues[index].real > 0 else ""
             sentences.append(grows + _vibration(elements, strain[:, index], crossings))
     return tuple(sentences)
+
+
+def unsettled(solution: EigenSolution) -> tuple[str, ...]:
+    """Name the modes for which the frequency of a law and that of the mode did not meet."""
+    if solution.converged.all():
+        return ()
+    stuck = ", ".join(f"{abs(value) / (2 * np.pi):.4g} Hz" for value in solution.eigenvalues[~solution.converged])
+    return (f"the frequency-dependent stiffness did not settle for the mode(s) near {stuck}",)
+
+
+def uncertain(errors: FloatArray) -> tuple[str, ...]:
+    """Count the eigenvalues of which rounding may have taken too much."""
+    count = int(np.count_nonzero(errors > UNCERTAIN))
+    if not count:
+        return ()
+    return (f"{count} eigenvalues are uncertain, the worst by {errors.max():.1g} of its size",)
 
 
 def _rigid(assembly: Assembly, shape: ComplexArray) -> str:
@@ -87,14 +107,13 @@ class Links:
 
     @classmethod
     def of(cls, assembly: Assembly) -> Links:
-        names = assembly.kinematics.coordinates
-        place = {name: index for index, name in enumerate(names)}
-        laws = zip(assembly.owners, assembly.laws, assembly.exact_rows, strict=True)
+        laws = zip(assembly.owners, assembly.laws, assembly.system.sparse_rows, strict=True)
         elastic = [(owner, row) for owner, law, row in laws if law.is_elastic and len(row) > 1]
-        pairs = [(owner, row) for owner, row in elastic if len(row) == 2 and row.keys() <= place.keys()]  # noqa: PLR2004
-        ends = np.array([[place[name] for name in row] for _, row in pairs], dtype=int).reshape(-1, 2)
-        factors = np.array([[float(factor) for factor in row.values()] for _, row in pairs]).reshape(-1, 2)
+        pairs = [(owner, row) for owner, row in elastic if len(row) == 2]  # noqa: PLR2004
+        ends = np.array([list(row) for _, row in pairs], dtype=int).reshape(-1, 2)
+        factors = np.array([list(row.values()) for _, row in pairs]).reshape(-1, 2)
         owners = tuple(owner for owner, _ in pairs)
+        names = assembly.kinematics.coordinates
         return cls(names, owners, ends, factors * [1.0, -1.0], wide=len(pairs) < len(elastic))
 
     def vibration_nodes(self, motion: ComplexArray) -> list[str] | None:
@@ -106,6 +125,7 @@ class Links:
         if self.wide:
             return None
         angle = (motion * np.exp(-0.5j * np.angle(np.sum(motion**2)))).real
+        angle = np.where(np.abs(angle) > NOISE * np.abs(angle).max(initial=0.0), angle, 0.0)
         sides = self.factors * angle[self.ends]
         size = np.abs(sides)
         crossing = (sides[:, 0] * sides[:, 1] < 0) & (size.min(axis=1) > STILL * size.max(axis=1))

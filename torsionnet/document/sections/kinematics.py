@@ -88,7 +88,7 @@ def _sum(given: list[tuple[Any, str]]) -> str:
 def _owners(rig: Drivetrain, node: str) -> str:
     kinematics = rig.assembly.kinematics
     owners = [*(f"input {name}" for name in kinematics.imposed), *(name for name, _ in kinematics.constraints)]
-    origin = sorted(kinematics.reduction.origins.get(node, ()))
+    origin = sorted(kinematics.reduction.origin(node))
     return listed([plain(name) for name in dict.fromkeys(owners[index] for index in origin)], 4)
 
 

@@ -24,6 +24,7 @@ class Wanted:
     quantities: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     sampling_rate: float | None = None
+    pulses: Mapping[str, float] = field(default_factory=dict)
 
 
 def recordings(source: Source, wanted: Wanted, file: str, seconds: float | None = None) -> Iterator[Recording]:

@@ -11,6 +11,7 @@ from torsionnet.errors import Fault, ModelError, TorsionnetError, UsageError
 from torsionnet.signals.files.assembling import Wanted, recordings
 from torsionnet.signals.files.choosing import choose
 from torsionnet.signals.files.formats import format_of
+from torsionnet.signals.files.pulsed import pulsed
 from torsionnet.signals.files.source import Source
 from torsionnet.signals.recording import Recording
 
@@ -21,6 +22,7 @@ def read_recording(
     names: Sequence[str] | Mapping[str, str] | None = None,
     sampling_rate: float | None = None,
     units: Mapping[str, str] | None = None,
+    pulses: Mapping[str, float] | None = None,
     **dialect: str,
 ) -> Recording:
     r"""Read a recording; values are converted to SI, and what was assumed is in its notes.
@@ -38,6 +40,11 @@ def read_recording(
         Hz, where the file does not tell it.
     units : mapping, optional
         Unit of channels where the file has none or a wrong one.
+    pulses : mapping, optional
+        Channels that hold the pulses of an incremental encoder, with its steps per revolution: ``{"n1": 60}``. They
+        become angles, band-limited between the pulses: see :func:`~torsionnet.signals.encoder.angle_from_pulses`. A
+        channel whose values only increase holds the times of the pulses, and may have a length of its own; others
+        were sampled with the rest. The record is cut to where there are pulses.
     **dialect : str
         ``separator`` and ``decimal`` of a text file, instead of finding them out.
 
@@ -59,7 +66,7 @@ def read_recording(
     >>> record.notes[0]
     '"time" was taken for the time stamps'
     """
-    wanted = Wanted(names, quantities or {}, units or {}, sampling_rate)
+    wanted = Wanted(names, quantities or {}, units or {}, sampling_rate, pulses or {})
     with contextlib.closing(_read(Path(path), wanted, None, dialect)) as found:
         return next(found)
 
@@ -76,7 +83,7 @@ def iter_blocks(
     """Read a large file in recordings of so many seconds, one after the other, the last one shorter.
 
     Text, NPZ (arrays of one dimension), HDF5, MAT v7.3, TDMS and Parquet files never are in memory as a whole; of
-    the other formats the library reads everything. Arguments are those of :func:`read_recording`.
+    the other formats the library reads everything. Arguments are those of :func:`read_recording`, without ``pulses``.
     """
     if not seconds > 0:
         msg = f"blocks must last a positive number of seconds, got {seconds}"
@@ -95,7 +102,10 @@ def _read(
     path: Path, wanted: Wanted, seconds: float | None, dialect: dict[str, str]
 ) -> Generator[Recording, None, None]:
     with _opened(path, dialect) as source:
-        yield from recordings(source, wanted, path.name, seconds)
+        if wanted.pulses:
+            yield pulsed(source, wanted, path.name)
+        else:
+            yield from recordings(source, wanted, path.name, seconds)
 
 
 @contextlib.contextmanager

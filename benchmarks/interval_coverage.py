@@ -1,11 +1,10 @@
 """How often confidence intervals hold the truth: fits of the paper's rigs from virtual tests with other seeds.
 
-python benchmarks/coverage.py [RUNS]    # 200 runs take about 20 minutes
+python -m benchmarks.interval_coverage [RUNS]    # 200 runs take about 20 minutes
 """
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Iterator
 from dataclasses import replace
@@ -14,6 +13,7 @@ from typing import Any
 import numpy as np
 
 import torsionnet as tn
+from benchmarks._sizes import ARGUMENTS, sized
 from torsionnet.bench import Encoder
 from torsionnet.signals import PAPER, estimate
 
@@ -69,4 +69,4 @@ def main(runs: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 20)
+    main(int(ARGUMENTS[0]) if ARGUMENTS else sized(20, 1))

@@ -1,0 +1,165 @@
+"""What a fit file becomes, entry by entry, and what is said where an entry is wrong."""
+
+import numpy as np
+import pytest
+
+import torsionnet as tn
+from torsionnet.errors import ModelError, UsageError
+from torsionnet.identification.files import load_fit_plan
+from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.signals import Recording, Signal, Welch, write_recording
+
+RIG = """\
+torsionnet: 1
+name: disc
+elements:
+  rotor: {type: inertia, node: a, inertia: J}
+  shaft: {type: spring, nodes: [a, ground], stiffness: k, damping: c}
+parameters: {J: 0.1, k: 400 N*m/rad, c: 1}
+inputs: {T: {torque: a}}
+sensors: {phi: {angle: a}}
+configurations: {soft: {k: 200 N*m/rad}, hard: {k: 800 N*m/rad}}
+"""
+FIT = """\
+torsionnet: 1
+model: rig.yaml
+parameters:
+  k: {start: 0.3 kN*m/rad, bounds: [50, 2 kN*m/rad], per_configuration: true}
+  c: {prior: [1, 0.5 N*m*s/rad]}
+  J: 0.2 kg*m^2
+measurements:
+  soft: {record: run.npz, output: phi, input: T, band: [1 Hz, 25 Hz], excluded: [[5 Hz, 6 Hz], [0.01 kHz, 11 Hz]]}
+  other: {response: frf.csv, output: phi, input: T, configuration: hard, excluded: [7 Hz, 8 Hz], delay: true}
+  third: {record: run.npz, output: phi, input: T_set, model_output: phi, model_input: T, excitation: T, gain: true, settling: 500 ms}
+settings: {window: hann, seconds: 4 s, overlap: 50 %, detrend: linear, decimation: 2}
+residual: log
+loss: huber
+starts: 3
+true: {k: 0.2 kN*m/rad, c: 1}
+"""
+UNITS = (Channel("phi", "rad"),), (Channel("T", "N*m"),)
+RESPONSE = FrequencyResponse(np.array([1.0, 2.0]), np.ones((2, 1, 1), dtype=complex), *UNITS)
+
+
+@pytest.fixture
+def plan(tmp_path):
+    (tmp_path / "rig.yaml").write_text(RIG)
+    (tmp_path / "frf.csv").write_text("not read by a test")
+    values = np.random.default_rng(1).normal(size=(3, 50))
+    signals = (
+        Signal("phi", "angle", values[0]),
+        Signal("T", "torque", values[1]),
+        Signal("T_set", "torque", values[2]),
+    )
+    write_recording(Recording(signals, 100.0), tmp_path / "run.npz")
+
+    def read(text):
+        path = tmp_path / "fit.yaml"
+        path.write_text(text)
+        return load_fit_plan(path, lambda _: RESPONSE)
+
+    return read
+
+
+class TestPlan:
+    def test_model_and_options(self, plan):
+        found = plan(FIT)
+        assert found.model.parameters["k"] == 400
+        assert found.options == {"residual": "log", "loss": "huber", "starts": 3}
+        assert found.true == {"k": 200, "c": 1}
+
+    def test_parameters(self, plan):
+        assert plan(FIT).parameters == {
+            "k": tn.Unknown(300, (50, 2000), per_configuration=True),
+            "c": tn.Unknown(prior=(1, 0.5)),
+            "J": tn.Unknown(0.2),
+        }
+
+    def test_parameters_by_name_alone(self, plan):
+        text = FIT[: FIT.index("parameters:")] + "parameters: [k, c]\n" + FIT[FIT.index("measurements:") :]
+        assert plan(text).parameters == {"k": tn.Unknown(), "c": tn.Unknown()}
+
+    def test_measurements(self, plan):
+        soft, other, third = plan(FIT).measurements
+        assert (soft.label, soft.configuration, soft.band) == ("soft", "soft", (1, 25))
+        assert soft.excluded == ((5, 6), (10, 11))
+        assert (soft.delay, soft.gain, soft.settling, soft.model_output) == (False, False, 0, "")
+        assert soft.data.names == ("phi", "T")
+        assert soft.data.sampling_rate == 100
+        assert (other.label, other.configuration, other.band) == ("other", "hard", None)
+        assert (other.excluded, other.delay, other.gain) == (((7, 8),), True, False)
+        assert other.data is RESPONSE
+        assert (third.label, third.configuration) == ("third", "")
+        assert (third.output, third.input, third.excitation) == ("phi", "T_set", "T")
+        assert (third.model_output, third.model_input, third.gain, third.settling) == ("phi", "T", True, 0.5)
+
+    def test_settings(self, plan):
+        soft, other, third = plan(FIT).measurements
+        assert soft.settings == third.settings == Welch("hann", 4, 0.5, "linear", 2)
+        assert other.settings is None
+
+    def test_settings_of_the_paper_with_one_changed(self, plan):
+        text = FIT.replace("window: hann, seconds: 4 s, overlap: 50 %, detrend: linear,", "preset: paper,")
+        settings = plan(text).measurements[0].settings
+        assert settings == Welch("hamming", 2, 0.8, decimation=2, estimator="H2")
+
+    def test_without_what_is_optional(self, plan):
+        found = plan(FIT[: FIT.index("settings:")])
+        assert (found.options, found.true) == ({}, {})
+        assert found.measurements[0].settings == Welch("hamming", 2, 0.8)
+
+
+MEASUREMENT = (
+    "record, response, output, input, configuration, model_output, model_input, excitation, delay, gain, settling"
+)
+FAULTS = [
+    ("torsionnet: 1", "torsionnet: 2", "the first entry of the file is torsionnet: 1"),
+    ("per_configuration: true", "per_configuration: 1", "expected true or false, got 1"),
+    ("bounds: [50, ", "bounds: [1, 50, ", "expected two values [a, b], got [1, 50, '2 kN*m/rad']"),
+    ("bounds: [50, ", "bounds: [3000, ", "the lower bound must be below the upper bound, got (3000.0, 2000.0)"),
+    ("[1, 0.5 N*m*s/rad]", "[1, 0]", "a prior is a mean and a standard deviation above 0, got (1.0, 0.0)"),
+    ("[1, 0.5 N*m*s/rad]", "[1, k]", "expected a number with unit, got 'k'"),
+    ("prior:", "pror:", 'unknown key "pror"; did you mean "prior"? a parameter has start, bounds, prior, per_configuration'),
+    ("gain: true", "gian: true", f'unknown key "gian"; did you mean "gain"? known: {MEASUREMENT}, band, excluded, pulses'),
+    ("decimation: 2", "band: 2", 'unknown key "band"; known: preset, window, seconds, overlap, detrend, decimation'),
+    ("decimation: 2", "preset: papre", 'no preset is named "papre"; there is paper'),
+    ("overlap: 50 %", "overlap: 1", "overlap is a share from 0 to below 1, got 1.0"),
+    ("excluded: [7 Hz, 8 Hz]", "excluded: [8 Hz, 7 Hz]", "a band goes from a lower to a higher frequency, got ['8 Hz', '7 Hz']"),
+    ("excluded: [7 Hz, 8 Hz]", "excluded: [7 Hz, 7 Hz]", "a band goes from a lower to a higher frequency, got ['7 Hz', '7 Hz']"),
+    ("excluded: [7 Hz, 8 Hz]", "excluded: 7 Hz", "expected a band [0.5 Hz, 20 Hz], got []"),
+    ("response: frf.csv", "response: frf.cvs", 'there is no file "frf.cvs"; did you mean "frf.csv"?'),
+    ("soft: {record: run.npz,", "soft: {record: run.npz, response: frf.csv,", "a measurement needs either record or response: file of signals, from the folder of this file"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("good", "bad", "message"), FAULTS)
+def test_one_fault(plan, good, bad, message):
+    text = FIT.replace(good, bad, 1)
+    line = next(
+        at for at, (one, other) in enumerate(zip(text.splitlines(), FIT.splitlines(), strict=True), 1) if one != other
+    )
+    with pytest.raises(ModelError) as caught:
+        plan(text)
+    assert [(fault.position.line, fault.severity, fault.message) for fault in caught.value.faults] == [
+        (line, "error", message)
+    ]
+
+
+def test_all_faults_at_once(plan):
+    text = FIT.replace("hann", "[1]").replace("third: {", "third: 3 # {").replace("bounds:", "bonds:")
+    with pytest.raises(ModelError) as caught:
+        plan(text)
+    assert [fault.position.line for fault in caught.value.faults] == [4, 10, 11]
+
+
+@pytest.mark.parametrize("key", ["model", "parameters", "measurements"])
+def test_missing(plan, key):
+    lines = [line for line in FIT.splitlines() if not line.startswith("  ")]
+    text = "\n".join(line for line in lines if not line.startswith(f"{key}:"))
+    with pytest.raises(ModelError, match=f"a fit needs {key}:"):
+        plan(text)
+
+
+def test_no_file(tmp_path):
+    with pytest.raises(UsageError, match="cannot be read: No such file"):
+        load_fit_plan(tmp_path / "none.yaml", lambda _: RESPONSE)

@@ -1,0 +1,66 @@
+"""Times of the pulses in a channel that an encoder's output was recorded on."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from torsionnet.errors import UsageError
+from torsionnet.signals.recording import FloatArray
+
+LOW, HIGH = 1.0, 99.0
+"""Percentiles that are taken for the two levels."""
+HYSTERESIS = 0.2
+"""Share of the height by which the signal must pass the middle on either side."""
+LEAST_SAMPLES = 4.0
+"""Samples from pulse to pulse."""
+
+
+def is_stamped(values: FloatArray) -> bool:
+    """Whether a channel holds the times of pulses rather than their shape: its values only increase."""
+    return len(values) > 2 and bool(np.all(np.diff(values) > 0))  # noqa: PLR2004
+
+
+def pulse_times(values: FloatArray, times: FloatArray) -> FloatArray:
+    """Times at which a signal rises through the middle between its two levels, straight between samples.
+
+    Noise of less than a fifth of the height makes no pulse.
+
+    Parameters
+    ----------
+    values : (n,) array
+        Voltage, or whatever was recorded.
+    times : (n,) array
+        s.
+
+    Raises
+    ------
+    UsageError
+        There are no pulses, or too few samples from one to the next.
+
+    Examples
+    --------
+    >>> time = np.arange(2000) / 1000
+    >>> pulse_times(np.where(np.sin(2 * np.pi * 10 * time) > 0, 5.0, 0.0), time)[:3].round(4)
+    array([0.0005, 0.1005, 0.2005])
+    """
+    low, high = np.percentile(values, [LOW, HIGH])
+    middle, reach = (low + high) / 2, HYSTERESIS * (high - low)
+    state = np.where(values > middle + reach, 1, np.where(values < middle - reach, -1, 0))
+    sure = np.flatnonzero(state)
+    rises = np.flatnonzero(np.diff(state[sure]) > 0)
+    if not high > low or len(rises) < 2:  # noqa: PLR2004
+        msg = "there are no pulses: the signal does not rise between two levels at least twice"
+        raise UsageError(msg)
+    # Of the samples between one level and the other, the pair around the middle.
+    after = np.array(
+        [
+            first + 1 + int(np.argmax(values[first + 1 : last + 1] > middle))
+            for first, last in zip(sure[rises], sure[rises + 1], strict=True)
+        ]
+    )
+    apart = float(np.median(np.diff(after)))
+    if apart < LEAST_SAMPLES:
+        msg = f"there are only {apart:g} samples from pulse to pulse, {LEAST_SAMPLES:g} are needed; sample faster"
+        raise UsageError(msg)
+    share = (middle - values[after - 1]) / (values[after] - values[after - 1])
+    return np.asarray(times[after - 1] + share * (times[after] - times[after - 1]))

@@ -1,0 +1,210 @@
+"""Pulses of an incremental encoder: lost ones counted, double ones left out, or refused where neither explains them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from torsionnet.errors import UsageError
+from torsionnet.signals.double_pulses import NEIGHBOURS, around, without_double
+from torsionnet.signals.recording import FloatArray
+
+MOST_CHANGE = 1.5
+"""Ratio of neighbouring intervals that a change of speed may explain."""
+SIDE, UNCLEAR = 3, 0.2
+"""Intervals on either side that say how many pulses a gap has lost, and how far from a whole number that may be."""
+FEWEST_GAPS, REGULAR = 4, 0.8
+SHOWN = 3
+
+
+@dataclass(frozen=True, eq=False)
+class MissingPulses:
+    """Where an encoder lost pulses: after pulse ``after`` (counted from 0) so many as ``counts`` says."""
+
+    after: NDArray[np.intp]
+    counts: NDArray[np.intp]
+
+    @property
+    def total(self) -> int:
+        return int(self.counts.sum())
+
+
+@dataclass(frozen=True, eq=False)
+class Pulses:
+    """Pulses that were kept, with their numbers.
+
+    Attributes
+    ----------
+    times : (n,) array
+        s.
+    numbers : (n,) int array
+        Steps of the encoder since the first pulse, with those that were lost.
+    spurious : (m,) int array
+        Places of the pulses left out among those given, counted from 0.
+    missing : MissingPulses
+        Places among those kept.
+    left_out : (m,) array
+        Times of the spurious ones, s.
+    period : int
+        Pulses from gap to gap of a wheel with missing teeth; 0 if it has none.
+    """
+
+    times: FloatArray
+    numbers: NDArray[np.intp]
+    spurious: NDArray[np.intp]
+    missing: MissingPulses
+    left_out: FloatArray = field(repr=False)
+    period: int = 0
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What was repaired, with time and number."""
+        found = []
+        if len(self.spurious):
+            where = _listed([f"pulse {n} at {t:.6g} s" for n, t in zip(self.spurious, self.left_out, strict=True)])
+            found.append(f"{_count(len(self.spurious))} too many left out: {where}")
+        lost = self.irregular
+        if lost.total:
+            where = _listed(
+                [f"{c} after pulse {n} at {self.times[n]:.6g} s" for n, c in zip(lost.after, lost.counts, strict=True)]
+            )
+            found.append(f"{_count(lost.total)} missing and counted: {where}")
+        return tuple(found)
+
+    @property
+    def irregular(self) -> MissingPulses:
+        """Those missing but for the teeth that the wheel does not have."""
+        if not self.period:
+            return self.missing
+        phase = self.numbers[self.missing.after] % self.period
+        usual = np.bincount(phase).argmax()
+        own = phase != usual
+        return MissingPulses(self.missing.after[own], self.missing.counts[own])
+
+
+def missing_pulses(times: ArrayLike) -> MissingPulses:
+    """Find lost pulses: intervals that are a whole multiple of those around them.
+
+    Parameters
+    ----------
+    times : (n,) array
+        Time of every pulse, s. The speed may change, but by less than half between pulses.
+
+    Examples
+    --------
+    >>> missing_pulses([0.0, 1.0, 2.0, 5.0, 6.0, 7.0, 8.0]).counts
+    array([2])
+    """
+    intervals = np.diff(np.asarray(times, dtype=float))
+    if len(intervals) < NEIGHBOURS:
+        return MissingPulses(np.empty(0, np.intp), np.empty(0, np.intp))
+    if not np.all(intervals > 0):
+        msg = "the times of pulses must be finite and increase"
+        raise UsageError(msg)
+    missing = np.rint(intervals / around(intervals, NEIGHBOURS)).astype(np.intp) - 1
+    after = np.flatnonzero(missing > 0)
+    return MissingPulses(after, missing[after])
+
+
+def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Pulses:
+    """Pulses without the double ones, numbered with those that are missing.
+
+    Found from the ratio of neighbouring intervals: a double pulse splits one in two, a lost one joins two. Gaps that
+    come back once a turn are teeth that the wheel does not have.
+
+    Parameters
+    ----------
+    times : (n,) array
+        Time of every pulse, s.
+    steps_per_revolution : float, optional
+        With the teeth that are missing; against it the distance of regular gaps is checked.
+
+    Raises
+    ------
+    UsageError
+        Intervals that neither explains, a gap whose pulses cannot be counted, or regular gaps at another distance
+        than a turn; with time and number of the pulse.
+
+    Examples
+    --------
+    >>> found = repaired_pulses([0.0, 1.0, 2.0, 2.1, 3.0, 4.0, 6.0, 7.0, 8.0, 9.0])
+    >>> found.numbers.tolist()
+    [0, 1, 2, 3, 4, 6, 7, 8, 9]
+    >>> found.remarks
+    ('1 pulse too many left out: pulse 3 at 2.1 s', '1 pulse missing and counted: 1 after pulse 4 at 4 s')
+    """
+    stamps = check_pulses(times)
+    kept = without_double(stamps)
+    clean = stamps[kept]
+    missing = missing_pulses(clean)
+    steps = np.ones(len(clean) - 1, dtype=np.intp)
+    steps[missing.after] += missing.counts
+    _check(clean, steps, kept)
+    numbers = np.concatenate([[0], np.cumsum(steps)])
+    spurious = np.setdiff1d(np.arange(len(stamps)), kept)
+    period = _period(numbers[missing.after], clean[missing.after], steps_per_revolution)
+    return Pulses(clean, numbers, spurious, missing, stamps[spurious], period)
+
+
+def check_pulses(times: ArrayLike) -> FloatArray:
+    """The times, if they are those of pulses."""
+    stamps = np.asarray(times, dtype=float)
+    if len(stamps) < 2 or not np.all(np.diff(stamps) > 0):  # noqa: PLR2004
+        msg = "an angle needs at least two pulses, at finite times that increase"
+        raise UsageError(msg)
+    return stamps
+
+
+def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp]) -> None:
+    """Refuse intervals that do not go on from those around them."""
+    intervals = np.diff(times)
+    each = intervals / steps
+    if len(each) <= NEIGHBOURS:
+        return
+    for gap in np.flatnonzero(steps > 1):
+        sides = [side for side in (each[max(gap - SIDE, 0) : gap], each[gap + 1 : gap + 1 + SIDE]) if len(side)]
+        counts = intervals[gap] / np.array([np.median(side) for side in sides])
+        if np.ptp(counts) > 1 or abs(counts.mean() - steps[gap]) > UNCLEAR:
+            where = f"the gap of {intervals[gap]:.4g} s after pulse {places[gap]} at {times[gap]:.6g} s"
+            msg = (
+                f"{where} is {counts.min():.2f} to {counts.max():.2f} times as long as those around it: how many "
+                "pulses are missing cannot be told; cut the record there"
+            )
+            raise UsageError(msg)
+    change = np.maximum(each[1:] / each[:-1], each[:-1] / each[1:])
+    at = int(change.argmax())
+    if change[at] > MOST_CHANGE:
+        msg = (
+            f"the intervals on either side of pulse {places[at + 1]} at {times[at + 1]:.6g} s differ by a factor of "
+            f"{change[at]:.2f}: neither a lost pulse nor one too many explains that; cut the record there"
+        )
+        raise UsageError(msg)
+
+
+def _period(numbers: NDArray[np.intp], times: FloatArray, steps: float) -> int:
+    """Distance in pulses of gaps that come back regularly; 0 if they do not."""
+    if len(numbers) < FEWEST_GAPS:
+        return 0
+    counts = np.bincount(np.diff(numbers))
+    period = int(counts.argmax())
+    if counts[period] < REGULAR * (len(numbers) - 1):
+        return 0
+    if steps and period != steps:
+        msg = (
+            f"pulses are missing every {period} pulses, first at {times[0]:.6g} s: a wheel with a gap, of {period} "
+            f"steps per revolution with the missing ones; {steps:g} were given"
+        )
+        raise UsageError(msg)
+    return period
+
+
+def _count(number: int) -> str:
+    return f"{number} pulse{'s' * (number != 1)}"
+
+
+def _listed(parts: Sequence[str]) -> str:
+    rest = len(parts) - SHOWN
+    return ", ".join(parts[:SHOWN]) + (f" and {rest} more" if rest > 0 else "")

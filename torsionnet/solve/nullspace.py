@@ -1,0 +1,173 @@
+"""Null spaces of sparse rows: what moves without straining any of them.
+
+A row with one entry holds its coordinate. Rows with two entries tie coordinates to parts that turn as one, found by
+walking from ratio to ratio; the few wider rows are then solved over the parts. All of it costs about as much as there
+are entries. Whether a sum of terms vanishes is decided by the rounding that it carries along and never by its size, so
+that ranks are right whatever the ratios multiply to.
+
+>>> loop = null_space([{0: 1.0, 1: -3.0}, {1: 1.0, 2: 1.0}, {0: 1.0, 2: 3.0}], 4)
+>>> loop.dimension
+2
+>>> loop.basis()[:, 0] / loop.basis()[1, 0]
+array([ 3.,  1., -1.,  0.])
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import FloatArray, RowSystem
+from torsionnet.elimination import reduce_rows
+
+SparseRow: TypeAlias = Mapping[int, float]
+
+LOOP = 1e-11
+"""A row closes its loop where its terms cancel to this share; consistent ratios meet to about 1e-15."""
+ROUNDING = 1e-13
+"""Relative rounding with which coefficients of wider rows start: entries are right to 1e-16, long products nearly."""
+
+
+@dataclass(frozen=True)
+class NullSpace:
+    """A basis of the directions in which every row is zero.
+
+    Attributes
+    ----------
+    size : int
+        Number of coordinates.
+    columns : tuple of dict
+        Coordinate -> value of each direction; in the order of the first coordinate of its part.
+    disjoint : bool
+        Whether no coordinate belongs to two directions.
+    """
+
+    size: int
+    columns: tuple[dict[int, float], ...]
+    disjoint: bool
+
+    @property
+    def dimension(self) -> int:
+        return len(self.columns)
+
+    def first(self, count: int) -> NullSpace:
+        """Only the first directions."""
+        return replace(self, columns=self.columns[:count])
+
+    def basis(self) -> FloatArray:
+        """Orthonormal columns, shape (size, dimension)."""
+        array = np.zeros((self.size, self.dimension))
+        for number, column in enumerate(self.columns):
+            array[list(column), number] = list(column.values())
+        array /= np.abs(array).max(axis=0, initial=0.0)
+        return np.asarray(array / np.linalg.norm(array, axis=0) if self.disjoint else np.linalg.qr(array)[0])
+
+
+@dataclass(frozen=True, eq=False)
+class Rounded:
+    """A number and a bound of its rounding; it is zero where it cannot be told from zero."""
+
+    value: float
+    error: float
+
+    @staticmethod
+    def of(number: Rounded | float) -> Rounded:
+        """The number itself; a plain one is exact."""
+        return number if isinstance(number, Rounded) else Rounded(number, 0.0)
+
+    def __add__(self, other: Rounded | float) -> Rounded:
+        other = Rounded.of(other)
+        return Rounded(self.value + other.value, self.error + other.error)
+
+    def __mul__(self, other: Rounded | float) -> Rounded:
+        other = Rounded.of(other)
+        return Rounded(self.value * other.value, abs(self.value) * other.error + self.error * abs(other.value))
+
+    def __truediv__(self, other: Rounded | float) -> Rounded:
+        other = Rounded.of(other)
+        value = self.value / other.value
+        return Rounded(value, (self.error + abs(value) * other.error) / abs(other.value))
+
+    def __rtruediv__(self, other: float) -> Rounded:
+        return Rounded.of(other) / self
+
+    __radd__, __rmul__ = __add__, __mul__
+
+    def __neg__(self) -> Rounded:
+        return Rounded(-self.value, self.error)
+
+    def __eq__(self, other: object) -> bool:
+        return other == 0 and abs(self.value) <= self.error
+
+    __hash__ = None  # type: ignore[assignment]
+
+
+def rows_of(system: RowSystem, laws: NDArray[np.bool_]) -> list[dict[int, float]]:
+    """The rows of some laws."""
+    return [system.sparse_rows[index] for index in np.flatnonzero(laws)]
+
+
+def null_space(rows: Sequence[SparseRow], size: int) -> NullSpace:
+    """Directions of ``size`` coordinates in which every row, a map from coordinate to coefficient, is zero."""
+    parts = _Parts(rows, size)
+    turning = [number for number in range(len(parts.members)) if number not in parts.held]
+    wide = [row for row in (parts.collected(row) for row in rows if len(row) > 2) if row]  # noqa: PLR2004
+    solved = reduce_rows(wide, {part: part for part in turning}).solved
+    columns = {part: parts.turned(part, 1.0) for part in turning if part not in solved}
+    for part, free in solved.items():
+        for other, ratio in free.items():
+            columns[other] |= parts.turned(part, Rounded.of(ratio).value)
+    return NullSpace(size, tuple(columns.values()), disjoint=all(len(free) < 2 for free in solved.values()))  # noqa: PLR2004
+
+
+class _Parts:
+    """Coordinates that rows with two entries tie to each other.
+
+    ``angle`` of each coordinate is per that of the first one of its part; ``held`` are the parts that cannot turn.
+    """
+
+    def __init__(self, rows: Sequence[SparseRow], size: int) -> None:
+        links: list[list[tuple[int, float]]] = [[] for _ in range(size)]
+        ties = [tuple(row.items()) for row in rows if len(row) == 2]  # noqa: PLR2004
+        for (a, x), (b, y) in ties:
+            links[a].append((b, -x / y))
+            links[b].append((a, -y / x))
+        self.angle, self.part = [0.0] * size, [-1] * size
+        self.members: list[list[int]] = []
+        for root in range(size):
+            if self.part[root] < 0:
+                self._walk(root, links)
+        self.held = {self.part[column] for row in rows if len(row) == 1 for column in row}
+        for (a, x), (b, y) in ties:
+            first, second = x * self.angle[a], y * self.angle[b]
+            if abs(first + second) > LOOP * max(abs(first), abs(second)):
+                self.held.add(self.part[a])
+
+    def _walk(self, root: int, links: list[list[tuple[int, float]]]) -> None:
+        number, members = len(self.members), [root]
+        self.angle[root], self.part[root] = 1.0, number
+        for node in members:  # which grows
+            for other, ratio in links[node]:
+                if self.part[other] < 0:
+                    self.angle[other], self.part[other] = ratio * self.angle[node], number
+                    members.append(other)
+        self.members.append(members)
+
+    def collected(self, row: SparseRow) -> dict[int, Any]:
+        """The row over the parts that can turn."""
+        result: dict[int, Rounded] = {}
+        for column, value in row.items():
+            part, factor = self.part[column], value * self.angle[column]
+            if part in self.held:
+                continue
+            term = Rounded(factor, ROUNDING * abs(factor))
+            result[part] = result[part] + term if part in result else term
+        return result
+
+    def turned(self, part: int, ratio: float) -> dict[int, float]:
+        """Angles of the coordinates of a part."""
+        return {column: ratio * self.angle[column] for column in self.members[part]}

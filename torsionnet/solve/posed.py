@@ -1,0 +1,161 @@
+"""From readings and excitations by name to rows over columns, and from solved rows back to readings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from torsionnet.assembly.functionals import Functional, Term, coefficient
+from torsionnet.assembly.law_stiffness import LawStiffness
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.system import Assembly
+from torsionnet.channels import Input
+from torsionnet.kinematics import exact_row
+from torsionnet.solve.plan import felt
+from torsionnet.solve.problem import Excitation, Problem
+from torsionnet.solve.row_algebra import Row
+
+
+class Part(NamedTuple):
+    """A share of a reading: coefficient of ``term``, or else ``factor``, times number ``solved`` of what is solved."""
+
+    solved: int
+    term: Term | None
+    factor: float = 1.0
+
+    def of(self, kappa: LawStiffness, values: ComplexArray) -> ComplexArray:
+        """The share (n_exc, n_lanes)."""
+        if self.term is None:
+            return np.asarray(self.factor * values[self.solved])
+        return np.asarray(coefficient(self.term, kappa) * values[self.solved])
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A column for torques that are read: laws and nodes that its opening moves, and how far."""
+
+    laws: Mapping[int, Fraction]
+    nodes: Mapping[str, Fraction]
+
+
+@dataclass(frozen=True, eq=False)
+class Posed:
+    """A problem, and what its solution says about every reading.
+
+    Attributes
+    ----------
+    problem : Problem
+    parts : tuple of Part
+        What every reading is.
+    terms : tuple of (Part, ...)
+        Of measured inputs, what their size is compared with: the reading written out as terms of motion.
+    applied : (n_readings, n_exc) array
+        The share of applied torques in that.
+    """
+
+    problem: Problem
+    parts: tuple[Part, ...]
+    terms: tuple[tuple[Part, ...], ...]
+    applied: FloatArray
+
+    def felt_by(self, reading: int) -> frozenset[int]:
+        """Excitations that reach a reading at all."""
+        found: set[int] = set()
+        for excitations, part in self.problem.parts:
+            reached = felt(part.plan)[self.parts[reading].solved]
+            found |= {excitations[number] for number in reached}
+        return frozenset(found)
+
+    @cached_property
+    def turned(self) -> Posed:
+        """The same, but for another order of elimination."""
+        return replace(self, problem=self.problem.otherwise)
+
+
+def pose(
+    assembly: Assembly, outputs: Sequence[Functional], measured: Sequence[Functional], excitations: Sequence[Input]
+) -> Posed:
+    """The problem behind outputs and measured inputs."""
+    readings = [*outputs, *measured]
+    rows, gaps = _Rows(), _Gaps()
+    found = [
+        gaps.part(reading) if reading.reactions or len(reading.own) != 1 else rows.part(reading.own[0])
+        for reading in readings
+    ]
+    terms: list[tuple[Part, ...]] = [() for _ in outputs]
+    terms += [tuple(rows.part(term) for term in reading.terms) for reading in measured]
+    n_given = assembly.system.n_coordinates + len(assembly.kinematics.imposed)
+    columns = dict(enumerate(gaps.found, n_given))
+    problem = Problem(
+        _laws(assembly, columns),
+        assembly.system.n_coordinates,
+        tuple(_excitation(assembly, one, columns) for one in excitations),
+        tuple(rows.rows),
+        tuple(columns),
+    )
+    applied = np.zeros((len(readings), len(excitations)))
+    for number, reading in enumerate(measured, len(outputs)):
+        for column, one in enumerate(excitations):
+            applied[number, column] = float(reading.applied(one.of)) if one.quantity == "torque" else 0.0
+    parts = (part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in found)
+    return Posed(problem, tuple(parts), tuple(terms), applied)
+
+
+def _laws(assembly: Assembly, gaps: Mapping[int, Gap]) -> Sequence[Row]:
+    """Rows of all laws over all columns."""
+    laws = list(assembly.law_columns)
+    for column, gap in gaps.items():
+        for law, work in gap.laws.items():
+            laws[law] = {**laws[law], column: float(work)}
+    return laws
+
+
+def _excitation(assembly: Assembly, excitation: Input, gaps: Mapping[int, Gap]) -> Excitation:
+    effect = assembly.columns_of(exact_row(assembly.kinematics.reduced({excitation.of: 1})))
+    if excitation.quantity == "angle":
+        return Excitation(motion=effect)
+    at_gaps = {j: float(gap.nodes[excitation.of]) for j, gap in gaps.items() if excitation.of in gap.nodes}
+    return Excitation(load={**effect, **at_gaps})
+
+
+@dataclass
+class _Rows:
+    """Motions asked for, each once."""
+
+    rows: list[Row] = field(default_factory=list)
+    numbers: dict[frozenset[tuple[int, float]], int] = field(default_factory=dict)
+
+    def part(self, term: Term) -> Part:
+        number = self.numbers.setdefault(frozenset(term.columns.items()), len(self.rows))
+        if number == len(self.rows):
+            self.rows.append(dict(term.columns))
+        return Part(number, term)
+
+
+@dataclass
+class _Gaps:
+    """Torques asked for, each once; those at several ports of one element may be the same up to a factor."""
+
+    found: list[Gap] = field(default_factory=list)
+    numbers: dict[tuple[frozenset[tuple[Any, Fraction]], ...], int] = field(default_factory=dict)
+
+    def part(self, reading: Functional) -> Part:
+        """All terms of the torque as one: where they cancel, their exact coefficients do so beforehand."""
+        laws: dict[int, Fraction] = {}
+        for term in reading.terms:
+            if term.law is not None:
+                laws[term.law] = laws.get(term.law, Fraction(0)) - term.factor
+        nodes = {node: reading.applied(node) for reaction in reading.reactions for node in reaction.motion}
+        sizes = [*laws.items(), *nodes.items()]
+        factor = next((size for _, size in sizes if size), Fraction(1))
+        laws = {law: work / factor for law, work in laws.items() if work}
+        nodes = {node: share / factor for node, share in nodes.items() if share}
+        number = self.numbers.setdefault((frozenset(laws.items()), frozenset(nodes.items())), len(self.found))
+        if number == len(self.found):
+            self.found.append(Gap(laws, nodes))
+        return Part(number, None, float(factor))

@@ -1,0 +1,108 @@
+"""Readings of lanes, and transfer functions as one reading over another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.law_stiffness import LawStiffness
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.solve import dense, starmesh
+from torsionnet.solve.doubt import LARGE
+from torsionnet.solve.posed import Posed
+from torsionnet.solve.problem import Problem
+from torsionnet.solve.question import Question
+from torsionnet.solve.sweep import Sweep
+
+Respond: TypeAlias = Callable[[Problem, LawStiffness], Sweep]
+METHODS: dict[str, Respond] = {
+    "auto": starmesh.respond,
+    "graph": starmesh.respond_in_numpy,
+    "compiled": starmesh.respond_compiled,
+    "dense": dense.respond,
+}
+
+
+@dataclass(frozen=True)
+class Lanes:
+    """Transfer functions (n_lanes, n_out, n_in), the conditioning (n_lanes,) of measured inputs, and lanes in doubt."""
+
+    values: ComplexArray
+    conditioning: FloatArray
+    doubtful: NDArray[np.bool_]
+
+
+def transfer_functions(question: Question, kappa: LawStiffness, method: str = "auto", *, turned: bool = False) -> Lanes:
+    """Outputs over inputs; ``turned``: by another order of elimination."""
+    posed, n_out = question.posed.turned if turned else question.posed, len(question.outputs)
+    found = METHODS[method](posed.problem, kappa)
+    with np.errstate(invalid="ignore"):
+        readings = _readings(posed, kappa, found.values)
+    values, doubtful, conditioning = readings[:, :n_out], found.doubtful, np.ones(kappa.n_lanes)
+    if question.is_measured:
+        measured = readings[:, n_out:]
+        values, lost, apart = _divide(values, measured)
+        conditioning = _shares(posed, kappa, found.values, measured).max(axis=2).min(axis=1) * apart
+        doubtful = doubtful | lost
+    return Lanes(values, conditioning, doubtful)
+
+
+def _readings(posed: Posed, kappa: LawStiffness, solved: ComplexArray) -> ComplexArray:
+    """Readings (n_lanes, n_readings, n_exc)."""
+    values = np.empty((kappa.n_lanes, len(posed.parts), solved.shape[1]), dtype=complex)
+    for number, part in enumerate(posed.parts):
+        values[:, number] = part.of(kappa, solved).T
+    return values
+
+
+def _shares(posed: Posed, kappa: LawStiffness, solved: ComplexArray, measured: ComplexArray) -> FloatArray:
+    """How large measured inputs (n_lanes, n_in, n_exc) are against the sums of their terms' magnitudes."""
+    sizes = np.zeros(measured.shape)
+    first = len(posed.parts) - measured.shape[1]
+    with np.errstate(all="ignore"):
+        for number in range(measured.shape[1]):
+            terms = (np.abs(part.of(kappa, solved)).T for part in posed.terms[first + number])
+            sizes[:, number] = sum(terms, start=np.abs(posed.applied[first + number]))
+        return np.divide(np.abs(measured), sizes, out=np.zeros(sizes.shape), where=sizes > 0)
+
+
+def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_], FloatArray]:
+    """Y_out Y_in^-1 of every lane, lanes that lose digits in it, and how well Y_in tells the excitations apart.
+
+    The last is 1 at best and 0 where it does not at all; there the quotient is inf.
+    """
+    n_lanes, n_in, _ = measured.shape
+    with np.errstate(all="ignore"):
+        if n_in == 1:
+            quotient = np.where(measured == 0, np.inf + 0j, outputs / measured)
+            return quotient, np.asarray(~np.isfinite(quotient).all(axis=(1, 2))), np.ones(n_lanes)
+        rows = np.abs(measured).max(axis=2, keepdims=True)
+        columns = (np.abs(measured) / rows).max(axis=1, keepdims=True)
+        normed = measured / rows / columns
+        normed[~np.isfinite(normed)] = 0.0
+        singular = np.linalg.svd(normed, compute_uv=False)
+        apart = singular[:, -1] / np.maximum(singular[:, 0], 1e-300)
+        inverse, size = _inverse(normed)
+        scale = 1 / columns.swapaxes(1, 2) / rows.swapaxes(1, 2)
+        quotient = outputs @ (inverse * scale)
+        lost = (LARGE * np.abs(quotient) < np.abs(outputs) @ (size * scale)).any(axis=(1, 2))
+        return quotient, lost | ~(apart * LARGE > 1) | ~np.isfinite(quotient).all(axis=(1, 2)), apart
+
+
+def _inverse(matrices: ComplexArray) -> tuple[ComplexArray, FloatArray]:
+    """Of every matrix, inf where it is singular; and of what size the rounding of each entry is."""
+    if matrices.shape[1] == 2:  # noqa: PLR2004
+        (a, b), (c, d) = matrices.transpose(1, 2, 0)
+        inverse = (np.array([[d, -b], [-c, a]]) / (a * d - b * c)).transpose(2, 0, 1)
+        return inverse, np.abs(inverse)
+    inverse = np.empty(matrices.shape, dtype=complex)
+    for number, matrix in enumerate(matrices):
+        try:
+            inverse[number] = np.linalg.inv(matrix)
+        except np.linalg.LinAlgError:
+            inverse[number] = np.inf
+    return inverse, np.broadcast_to(np.abs(inverse).max(axis=(1, 2), keepdims=True), inverse.shape)

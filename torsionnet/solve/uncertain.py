@@ -1,0 +1,133 @@
+"""Lanes that have lost digits on the way: how many, and the right values where it matters."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from torsionnet.assembly.law_stiffness import LawStiffness
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.system import Assembly
+from torsionnet.errors import SolveError, TorsionnetWarning
+from torsionnet.solve.many_digits import DIGITS, ManyDigits
+from torsionnet.solve.question import Question
+from torsionnet.solve.quotient import Lanes, transfer_functions
+
+PROMISED = 1e-9
+"""Relative error of every value that is returned without a warning."""
+ENOUGH = PROMISED / 5
+DRAWS, STEP = 4, 8 * float(np.finfo(float).eps)
+MOST_WORK = 20_000
+"""Coordinates times lanes that are solved in many digits: a few seconds."""
+
+
+def settled(
+    assemblies: Sequence[Assembly], question: Question, frequencies: FloatArray, kappa: LawStiffness, found: Lanes
+) -> Lanes:
+    """The same with lanes in doubt estimated, and solved in many digits where rounding would show.
+
+    Parameters
+    ----------
+    assemblies : sequence of Assembly
+        One for each variant.
+    question : Question
+    frequencies : (n_f,) array
+        Hz.
+    kappa : LawStiffness
+        Of all lanes.
+    found : Lanes
+
+    Raises
+    ------
+    UsageError
+        The measured inputs depend on each other at every frequency.
+    """
+    lanes = np.flatnonzero(found.doubtful)
+    if not len(lanes):
+        return found
+    errors = expected_errors(
+        lambda some, turned: transfer_functions(question, some, turned=turned).values,
+        kappa.at(lanes),
+        found.values[lanes],
+    )
+    worst = errors.max(axis=(1, 2), initial=0.0)
+    order = [place for place in np.argsort(-worst, kind="stable").tolist() if worst[place] > ENOUGH]
+    most = max(1, MOST_WORK // max(1, kappa.n_laws))
+    values = found.values.copy()
+    exact = _ManyLanes(assemblies, question, frequencies)
+    uncertain = [(lanes[place], worst[place]) for place in order[most:]]
+    for place in order[:most]:
+        known = exact.transfer_function(lanes[place])
+        if known is None:
+            uncertain.append((lanes[place], worst[place]))
+        else:
+            values[lanes[place]] = np.where(errors[place] > ENOUGH, known, values[lanes[place]])
+    if uncertain:
+        _warn(uncertain, np.tile(frequencies, len(assemblies)))
+    return replace(found, values=values)
+
+
+def expected_errors(
+    evaluate: Callable[[LawStiffness, bool], ComplexArray], kappa: LawStiffness, values: ComplexArray
+) -> FloatArray:
+    """Relative errors of ``evaluate(kappa, False)``, which gave ``values`` (n_lanes, ...): what some rounding changes.
+
+    All stiffnesses are moved by a few roundings, with signs by chance. That shows how a value depends on them. Every
+    later rounding falls out differently too, the more so in another order of elimination (``True``), which shows what
+    elimination itself has lost.
+    """
+    random, by_law = np.random.default_rng(0), kappa.by_law
+    error = np.where(np.isfinite(values), 0.0, np.inf)
+    for draw in range(DRAWS):
+        moved = by_law * (1 + STEP * random.uniform(0.5, 1, by_law.shape) * random.choice([-1.0, 1.0], by_law.shape))
+        again = evaluate(kappa.sampled_as(moved), draw % 2 > 0)
+        with np.errstate(all="ignore"):
+            change = np.abs(again - values) / np.abs(values)
+        change[again == values] = 0.0
+        change[np.isnan(change)] = np.inf
+        error = np.maximum(error, change)
+    return np.asarray(error)
+
+
+class _ManyLanes:
+    """Lanes in many digits."""
+
+    def __init__(self, assemblies: Sequence[Assembly], question: Question, frequencies: FloatArray) -> None:
+        self.assemblies, self.question, self.frequencies = assemblies, question, frequencies
+        self.asked: dict[int, ManyDigits] = {}
+
+    def transfer_function(self, lane: int) -> ComplexArray | None:
+        """Exact to double precision, (n_out, n_in); None where even many digits are not enough.
+
+        Raises
+        ------
+        UsageError
+            The measured inputs depend on each other here, and then everywhere: a frequency in Hz is no exact root.
+        """
+        import mpmath
+
+        variant, number = divmod(lane, len(self.frequencies))
+        with mpmath.workdps(DIGITS):
+            if variant not in self.asked:
+                self.asked[variant] = ManyDigits(self.assemblies[variant], self.question)
+            omega = 2 * mpmath.pi * mpmath.mpf(self.frequencies[number])
+            try:
+                found = self.asked[variant].transfer(mpmath.mpc(0, omega))
+            except SolveError:
+                return None
+            if found is None:
+                raise self.question.dependent()
+            return np.array([[complex(value) for value in row] for row in found])
+
+
+def _warn(uncertain: Sequence[tuple[int, float]], frequencies: FloatArray) -> None:
+    lane, error = max(uncertain, key=lambda pair: pair[1])
+    size = f"{error:.0e} of themselves" if error < 1 else "nothing but their order of magnitude"
+    text = (
+        f"{len(uncertain)} values next to undamped resonances or antiresonances are rounded; "
+        f"near {frequencies[lane]:.6g} Hz they are known to {size}"
+    )
+    warnings.warn(text, TorsionnetWarning, stacklevel=6)
