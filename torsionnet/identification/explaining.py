@@ -124,7 +124,8 @@ def too_coarse(problem: Problem) -> tuple[str, ...]:
         if isinstance(one.data, Recording):
             steps = resolution(one.data, one.output, one.input)
             if steps is not None and steps.enough_up_to < block.frequencies[-1]:
+                limit = f"{steps.enough_up_to:.3g} Hz"
                 found.append(
-                    f"{one.output} moves by less than {ENOUGH:g} of its steps above {steps.enough_up_to:.3g} Hz"
+                    f"{one.output} moves by less than {ENOUGH:g} of its steps above {limit}: end the band there"
                 )
     return tuple(dict.fromkeys(found))

@@ -15,6 +15,7 @@ AGREED = {
     "value": "free it too, or correct it",
 }
 WITHHELD = "Intervals are withheld"
+MOST_TOLD = 3
 EXACT = 1e-6
 """Relative standard errors below this are not written out."""
 
@@ -36,8 +37,8 @@ def lacking(lack: LackOfFit | None) -> Iterator[str]:
         return
     best, *others = lack.explanations
     verb = "would explain it" if best.complete else "would explain most of it"
-    also = f" (as would {' or '.join(_what(one) for one in others)})" if others else ""
-    yield f"{says}; {_what(best)} {verb}{also}: {_values(best)}; {AGREED[best.kind]}. {withheld}"
+    told = [f"{_what(best)} {verb}: {_values(best)}", *(f"so would {_what(one)}: {_values(one)}" for one in others)]
+    yield f"{says}; {'; '.join(told[:MOST_TOLD])}; {AGREED[best.kind]}. {withheld}"
 
 
 def _what(one: Explanation) -> str:
