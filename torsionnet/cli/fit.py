@@ -78,6 +78,13 @@ def command(
         wrote(plot_file)
 
 
+def _lack(found: Fit) -> dict[str, Any] | None:
+    from dataclasses import asdict
+
+    lack = found.lack_of_fit
+    return None if lack is None else {"rejected": lack.rejected, **asdict(lack)}
+
+
 def _announce(plan: FitPlan) -> None:
     """How records are decimated, and the memory that the fit takes if that is much."""
     from torsionnet.cli.memory import announce
@@ -118,6 +125,7 @@ def _as_data(found: Fit, profiles: dict[str, tuple[float, float]], true: Any) ->
         "degrees_of_freedom": found.degrees_of_freedom,
         "aicc": found.aicc,
         "verdicts": list(found.verdicts),
+        "lack_of_fit": _lack(found),
         "notes": list(found.notes),
         "measurements": [
             {

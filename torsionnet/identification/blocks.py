@@ -8,17 +8,21 @@ uncertainties of a fit do.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from copy import copy
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import toeplitz
 from scipy.optimize import nnls
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
+from torsionnet.identification.instrument import instrument_of
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.memory import check_memory
+from torsionnet.identification.noise import Noise, noise_between_lines, noise_between_windows
 from torsionnet.identification.operator import WindowedEstimate, windowed_estimate
 from torsionnet.identification.steps import steps_covariance
 from torsionnet.response import FrequencyResponse
@@ -29,6 +33,8 @@ from torsionnet.signals.estimators import estimate
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import PAPER, Welch
 
+HANN = (1.0, 2 / 3, 1 / 6)
+"""Correlation of neighbouring lines under a Hann window, taken for that of estimates whose window is not known."""
 LOWEST_COHERENCE, HIGHEST_COHERENCE = 1e-3, 1 - 1e-6
 SOURCE_ROUNDS = 5
 
@@ -47,6 +53,11 @@ class Block(ABC):
     @abstractmethod
     def frequencies(self) -> FloatArray:
         """Lines compared, Hz."""
+
+    @property
+    def described(self) -> str:
+        """What is compared, in a few words."""
+        return f"{len(self.frequencies)} lines"
 
     @property
     @abstractmethod
@@ -78,9 +89,34 @@ class Block(ABC):
         size = self.deviations
         return _parts(predicted - self.measured) / size, _parts(slopes) / size[:, None]
 
+    def measured_noise(self, values: FloatArray) -> Noise | None:
+        """What noise there is whether or not the model is right; None where that cannot be told."""
+        residual, _ = self.residuals(values)
+        count = len(self.frequencies)
+        return noise_between_lines(residual[:count] + 1j * residual[count:], self.likeness[:count, :count])
+
+    @property
+    def likeness(self) -> FloatArray:
+        """Correlation of the weighted residuals as far as it is known, else what it can be at most."""
+        return np.eye(2 * len(self.frequencies)) if self.correlation is None else self.correlation
+
+    @abstractmethod
+    def take_measured_noise(self, noise: Noise) -> None:
+        """Weigh by noise as it was found."""
+
     @abstractmethod
     def take_noise(self, other: Block, left: float) -> None:
         """Weigh as another fit of the same measurement does; ``left`` is its reduced chi squared."""
+
+    def varied(self, rig: Drivetrain, measurement: Measurement, parameters: tuple[str, ...]) -> Block:
+        """The same test against another model, or in other parameters."""
+        found, old = copy(self), self.response
+        found.measurement = measurement
+        output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
+        found.response = parametric_response(
+            rig, output, into, old.frequencies, parameters, excitation=measurement.excitation
+        )
+        return found
 
     @property
     def extra(self) -> tuple[str, ...]:
@@ -116,9 +152,14 @@ class RecordBlock(Block):
     kept: NDArray[np.bool_]
     steps: FloatArray
     covariance: FloatArray = field(init=False)
+    sources: tuple[float, float] = field(init=False, default=(0.0, 0.0))
 
     def __post_init__(self) -> None:
         self.covariance = self._part(self.windowed.output_covariance())
+
+    @property
+    def described(self) -> str:
+        return f"{super().described} of {self.windowed.instrument}"
 
     @property
     def frequencies(self) -> FloatArray:
@@ -148,13 +189,24 @@ class RecordBlock(Block):
         return np.asarray(self.steps / np.outer(size, size))
 
     def learn_noise(self, values: FloatArray) -> None:
-        """Take what the model leaves unexplained in the output as noise of the two sensors."""
+        """Take what the model leaves unexplained in the output as noise, of the sensors of output and input."""
         G, _ = self._distorted(values, self.windowed.fine)
         level = self.windowed.unexplained(G)[self.kept]
-        on_output, on_input = two_sources(level, np.abs(self.measured) ** 2)
+        self.sources = on_output, on_input = two_sources(level, np.abs(self.measured) ** 2)
         self.covariance = on_output * self._part(self.windowed.output_covariance())
         if on_input:
             self.covariance = self.covariance + on_input * self._part(self.windowed.input_covariance(G))
+
+    def measured_noise(self, values: FloatArray) -> Noise | None:
+        G, _ = self._distorted(values, self.windowed.fine)
+        supposed = (self.deviations**2).reshape(2, -1).sum(axis=0)
+        independent = len(self.deviations) ** 2 / 2 / float(np.sum(self.correlation**2))
+        between = noise_between_windows(self.windowed, G, self.kept, supposed, independent)
+        return super().measured_noise(values) if between is None else between
+
+    def take_measured_noise(self, noise: Noise) -> None:
+        size = np.sqrt(np.tile(noise.ratio, 2))
+        self.covariance = self.covariance * np.outer(size, size)
 
     def take_noise(self, other: Block, left: float) -> None:
         del left
@@ -206,6 +258,16 @@ class ResponseBlock(Block):
     def deviations(self) -> FloatArray:
         return np.tile(np.sqrt(self.noise), 2)
 
+    @property
+    def likeness(self) -> FloatArray:
+        if self.correlation is not None or self.data.coherence is None:
+            return super().likeness
+        count = len(self.frequencies)
+        return np.asarray(np.kron(np.eye(2), toeplitz(np.pad(HANN, (0, count))[:count])))
+
+    def take_measured_noise(self, noise: Noise) -> None:
+        self.noise = self.noise * noise.ratio
+
     def take_noise(self, other: Block, left: float) -> None:
         assert isinstance(other, ResponseBlock)
         self.noise = other.noise * left
@@ -248,7 +310,15 @@ def make_block(model: Drivetrain, measurement: Measurement, parameters: tuple[st
     settings = measurement.settings or default_settings(data, measurement.band)
     band = measurement.band or _usable_band(data, measurement, settings)
     check_memory(measurement.label, data, settings, band)
-    windowed = windowed_estimate(data, measurement.output, measurement.input, settings, band, measurement.settling)
+    windowed = windowed_estimate(
+        data,
+        measurement.output,
+        measurement.input,
+        settings,
+        band,
+        measurement.settling,
+        instrument_of(rig, measurement, data, settings),
+    )
     kept = _kept(windowed.frequencies, measurement)
     units = tuple(Channel(name, data[name].unit) for name in (measurement.output, measurement.input))
     response = _response(rig, measurement, windowed.fine, parameters, (units[0], units[1]))

@@ -18,11 +18,12 @@ from torsionnet.files.decoding import decode
 from torsionnet.files.located import Document, compose
 from torsionnet.files.placing import placed, presentable
 from torsionnet.identification.blocks import default_settings
+from torsionnet.identification.instrument import set_points
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.unknown import Unknown
 from torsionnet.response import FrequencyResponse
 from torsionnet.signals.decimation import factor_for
-from torsionnet.signals.files import read_recording
+from torsionnet.signals.files import channel_names, read_recording
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import PAPER, Welch
 from torsionnet.units import UnitError
@@ -35,6 +36,7 @@ SETTINGS: dict[str, Spec] = {
     "seconds": Value("length of a segment", "time", exclusive=True),
     "overlap": Value("share of a segment that the next one repeats", "1"),
     "detrend": Text("mean, linear or none"),
+    "estimator": Text("H1, H2 or Hr; by default Hr where there is a set-point, else H1"),
     "decimation": Count("keep every n-th sample; by default as many as the band needs", upper=100_000),
 }
 MEASUREMENT: dict[str, Spec] = {
@@ -48,6 +50,7 @@ MEASUREMENT: dict[str, Spec] = {
     "excitation": Text("what drives the model, if it has several inputs"),
     "delay": Flag("find a delay of the output's channel along"),
     "gain": Flag("find a gain of the output's channel along"),
+    "reference": Text("channel of the set-point; by default the model's input with _set"),
     "settling": Value("time at the start that is left out", "time"),
 }
 NEEDS = {"record": "either record or response"}
@@ -232,10 +235,11 @@ class _Reader:
                 continue
             key = "record" if "record" in raw else "response"
             pulses = self._pulses(raw.get("pulses"), (*path, "pulses"))
-            data = self._data(key, values.pop(key), (values["output"], values["input"]), pulses, path)
+            names = [values[name] for name in ("output", "input", "reference") if name in values]
+            data = self._data(key, values.pop(key), names, pulses, model, path)
             if data is not None:
                 more = {**values, "configuration": configuration, **bands}
-                chosen = self._chosen(settings, data, bands.get("band")) if key == "record" else None
+                chosen = self._chosen(settings, data, bands.get("band")) if isinstance(data, Recording) else None
                 yield Measurement(data, name=str(name), settings=chosen, **more)
 
     def _chosen(self, settings: Welch | None, record: Recording, band: tuple[float, float] | None) -> Welch:
@@ -289,8 +293,14 @@ class _Reader:
         return {str(name): float(steps) for name, steps in raw.items()}
 
     def _data(
-        self, key: str, file: str, names: tuple[str, str], pulses: Mapping[str, float], path: tuple[str, ...]
-    ) -> Any:
+        self,
+        key: str,
+        file: str,
+        names: list[str],
+        pulses: Mapping[str, float],
+        model: Drivetrain | None,
+        path: tuple[str, ...],
+    ) -> FrequencyResponse | Recording | None:
         target = self.folder / file
         if not target.is_file():
             beside = [entry.name for entry in self.folder.iterdir()] if self.folder.is_dir() else []
@@ -300,7 +310,9 @@ class _Reader:
         try:
             if key == "response":
                 return self.read_response(target)
-            return read_recording(target, names=list(dict.fromkeys(names)), pulses=pulses)
+            there = channel_names(target)
+            offered = [name for name in set_points(model) if name in there] if model else []
+            return read_recording(target, names=list(dict.fromkeys([*names, *offered])), pulses=pulses)
         except ModelError as error:
             self.faults += [Fault(f"{file}: {fault.message}", (*path, key)) for fault in error.faults]
         except UsageError as error:

@@ -10,6 +10,9 @@ import numpy as np
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
+from torsionnet.identification.lack_of_fit import LackOfFit
+from torsionnet.identification.lack_words import lacking
+from torsionnet.identification.noise_bias import noise_bias
 from torsionnet.identification.problem import Problem
 from torsionnet.identification.words import verdicts
 from torsionnet.response import Column, Table
@@ -53,7 +56,7 @@ class Fit:
     Attributes
     ----------
     values, standard_errors : mapping of str to float
-        SI; an infinite standard error says that the data do not determine the value.
+        SI; an infinite standard error says that the data do not determine the value, or that the model does not fit.
     correlation : (n, n) array
         In the order of ``values``.
     chi_squared : float
@@ -64,6 +67,8 @@ class Fit:
     verdicts : tuple of str
         Which values can be trusted, in words.
     notes : tuple of str
+    lack_of_fit : LackOfFit, optional
+        What the residuals hold beyond noise; none of a fit that was read from a file.
     """
 
     values: Mapping[str, float]
@@ -76,6 +81,7 @@ class Fit:
     notes: tuple[str, ...] = ()
     units: Mapping[str, str] = field(default_factory=dict)
     title: str = ""
+    lack_of_fit: LackOfFit | None = None
     problem: Problem | None = field(default=None, repr=False)
 
     def intervals(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
@@ -123,7 +129,7 @@ class Fit:
             if true is not None:
                 known = true.get(name)
                 low, high = intervals[name]
-                row += [known, "" if known is None else "yes" if low <= known <= high else "no"]
+                row += [known, "" if known is None or np.isinf(low) else "yes" if low <= known <= high else "no"]
             rows.append(tuple(row))
         return Table(self.title, tuple(columns), tuple(rows), (*self.verdicts, *self.notes))
 
@@ -138,11 +144,12 @@ class Fit:
         return f"<Fit {shown}>"
 
 
-def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str) -> Fit:
+def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str, lack: LackOfFit | None = None) -> Fit:
     """Uncertainties and comparisons at the optimum.
 
     The covariance is that of weighted least squares under correlated noise, A J^T R J A with A = (J^T J)^-1 and the
-    correlation R of the residuals, times the reduced chi squared; what the steps of sensors do comes on top.
+    correlation R of the residuals, times the reduced chi squared; what the steps of sensors do comes on top, and the
+    bias that noise makes. Of a model that does not fit they would be those of wrong values, so they are infinite.
     """
     residuals, slopes = problem.both(values)
     free = problem.effective_count - len(values)
@@ -156,18 +163,21 @@ def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str)
     undetermined = (np.abs(turned[lost]) > np.sqrt(SINGULAR)).any(axis=0)
     errors = np.where(undetermined, np.inf, np.sqrt(np.diag(covariance)))
     correlation = _correlation(inverse, turned[lost])
-    names = problem.names
+    names, moved = problem.names, noise_bias(problem, values)
+    told = verdicts(problem, values, errors, correlation, turned[lost], moved)
+    withheld = np.inf if lack is not None and lack.rejected else 0.0
     return Fit(
         values=dict(zip(names, values.tolist(), strict=True)),
-        standard_errors=dict(zip(names, errors.tolist(), strict=True)),
+        standard_errors=dict(zip(names, (np.hypot(errors, moved) + withheld).tolist(), strict=True)),
         correlation=correlation,
         chi_squared=float(residuals @ residuals),
         degrees_of_freedom=max(int(free), 1),
         comparisons=tuple(_compared(problem, number, values) for number in range(len(problem.blocks))),
-        verdicts=verdicts(problem, values, errors, correlation, turned[lost]),
-        notes=_notes(problem, loss, factor),
+        verdicts=(*lacking(lack), *told),
+        notes=_notes(problem, loss, factor, scaled=not withheld),
         units=_units(model, names),
         title=f"Fit of {model.name}",
+        lack_of_fit=lack,
         problem=problem,
     )
 
@@ -199,10 +209,11 @@ def _response_unit(output: str, into: str) -> str:
     return "1" if output == into else f"{output}/({into})" if "*" in into else f"{output}/{into}"
 
 
-def _notes(problem: Problem, loss: str, factor: float) -> tuple[str, ...]:
-    labels = [f"{block.measurement.label} ({len(block.frequencies)} lines)" for block in problem.blocks]
+def _notes(problem: Problem, loss: str, factor: float, *, scaled: bool) -> tuple[str, ...]:
+    labels = [f"{block.measurement.label} ({block.described})" for block in problem.blocks]
+    by = ", by which the errors are scaled" if scaled else ""
     robust = "" if loss == "linear" else f", robust loss {loss}"
-    return (f"from {', '.join(labels)}{robust}; reduced chi squared {factor:.3g}, by which the errors are scaled",)
+    return (f"from {', '.join(labels)}{robust}; reduced chi squared {factor:.3g}{by}",)
 
 
 def _units(model: Drivetrain, names: tuple[str, ...]) -> dict[str, str]:

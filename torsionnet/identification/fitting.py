@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
@@ -12,7 +12,9 @@ from scipy.optimize import least_squares
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import SolveError, UsageError, did_you_mean
+from torsionnet.identification.explaining import explanations, too_coarse
 from torsionnet.identification.fit import Fit, make_fit
+from torsionnet.identification.lack_of_fit import LackOfFit, misfits
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.problem import Problem, make_problem
 from torsionnet.identification.unknown import Unknown, read_unknowns
@@ -111,7 +113,25 @@ def identify(
     if not best.converged or not np.isfinite(best.cost):
         msg = f"the fit does not converge: {best.message}; try other start values, bounds, or starts=10"
         raise SolveError(msg)
-    return make_fit(model, problem, best.x, loss)
+    return _judged(model, problem, best, loss)
+
+
+def _judged(model: Drivetrain, problem: Problem, best: Solution, loss: Loss) -> Fit:
+    """The fit; of a model that does not, by the noise there is instead of the misfit, with what would explain it."""
+    lack = LackOfFit(misfits(problem, best.x))
+    if not lack.rejected:
+        return make_fit(model, problem, best.x, loss, lack)
+    problem.take_measured_noise(best.x)
+    best = _solved(problem, best.x, loss)
+
+    def solve(tried: Problem, start: FloatArray) -> FloatArray:
+        return _solved(tried, start, loss).x
+
+    def errors(tried: Problem, values: FloatArray) -> Mapping[str, float]:
+        return make_fit(model, tried, values, loss).standard_errors
+
+    found = explanations(problem, best.x, solve, errors)
+    return make_fit(model, problem, best.x, loss, replace(lack, explanations=found, doubts=too_coarse(problem)))
 
 
 def _moved(before: FloatArray, after: FloatArray) -> float:
@@ -191,4 +211,5 @@ def refit_with_noise_of(other: Fit, model: Drivetrain, fit: Fit) -> Fit:
         block.take_noise(theirs, left)
     fit.problem.forget()
     solution = _solved(fit.problem, np.array(list(fit.values.values())), "linear")
-    return make_fit(model, fit.problem, solution.x, "linear")
+    lack = LackOfFit(misfits(fit.problem, solution.x))
+    return make_fit(model, fit.problem, solution.x, "linear", lack)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +74,14 @@ class Problem:
                 block.learn_noise(values[place])
         self.forget()
 
+    def take_measured_noise(self, values: FloatArray) -> None:
+        """Let measurements take the noise there is, whatever the model leaves."""
+        for block, place in zip(self.blocks, self.places, strict=True):
+            noise = block.measured_noise(values[place])
+            if noise is not None:
+                block.take_measured_noise(noise)
+        self.forget()
+
     @property
     def has_records(self) -> bool:
         return any(isinstance(block, RecordBlock) for block in self.blocks)
@@ -100,6 +109,12 @@ class Problem:
                 total += part @ shared @ part.T
             start += count
         return total
+
+    @property
+    def spans(self) -> tuple[slice, ...]:
+        """Where the residuals of every block stand."""
+        ends = np.cumsum([0, *(len(block.deviations) for block in self.blocks)]).tolist()
+        return tuple(slice(begin, end) for begin, end in pairwise(ends))
 
     @property
     def effective_count(self) -> float:
@@ -135,7 +150,16 @@ def make_problem(
         twice = sorted({label for label in labels if labels.count(label) > 1})
         msg = f"several measurements are called {', '.join(twice)}; give them names"
         raise UsageError(msg)
-    blocks = [make_block(model, measurement, tuple(unknowns), form) for measurement in measurements]
+    return laid_out(model, [make_block(model, one, tuple(unknowns), form) for one in measurements], unknowns)
+
+
+def laid_out(
+    model: Drivetrain,
+    blocks: Sequence[Block],
+    unknowns: Mapping[str, Unknown],
+    known: Mapping[str, float] | None = None,
+) -> Problem:
+    """One vector for blocks and unknowns, beginning at values that are ``known`` by the names of its entries."""
     entries: dict[str, tuple[float, tuple[float, float]]] = {}
     priors: dict[str, tuple[float, float]] = {}
     places: list[list[str]] = []
@@ -153,6 +177,7 @@ def make_problem(
             mine.append(entry)
             entries[entry] = EXTRAS[extra][:2]
         places.append(mine)
+    entries |= {entry: (value, entries[entry][1]) for entry, value in (known or {}).items() if entry in entries}
     order = {entry: index for index, entry in enumerate(entries)}
     limits = np.array([bounds for _, bounds in entries.values()])
     return Problem(

@@ -8,6 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.identification.noise_bias import biased
 from torsionnet.identification.problem import Problem
 
 ALIKE = 0.95
@@ -19,7 +20,12 @@ AT_BOUND = 1e-6
 
 
 def verdicts(
-    problem: Problem, values: FloatArray, errors: FloatArray, correlation: FloatArray, lost: FloatArray
+    problem: Problem,
+    values: FloatArray,
+    errors: FloatArray,
+    correlation: FloatArray,
+    lost: FloatArray,
+    moved: FloatArray,
 ) -> tuple[str, ...]:
     """Everything a reader of the values should know."""
     return (
@@ -28,6 +34,7 @@ def verdicts(
         *_vague(problem, values, errors),
         *_bounds(problem, values),
         *_odd(problem, values),
+        *biased(problem, values, errors, moved),
     )
 
 
