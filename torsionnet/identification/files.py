@@ -57,6 +57,8 @@ NEEDS = {"record": "either record or response"}
 BANDS = ("band", "excluded")
 LISTED = (*BANDS, "pulses")
 """Entries of a measurement that are more than one value."""
+RANGES = ("band", "from", "to", "start", "stop", "low", "high", "frequencies")
+"""What a range of frequencies may be looked for as; it belongs to a measurement."""
 PARAMETER = ("start", "bounds", "prior", "per_configuration")
 ReadResponse = Callable[[Path], FrequencyResponse]
 _HERTZ = Value("frequency", "frequency")
@@ -211,9 +213,16 @@ class _Reader:
                 except FieldError as error:
                     self.faults.append(error.fault.under(*path, key))
             elif key not in LISTED or path[0] != "measurements":
-                known = [*specs, *(LISTED if path[0] == "measurements" else ())]
-                self.faults.append(unknown_key(key, known, (*path, key), f"known: {', '.join(known)}"))
+                self.faults.append(self._unknown(key, specs, path))
         return values
+
+    def _unknown(self, key: Any, specs: Mapping[str, Spec], path: tuple[str, ...]) -> Fault:
+        known = [*specs, *(LISTED if path[0] == "measurements" else ())]
+        found = unknown_key(key, known, (*path, key), f"known: {', '.join(known)}")
+        if path[0] != "settings" or key not in RANGES:
+            return found
+        where = "frequencies are chosen in each measurement, as band: [0.5 Hz, 20 Hz]"
+        return replace(found, message=f'unknown key "{key}"; {where}')
 
     def _measurements(self, model: Drivetrain | None, settings: Welch | None) -> Iterator[Measurement]:
         for name, raw in self._table("measurements").items():

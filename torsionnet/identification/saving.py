@@ -112,7 +112,7 @@ def _compared(entry: dict[str, Any]) -> Compared:
 
 
 def _float(value: Any) -> float:
-    return {".inf": math.inf, ".nan": math.nan}.get(value, math.nan) if isinstance(value, str) else float(value)
+    return float(value.removeprefix(".")) if isinstance(value, str) else float(value)
 
 
 def _array(values: Any) -> Any:
