@@ -215,7 +215,9 @@ def test_steps_of_an_encoder_widen_the_errors():
     assert 0.6 * scatter < error < 1.7 * scatter
     problem = fits[0].problem
     backward = np.eye(2 * len(fits[0].comparisons[0].frequencies))
-    assert np.trace(problem.under_steps(backward)) > 0.02 * np.trace(problem.under_noise(backward))
+    assert np.trace(problem.under_shared(backward, np.array(list(fits[0].values.values())))) > 0.02 * np.trace(
+        problem.under_noise(backward)
+    )
 
 
 # What a fit says about itself

@@ -1,6 +1,6 @@
 """Residuals of one measurement, weighted, with exact derivatives.
 
-Complex lines become real vectors [Re, Im], divided by what noise alone would do to them. Lines next to each other share
+Lines become real vectors, divided by what noise alone would do to them. Lines next to each other share
 noise, since windows smear it: weights do not use that (the noise of an encoder is not quite what theory says), but the
 uncertainties of a fit do.
 """
@@ -13,12 +13,23 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
+from scipy.sparse import csr_array
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
+from torsionnet.identification.forms import Form, apart, of_covariance, of_errors, parts
+from torsionnet.identification.line_noise import (
+    USUAL_OVERLAP,
+    USUAL_WINDOW,
+    averaging_of,
+    line_correlation,
+    line_noise,
+)
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.operator import WindowedEstimate, windowed_estimate
+from torsionnet.identification.remembered import remembered_estimate
+from torsionnet.identification.smoothing import UNCERTAIN, Smoothing, smoothing
 from torsionnet.identification.steps import steps_covariance
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.frequency_response import Channel
@@ -27,7 +38,6 @@ from torsionnet.signals.estimators import estimate
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import PAPER, Welch
 
-LOWEST_COHERENCE, HIGHEST_COHERENCE = 1e-3, 1 - 1e-6
 SOURCE_ROUNDS = 5
 FAST = 1000.0
 """Hz; records above are decimated unless the settings say otherwise."""
@@ -42,6 +52,12 @@ class Block(ABC):
 
     measurement: Measurement
     response: ParametricResponse
+    form: Form = field(default="complex", kw_only=True)
+
+    @property
+    def count(self) -> int:
+        """Number of residuals."""
+        return len(self.frequencies) * (1 if self.form == "magnitude" else 2)
 
     @property
     @abstractmethod
@@ -63,20 +79,40 @@ class Block(ABC):
         """Standard deviation of real and imaginary parts that noise alone makes, (2 n_b,)."""
 
     @property
-    def correlation(self) -> FloatArray | None:
-        """Of the weighted residuals, (2 n_b, 2 n_b); None where they are independent."""
-        return None
+    @abstractmethod
+    def sizes(self) -> FloatArray:
+        """The same of the residuals before they are weighted, (count,)."""
 
     @property
-    def shared(self) -> FloatArray | None:
-        """Covariance of the weighted residuals (2 n_b, 2 n_b) beyond noise, in no weight; None if there is none."""
+    def correlation(self) -> FloatArray | None:
+        """Of the weighted residuals, (count, count); None where they are independent."""
         return None
 
+    def under_noise(self, backward: FloatArray) -> FloatArray:
+        """Covariance of backward (n, count) @ residuals by noise."""
+        correlation = self.correlation
+        return np.asarray(backward @ (backward.T if correlation is None else correlation @ backward.T))
+
+    @property
+    def squares(self) -> float:
+        """Sum of the squared correlations of all pairs of residuals."""
+        return float(self.count if self.correlation is None else np.sum(self.correlation**2))
+
+    def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
+        """Covariance of backward (n, count) @ residuals by errors beyond noise that all lines share."""
+        del values
+        return np.zeros((len(backward), len(backward)))
+
     def residuals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Weighted model minus test (2 n_b,), and derivatives (2 n_b, n)."""
-        predicted, slopes = self.predicted(values)
-        size = self.deviations
-        return _parts(predicted - self.measured) / size, _parts(slopes) / size[:, None]
+        """Weighted model against test (count,), and derivatives (count, n)."""
+        residuals, slopes = apart(self.form, *self.predicted(values), self.measured)
+        size = self.sizes
+        return residuals / size, slopes / size[:, None]
+
+    @property
+    def remark(self) -> str:
+        """What was assumed of the measurement, for the notes of a fit."""
+        return ""
 
     @abstractmethod
     def take_noise(self, other: Block, left: float) -> None:
@@ -104,10 +140,6 @@ class Block(ABC):
         return np.asarray(G * channel), np.concatenate(columns, axis=1)
 
 
-def _parts(values: ComplexArray | FloatArray) -> FloatArray:
-    return np.concatenate([values.real, values.imag])
-
-
 @dataclass(eq=False)
 class RecordBlock(Block):
     """A record, by the same-estimator route."""
@@ -115,6 +147,7 @@ class RecordBlock(Block):
     windowed: WindowedEstimate
     kept: NDArray[np.bool_]
     steps: FloatArray
+    given: ComplexArray | None = field(default=None, kw_only=True)
     covariance: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
@@ -126,7 +159,7 @@ class RecordBlock(Block):
 
     @property
     def measured(self) -> ComplexArray:
-        return np.asarray(self.windowed.measured[self.kept])
+        return np.asarray(self.windowed.measured[self.kept]) if self.given is None else self.given
 
     def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
         G, slopes = self._distorted(values, self.windowed.fine)
@@ -138,14 +171,18 @@ class RecordBlock(Block):
         return np.asarray(np.sqrt(np.diag(self.covariance)))
 
     @property
-    def correlation(self) -> FloatArray:
-        size = self.deviations
-        return np.asarray(self.covariance / np.outer(size, size))
+    def sizes(self) -> FloatArray:
+        return np.asarray(np.sqrt(np.diag(of_covariance(self.form, self.covariance, self.measured))))
 
     @property
-    def shared(self) -> FloatArray | None:
-        size = self.deviations
-        return np.asarray(self.steps / np.outer(size, size))
+    def correlation(self) -> FloatArray:
+        size = self.sizes
+        return np.asarray(of_covariance(self.form, self.covariance, self.measured) / np.outer(size, size))
+
+    def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
+        del values
+        weighted = backward / self.sizes
+        return np.asarray(weighted @ of_covariance(self.form, self.steps, self.measured) @ weighted.T)
 
     def learn_noise(self, values: FloatArray) -> None:
         """Take what the model leaves unexplained in the output as noise of the two sensors."""
@@ -170,18 +207,14 @@ class RecordBlock(Block):
 
 @dataclass(eq=False)
 class ResponseBlock(Block):
-    """An estimated response; its lines count as independent."""
+    """A response without its record. Windows are taken to act on the model as they do under a stationary input."""
 
     data: FrequencyResponse
-    form: str
+    smoothing: Smoothing | None = None
     noise: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
-        size = self.data.magnitude[:, 0, 0]
-        self.noise = size**2
-        if self.data.coherence is not None:
-            coherence = np.clip(self.data.coherence[:, 0, 0], LOWEST_COHERENCE, HIGHEST_COHERENCE)
-            self.noise = size**2 * (1 - coherence) / (2 * coherence)
+        self.noise = line_noise(self.data, self.measurement.error)
 
     @property
     def frequencies(self) -> FloatArray:
@@ -191,20 +224,70 @@ class ResponseBlock(Block):
     def measured(self) -> ComplexArray:
         return np.asarray(self.data.values[:, 0, 0])
 
-    def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        return self._distorted(values, self.frequencies)
+    @property
+    def fine(self) -> FloatArray:
+        """Frequencies at which the model is asked, Hz."""
+        return self.frequencies if self.smoothing is None else self.smoothing.fine
 
-    def residuals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        if self.form == "complex":
-            return super().residuals(values)
-        predicted, slopes = self.predicted(values)
-        ratio, relative = np.log(predicted / self.measured), slopes / predicted[:, None]
-        size = np.sqrt(self.noise) / np.abs(self.measured)
-        return _parts(ratio / size), _parts(relative / size[:, None])
+    def curve(self, values: FloatArray) -> ComplexArray:
+        """The model there, before windows act on it."""
+        return self._distorted(values, self.fine)[0]
+
+    def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        exact = self._distorted(values, self.fine)
+        return exact if self.smoothing is None else self.smoothing.smoothed(*exact)
 
     @property
     def deviations(self) -> FloatArray:
         return np.tile(np.sqrt(self.noise), 2)
+
+    @property
+    def sizes(self) -> FloatArray:
+        size = np.sqrt(self.noise) / (1.0 if self.form == "complex" else np.abs(self.measured))
+        return size if self.form == "magnitude" else np.tile(size, 2)
+
+    def under_noise(self, backward: FloatArray) -> FloatArray:
+        lines = self._line_correlation
+        if lines is None:
+            return super().under_noise(backward)
+        parts_of = np.split(backward, self.count // len(self.frequencies), axis=1)
+        return np.asarray(sum(part @ (lines @ part.T) for part in parts_of))
+
+    @property
+    def squares(self) -> float:
+        lines = self._line_correlation
+        return self.count if lines is None else self.count / len(self.frequencies) * float((lines**2).sum())
+
+    @property
+    def _line_correlation(self) -> csr_array | None:
+        """Of lines, the same for real and imaginary parts."""
+        averaged = averaging_of(self.data) if self.measurement.error is None else self.data.estimation
+        return None if averaged is None else line_correlation(self.frequencies, averaged)
+
+    def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
+        if self.smoothing is None or self.smoothing.exact:
+            return super().under_shared(backward, values)
+        plain = self.curve(values)[self.smoothing.own]
+        doubtful = parts(UNCERTAIN * (self.predicted(values)[0] - plain))[:, None]
+        moved = backward @ (of_errors(self.form, doubtful, self.measured) / self.sizes[:, None])
+        return np.asarray(moved @ moved.T)
+
+    @property
+    def remark(self) -> str:
+        found = []
+        if not self.data.has_phase:
+            found.append("has no phase, so magnitudes are compared")
+        if self.measurement.error is None and self.data.estimation is None and self._line_correlation is not None:
+            usual = f"a {USUAL_WINDOW} window with {100 * USUAL_OVERLAP:.0f} % overlap"
+            found.append(f"has a coherence but does not say how it was averaged: neighbours are related as by {usual}")
+        if self.smoothing is not None and self.data.estimation is not None and self._cut:
+            found.append(f"is used from {self._cut:.3g} Hz, as a sweep passed what is below within the first window")
+        return f"{self.measurement.label} {'; '.join(found)}" if found else ""
+
+    @property
+    def _cut(self) -> float:
+        """From where lines are used because the sweep hurried through those below; 0 if that cut nothing off."""
+        return 0.0 if self.measurement.band else _settled(self.data)
 
     def take_noise(self, other: Block, left: float) -> None:
         assert isinstance(other, ResponseBlock)
@@ -231,7 +314,7 @@ def two_sources(level: FloatArray, gain: FloatArray) -> tuple[float, float]:
     return max(float(shares[0]), tiny if not shares.any() else 0.0), float(shares[1])
 
 
-def make_block(model: Drivetrain, measurement: Measurement, parameters: tuple[str, ...], form: str) -> Block:
+def make_block(model: Drivetrain, measurement: Measurement, parameters: tuple[str, ...], form: Form) -> Block:
     """The block of one measurement.
 
     Raises
@@ -241,19 +324,28 @@ def make_block(model: Drivetrain, measurement: Measurement, parameters: tuple[st
     """
     rig = model.configured(measurement.configuration) if measurement.configuration else model
     data = measurement.data
-    if isinstance(data, FrequencyResponse):
-        chosen = _chosen_lines(data.select(measurement.output, measurement.input), measurement)
-        response = _response(rig, measurement, chosen.frequencies, parameters, (chosen.outputs[0], chosen.inputs[0]))
-        return ResponseBlock(measurement, response, chosen, form)
-    settings = measurement.settings or default_settings(data)
-    band = measurement.band or _usable_band(data, measurement, settings)
-    windowed = windowed_estimate(data, measurement.output, measurement.input, settings, band, measurement.settling)
-    kept = _kept(windowed.frequencies, measurement)
-    units = tuple(Channel(name, data[name].unit) for name in (measurement.output, measurement.input))
-    response = _response(rig, measurement, windowed.fine, parameters, (units[0], units[1]))
-    rows = windowed.rows[kept]
-    steps = steps_covariance(data, measurement.output, measurement.input, windowed.record, rows)
-    return RecordBlock(measurement, response, windowed, kept, steps)
+    if isinstance(data, Recording):
+        settings = measurement.settings or default_settings(data)
+        band = measurement.band or _usable_band(data, measurement, settings)
+        windowed = windowed_estimate(data, measurement.output, measurement.input, settings, band, measurement.settling)
+        kept = _kept(windowed.frequencies, measurement)
+        units = tuple(Channel(name, data[name].unit) for name in (measurement.output, measurement.input))
+        response = _response(rig, measurement, windowed.fine, parameters, (units[0], units[1]))
+        rows = windowed.rows[kept]
+        steps = steps_covariance(data, measurement.output, measurement.input, windowed.record, rows)
+        return RecordBlock(measurement, response, windowed, kept, steps, form=form)
+    chosen = _chosen_lines(data.select(measurement.output, measurement.input), measurement)
+    form = form if chosen.has_phase else "magnitude"
+    ends = chosen.outputs[0], chosen.inputs[0]
+    remembered = remembered_estimate(chosen) if measurement.error is None else None
+    if remembered is not None:
+        windowed, kept, steps = remembered
+        response = _response(rig, measurement, windowed.fine, parameters, ends)
+        given = np.asarray(chosen.values[:, 0, 0])
+        return RecordBlock(measurement, response, windowed, kept, steps, form=form, given=given)
+    smooth = smoothing(chosen.frequencies, chosen.estimation) if chosen.estimation else None
+    response = _response(rig, measurement, smooth.fine if smooth else chosen.frequencies, parameters, ends)
+    return ResponseBlock(measurement, response, chosen, smooth, form=form)
 
 
 def default_settings(record: Recording) -> Welch:
@@ -269,17 +361,19 @@ def _usable_band(data: Recording, measurement: Measurement, settings: Welch) -> 
 
 
 def _chosen_lines(data: FrequencyResponse, measurement: Measurement) -> FrequencyResponse:
-    from dataclasses import replace
-
-    low, high = measurement.band or (0.0, data.usable_up_to or np.inf)
+    low, high = measurement.band or (_settled(data), data.usable_up_to or np.inf)
     inside = (data.frequencies >= low) & (data.frequencies <= high) & (data.frequencies > 0)
     kept = inside & np.isfinite(data.values[:, 0, 0]) & (data.values[:, 0, 0] != 0)
     for start, stop in measurement.excluded:
         kept &= (data.frequencies < start) | (data.frequencies > stop)
     if not kept.any():
         raise UsageError(_empty(data.frequencies, measurement))
-    coherence = None if data.coherence is None else data.coherence[kept]
-    return replace(data, frequencies=data.frequencies[kept], values=data.values[kept], coherence=coherence)
+    return data.at_lines(kept)
+
+
+def _settled(data: FrequencyResponse) -> float:
+    """From where lines of a sweep are smoothed by whole windows; with the record at hand that does not matter."""
+    return data.estimation.settled_from if data.estimation and data.estimation.record is None else 0.0
 
 
 def _kept(frequencies: FloatArray, measurement: Measurement) -> NDArray[np.bool_]:

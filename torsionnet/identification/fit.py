@@ -10,11 +10,16 @@ import numpy as np
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
+from torsionnet.identification.limits import at_limits
+from torsionnet.identification.natures import nature
 from torsionnet.identification.problem import Problem
+from torsionnet.identification.search import variance
 from torsionnet.identification.words import verdicts
 from torsionnet.response import Column, Table
+from torsionnet.signals.recording import Recording
 
 SINGULAR = 1e-9
+EXTRA_UNITS = {"delay": "s", "gain": ""}
 HEAVY = 1e12
 """Variance of what is not determined at all, over that of what is."""
 
@@ -35,6 +40,8 @@ class Compared:
     misfit : float
         RMS of the weighted residuals: 1 where the model explains all but noise.
     unit : str
+    has_phase : bool
+        Whether the test has; else its values are magnitudes.
     """
 
     name: str
@@ -44,6 +51,7 @@ class Compared:
     deviation: FloatArray
     misfit: float
     unit: str
+    has_phase: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +85,7 @@ class Fit:
     units: Mapping[str, str] = field(default_factory=dict)
     title: str = ""
     problem: Problem | None = field(default=None, repr=False)
+    loss: str = "linear"
 
     def intervals(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
         """Confidence intervals from the standard errors, with Student's distribution."""
@@ -138,20 +147,23 @@ class Fit:
         return f"<Fit {shown}>"
 
 
-def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str) -> Fit:
-    """Uncertainties and comparisons at the optimum.
+def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str, scale: float = 1.0) -> Fit:
+    """Uncertainties and comparisons at the optimum, which a robust loss found with residuals of this scale.
 
     The covariance is that of weighted least squares under correlated noise, A J^T R J A with A = (J^T J)^-1 and the
     correlation R of the residuals, times the reduced chi squared; what the steps of sensors do comes on top.
     """
+    plain_names = {name: name.partition("[")[0] for name in problem.names}
+    natures = {plain: nature(model, plain) for plain in plain_names.values()}
+    values, limits = at_limits(problem, values, natures)
     residuals, slopes = problem.both(values)
     free = problem.effective_count - len(values)
-    factor = float(residuals @ residuals) / max(len(residuals) - len(values), 1)
+    factor = variance(residuals, len(values), loss, scale)
     scale = 1 / np.linalg.norm(slopes, axis=0)
     left, sizes, turned = np.linalg.svd(slopes * scale, full_matrices=False)
     lost = sizes < SINGULAR * sizes[0]
     backward = (turned.T / np.where(lost, np.inf, sizes)) @ left.T
-    inverse = problem.under_noise(backward) + problem.under_steps(backward) / max(factor, np.finfo(float).tiny)
+    inverse = problem.under_noise(backward) + problem.under_shared(backward, values) / max(factor, np.finfo(float).tiny)
     covariance = factor * inverse * np.outer(scale, scale)
     undetermined = (np.abs(turned[lost]) > np.sqrt(SINGULAR)).any(axis=0)
     errors = np.where(undetermined, np.inf, np.sqrt(np.diag(covariance)))
@@ -164,11 +176,12 @@ def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str)
         chi_squared=float(residuals @ residuals),
         degrees_of_freedom=max(int(free), 1),
         comparisons=tuple(_compared(problem, number, values) for number in range(len(problem.blocks))),
-        verdicts=verdicts(problem, values, errors, correlation, turned[lost]),
+        verdicts=(*limits.values(), *verdicts(problem, values, errors, correlation, turned[lost], limits)),
         notes=_notes(problem, loss, factor),
-        units=_units(model, names),
+        units={name: EXTRA_UNITS.get(plain, natures[plain].unit) for name, plain in plain_names.items()},
         title=f"Fit of {model.name}",
         problem=problem,
+        loss=loss,
     )
 
 
@@ -192,6 +205,7 @@ def _compared(problem: Problem, number: int, values: FloatArray) -> Compared:
         deviation=np.hypot(size[:count], size[count:]) / np.sqrt(2),
         misfit=float(np.sqrt(np.mean(residual**2))),
         unit=_response_unit(block.response.question.outputs[0].unit, block.response.question.measured[0].unit),
+        has_phase=isinstance(block.measurement.data, Recording) or block.measurement.data.has_phase,
     )
 
 
@@ -202,16 +216,5 @@ def _response_unit(output: str, into: str) -> str:
 def _notes(problem: Problem, loss: str, factor: float) -> tuple[str, ...]:
     labels = [f"{block.measurement.label} ({len(block.frequencies)} lines)" for block in problem.blocks]
     robust = "" if loss == "linear" else f", robust loss {loss}"
-    return (f"from {', '.join(labels)}{robust}; reduced chi squared {factor:.3g}, by which the errors are scaled",)
-
-
-def _units(model: Drivetrain, names: tuple[str, ...]) -> dict[str, str]:
-    from torsionnet.parameters import dimensions
-
-    known, _ = dimensions(model.parameter_definitions)
-    found = {}
-    for name in names:
-        plain = name.partition("[")[0]
-        dimension = known.get(plain)
-        found[name] = {"delay": "s", "gain": "1"}.get(plain, str(dimension) if dimension else "")
-    return found
+    first = f"from {', '.join(labels)}{robust}; reduced chi squared {factor:.3g}, by which the errors are scaled"
+    return (first, *filter(None, (block.remark for block in problem.blocks)))

@@ -10,9 +10,12 @@ import numpy as np
 
 from torsionnet.errors import UsageError, did_you_mean
 from torsionnet.response import FrequencyResponse
+from torsionnet.response.estimation import Estimation
 from torsionnet.signals import transfer_matrices
 from torsionnet.signals.advice import remarks
 from torsionnet.signals.blocks import Recordings
+from torsionnet.signals.decimation import decimate
+from torsionnet.signals.origin import averaging, remembering
 from torsionnet.signals.recording import FloatArray, Recording
 from torsionnet.signals.resolution import Watch, limited
 from torsionnet.signals.spectra import cross_spectra
@@ -66,7 +69,7 @@ def estimate(
     """
     outputs, inputs = _listed(output), _listed(input)
     watch = Watch(outputs, inputs[0], (settings or Welch()).seconds) if inputs else None
-    spectra = _spectra(measured, (*outputs, *inputs), settings, watch)
+    spectra, records = _spectra(measured, (*outputs, *inputs), settings, watch)
     chosen = _check(estimator or spectra.settings.estimator, outputs, inputs, noise_ratio)
     s_xx, s_xy = spectra.between(inputs, inputs), spectra.between(inputs, outputs)
     s_yy = spectra.between(outputs, outputs)
@@ -78,6 +81,7 @@ def estimate(
         title=spectra.title,
         coherence=transfer_matrices.ordinary_coherence(s_xx, s_xy, s_yy),
         notes=(*spectra.notes, _provenance(chosen, spectra, noise_ratio)),
+        estimation=_origin(chosen, spectra, outputs, inputs, records),
     )
     response = limited(response, watch, spectra.settings.decimation) if watch else response
     found = remarks(response, 1 / spectra.settings.seconds, judge_coherence=len(inputs) == 1)
@@ -98,15 +102,33 @@ def _listed(names: Names) -> tuple[str, ...]:
 
 def _spectra(
     measured: Recordings | CrossSpectra, names: tuple[str, ...], settings: Welch | None, watch: Watch | None
-) -> CrossSpectra:
+) -> tuple[CrossSpectra, tuple[Recording, Recording] | None]:
+    """Spectra, and of a record that is in memory as a whole what they were made of, before and after decimation."""
+    wanted, used = dict.fromkeys(names), settings or Welch()
+    if isinstance(measured, Recording):
+        fine = measured.select(wanted)
+        for _ in watch.passing([fine]) if watch else ():
+            pass
+        coarse = decimate(fine, used.decimation) if used.decimation > 1 else fine
+        return replace(cross_spectra(coarse, replace(used, decimation=1)), settings=used), (fine, coarse)
     if not isinstance(measured, CrossSpectra):
-        blocks = (measured,) if isinstance(measured, Recording) else measured
-        chosen = (block.select(dict.fromkeys(names)) for block in blocks)
-        return cross_spectra(watch.passing(chosen) if watch else chosen, settings)
+        chosen = (block.select(wanted) for block in measured)
+        return cross_spectra(watch.passing(chosen) if watch else chosen, used), None
     if settings is not None:
         msg = "spectra are averaged already; settings can only be given for a recording"
         raise UsageError(msg)
-    return measured
+    return measured, None
+
+
+def _origin(
+    estimator: str,
+    spectra: CrossSpectra,
+    outputs: tuple[str, ...],
+    inputs: tuple[str, ...],
+    records: tuple[Recording, Recording] | None,
+) -> Estimation:
+    found = averaging(estimator, spectra)
+    return remembering(found, outputs, inputs[0], *records) if records and len(inputs) == 1 else found
 
 
 def _check(estimator: str, outputs: Sequence[str], inputs: Sequence[str], noise_ratio: float | None) -> str:

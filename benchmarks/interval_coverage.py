@@ -1,0 +1,143 @@
+"""How often 95 % intervals hold the truth: fits of the source paper's rigs from virtual tests of many seeds.
+
+python benchmarks/interval_coverage.py [SEEDS] [PATTERN]    # 60 seeds of all cases, or of those whose name has PATTERN
+
+Fits are made from records, from responses estimated of them, and from such responses as a file would give them back,
+without the record. A quarter of an hour on two cores.
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # one process per core
+
+import sys
+import time
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass, replace
+from functools import cache
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+import torsionnet as tn
+from torsionnet.bench import Acquisition, Encoder, Exciter, Plan, Transducer
+from torsionnet.signals import LinearChirp, Welch, estimate
+
+SEEDS, AT_ONCE = 60, 5
+TRUE = {"c_2": 4.0, "c_O": 170.0, "c_B": 1.5}
+WRONG = {"c_2": 6.0, "c_O": 120.0, "c_B": 2.5}
+RIGS: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
+    "DMF": ("dmf_rig", ("",), ("c_2",)),
+    "AMT II-IV": ("amt_rig", ("II", "III", "IV"), ("c_O", "c_B")),
+}
+QUIET = Transducer(range="230 N*m", noise="0.23 N*m")
+NOISY = Transducer(range="230 N*m", noise="3 N*m")
+FINE = Encoder(lines=1024, quadrature=True)
+SENSORS: dict[str, dict[str, Any]] = {
+    "encoder, 4096 steps": {"T_T": QUIET, "theta_1": FINE},
+    "encoder, 1024 steps": {"T_T": QUIET, "theta_1": Encoder(lines=1024)},
+    "angle, 0.1 deg noise": {"T_T": QUIET, "theta_1": Transducer(range="20 deg", noise="0.1 deg")},
+    "meter, 3 N m noise": {"T_T": NOISY, "theta_1": FINE},
+}
+WINDOWS = {
+    "Hamming 2 s": Welch("hamming", 2.0, 0.8, decimation=10),
+    "Hann 8 s": Welch("hann", 8.0, 0.8, decimation=10),
+}
+ROUTES = ("record", "response", "file")
+CHIRP = LinearChirp(start=0.2, stop=40, duration=60, amplitude=15)
+EXCITER = Exciter(bandwidth="60 Hz", harmonics={2: "2 %", 3: "1.3 %"}, limit="110 N*m", bits=13, full_scale="110 N*m")
+ACQUISITION = Acquisition(rate="1 kHz", bits=16)
+WAYS = tuple(product(WINDOWS, ROUTES))
+
+
+@dataclass(frozen=True)
+class Case:
+    """A rig with its sensors."""
+
+    rig: str
+    sensors: str
+
+    def __str__(self) -> str:
+        return f"{self.rig}, {self.sensors}"
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        return RIGS[self.rig][2]
+
+
+@cache
+def benches(case: Case) -> dict[str, Any]:
+    """By configuration; each keeps what it calculated without noise, for all seeds."""
+    file, configurations, _ = RIGS[case.rig]
+    plan = Plan(drive="T_M", excitation=CHIRP, exciter=EXCITER, channels=SENSORS[case.sensors], acquisition=ACQUISITION)
+    return {name: tn.Bench(tn.load(file).configured(name), plan) for name in configurations}
+
+
+def measured(record: Any, configuration: str, settings: Welch, route: str) -> tn.Measurement:
+    """One test as the fit is given it."""
+    if route == "record":
+        return tn.Measurement(record, "theta_1", "T_T", configuration, settings=settings)
+    response = estimate(record, "theta_1", "T_T", "H1", settings)
+    if route == "file":
+        response = replace(response, estimation=replace(response.estimation, record=None))
+    return tn.Measurement(response, "theta_1", "T_T", configuration)
+
+
+def fits(case: Case, seed: int) -> list[tuple[list[float], list[float], list[bool]]]:
+    """Values, standard errors and whether intervals hold the truth, for each of ``WAYS``."""
+    records = {name: bench.run(seed) for name, bench in benches(case).items()}
+    model, start, found = tn.load(RIGS[case.rig][0]), {name: WRONG[name] for name in case.parameters}, []
+    for windows, route in WAYS:
+        tests = [measured(record, name, WINDOWS[windows], route) for name, record in records.items()]
+        fit = tn.identify(model, tests, start)
+        ends = fit.intervals()
+        inside = [ends[name][0] <= TRUE[name] <= ends[name][1] for name in case.parameters]
+        found.append(
+            ([fit.values[name] for name in case.parameters], [fit.standard_errors[name] for name in ends], inside)
+        )
+    return found
+
+
+def several(case: Case, seeds: range) -> list[Any]:
+    return [fits(case, seed) for seed in seeds]
+
+
+def rows(case: Case, runs: list[Any]) -> list[tuple[str, str]]:
+    """For each parameter the shares of intervals that hold the truth, and how values and errors scatter."""
+    found = []
+    for column, name in enumerate(case.parameters):
+        shares, details = [], []
+        for way, (windows, route) in enumerate(WAYS):
+            values, errors, inside = (np.array([run[way][part][column] for run in runs]) for part in range(3))
+            scatter = values.std(ddof=1)
+            shares.append(f"{100 * inside.mean():.1f} %")
+            details.append(
+                f"  {windows:11s} {route:8s} bias {100 * (values.mean() / TRUE[name] - 1):+.4f} %, scatter "
+                f"{100 * scatter / TRUE[name]:.4f} %, error over scatter {np.median(errors) / scatter:.2f}"
+            )
+        first = f"| {case.rig} | {name} | {case.sensors} | " + " | ".join(shares) + " |"
+        found.append((first, "\n".join([f"{case}, {name}", *details])))
+    return found
+
+
+def main(seeds: int, pattern: str) -> None:
+    began = time.perf_counter()
+    chosen = [Case(*both) for both in product(RIGS, SENSORS) if pattern in f"{both[0]}, {both[1]}"]
+    parts = [range(first, min(first + AT_ONCE, seeds)) for first in range(0, seeds, AT_ONCE)]
+    details = []
+    print("| rig | parameter | sensors | " + " | ".join(f"{windows}, {route}" for windows, route in WAYS) + " |")
+    print("|" + "---|" * (3 + len(WAYS)))
+    with ProcessPoolExecutor(os.cpu_count()) as pool:
+        waiting = [(case, [pool.submit(several, case, part) for part in parts]) for case in chosen]
+        for case, futures in waiting:
+            for first, second in rows(case, [run for future in futures for run in future.result()]):
+                print(first, flush=True)
+                details.append(second)
+    print("", *details, f"{seeds} seeds, {time.perf_counter() - began:.0f} s", sep="\n")
+
+
+if __name__ == "__main__":
+    main(int(sys.argv[1]) if len(sys.argv) > 1 else SEEDS, sys.argv[2] if len(sys.argv) > 2 else "")
