@@ -12,6 +12,7 @@ from torsionnet.errors import TorsionnetError
 from torsionnet.identification.causes import Cause, causes_of, with_causes
 from torsionnet.identification.lack_of_fit import Explanation, misfits
 from torsionnet.identification.problem import Problem
+from torsionnet.identification.search import Solution
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.resolution import ENOUGH, resolution
 
@@ -24,9 +25,9 @@ SEEN = 1e-6
 ALIKE = 1.5
 """Sums of squares that are left, of causes that explain a misfit about as well."""
 
-Solve = Callable[[Problem, FloatArray], FloatArray]
+Solve = Callable[[Problem, FloatArray], Solution]
 """A local optimum from a start."""
-Errors = Callable[[Problem, FloatArray], Mapping[str, float]]
+Errors = Callable[[Problem, Solution], Mapping[str, float]]
 """Standard errors at an optimum, by name."""
 
 
@@ -65,7 +66,7 @@ class _Tried:
 def _tried(problem: Problem, cause: Cause, start: FloatArray, solve: Solve) -> _Tried | None:
     try:
         with_it = with_causes(problem, [cause], start, instead=True)
-        found = solve(with_it, with_it.start)
+        found = solve(with_it, with_it.start).x
         return _Tried(cause, with_it, found, _squares(with_it, found))
     except (TorsionnetError, np.linalg.LinAlgError):
         return None  # what cannot be calculated explains nothing
@@ -101,7 +102,8 @@ def _scaled(columns: FloatArray) -> FloatArray:
 def _explained(one: _Tried, left: float, solve: Solve, errors: Errors) -> Explanation:
     cause, tried = one.cause, one.problem
     tried.learn_noise(one.values)
-    at = solve(tried, one.values)
+    found = solve(tried, one.values)
+    at = found.x
     outputs = dict.fromkeys(block.measurement.output for block in tried.blocks)
     before = tried.start[tried.names.index(cause.unknown)] if cause.kind == "value" else None
     return Explanation(
@@ -109,7 +111,7 @@ def _explained(one: _Tried, left: float, solve: Solve, errors: Errors) -> Explan
         of=cause.element or (" and ".join(outputs) if cause.is_of_channel else cause.unknown),
         unknown=cause.unknown,
         values=dict(zip(tried.names, at.tolist(), strict=True)),
-        standard_errors=errors(tried, at),
+        standard_errors=errors(tried, found),
         before=None if before is None else float(before),
         complete=not any(one.rejected for one in misfits(tried, at)),
         left=left,

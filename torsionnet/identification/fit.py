@@ -12,12 +12,17 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.identification.lack_of_fit import LackOfFit
 from torsionnet.identification.lack_words import lacking
+from torsionnet.identification.limits import at_limits
+from torsionnet.identification.natures import nature
 from torsionnet.identification.noise_bias import noise_bias
 from torsionnet.identification.problem import Problem
+from torsionnet.identification.search import Solution, variance
 from torsionnet.identification.words import verdicts
 from torsionnet.response import Column, Table
+from torsionnet.signals.recording import Recording
 
 SINGULAR = 1e-9
+EXTRA_UNITS = {"delay": "s", "gain": ""}
 HEAVY = 1e12
 """Variance of what is not determined at all, over that of what is."""
 
@@ -38,6 +43,8 @@ class Compared:
     misfit : float
         RMS of the weighted residuals: 1 where the model explains all but noise.
     unit : str
+    has_phase : bool
+        Whether the test has; else its values are magnitudes.
     """
 
     name: str
@@ -47,6 +54,7 @@ class Compared:
     deviation: FloatArray
     misfit: float
     unit: str
+    has_phase: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +91,7 @@ class Fit:
     title: str = ""
     lack_of_fit: LackOfFit | None = None
     problem: Problem | None = field(default=None, repr=False)
+    loss: str = "linear"
 
     def intervals(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
         """Confidence intervals from the standard errors, with Student's distribution."""
@@ -144,27 +153,30 @@ class Fit:
         return f"<Fit {shown}>"
 
 
-def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str, lack: LackOfFit | None = None) -> Fit:
+def make_fit(model: Drivetrain, problem: Problem, found: Solution, loss: str, lack: LackOfFit | None = None) -> Fit:
     """Uncertainties and comparisons at the optimum.
 
     The covariance is that of weighted least squares under correlated noise, A J^T R J A with A = (J^T J)^-1 and the
     correlation R of the residuals, times the reduced chi squared; what the steps of sensors do comes on top, and the
     bias that noise makes. Of a model that does not fit they would be those of wrong values, so they are infinite.
     """
+    plain_names = {name: name.partition("[")[0] for name in problem.names}
+    natures = {plain: nature(model, plain) for plain in plain_names.values()}
+    values, limits = at_limits(problem, found.x, natures)
     residuals, slopes = problem.both(values)
     free = problem.effective_count - len(values)
-    factor = float(residuals @ residuals) / max(len(residuals) - len(values), 1)
+    factor = variance(residuals, len(values), loss, found.scale)
     scale = 1 / np.linalg.norm(slopes, axis=0)
     left, sizes, turned = np.linalg.svd(slopes * scale, full_matrices=False)
     lost = sizes < SINGULAR * sizes[0]
     backward = (turned.T / np.where(lost, np.inf, sizes)) @ left.T
-    inverse = problem.under_noise(backward) + problem.under_steps(backward) / max(factor, np.finfo(float).tiny)
+    inverse = problem.under_noise(backward) + problem.under_shared(backward, values) / max(factor, np.finfo(float).tiny)
     covariance = factor * inverse * np.outer(scale, scale)
     undetermined = (np.abs(turned[lost]) > np.sqrt(SINGULAR)).any(axis=0)
     errors = np.where(undetermined, np.inf, np.sqrt(np.diag(covariance)))
     correlation = _correlation(inverse, turned[lost])
     names, moved = problem.names, noise_bias(problem, values)
-    told = verdicts(problem, values, errors, correlation, turned[lost], moved)
+    told = verdicts(problem, values, errors, correlation, turned[lost], moved, limits)
     withheld = np.inf if lack is not None and lack.rejected else 0.0
     return Fit(
         values=dict(zip(names, values.tolist(), strict=True)),
@@ -173,12 +185,13 @@ def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str,
         chi_squared=float(residuals @ residuals),
         degrees_of_freedom=max(int(free), 1),
         comparisons=tuple(_compared(problem, number, values) for number in range(len(problem.blocks))),
-        verdicts=(*lacking(lack), *told),
+        verdicts=(*lacking(lack), *limits.values(), *told),
         notes=_notes(problem, loss, factor, scaled=not withheld),
-        units=_units(model, names),
+        units={name: EXTRA_UNITS.get(plain, natures[plain].unit) for name, plain in plain_names.items()},
         title=f"Fit of {model.name}",
         lack_of_fit=lack,
         problem=problem,
+        loss=loss,
     )
 
 
@@ -202,6 +215,7 @@ def _compared(problem: Problem, number: int, values: FloatArray) -> Compared:
         deviation=np.hypot(size[:count], size[count:]) / np.sqrt(2),
         misfit=float(np.sqrt(np.mean(residual**2))),
         unit=_response_unit(block.response.question.outputs[0].unit, block.response.question.measured[0].unit),
+        has_phase=isinstance(block.measurement.data, Recording) or block.measurement.data.has_phase,
     )
 
 
@@ -213,16 +227,5 @@ def _notes(problem: Problem, loss: str, factor: float, *, scaled: bool) -> tuple
     labels = [f"{block.measurement.label} ({block.described})" for block in problem.blocks]
     by = ", by which the errors are scaled" if scaled else ""
     robust = "" if loss == "linear" else f", robust loss {loss}"
-    return (f"from {', '.join(labels)}{robust}; reduced chi squared {factor:.3g}{by}",)
-
-
-def _units(model: Drivetrain, names: tuple[str, ...]) -> dict[str, str]:
-    from torsionnet.parameters import dimensions
-
-    known, _ = dimensions(model.parameter_definitions)
-    found = {}
-    for name in names:
-        plain = name.partition("[")[0]
-        dimension = known.get(plain)
-        found[name] = {"delay": "s", "gain": "1"}.get(plain, str(dimension) if dimension else "")
-    return found
+    first = f"from {', '.join(labels)}{robust}; reduced chi squared {factor:.3g}{by}"
+    return (first, *filter(None, (block.remark for block in problem.blocks)))

@@ -40,11 +40,14 @@ class Instrument:
     signal : str
     asked : bool
         Whether it must be this one; otherwise the input stands in for a reference that does not drive it.
+    plain : bool
+        Whether its squared noise stays in all segments, as in an estimate by Welch's method.
     """
 
     estimator: str
     signal: str
     asked: bool = True
+    plain: bool = False
 
     @property
     def is_clean(self) -> bool:

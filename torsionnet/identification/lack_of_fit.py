@@ -9,7 +9,7 @@ import numpy as np
 from scipy import stats
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.identification.blocks import Block
+from torsionnet.identification.block import Block
 from torsionnet.identification.noise import Noise
 from torsionnet.identification.noise_bias import noise_shift
 from torsionnet.identification.problem import Problem
@@ -104,8 +104,8 @@ class LackOfFit:
         return any(one.rejected for one in self.measurements)
 
 
-def misfits(problem: Problem, values: FloatArray) -> tuple[Misfit, ...]:
-    """Every measurement whose noise is known apart from the model.
+def misfits(problem: Problem, values: FloatArray, weights: FloatArray | None = None) -> tuple[Misfit, ...]:
+    """Every measurement whose noise is known apart from the model; a robust loss gives residuals its ``weights``.
 
     The residuals of the optimum, r = (1 - P) e with the projection P on what the parameters can do, have the covariance
     (1 - P) R (1 - P) under noise of the covariance R. Sums of squares of them are compared with their mean and scatter
@@ -115,12 +115,12 @@ def misfits(problem: Problem, values: FloatArray) -> tuple[Misfit, ...]:
     residuals, slopes = problem.both(values)
     shift = noise_shift(problem, values)
     basis, _ = np.linalg.qr(slopes / np.maximum(np.linalg.norm(slopes, axis=0), np.finfo(float).tiny))
-    residuals = residuals - shift + basis @ (basis.T @ shift)
+    residuals = residuals * (1.0 if weights is None else weights) - shift + basis @ (basis.T @ shift)
     found = [block.measured_noise(values[place]) for block, place in zip(problem.blocks, problem.places, strict=True)]
-    known = [
-        (block, span, noise) for block, span, noise in zip(problem.blocks, problem.spans, found, strict=True) if noise
-    ]
-    covariances = [_covariance(block, noise) for block, _, noise in known]
+    every = zip(problem.blocks, problem.spans, problem.places, found, strict=True)
+    seen = [(block, span, values[place], noise) for block, span, place, noise in every if noise]
+    known = [(block, span, noise) for block, span, _, noise in seen]
+    covariances = [_covariance(block, noise, mine) for block, _, mine, noise in seen]
     spread = basis.copy()
     for (_, span, _), covariance in zip(known, covariances, strict=True):
         spread[span] = covariance @ basis[span]
@@ -133,11 +133,10 @@ def misfits(problem: Problem, values: FloatArray) -> tuple[Misfit, ...]:
     return tuple(result)
 
 
-def _covariance(block: Block, noise: Noise) -> FloatArray:
+def _covariance(block: Block, noise: Noise, values: FloatArray) -> FloatArray:
     """Of the weighted residuals, under noise as it was found."""
-    size = np.sqrt(np.tile(noise.ratio, len(block.deviations) // len(noise.ratio)))
-    found = block.likeness * np.outer(size, size)
-    return np.asarray(found if block.shared is None else found + block.shared)
+    size = np.sqrt(np.tile(noise.ratio, block.parts))
+    return np.asarray(block.likeness * np.outer(size, size) + block.beyond_noise(values))
 
 
 def _judged(block: Block, residual: FloatArray, covariance: FloatArray, noise: Noise) -> Misfit:
@@ -152,7 +151,7 @@ def _judged(block: Block, residual: FloatArray, covariance: FloatArray, noise: N
     seen = sizes > TAKEN * sizes[-1]
     pattern = float(np.mean((turned[:, seen].T @ (waves.T @ r)) ** 2 / sizes[seen]))
     chances.append(float(stats.f.sf(pattern, int(seen.sum()), noise.certainty)))
-    weights = block.deviations**2
+    weights = block.absolute**2
     beyond = max(float((residual**2 - np.diag(covariance)) @ weights), 0.0)
     size = np.sqrt(beyond / float(np.sum(np.abs(block.measured) ** 2)))
     return Misfit(block.measurement.label, float(np.sqrt(total)), float(size), min(1.0, 2 * min(chances)))

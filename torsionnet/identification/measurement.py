@@ -43,6 +43,8 @@ class Measurement:
         Seconds at the start of a record that are left out, where it does not begin at rest.
     name : str, optional
         By default the configuration.
+    error : float, optional
+        Relative standard error of a response, instead of what its coherence says: 0.05 is 5 % of every magnitude.
     """
 
     data: Recording | FrequencyResponse
@@ -60,6 +62,7 @@ class Measurement:
     reference: str = ""
     settling: float = 0.0
     name: str = ""
+    error: float | None = None
 
     def __post_init__(self) -> None:
         for low, high in (*([self.band] if self.band else ()), *self.excluded):
@@ -68,6 +71,12 @@ class Measurement:
                 raise UsageError(msg)
         if isinstance(self.data, FrequencyResponse) and (self.settings or self.settling or self.reference):
             msg = "settings, settling and reference belong to records; this is a response that has been estimated"
+            raise UsageError(msg)
+        if self.error is not None and not (np.isfinite(self.error) and self.error > 0):
+            msg = f"a relative standard error is a number above 0, got {self.error}"
+            raise UsageError(msg)
+        if self.error is not None and isinstance(self.data, Recording):
+            msg = "an error belongs to a response that has been estimated; a record shows its noise itself"
             raise UsageError(msg)
 
     @property

@@ -112,12 +112,12 @@ def _pooled(ratio: FloatArray, worth: FloatArray) -> Noise:
     return Noise(sums / weights, 2 * float(min(worth.sum(), weights.mean())))
 
 
-def noise_between_lines(residual: ComplexArray, correlation: FloatArray) -> Noise | None:
+def noise_between_lines(residual: ComplexArray | FloatArray, correlation: FloatArray) -> Noise | None:
     """From weighted residuals (n_b,): what does not run smoothly from line to line.
 
     Parameters
     ----------
-    residual : (n_b,) complex array
+    residual : (n_b,) complex array, or real where only magnitudes are compared
     correlation : (n_b, n_b) array
         That noise has between lines.
     """
@@ -129,8 +129,9 @@ def noise_between_lines(residual: ComplexArray, correlation: FloatArray) -> Nois
     worth = mean**2 / square
     if worth < FEWEST:
         return None
-    scale = float((np.abs(rough @ residual) ** 2).sum()) / (2 * mean)
-    return Noise(np.full(len(residual), scale), 2 * worth)
+    parts = 2 if np.iscomplexobj(residual) else 1
+    scale = float((np.abs(rough @ residual) ** 2).sum()) / (parts * mean)
+    return Noise(np.full(len(residual), scale), parts * worth) if scale > np.finfo(float).tiny else None
 
 
 def _roughness(count: int) -> FloatArray:

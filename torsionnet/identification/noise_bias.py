@@ -7,8 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.identification.blocks import RecordBlock
+from torsionnet.identification.forms import of_errors, parts
 from torsionnet.identification.problem import Problem
+from torsionnet.identification.record_block import RecordBlock
 
 MATERIAL = 0.5
 """Standard errors; a smaller bias is not worth a word."""
@@ -20,7 +21,7 @@ def noise_shift(problem: Problem, values: FloatArray) -> FloatArray:
     for block, span, place in zip(problem.blocks, problem.spans, problem.places, strict=True):
         if isinstance(block, RecordBlock):
             shift = _shift(block, values[place])
-            shifts[span] = np.concatenate([shift.real, shift.imag]) / block.deviations
+            shifts[span] = of_errors(block.form, parts(shift)[:, None], block.measured)[:, 0] / block.sizes
     return shifts
 
 

@@ -129,7 +129,7 @@ def windowed_estimate(
     settling : float, optional
         s.
     instrument : Instrument, optional
-        H1 if left out.
+        H1 as in Welch's method if left out.
 
     Raises
     ------
@@ -137,7 +137,7 @@ def windowed_estimate(
         The record is too short or cannot be processed, the band has no lines, or the input does not follow the
         reference.
     """
-    instrument = instrument or Instrument("H1", input)
+    instrument = instrument or Instrument("H1", input, plain=True)
     chosen = recording.select(dict.fromkeys([output, input, instrument.signal]))
     check_processable(chosen)
     record = decimate(chosen, settings.decimation)
@@ -152,7 +152,10 @@ def windowed_estimate(
         )
         raise UsageError(msg)
     instrument, R = instrument.lines(X, lambda name: segments.lines(_from_rest(record, name)))
-    R, background = (R, np.zeros(len(bins), dtype=bool)) if instrument.is_clean else without_background(R)
+    if instrument.is_clean or instrument.plain:
+        background = np.full(len(bins), not instrument.is_clean)
+    else:
+        R, background = without_background(R)
     power = (R.conj() * X).sum(axis=0)
     rows = SegmentRows(segments, R.conj() / power, len(x))
     n = _padded(len(x))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
-from torsionnet.identification.blocks import Block, RecordBlock, make_block
+from torsionnet.identification.block import Block
+from torsionnet.identification.blocks import make_block
 from torsionnet.identification.measurement import Measurement
+from torsionnet.identification.natures import nature
+from torsionnet.identification.record_block import RecordBlock
 from torsionnet.identification.unknown import Unknown
 
-EXTRAS = {"delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (0.0, np.inf), "1")}
+EXTRAS = {"delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (0.0, np.inf), "")}
 
 
 @dataclass(eq=False)
@@ -93,42 +96,30 @@ class Problem:
     def under_noise(self, backward: FloatArray) -> FloatArray:
         """Covariance of backward (n, n_residuals) @ residuals; measurements and priors are independent."""
         total, start = np.zeros((len(backward), len(backward))), 0
-        for correlation, count in self._correlations:
-            part = backward[:, start : start + count]
-            total += part @ part.T if correlation is None else part @ correlation @ part.T
-            start += count
-        return total
-
-    def under_steps(self, backward: FloatArray) -> FloatArray:
-        """Covariance of backward (n, n_residuals) @ residuals that steps of sensors add."""
-        total, start = np.zeros((len(backward), len(backward))), 0
         for block in self.blocks:
-            count, shared = 2 * len(block.frequencies), block.shared
-            if shared is not None:
-                part = backward[:, start : start + count]
-                total += part @ shared @ part.T
-            start += count
+            total += block.under_noise(backward[:, start : start + block.count])
+            start += block.count
+        return total + backward[:, start:] @ backward[:, start:].T
+
+    def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
+        """Covariance of backward (n, n_residuals) @ residuals by errors that lines share, as of a sensor's steps."""
+        total, start = np.zeros((len(backward), len(backward))), 0
+        for block, place in zip(self.blocks, self.places, strict=True):
+            total += block.under_shared(backward[:, start : start + block.count], values[place])
+            start += block.count
         return total
 
     @property
     def spans(self) -> tuple[slice, ...]:
         """Where the residuals of every block stand."""
-        ends = np.cumsum([0, *(len(block.deviations) for block in self.blocks)]).tolist()
+        ends = np.cumsum([0, *(block.count for block in self.blocks)]).tolist()
         return tuple(slice(begin, end) for begin, end in pairwise(ends))
 
     @property
     def effective_count(self) -> float:
         """Number of independent values that the correlated residuals are worth."""
-        pairs = list(self._correlations)
-        squares = sum(count if one is None else float(np.sum(one**2)) for one, count in pairs)
-        return float(sum(count for _, count in pairs) ** 2 / squares)
-
-    @property
-    def _correlations(self) -> Iterator[tuple[FloatArray | None, int]]:
-        for block in self.blocks:
-            yield block.correlation, 2 * len(block.frequencies)
-        if self.priors:
-            yield None, len(self.priors)
+        count = sum(block.count for block in self.blocks) + len(self.priors)
+        return float(count**2 / (sum(block.squares for block in self.blocks) + len(self.priors)))
 
     @property
     def lines(self) -> int:
@@ -195,8 +186,14 @@ def laid_out(
 def _begin(model: Drivetrain, name: str, unknown: Unknown, value: float) -> tuple[float, tuple[float, float]]:
     start = value if unknown.start is None else unknown.start
     stated = model.parameter_definitions[name].bounds if name in model.parameter_definitions else None
-    bounds = unknown.bounds or stated or ((0.0, np.inf) if start > 0 else (-np.inf, np.inf))
+    bounds = unknown.bounds or stated or natural_bounds(model, name, start)
     if not bounds[0] <= start <= bounds[1]:
         msg = f"{name} begins at {start:g}, outside its bounds {bounds[0]:g} to {bounds[1]:g}"
         raise UsageError(msg)
     return start, bounds
+
+
+def natural_bounds(model: Drivetrain, name: str, start: float) -> tuple[float, float]:
+    """What a value can be by nature; where that says nothing, one that begins above 0 stays there."""
+    lower, upper = nature(model, name).bounds
+    return (lower, upper) if np.isfinite(lower) or start <= 0 else (0.0, upper)

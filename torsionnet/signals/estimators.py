@@ -11,9 +11,12 @@ from numpy.typing import NDArray
 
 from torsionnet.errors import UsageError, did_you_mean
 from torsionnet.response import FrequencyResponse
+from torsionnet.response.estimation import Estimation
 from torsionnet.signals import transfer_matrices
 from torsionnet.signals.advice import remarks
 from torsionnet.signals.blocks import Recordings
+from torsionnet.signals.decimation import decimate
+from torsionnet.signals.origin import averaging, remembering
 from torsionnet.signals.recording import FloatArray, Recording
 from torsionnet.signals.resolution import Watch, limited
 from torsionnet.signals.spectra import cross_spectra
@@ -77,7 +80,7 @@ def estimate(
     """
     outputs, inputs, references = _listed(output), _listed(input), _listed(reference)
     watch = Watch(outputs, inputs[0], (settings or Welch()).seconds) if inputs else None
-    spectra = _spectra(measured, (*outputs, *inputs, *references), settings, watch)
+    spectra, records = _spectra(measured, (*outputs, *inputs, *references), settings, watch)
     asked = estimator or ("Hr" if references else spectra.settings.estimator) or "H1"
     chosen = _check(asked, outputs, inputs, references, noise_ratio)
     s_xx, s_xy = spectra.between(inputs, inputs), spectra.between(inputs, outputs)
@@ -94,6 +97,7 @@ def estimate(
         title=spectra.title,
         coherence=transfer_matrices.ordinary_coherence(s_xx, s_xy, s_yy),
         notes=(*spectra.notes, _provenance(chosen, spectra, noise_ratio, references)),
+        estimation=replace(_origin(chosen, spectra, outputs, inputs, records), references=references),
     )
     low, high = band or (0.0, np.inf)
     response = limited(response, watch, spectra.settings.decimation, high) if watch else response
@@ -118,15 +122,33 @@ def _listed(names: Names) -> tuple[str, ...]:
 
 def _spectra(
     measured: Recordings | CrossSpectra, names: tuple[str, ...], settings: Welch | None, watch: Watch | None
-) -> CrossSpectra:
+) -> tuple[CrossSpectra, tuple[Recording, Recording] | None]:
+    """Spectra, and of a record that is in memory as a whole what they were made of, before and after decimation."""
+    wanted, used = dict.fromkeys(names), settings or Welch()
+    if isinstance(measured, Recording):
+        fine = measured.select(wanted)
+        for _ in watch.passing([fine]) if watch else ():
+            pass
+        coarse = decimate(fine, used.decimation) if used.decimation > 1 else fine
+        return replace(cross_spectra(coarse, replace(used, decimation=1)), settings=used), (fine, coarse)
     if not isinstance(measured, CrossSpectra):
-        blocks = (measured,) if isinstance(measured, Recording) else measured
-        chosen = (block.select(dict.fromkeys(names)) for block in blocks)
-        return cross_spectra(watch.passing(chosen) if watch else chosen, settings)
+        chosen = (block.select(wanted) for block in measured)
+        return cross_spectra(watch.passing(chosen) if watch else chosen, used), None
     if settings is not None:
         msg = "spectra are averaged already; settings can only be given for a recording"
         raise UsageError(msg)
-    return measured
+    return measured, None
+
+
+def _origin(
+    estimator: str,
+    spectra: CrossSpectra,
+    outputs: tuple[str, ...],
+    inputs: tuple[str, ...],
+    records: tuple[Recording, Recording] | None,
+) -> Estimation:
+    found = averaging(estimator, spectra)
+    return remembering(found, outputs, inputs[0], *records) if records and len(inputs) == 1 else found
 
 
 def _check(
