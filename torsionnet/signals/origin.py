@@ -12,6 +12,9 @@ from torsionnet.signals.spectral_matrix import CrossSpectra
 MOST_VALUES = 2**22
 """Of a record that is remembered; beyond, a fit smooths as if the input were stationary."""
 
+SINES = 0.5
+"""Share of segments in which the input is a sine, by chance too if it is noise of few lines, above which it is swept."""
+
 
 def averaging(estimator: str, spectra: CrossSpectra) -> Estimation:
     """What spectra know of themselves."""
@@ -28,7 +31,8 @@ def remembering(
     """The same with the signals in it, before (``fine``) and after (``coarse``) decimation."""
     seconds, output = estimation.seconds, outputs[0]
     sweep = swept(fine, output, driven, seconds)[0]
-    is_swept = len(sweep) > 1 and bool(sweep[0] != sweep[-1])
+    segments = fine.duration / seconds
+    is_swept = len(sweep) > max(1, SINES * segments) and bool(sweep[0] != sweep[-1])
     begun = swept(_beginning(fine, 2 * seconds), output, driven, seconds)[0]
     return replace(
         estimation,
