@@ -109,7 +109,7 @@ class TestPlan:
         assert found.measurements[0].settings == Welch("hamming", 2, 0.8)
 
 
-MEASUREMENT = "record, response, output, input, configuration, model_output, model_input, excitation, delay, gain, reference, settling"
+MEASUREMENT = "record, response, output, input, configuration, model_output, model_input, excitation, delay, gain, reference, settling, error"
 FAULTS = [
     ("torsionnet: 1", "torsionnet: 2", "the first entry of the file is torsionnet: 1"),
     ("per_configuration: true", "per_configuration: 1", "expected true or false, got 1"),

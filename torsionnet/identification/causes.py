@@ -10,7 +10,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.elements import Damper, Element, HystereticSpring, Spring
+from torsionnet.elements import Damper, Element, Gear, HystereticSpring, Spring
 from torsionnet.expressions import Expression, Number
 from torsionnet.identification.problem import Problem, laid_out
 from torsionnet.identification.unknown import Unknown
@@ -18,9 +18,9 @@ from torsionnet.identification.unknown import Unknown
 AnySpring: TypeAlias = Spring | HystereticSpring
 Change: TypeAlias = Callable[[Drivetrain], Drivetrain]
 FREED = ("inertia", "stiffness", "damping")
-"""What is set free of the quantities that a model takes for known."""
-GONE = {"hysteretic": "damping", "viscous": "loss_factor"}
-"""What a spring no longer has with the other kind of damping."""
+"""What is set free of the quantities that a model takes for known, and the ratios of gears."""
+GONE = {"hysteretic": "damping", "viscous": "loss_factor", "ratio": "teeth"}
+"""What an element no longer has with the other kind of damping, or with a ratio that no teeth make."""
 
 
 @dataclass(frozen=True)
@@ -29,11 +29,11 @@ class Cause:
 
     Attributes
     ----------
-    kind : {"delay", "gain", "hysteretic", "viscous", "value"}
+    kind : {"delay", "gain", "hysteretic", "viscous", "ratio", "value"}
     unknown : str
         Name of the freedom: ``I_2``, ``dmf.loss_factor``, ``delay``.
     element : str
-        Whose damping is of another kind.
+        Whose damping is of another kind, or whose ratio its teeth make.
     """
 
     kind: str
@@ -44,22 +44,28 @@ class Cause:
     def is_of_channel(self) -> bool:
         return self.unknown in ("delay", "gain")
 
+    @property
+    def is_value(self) -> bool:
+        """Whether a number of the model is another one."""
+        return self.kind in ("value", "ratio")
+
 
 def causes_of(problem: Problem) -> tuple[Cause, ...]:
     """All that can be tried with the models and measurements of a fit."""
     free = {extra for block in problem.blocks for extra in block.extra}
     channel = [Cause(name, name) for name in ("delay", "gain") if name not in free]
     rigs = [block.response.drivetrain for block in problem.blocks]
-    listed = [*_values(rigs[0]), *_dampings(rigs[0])]
+    listed = [*_values(rigs[0]), *_ratios(rigs[0]), *_dampings(rigs[0])]
     return (*channel, *(cause for cause in listed if cause.unknown not in problem.unknowns))
 
 
 def _values(rig: Drivetrain) -> Iterator[Cause]:
-    """Parameters and plain numbers that stand for an inertia, a stiffness or a damping."""
+    """Parameters and plain numbers that stand for an inertia, a stiffness, a damping or a ratio."""
     definition, seen = rig.definition, set()
     for element in definition.active:
         for field, (spec, value) in element.scalars().items():
-            if getattr(spec, "dimension", "") not in FREED or not isinstance(value, Expression):
+            known = getattr(spec, "dimension", "") in FREED or field == "ratio"
+            if not known or not isinstance(value, Expression):
                 continue
             for name in _leaves(value, definition.parameters) or [f"{element.name}.{field}"]:
                 if name not in seen and (name in definition.parameters or isinstance(value, Number)):
@@ -74,6 +80,13 @@ def _leaves(value: Expression, parameters: Mapping[str, Any]) -> list[str]:
         inner = parameters[name].value
         found += [name] if isinstance(inner, Number) else _leaves(inner, parameters)
     return found
+
+
+def _ratios(rig: Drivetrain) -> Iterator[Cause]:
+    """Stages whose ratio follows from teeth."""
+    for element in rig.definition.active:
+        if isinstance(element, Gear) and element.teeth is not None:
+            yield Cause("ratio", f"{element.name}.ratio", element.name)
 
 
 def _dampings(rig: Drivetrain) -> Iterator[Cause]:
@@ -152,14 +165,21 @@ def _acts(problem: Problem, name: str) -> bool:
 
 
 def _change(cause: Cause, frequency: float, instead: bool) -> Change:
-    """A spring with the other kind of damping: of the same loss at a frequency, or none of it yet beside its own."""
+    """A spring with the other kind of damping: of the same loss at a frequency, or none of it yet beside its own.
+
+    A stage has the ratio of its teeth as a number.
+    """
 
     def change(rig: Drivetrain) -> Drivetrain:
         element = rig.definition.elements[cause.element]
+        if isinstance(element, Gear):
+            plainly = replace(element, ratio=Number(element.ratio_value(dict(rig.exact_values))), teeth=None)
+            elements = {**rig.definition.elements, cause.element: plainly}
+            return Drivetrain.from_definition(replace(rig.definition, elements=elements))
         assert isinstance(element, Spring | HystereticSpring)
         k, omega = _number(element.stiffness, rig), 2 * np.pi * frequency
         plain = {"nodes": element.nodes, "stiffness": element.stiffness}
-        elements: dict[str, Element] = dict(rig.definition.elements)
+        elements = dict[str, Element](rig.definition.elements)
         if not instead and cause.kind == "hysteretic":
             elements[cause.element] = HystereticSpring(cause.element, **plain, loss_factor=0, damping=element.damping)
         elif not instead:

@@ -20,6 +20,8 @@ TRIED = 6
 """Causes that are fitted, those first that would take away most by a linear estimate."""
 MOST = 0.8
 """Share of the misfit, as a sum of squares, that a cause must take away to be named."""
+FACTORS = (1.0, 0.5, 2.0)
+"""Multiples of a value from which the search for it begins, as a resonance may lie in the way; of records only once."""
 SEEN = 1e-6
 """Part of what a cause does to the data that the parameters cannot do."""
 ALIKE = 1.5
@@ -33,13 +35,14 @@ Errors = Callable[[Problem, Solution], Mapping[str, float]]
 
 def explanations(problem: Problem, values: FloatArray, solve: Solve, errors: Errors) -> tuple[Explanation, ...]:
     """The best of them first, and others that do about as well; empty if none takes away most of the misfit."""
-    whole = _squares(problem, values)
+    whole = squares(problem, values)
     tried = [
-        _tried(problem, cause, start, solve)
+        tried_with(problem, cause, start, solve, factor)
         for start in (values, problem.start)  # a wrong model may have led far off
         for cause in _promising(problem, start)
+        for factor in (FACTORS if cause.is_value and not problem.has_records else FACTORS[:1])
     ]
-    best: dict[Cause, _Tried] = {}
+    best: dict[Cause, Tried] = {}
     for one in sorted((one for one in tried if one is not None), key=lambda one: one.criterion):
         best.setdefault(one.cause, one)
     listed = list(best.values())
@@ -49,7 +52,7 @@ def explanations(problem: Problem, values: FloatArray, solve: Solve, errors: Err
 
 
 @dataclass(frozen=True, eq=False)
-class _Tried:
+class Tried:
     """A cause, the problem with it, and the optimum of that."""
 
     cause: Cause
@@ -63,16 +66,20 @@ class _Tried:
         return self.squares + 2 * len(self.values)
 
 
-def _tried(problem: Problem, cause: Cause, start: FloatArray, solve: Solve) -> _Tried | None:
+def tried_with(problem: Problem, cause: Cause, start: FloatArray, solve: Solve, factor: float = 1.0) -> Tried | None:
+    """The fit with a cause from a start, the cause from a multiple of its own; None where that cannot be calculated."""
     try:
         with_it = with_causes(problem, [cause], start, instead=True)
-        found = solve(with_it, with_it.start).x
-        return _Tried(cause, with_it, found, _squares(with_it, found))
+        begin = with_it.start.copy()
+        begin[[name.partition("[")[0] == cause.unknown for name in with_it.names]] *= factor
+        found = solve(with_it, begin).x
+        return Tried(cause, with_it, found, squares(with_it, found))
     except (TorsionnetError, np.linalg.LinAlgError):
         return None  # what cannot be calculated explains nothing
 
 
-def _squares(problem: Problem, values: FloatArray) -> float:
+def squares(problem: Problem, values: FloatArray) -> float:
+    """Sum of the squared weighted residuals."""
     return float(np.sum(problem.residuals(values) ** 2))
 
 
@@ -99,16 +106,16 @@ def _scaled(columns: FloatArray) -> FloatArray:
     return np.asarray(columns / np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny))
 
 
-def _explained(one: _Tried, left: float, solve: Solve, errors: Errors) -> Explanation:
+def _explained(one: Tried, left: float, solve: Solve, errors: Errors) -> Explanation:
     cause, tried = one.cause, one.problem
     tried.learn_noise(one.values)
     found = solve(tried, one.values)
     at = found.x
     outputs = dict.fromkeys(block.measurement.output for block in tried.blocks)
-    before = tried.start[tried.names.index(cause.unknown)] if cause.kind == "value" else None
+    before = tried.start[tried.names.index(cause.unknown)] if cause.is_value else None
     return Explanation(
         kind=cause.kind,
-        of=cause.element or (" and ".join(outputs) if cause.is_of_channel else cause.unknown),
+        of=" and ".join(outputs) if cause.is_of_channel else cause.unknown if cause.is_value else cause.element,
         unknown=cause.unknown,
         values=dict(zip(tried.names, at.tolist(), strict=True)),
         standard_errors=errors(tried, found),

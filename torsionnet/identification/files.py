@@ -52,6 +52,7 @@ MEASUREMENT: dict[str, Spec] = {
     "gain": Flag("find a gain of the output's channel along"),
     "reference": Text("channel of the set-point; by default the model's input with _set"),
     "settling": Value("time at the start that is left out", "time"),
+    "error": Value("relative standard error of a response, instead of its coherence", "1", exclusive=True),
 }
 NEEDS = {"record": "either record or response"}
 BANDS = ("band", "excluded")

@@ -166,7 +166,8 @@ def make_fit(model: Drivetrain, problem: Problem, found: Solution, loss: str, la
     residuals, slopes = problem.both(values)
     free = problem.effective_count - len(values)
     factor = variance(residuals, len(values), loss, found.scale)
-    scale = 1 / np.linalg.norm(slopes, axis=0)
+    reach = np.linalg.norm(slopes, axis=0)
+    scale = 1 / np.where(reach > 0, reach, 1.0)  # what does nothing where the search ended is not determined
     left, sizes, turned = np.linalg.svd(slopes * scale, full_matrices=False)
     lost = sizes < SINGULAR * sizes[0]
     backward = (turned.T / np.where(lost, np.inf, sizes)) @ left.T

@@ -57,7 +57,7 @@ class Explanation:
 
     Attributes
     ----------
-    kind : {"delay", "gain", "hysteretic", "viscous", "value"}
+    kind : {"delay", "gain", "hysteretic", "viscous", "ratio", "value"}
     of : str
         The signal that is late or too large, the element with another kind of damping, or the value set free.
     values, standard_errors : mapping of str to float

@@ -12,6 +12,7 @@ AGREED = {
     "gain": "find it along (gain: true), or look for a wrong ratio or calibration",
     "hysteretic": "give the spring a loss factor instead of a viscous damping",
     "viscous": "give the spring a viscous damping instead of a loss factor",
+    "ratio": "look for other teeth, or correct the ratio",
     "value": "free it too, or correct it",
 }
 WITHHELD = "Intervals are withheld"
@@ -43,16 +44,24 @@ def lacking(lack: LackOfFit | None) -> Iterator[str]:
 
 def _what(one: Explanation) -> str:
     found = [value for name, value in one.values.items() if name.partition("[")[0] == one.unknown]
-    value = sum(found) / len(found)
-    if one.kind == "delay":
-        return f"a delay of {1e3 * value:.3g} ms in {one.of}"
-    if one.kind == "gain":
-        return f"a gain of {value:.4g} in {one.of}"
-    if one.kind == "hysteretic":
-        return f"hysteretic instead of viscous damping in {one.of} (loss factor {value:.3g})"
-    if one.kind == "viscous":
-        return f"viscous instead of hysteretic damping in {one.of} ({value:.3g} N*m*s/rad)"
-    return f"{one.of} = {value:.4g} instead of {one.before:.4g}"
+    return cause_in_words(one.kind, one.of, sum(found) / len(found), one.before)
+
+
+def cause_in_words(kind: str, of: str, value: float, before: float | None) -> str:
+    """A cause and its size.
+
+    >>> cause_in_words("gain", "n_out", 0.7767, None), cause_in_words("ratio", "stage.ratio", 2.33, 3.0)
+    ('a gain of 0.7767 in n_out', 'stage.ratio = 2.33 instead of 3')
+    """
+    if kind == "delay":
+        return f"a delay of {1e3 * value:.3g} ms in {of}"
+    if kind == "gain":
+        return f"a gain of {value:.4g} in {of}"
+    if kind == "hysteretic":
+        return f"hysteretic instead of viscous damping in {of} (loss factor {value:.3g})"
+    if kind == "viscous":
+        return f"viscous instead of hysteretic damping in {of} ({value:.3g} N*m*s/rad)"
+    return f"{of} = {value:.4g} instead of {before:.4g}"
 
 
 def _values(one: Explanation) -> str:

@@ -170,7 +170,7 @@ def laid_out(
         places.append(mine)
     entries |= {entry: (value, entries[entry][1]) for entry, value in (known or {}).items() if entry in entries}
     order = {entry: index for index, entry in enumerate(entries)}
-    limits = np.array([bounds for _, bounds in entries.values()])
+    limits = np.array([bounds for _, bounds in entries.values()]).reshape(-1, 2)
     return Problem(
         names=tuple(entries),
         start=np.array([start for start, _ in entries.values()]),
@@ -178,7 +178,7 @@ def laid_out(
         upper=limits[:, 1],
         priors={order[entry]: prior for entry, prior in priors.items()},
         blocks=tuple(blocks),
-        places=tuple(np.array([order[entry] for entry in mine]) for mine in places),
+        places=tuple(np.array([order[entry] for entry in mine], dtype=np.intp) for mine in places),
         unknowns=dict(unknowns),
     )
 

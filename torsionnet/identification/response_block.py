@@ -21,6 +21,9 @@ from torsionnet.identification.noise import Noise
 from torsionnet.identification.smoothing import UNCERTAIN, Smoothing
 from torsionnet.response import FrequencyResponse
 
+STATED = 1e6
+"""Number of independent values that stand for an error which is stated: as good as known."""
+
 
 @dataclass(eq=False)
 class ResponseBlock(Block):
@@ -111,6 +114,11 @@ class ResponseBlock(Block):
         if cut:
             found.append(f"is used from {cut:.3g} Hz, as a sweep passed what is below within the first window")
         return f"{self.measurement.label} {'; '.join(found)}" if found else ""
+
+    def measured_noise(self, values: FloatArray) -> Noise | None:
+        if self.measurement.error is None:
+            return super().measured_noise(values)
+        return Noise(line_noise(self.data, self.measurement.error) / self.noise, STATED)
 
     def take_measured_noise(self, noise: Noise) -> None:
         self.noise = self.noise * noise.ratio

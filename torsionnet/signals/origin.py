@@ -13,7 +13,7 @@ MOST_VALUES = 2**22
 """Of a record that is remembered; beyond, a fit smooths as if the input were stationary."""
 
 SINES = 0.5
-"""Share of segments in which the input is a sine, by chance too if it is noise of few lines, above which it is swept."""
+"""Share of segments in which the input is a sine above which it is swept; in short ones noise is one by chance."""
 
 
 def averaging(estimator: str, spectra: CrossSpectra) -> Estimation:
