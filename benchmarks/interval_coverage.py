@@ -2,9 +2,10 @@
 
 python -m benchmarks.interval_coverage [SEEDS] [PATTERN]    # 60 seeds of all cases, or of those whose name has PATTERN
 
-Fits are made from records, from responses estimated of them, and from such responses as a file would give them back,
-without the record; with a noisy torque meter by Hr with the set-point as reference, otherwise by H1. An interval that
-is withheld, because the model is called wrong, counts as one that does not hold the truth.
+Of the AMT two gears are fitted together, II and IV. Fits are made from records, from responses estimated of them, and
+from such responses as a file would give them back, without the record; with a noisy torque meter by Hr with the
+set-point as reference, otherwise by H1. An interval that is withheld, because the model is called wrong, counts as one
+that does not hold the truth.
 """
 
 from __future__ import annotations
@@ -29,10 +30,10 @@ from torsionnet.signals import LinearChirp, Welch, estimate
 
 SEEDS, AT_ONCE = sized(60, 2), sized(5, 1)
 TRUE = {"c_2": 4.0, "c_O": 170.0, "c_B": 1.5}
-WRONG = {"c_2": 6.0, "c_O": 120.0, "c_B": 2.5}
+WRONG = {"c_2": 4.6, "c_O": 150.0, "c_B": 1.8}
 RIGS: dict[str, tuple[str, tuple[str, ...], tuple[str, ...]]] = {
     "DMF": ("dmf_rig", ("",), ("c_2",)),
-    "AMT II-IV": ("amt_rig", ("II", "III", "IV"), ("c_O", "c_B")),
+    "AMT": ("amt_rig", ("II", "IV"), ("c_O", "c_B")),
 }
 QUIET = Transducer(range="230 N*m", noise="0.23 N*m")
 NOISY = Transducer(range="230 N*m", noise="3 N*m")

@@ -158,14 +158,16 @@ def make_fit(model: Drivetrain, problem: Problem, found: Solution, loss: str, la
 
     The covariance is that of weighted least squares under correlated noise, A J^T R J A with A = (J^T J)^-1 and the
     correlation R of the residuals, times the reduced chi squared; what the steps of sensors do comes on top, and the
-    bias that noise makes. Of a model that does not fit they would be those of wrong values, so they are infinite.
+    bias that noise makes. Of a model that does not fit they would be those of wrong values, so they are infinite. The
+    noise of records is known from their windows: that lines happen to agree better is no proof of less.
     """
     plain_names = {name: name.partition("[")[0] for name in problem.names}
     natures = {plain: nature(model, plain) for plain in plain_names.values()}
     values, limits = at_limits(problem, found.x, natures)
     residuals, slopes = problem.both(values)
     free = problem.effective_count - len(values)
-    factor = variance(residuals, len(values), loss, found.scale)
+    left_over = variance(residuals, len(values), loss, found.scale)
+    factor = max(left_over, 1.0) if problem.noise_is_measured and loss == "linear" else left_over
     reach = np.linalg.norm(slopes, axis=0)
     scale = 1 / np.where(reach > 0, reach, 1.0)  # what does nothing where the search ended is not determined
     left, sizes, turned = np.linalg.svd(slopes * scale, full_matrices=False)
@@ -187,7 +189,7 @@ def make_fit(model: Drivetrain, problem: Problem, found: Solution, loss: str, la
         degrees_of_freedom=max(int(free), 1),
         comparisons=tuple(_compared(problem, number, values) for number in range(len(problem.blocks))),
         verdicts=(*lacking(lack), *limits.values(), *told),
-        notes=_notes(problem, loss, factor, scaled=not withheld),
+        notes=_notes(problem, loss, left_over, scaled=factor == left_over and not withheld),
         units={name: EXTRA_UNITS.get(plain, natures[plain].unit) for name, plain in plain_names.items()},
         title=f"Fit of {model.name}",
         lack_of_fit=lack,

@@ -16,7 +16,7 @@ from torsionnet.identification.block import Block
 from torsionnet.identification.blocks import make_block
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.natures import nature
-from torsionnet.identification.record_block import RecordBlock
+from torsionnet.identification.record_block import RecordBlock, two_sources
 from torsionnet.identification.unknown import Unknown
 
 EXTRAS = {"delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (0.0, np.inf), "")}
@@ -71,10 +71,18 @@ class Problem:
     _known: tuple[bytes, tuple[FloatArray, FloatArray]] | None = field(default=None, init=False, repr=False)
 
     def learn_noise(self, values: FloatArray) -> None:
-        """Let records take as noise what the model leaves unexplained."""
-        for block, place in zip(self.blocks, self.places, strict=True):
-            if isinstance(block, RecordBlock):
-                block.learn_noise(values[place])
+        """Let records take as noise what the model leaves unexplained; the same sensors have the same in all tests."""
+        records = [
+            (block, values[place])
+            for block, place in zip(self.blocks, self.places, strict=True)
+            if isinstance(block, RecordBlock)
+        ]
+        for sensors in dict.fromkeys(block.sensors for block, _ in records):
+            alike = [(block, mine) for block, mine in records if block.sensors == sensors]
+            levels, gains = zip(*(block.unexplained(mine) for block, mine in alike), strict=True)
+            sources = two_sources(np.concatenate(levels), np.concatenate(gains))
+            for block, mine in alike:
+                block.take_sources(mine, *sources)
         self.forget()
 
     def take_measured_noise(self, values: FloatArray) -> None:
@@ -88,6 +96,11 @@ class Problem:
     @property
     def has_records(self) -> bool:
         return any(isinstance(block, RecordBlock) for block in self.blocks)
+
+    @property
+    def noise_is_measured(self) -> bool:
+        """Whether the size of all noise is known from windows, and not only how it is shared out over the lines."""
+        return all(isinstance(block, RecordBlock) and any(block.sources) for block in self.blocks)
 
     def forget(self) -> None:
         """After the noise of a block has changed."""

@@ -73,11 +73,20 @@ class RecordBlock(Block):
         weighted = backward / self.sizes
         return np.asarray(weighted @ of_covariance(self.form, self.steps, self.measured) @ weighted.T)
 
-    def learn_noise(self, values: FloatArray) -> None:
-        """Take what the model leaves unexplained in the output as noise, of the sensors of output and input."""
+    @property
+    def sensors(self) -> tuple[str, str, float]:
+        """Output, input and sampling rate, which set the noise of a record."""
+        return self.windowed.output, self.windowed.input, self.windowed.record.sampling_rate
+
+    def unexplained(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """What the model leaves of the output, over unit white noise, and what such noise of the input makes, (n_b,)."""
         G, _ = self._distorted(values, self.windowed.fine)
-        level = self.windowed.unexplained(G)[self.kept]
-        self.sources = on_output, on_input = two_sources(level, np.abs(self.measured) ** 2)
+        return self.windowed.unexplained(G)[self.kept], np.abs(self.measured) ** 2
+
+    def take_sources(self, values: FloatArray, on_output: float, on_input: float) -> None:
+        """Weigh by noise of these powers on output and input."""
+        G, _ = self._distorted(values, self.windowed.fine)
+        self.sources = on_output, on_input
         self.covariance = on_output * self._part(self.windowed.output_covariance())
         if on_input:
             self.covariance = self.covariance + on_input * self._part(self.windowed.input_covariance(G))
