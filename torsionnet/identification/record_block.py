@@ -79,7 +79,7 @@ class RecordBlock(Block):
         return self.windowed.output, self.windowed.input, self.windowed.record.sampling_rate
 
     def unexplained(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """What the model leaves of the output, over unit white noise, and what such noise of the input makes, (n_b,)."""
+        """What the model leaves of the output over unit white noise, and what such noise of the input does, (n_b,)."""
         G, _ = self._distorted(values, self.windowed.fine)
         return self.windowed.unexplained(G)[self.kept], np.abs(self.measured) ** 2
 
