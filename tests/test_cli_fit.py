@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 
 import numpy as np
 import pytest
@@ -161,3 +162,39 @@ def test_sensitivity_of_every_configuration(tmp_path):
     assert plot.exists()
     assert table.exists()
     assert 'did you mean "c_O"' in run("sensitivity", "amt_rig", "--parameter", "c_0", code=2).stderr
+
+
+def test_fit_against_the_set_point_and_without(folder):
+    """The shaft's torque is measured with noise; ``reference`` and ``estimator`` act, or are refused."""
+    text = FIT.replace("output: phi, input: T_set, model_input: T", "output: phi, input: M")
+    for more, said in (
+        ("", "of Hr with T_set as reference"),
+        ("estimator: H1, ", "lines of H1)"),
+        ("estimator: H2, ", "lines of H2)"),
+    ):
+        (folder / "m.yaml").write_text(text.replace("settings: {", f"settings: {{{more}"))
+        data = json.loads(run("fit", "m.yaml", "--json").stdout)
+        assert said in data["notes"][0]
+        assert data["lack_of_fit"]["rejected"] is False
+    for name, code, said in (("T_sett", 1, 'did you mean "T_set"?'), ("phi", 0, "of Hr with phi as reference")):
+        (folder / "r.yaml").write_text(text.replace("output: phi, ", f"output: phi, reference: {name}, "))
+        result = run("fit", "r.yaml", code=code)
+        assert said in result.stdout + result.stderr
+    (folder / "v.yaml").write_text(text.replace("settings: {", "settings: {estimator: Hv, "))
+    assert "Hv is not for the fit of a record" in run("fit", "v.yaml", code=2).stderr
+
+
+def test_fit_of_a_model_that_does_not_fit_says_so(folder):
+    (folder / "wrong.yaml").write_text(RIG.replace("inertia: 0.1", "inertia: 0.14"))
+    (folder / "wrong_fit.yaml").write_text(FIT.replace("rig.yaml", "wrong.yaml"))
+    data = json.loads(run("fit", "wrong_fit.yaml", "--json", "--profile", "-o", "out.yaml").stdout)
+    assert data["lack_of_fit"]["rejected"]
+    found = {one["unknown"]: one["values"] for one in data["lack_of_fit"]["explanations"]}
+    assert found.keys() == {"gain", "rotor.inertia"}  # one mass: all other values follow a gain
+    assert found["rotor.inertia"]["rotor.inertia"] == pytest.approx(0.1, rel=0.01)
+    assert found["gain"]["k"] == pytest.approx(280, rel=0.01)
+    assert data["parameters"][0]["interval_95"] == data["parameters"][0]["profile_95"] == [None, None]
+    result = run("fit", "wrong_fit.yaml")
+    assert "warning: the model does not fit" in result.stderr
+    assert re.search(r"so would rotor.inertia = 0.1\d* instead of 0.14: k would be (199|200)", result.stderr)
+    assert load_fit("out.yaml").standard_errors["k"] == np.inf

@@ -87,6 +87,17 @@ def test_estimate_finds_the_model_again(record):
     assert (record.parent / "h.svg").read_text(encoding="utf-8").startswith("<?xml")
 
 
+def test_estimate_against_the_set_point(record):
+    options = ("--input", "M", "--output", "phi", "--reference", "T_set", "--json")
+    data = json.loads(run("estimate", record, *options).stdout)
+    expected = tn.signals.estimate(read_recording(record), "phi", "M", "Hr", reference="T_set")
+    assert data["responses"][0]["real"] == pytest.approx(expected.values[:, 0, 0].real.tolist())
+    assert any(note.startswith("Hr with T_set as reference") for note in data["notes"])
+    refused = run("estimate", record, *options, "--estimator", "H2", code=2)
+    assert "a reference belongs to Hr; H2 has no use for T_set" in refused.stderr
+    assert "No such option" in run("spectrogram", record, "--estimator", "H2", code=2).stderr
+
+
 def test_estimate_in_json_with_its_settings(record):
     options = ("--estimator", "H2", "--seconds", 4, "--overlap", 0.5, "--window", "hann", "--detrend", "linear")
     result = run(

@@ -23,6 +23,8 @@ DOCS = Path(__file__).parents[1] / "docs"
 EXAMPLES = sorted((DOCS.parent / "examples").glob("plot_*.py"))
 OWN = ["index", "concepts", "sign_conventions", "model_file", "get_started", "test_bench", "validation"]
 PAGES = [DOCS / f"{name}.md" for name in OWN] + sorted((DOCS / "how_to").glob("*.md"))
+PRINTED = ["fit_speed", "trust_a_fit"]
+"""Pages whose blocks of text are what their programs print."""
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 SHOWN = re.compile(r"generated/(\w+\.svg)")
 FILE_NAME = re.compile(r"# (\w+\.yaml)\n")
@@ -178,10 +180,18 @@ def lay_out(page, folder):
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.stem)
 def test_programs_on_pages_run(page, workplace, capsys):
     lay_out(page, workplace)
-    names = {}
+    names, printed = {}, ""
     for text in blocks(page, "python"):
         exec(compile(text, page.name, "exec"), names)
-    assert "Traceback" not in capsys.readouterr().out
+        printed += capsys.readouterr().out
+    assert "Traceback" not in printed
+    if page.stem in PRINTED:
+        assert words("".join(blocks(page, "text"))) == words(printed)
+
+
+def words(text):
+    """What is left without numbers, whose last digits are a matter of the machine, and without rules and spaces."""
+    return re.sub(r"-?\d[\d.]*(e[-+]?\d+)?|inf|[-\s]+", " ", text).split()
 
 
 def commands(page):

@@ -1,5 +1,6 @@
 """Estimated frequency responses against pyFRF, scipy, closed forms under known noise, and simulated truth."""
 
+import re
 from dataclasses import replace
 from itertools import pairwise
 
@@ -182,6 +183,40 @@ class TestNoise:
         equally_noisy = self.response("Hs", **noise).values
         np.testing.assert_allclose(np.abs(equally_noisy) ** 2, np.abs(h1 * h2), rtol=1e-10)
 
+    def test_hr_is_unbiased_under_noise_on_both_sides(self):
+        clean = white(self.COUNT, 1)
+        noisy = recorded(T0=clean, T=clean + white(self.COUNT, 2), t=2 * clean + white(self.COUNT, 3, 2.0))
+        settings = Welch("hann", 1.0, 0.5)
+        response = estimate(noisy, "t", "T", settings=settings, reference="T0")
+        assert np.mean(response.values[5:-5]).real == pytest.approx(2, rel=0.005)
+        assert response.notes[-1].startswith("Hr with T0 as reference")
+        assert np.mean(estimate(noisy, "t", "T", "H1", settings).values[5:-5]).real == pytest.approx(1, rel=0.01)
+
+    def test_hr_of_two_noisy_inputs_with_three_references(self):
+        first, second = white(self.COUNT, 1), white(self.COUNT, 2)
+        record = recorded(
+            T01=first + second,
+            T02=first - second,
+            T03=white(self.COUNT, 3),
+            T1=first + white(self.COUNT, 4, 0.5),
+            T2=second + white(self.COUNT, 5, 0.5),
+            t=3 * first - second + white(self.COUNT, 6),
+        )
+        names = ["T01", "T02", "T03"]
+        response = estimate(record, "t", ["T1", "T2"], settings=Welch("hann", 1.0, 0.5), reference=names)
+        assert np.mean(response.values[5:-5, 0], axis=0).real == pytest.approx([3, -1], abs=0.02)
+
+    def test_references_that_cannot_be(self):
+        record = recorded(T0=white(4000, 1), T=white(4000, 2), T2=white(4000, 3), t=white(4000, 4))
+        with pytest.raises(UsageError, match="Hr needs a reference for each input"):
+            estimate(record, "t", "T", "Hr")
+        with pytest.raises(UsageError, match="Hr needs a reference for each input, such as the set-point: 1 for 2"):
+            estimate(record, "t", ["T", "T2"], reference="T0")
+        with pytest.raises(UsageError, match="a reference belongs to Hr; H1 has no use for T0"):
+            estimate(record, "t", "T", "H1", reference="T0")
+        (warning,) = [note for note in estimate(record, "t", "T", reference="T0").notes if "hardly" in note]
+        assert re.match(r"warning: T0 explains \d(\.\d)? % of T: hardly what drives it", warning)
+
     def test_coherence(self):
         coherence = self.response("H1", input_noise=0.5, output_noise=0.8).coherence[5:-5]
         expected = 1 / (1 + 0.5**2) / (1 + 0.8**2 / 4)
@@ -214,6 +249,22 @@ class TestUncertainty:
         lower, upper = errors.band(response)
         np.testing.assert_allclose(upper - response.magnitude, 1.96 * errors.magnitude * response.magnitude)
         assert np.all(lower >= 0)
+
+    def test_scatter_of_estimates_against_a_reference_is_as_predicted(self):
+        """With noise on input and output, and another on what the reference cannot know of the input."""
+        found, predicted = [], []
+        settings = Welch("hamming", 0.5, 0.8)
+        for seed in range(150):
+            clean, other, on_input, on_output = (white(2000, 4 * seed + n) for n in range(4))
+            torque = clean + 0.5 * other
+            record = recorded(T0=clean, T=torque + 0.3 * on_input, t=2 * torque + on_output)
+            spectra = cross_spectra(record, settings)
+            response = estimate(spectra, "t", "T", reference="T0")
+            found.append(response.values[5:-5, 0, 0])
+            predicted.append(random_errors(spectra, response, "T0").magnitude[5:-5, 0, 0])
+        scatter = np.sqrt(np.mean(np.var(np.abs(found), axis=0))) / 2
+        assert np.mean(found).real == pytest.approx(2, rel=0.01)
+        assert np.mean(predicted) == pytest.approx(scatter, rel=0.1)
 
     def test_certainty_rests_on_what_an_input_does_on_its_own(self):
         T1, T2, noise = white(20_000, 1), white(20_000, 2), white(20_000, 3)

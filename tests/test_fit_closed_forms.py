@@ -1,7 +1,8 @@
 """Fits whose every number can be worked out by hand: one free inertia, straight lines in its logarithm.
 
 Each line says an inertia J_i and a lag of its own. Logarithms of model over test are then log(J_i / J) and, with a delay,
-the lag less 2 pi f d; both divided by sqrt((1 - c) / (2 c)) for a coherence c. That is linear in log J and in d.
+the lag less 2 pi f d; both divided by sqrt((1 - c) / (2 c)) for a coherence c. That is linear in log J and in d. The
+frequencies are no multiples of one step, so the lines are no neighbours in a window and share no errors.
 """
 
 from dataclasses import dataclass
@@ -13,10 +14,11 @@ from scipy import stats
 import torsionnet as tn
 from torsionnet.errors import UsageError
 from torsionnet.identification import Candidate, choose_model
+from torsionnet.identification.block import Block
 from torsionnet.identification.problem import Problem
 from torsionnet.response import Channel, FrequencyResponse
 
-F = np.array([1.0, 2.0, 3.0, 5.0, 8.0])
+F = np.array([1.0, 2.1, 3.4, 5.3, 8.2])
 INERTIA = np.array([1.9, 2.2, 2.05, 2.1, 1.8])
 LAG = np.array([0.02, -0.01, 0.05, 0.03, 0.08])
 COHERENCE = np.array([0.99, 0.6, 0.9, 0.3, 0.95])
@@ -97,8 +99,8 @@ class TestOneInertia:
 
     @pytest.mark.parametrize(("given", "taken"), [(1.0, 1 - 1e-6), (0.0, 1e-3)])
     def test_coherence_is_never_all_or_nothing(self, given, taken):
-        coherence = np.where(F == 3.0, given, 0.5)
-        weights = np.where(F == 3.0, 2 * taken / (1 - taken), 2.0)
+        coherence = np.where(F == F[2], given, 0.5)
+        weights = np.where(F == F[2], 2 * taken / (1 - taken), 2.0)
         expected = np.exp(weighted(np.log(INERTIA), weights) / np.sum(weights))
         assert fitted(measurements=measured(said(coherence=coherence))).values["J"] == pytest.approx(expected, rel=1e-9)
 
@@ -238,6 +240,15 @@ class Stub:
     correlation: np.ndarray | None
     shared: np.ndarray | None
 
+    under_noise, squares = Block.under_noise, Block.squares
+
+    @property
+    def count(self):
+        return 2 * len(self.frequencies)
+
+    def under_shared(self, backward, _values):
+        return 0 if self.shared is None else backward @ self.shared @ backward.T
+
 
 class TestUncertainty:
     """Of two measurements and a prior: sums of quadratic forms, block after block."""
@@ -249,7 +260,7 @@ class TestUncertainty:
     def problem(self, priors):
         blocks = Stub(np.ones(1), None, None), Stub(np.ones(2), self.NOISE, self.STEPS)
         none = np.zeros(1)
-        return Problem(("a",), none, none, none, priors, blocks, ())
+        return Problem(("a",), none, none, none, priors, blocks, (np.array([0]),) * 2)
 
     def whole(self, *parts):
         found = np.zeros((7, 7))
@@ -262,9 +273,11 @@ class TestUncertainty:
         expected = self.whole((first, np.eye(2)), (second, self.NOISE), (prior, np.eye(1)))
         np.testing.assert_allclose(self.problem({0: (1.0, 2.0)}).under_noise(self.BACKWARD), expected, rtol=1e-12)
 
-    def test_under_steps(self):
+    def test_under_shared(self):
         expected = self.whole((slice(2, 6), self.STEPS))
-        np.testing.assert_allclose(self.problem({0: (1.0, 2.0)}).under_steps(self.BACKWARD), expected, rtol=1e-12)
+        np.testing.assert_allclose(
+            self.problem({0: (1.0, 2.0)}).under_shared(self.BACKWARD, np.zeros(1)), expected, rtol=1e-12
+        )
 
     def test_effective_count(self):
         """Of n correlated values: n^2 over the sum of squared correlations."""

@@ -84,7 +84,7 @@ class TestPlan:
         assert (soft.label, soft.configuration, soft.band) == ("soft", "soft", (1, 25))
         assert soft.excluded == ((5, 6), (10, 11))
         assert (soft.delay, soft.gain, soft.settling, soft.model_output) == (False, False, 0, "")
-        assert soft.data.names == ("phi", "T")
+        assert soft.data.names == ("phi", "T", "T_set")
         assert soft.data.sampling_rate == 100
         assert (other.label, other.configuration, other.band) == ("other", "hard", None)
         assert (other.excluded, other.delay, other.gain) == (((7, 8),), True, False)
@@ -109,9 +109,7 @@ class TestPlan:
         assert found.measurements[0].settings == Welch("hamming", 2, 0.8)
 
 
-MEASUREMENT = (
-    "record, response, output, input, configuration, model_output, model_input, excitation, delay, gain, settling"
-)
+MEASUREMENT = "record, response, output, input, configuration, model_output, model_input, excitation, delay, gain, reference, settling, error"
 FAULTS = [
     ("torsionnet: 1", "torsionnet: 2", "the first entry of the file is torsionnet: 1"),
     ("per_configuration: true", "per_configuration: 1", "expected true or false, got 1"),
@@ -121,7 +119,9 @@ FAULTS = [
     ("[1, 0.5 N*m*s/rad]", "[1, k]", "expected a number with unit, got 'k'"),
     ("prior:", "pror:", 'unknown key "pror"; did you mean "prior"? a parameter has start, bounds, prior, per_configuration'),
     ("gain: true", "gian: true", f'unknown key "gian"; did you mean "gain"? known: {MEASUREMENT}, band, excluded, pulses'),
-    ("decimation: 2", "band: 2", 'unknown key "band"; known: preset, window, seconds, overlap, detrend, decimation'),
+    ("decimation: 2", "decimaton: 2", 'unknown key "decimaton"; did you mean "decimation"? known: preset, window, seconds, overlap, detrend, estimator, decimation'),
+    ("decimation: 2", "band: 2", 'unknown key "band"; frequencies are chosen in each measurement, as band: [0.5 Hz, 20 Hz]'),
+    ("decimation: 2", "to: 40", 'unknown key "to"; frequencies are chosen in each measurement, as band: [0.5 Hz, 20 Hz]'),
     ("decimation: 2", "preset: papre", 'no preset is named "papre"; there is paper'),
     ("overlap: 50 %", "overlap: 1", "overlap is a share from 0 to below 1, got 1.0"),
     ("excluded: [7 Hz, 8 Hz]", "excluded: [8 Hz, 7 Hz]", "a band goes from a lower to a higher frequency, got ['8 Hz', '7 Hz']"),

@@ -173,7 +173,11 @@ class TestTables:
             ("frequency [Hz],re a/M [rad/(N*m)],im a/M [rad/(N*m)]\n", "1:1", "no rows of numbers"),
             ("f [Hz],re a/M [rad],im a/M [rad]\n1,2,3\n", "1:1", 'the first column is "f"'),
             ("frequency [kHz],re a/M [1],im a/M [1]\n1,2,3\n", "1:1", '"kHz" is no unit of frequency'),
-            ("frequency [Hz],re a/M [rad/(N*m)]\n1,2\n", "1:1", "needs |a/M| and phase a/M, or re a/M and im a/M"),
+            (
+                "frequency [Hz],re a/M [rad/(N*m)]\n1,2\n",
+                "1:1",
+                "needs |a/M|, with phase a/M if there is one, or re a/M and im a/M",
+            ),
             ("frequency [Hz],re a/M [kg],im a/M [kg]\n1,2,3\n", "1:16", '"kg" is no unit of a/M'),
             ("frequency [Hz],|a/M| [dB re 1 rad/(N*m)],phase a/M [deg]\n1,2,3\n", "1:16", "is a level in dB"),
             ("frequency [Hz],|aM| [1],phase aM [deg]\n1,2,3\n", "1:16", "is not of the form output/input"),

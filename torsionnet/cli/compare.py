@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.cli.options import csv_option, json_option, model_options, plot_option
-from torsionnet.cli.record_options import Averaging, Reading, averaging_options, record_options
+from torsionnet.cli.record_options import Averaging, Reading, estimator_options, record_options
 from torsionnet.cli.terminal import print_json, print_table, wrote
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 @click.option("--model-output", metavar="NAME", help="Sensor of the model, if it has another name there.")
 @click.option("--model-input", metavar="NAME", help="Input or sensor of the model, if it has another name there.")
 @click.option("--excitation", metavar="INPUT", help="What drives the model, if it has several inputs.")
-@averaging_options
+@estimator_options
 @click.option("--from", "start", type=float, default=0.0, help="Lowest frequency in Hz.")
 @click.option("--to", "stop", type=float, help="Highest frequency in Hz.")
 @click.option("--angle", type=click.Choice(["rad", "deg"]), default="rad", show_default=True, help="Unit of angles.")

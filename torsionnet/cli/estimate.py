@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.cli.options import csv_option, json_option, output_file_option, plot_option
-from torsionnet.cli.record_options import Averaging, Reading, averaging_options, record_options
+from torsionnet.cli.record_options import Averaging, Reading, estimator_options, record_options
 from torsionnet.cli.terminal import message, print_json, print_table, wrote
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ RESPONSE_ENDINGS = (".uff", ".unv", ".mat", ".npz", ".csv")
 @record_options
 @click.option("--output", "outputs", metavar="CHANNEL", multiple=True, required=True, help="Repeatable.")
 @click.option("--input", "inputs", metavar="CHANNEL", multiple=True, required=True, help="Repeatable.")
-@averaging_options
+@estimator_options
 @click.option("--from", "start", type=float, default=0.0, help="Lowest frequency in Hz.")
 @click.option("--to", "stop", type=float, help="Highest frequency in Hz.")
 @click.option("--angle", type=click.Choice(["rad", "deg"]), default="rad", show_default=True, help="Unit of angles.")
@@ -49,6 +49,7 @@ def command(
     \b
     torsionnet estimate test.tdms --input T_T --output theta_1 --preset paper --angle deg --plot frf.png
     torsionnet estimate test.csv --input M1 --output phi --quantity phi=angle --unit phi=deg --csv frf.csv
+    torsionnet estimate test.npz --input T_T --output theta_1 --reference T_M_set --plot frf.png
     """  # noqa: D301
     from torsionnet.response import Conventions
 
@@ -89,9 +90,11 @@ def estimated(
 
     settings = averaging.settings()
     with progress("averaging", None) as advance:
-        measured = load_record(record, reading, (*outputs, *inputs), settings.seconds, advance)
+        measured = load_record(record, reading, (*outputs, *inputs, *averaging.references), settings.seconds, advance)
         band = (start, float("inf") if stop is None else stop)
-        response = estimate(measured, outputs, inputs, settings=settings, band=band)
+        response = estimate(
+            measured, outputs, inputs, averaging.estimator, settings, reference=averaging.references, band=band
+        )
     for note in response.notes:
         kind, _, text = note.partition(": ")
         if kind == "warning":

@@ -10,7 +10,7 @@ from torsionnet.cli.options import OutputFile, csv_option, json_option, output_f
 from torsionnet.cli.terminal import message, print_json, print_table, say, wrote
 
 if TYPE_CHECKING:
-    from torsionnet.identification import Fit
+    from torsionnet.identification import Fit, Ranking
     from torsionnet.identification.files import FitPlan
 
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 @click.option(
     "--profile", is_flag=True, help="Intervals by profile likelihood too: slower, and right where they are lopsided."
 )
+@click.option("--rank", is_flag=True, help="Rank which value, freed alone, would explain a misfit.")
 @output_file_option("Write the result as YAML.", (".yaml", ".yml"))
 @click.option(
     "--model", "model_file", type=OutputFile((".yaml", ".yml")), help="Write the model with the values found."
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 def command(
     file: str,
     profile: bool,
+    rank: bool,
     output_file: str | None,
     model_file: str | None,
     as_json: bool,
@@ -44,7 +46,7 @@ def command(
     torsionnet fit gears.yaml --plot fit.png -o result.yaml
     """  # noqa: D301
     from torsionnet.cli.progress import progress
-    from torsionnet.identification import identify
+    from torsionnet.identification import identify, rank_causes
     from torsionnet.identification.files import load_fit_plan
     from torsionnet.interchange import read_frequency_response
 
@@ -53,6 +55,7 @@ def command(
         _announce(plan)
         found = identify(plan.model, plan.measurements, plan.parameters, **plan.options)
         profiles = {name: found.profile(name) for name in found.values} if profile else {}
+        ranking = rank_causes(found) if rank else None
     for verdict in found.verdicts:
         message("warning", verdict)
     if csv_file:
@@ -71,11 +74,26 @@ def command(
         report.save(report.fit(found, conventions=Conventions(angle="deg")), plot_file)
         wrote(plot_file)
     if as_json:
-        print_json(_as_data(found, profiles, plan.true))
+        print_json({**_as_data(found, profiles, plan.true), **_ranking(ranking)})
     else:
         print_table(found.table(true=plan.true or None))
         for name, (low, high) in profiles.items():
             say(f"{name}: 95 % by profile likelihood from {low:.6g} to {high:.6g}")
+        if ranking is not None:
+            print_table(ranking.table())
+
+
+def _ranking(ranking: Ranking | None) -> dict[str, Any]:
+    from dataclasses import asdict
+
+    return {} if ranking is None else {"ranking": [asdict(one) for one in ranking.causes]}
+
+
+def _lack(found: Fit) -> dict[str, Any] | None:
+    from dataclasses import asdict
+
+    lack = found.lack_of_fit
+    return None if lack is None else {"rejected": lack.rejected, **asdict(lack)}
 
 
 def _announce(plan: FitPlan) -> None:
@@ -118,6 +136,7 @@ def _as_data(found: Fit, profiles: dict[str, tuple[float, float]], true: Any) ->
         "degrees_of_freedom": found.degrees_of_freedom,
         "aicc": found.aicc,
         "verdicts": list(found.verdicts),
+        "lack_of_fit": _lack(found),
         "notes": list(found.notes),
         "measurements": [
             {

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.cli.options import csv_option, json_option, plot_option
-from torsionnet.cli.record_options import Averaging, Reading, averaging_options, record_options
+from torsionnet.cli.record_options import Averaging, Reading, estimator_options, record_options
 from torsionnet.cli.terminal import message, print_json, print_table, say, wrote
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ METHODS = ("auto", "rational", "lscf", "peaks")
 @record_options
 @click.option("--output", "outputs", metavar="CHANNEL", multiple=True, required=True, help="Repeatable.")
 @click.option("--input", "inputs", metavar="CHANNEL", multiple=True, required=True, help="Repeatable.")
-@averaging_options
+@estimator_options
 @click.option("--from", "start", type=float, default=0.0, help="Lowest frequency in Hz.")
 @click.option("--to", "stop", type=float, help="Highest frequency in Hz; default: as far as the record can be used.")
 @click.option(

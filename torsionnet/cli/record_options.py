@@ -17,7 +17,7 @@ else:  # not generic before click 8.2
 
 F = TypeVar("F", bound=Callable[..., Any])
 PRESETS = ("paper",)
-ESTIMATORS = ("H1", "H2", "Hv", "Hs")
+ESTIMATORS = ("H1", "H2", "Hv", "Hs", "Hr")
 
 
 class Pair(PairType):
@@ -86,6 +86,7 @@ class Averaging:
     detrend: str | None = None
     decimation: int | None = None
     estimator: str | None = None
+    references: tuple[str, ...] = ()
 
     def settings(self) -> Welch:
         from torsionnet.signals.welch import PAPER, Welch  # loads numpy
@@ -127,11 +128,31 @@ def record_options(command: F) -> F:
     return _gathered(command, options, "reading", Reading)
 
 
+def estimator_options(command: F) -> F:
+    """Settings of Welch's method, and the estimator, as one argument ``averaging``."""
+    options = [
+        click.option(
+            "--estimator",
+            type=click.Choice(ESTIMATORS),
+            help="Default: Hr with --reference, else H2 with --preset paper, else H1.",
+        ),
+        click.option(
+            "--reference",
+            "references",
+            metavar="CHANNEL",
+            multiple=True,
+            help="For Hr: the set-point, or what else drives the input and is free of its noise. Repeatable.",
+        ),
+    ]
+    for option in reversed(options):
+        command = option(command)
+    return averaging_options(command)
+
+
 def averaging_options(command: F) -> F:
     """Settings of Welch's method as one argument ``averaging``."""
     options = [
         click.option("--preset", type=click.Choice(PRESETS), help="Start from these settings; paper: Galvagno (2015)."),
-        click.option("--estimator", type=click.Choice(ESTIMATORS), help="Default: H1; H2 with --preset paper."),
         click.option("--window", help="Name of a window.  [default: hamming]"),
         click.option(
             "--seconds", type=click.FloatRange(0, min_open=True), help="Length of a segment in s.  [default: 2]"
@@ -153,7 +174,7 @@ def _gathered(command: F, options: Sequence[Callable[[Any], Any]], name: str, cl
 
     @functools.wraps(command)
     def gathering(*args: Any, **kwargs: Any) -> Any:
-        own = {key: kwargs.pop(key) for key in cls.__dataclass_fields__}
+        own = {key: kwargs.pop(key) for key in cls.__dataclass_fields__ if key in kwargs}
         return command(*args, **{name: cls(**own)}, **kwargs)
 
     wrapped: Any = gathering

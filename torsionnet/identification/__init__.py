@@ -3,7 +3,9 @@
 from torsionnet.identification.choosing import Candidate, Choice, choose_model
 from torsionnet.identification.fit import Compared, Fit
 from torsionnet.identification.fitting import identify
+from torsionnet.identification.lack_of_fit import Explanation, LackOfFit, Misfit
 from torsionnet.identification.measurement import Measurement
+from torsionnet.identification.ranking import RankedCause, Ranking, rank_causes
 from torsionnet.identification.saving import load_fit
 from torsionnet.identification.unknown import Unknown
 
@@ -11,10 +13,16 @@ __all__ = [
     "Candidate",
     "Choice",
     "Compared",
+    "Explanation",
     "Fit",
+    "LackOfFit",
     "Measurement",
+    "Misfit",
+    "RankedCause",
+    "Ranking",
     "Unknown",
     "choose_model",
     "identify",
     "load_fit",
+    "rank_causes",
 ]

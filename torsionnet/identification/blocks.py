@@ -1,25 +1,23 @@
-"""Residuals of one measurement, weighted, with exact derivatives.
-
-Complex lines become real vectors [Re, Im], divided by what noise alone would do to them. Lines next to each other share
-noise, since windows smear it: weights do not use that (the noise of an encoder is not quite what theory says), but the
-uncertainties of a fit do.
-"""
+"""Blocks of a fit from measurements: which lines are compared, and by which route."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
-
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
+from torsionnet.identification.block import Block
+from torsionnet.identification.forms import Form
+from torsionnet.identification.instrument import instrument_of
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.memory import check_memory
-from torsionnet.identification.operator import WindowedEstimate, windowed_estimate
+from torsionnet.identification.operator import windowed_estimate
+from torsionnet.identification.record_block import RecordBlock
+from torsionnet.identification.remembered import remembered_estimate
+from torsionnet.identification.response_block import ResponseBlock, settled
+from torsionnet.identification.smoothing import smoothing
 from torsionnet.identification.steps import steps_covariance
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.frequency_response import Channel
@@ -29,232 +27,52 @@ from torsionnet.signals.estimators import estimate
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import PAPER, Welch
 
-LOWEST_COHERENCE, HIGHEST_COHERENCE = 1e-3, 1 - 1e-6
-SOURCE_ROUNDS = 5
 
-
-@dataclass(eq=False)
-class Block(ABC):
-    """One measurement against the model.
-
-    ``parameters`` of the model come first in the vectors handed in, then delay and gain where they are found along.
-    """
-
-    measurement: Measurement
-    response: ParametricResponse
-
-    @property
-    @abstractmethod
-    def frequencies(self) -> FloatArray:
-        """Lines compared, Hz."""
-
-    @property
-    @abstractmethod
-    def measured(self) -> ComplexArray:
-        """What the test says at the lines."""
-
-    @abstractmethod
-    def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        """What the model says (n_b,), and its derivatives (n_b, n)."""
-
-    @property
-    @abstractmethod
-    def deviations(self) -> FloatArray:
-        """Standard deviation of real and imaginary parts that noise alone makes, (2 n_b,)."""
-
-    @property
-    def correlation(self) -> FloatArray | None:
-        """Of the weighted residuals, (2 n_b, 2 n_b); None where they are independent."""
-        return None
-
-    @property
-    def shared(self) -> FloatArray | None:
-        """Covariance of the weighted residuals (2 n_b, 2 n_b) beyond noise, in no weight; None if there is none."""
-        return None
-
-    def residuals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Weighted model minus test (2 n_b,), and derivatives (2 n_b, n)."""
-        predicted, slopes = self.predicted(values)
-        size = self.deviations
-        return _parts(predicted - self.measured) / size, _parts(slopes) / size[:, None]
-
-    @abstractmethod
-    def take_noise(self, other: Block, left: float) -> None:
-        """Weigh as another fit of the same measurement does; ``left`` is its reduced chi squared."""
-
-    @property
-    def extra(self) -> tuple[str, ...]:
-        """Names of what is found along, after the parameters."""
-        asked = (("delay", self.measurement.delay), ("gain", self.measurement.gain))
-        return tuple(name for name, wanted in asked if wanted)
-
-    def _distorted(self, values: FloatArray, f: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        """Model with delay and gain of the channel, (n_f,), and derivatives (n_f, n)."""
-        count = len(self.response.names)
-        found = self.response.at(values[:count])
-        G, slopes = found.values[:, 0, 0], found.jacobian[:, 0, 0]
-        extra = dict(zip(self.extra, values[count:], strict=True))
-        turn = -2j * np.pi * f
-        channel = extra.get("gain", 1.0) * np.exp(turn * extra.get("delay", 0.0))
-        columns = [slopes * channel[:, None]]
-        if "delay" in extra:
-            columns.append((turn * G * channel)[:, None])
-        if "gain" in extra:
-            columns.append((G * channel / extra["gain"])[:, None])
-        return np.asarray(G * channel), np.concatenate(columns, axis=1)
-
-
-def _parts(values: ComplexArray | FloatArray) -> FloatArray:
-    return np.concatenate([values.real, values.imag])
-
-
-@dataclass(eq=False)
-class RecordBlock(Block):
-    """A record, by the same-estimator route."""
-
-    windowed: WindowedEstimate
-    kept: NDArray[np.bool_]
-    steps: FloatArray
-    covariance: FloatArray = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.covariance = self._part(self.windowed.output_covariance())
-
-    @property
-    def frequencies(self) -> FloatArray:
-        return np.asarray(self.windowed.frequencies[self.kept])
-
-    @property
-    def measured(self) -> ComplexArray:
-        return np.asarray(self.windowed.measured[self.kept])
-
-    def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        G, slopes = self._distorted(values, self.windowed.fine)
-        estimate_of = self.windowed.predicted(np.column_stack([G, slopes]))[self.kept]
-        return estimate_of[:, 0], estimate_of[:, 1:]
-
-    @property
-    def deviations(self) -> FloatArray:
-        return np.asarray(np.sqrt(np.diag(self.covariance)))
-
-    @property
-    def correlation(self) -> FloatArray:
-        size = self.deviations
-        return np.asarray(self.covariance / np.outer(size, size))
-
-    @property
-    def shared(self) -> FloatArray | None:
-        size = self.deviations
-        return np.asarray(self.steps / np.outer(size, size))
-
-    def learn_noise(self, values: FloatArray) -> None:
-        """Take what the model leaves unexplained in the output as noise of the two sensors."""
-        G, _ = self._distorted(values, self.windowed.fine)
-        level = self.windowed.unexplained(G)[self.kept]
-        on_output, on_input = two_sources(level, np.abs(self.measured) ** 2)
-        self.covariance = on_output * self._part(self.windowed.output_covariance())
-        if on_input:
-            self.covariance = self.covariance + on_input * self._part(self.windowed.input_covariance(G))
-
-    def take_noise(self, other: Block, left: float) -> None:
-        del left
-        assert isinstance(other, RecordBlock)
-        self.covariance = other.covariance
-
-    def _part(self, whole: FloatArray) -> FloatArray:
-        """Of the lines compared."""
-        lines = np.flatnonzero(self.kept)
-        both = np.concatenate([lines, len(self.windowed.frequencies) + lines])
-        return np.asarray(whole[np.ix_(both, both)])
-
-
-@dataclass(eq=False)
-class ResponseBlock(Block):
-    """An estimated response; its lines count as independent."""
-
-    data: FrequencyResponse
-    form: str
-    noise: FloatArray = field(init=False)
-
-    def __post_init__(self) -> None:
-        size = self.data.magnitude[:, 0, 0]
-        self.noise = size**2
-        if self.data.coherence is not None:
-            coherence = np.clip(self.data.coherence[:, 0, 0], LOWEST_COHERENCE, HIGHEST_COHERENCE)
-            self.noise = size**2 * (1 - coherence) / (2 * coherence)
-
-    @property
-    def frequencies(self) -> FloatArray:
-        return self.data.frequencies
-
-    @property
-    def measured(self) -> ComplexArray:
-        return np.asarray(self.data.values[:, 0, 0])
-
-    def predicted(self, values: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-        return self._distorted(values, self.frequencies)
-
-    def residuals(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        if self.form == "complex":
-            return super().residuals(values)
-        predicted, slopes = self.predicted(values)
-        ratio, relative = np.log(predicted / self.measured), slopes / predicted[:, None]
-        size = np.sqrt(self.noise) / np.abs(self.measured)
-        return _parts(ratio / size), _parts(relative / size[:, None])
-
-    @property
-    def deviations(self) -> FloatArray:
-        return np.tile(np.sqrt(self.noise), 2)
-
-    def take_noise(self, other: Block, left: float) -> None:
-        assert isinstance(other, ResponseBlock)
-        self.noise = other.noise * left
-
-
-def two_sources(level: FloatArray, gain: FloatArray) -> tuple[float, float]:
-    """Noise power of a sensor on the output, and of one on the input seen through the response, that fit a level best.
-
-    One number each for all lines: the level of a single line rests on the few windows in which the sweep passes it,
-    and weights made of that alone would favour lines that happen to agree.
-
-    >>> [round(share, 2) for share in two_sources(np.array([1.2, 2.8, 5.1]), np.array([0.0, 1.0, 2.0]))]
-    [1.18, 1.82]
-    """
-    tiny = np.finfo(float).tiny
-    found, columns = np.maximum(level, tiny), np.column_stack([np.ones_like(gain), gain])
-    shares = np.zeros(2)
-    for _ in range(SOURCE_ROUNDS):
-        rows = columns / found[:, None]
-        scale = np.maximum(rows.max(axis=0), tiny)
-        shares = nnls(rows / scale, level / found)[0] / scale
-        found = np.maximum(columns @ shares, tiny)
-    return max(float(shares[0]), tiny if not shares.any() else 0.0), float(shares[1])
-
-
-def make_block(model: Drivetrain, measurement: Measurement, parameters: tuple[str, ...], form: str) -> Block:
+def make_block(model: Drivetrain, measurement: Measurement, parameters: tuple[str, ...], form: Form) -> Block:
     """The block of one measurement.
 
     Raises
     ------
     UsageError
-        Names that model or data lack, unlike units, no line in the band.
+        Names that model or data lack, unlike units, no line in the band, or a record that takes too much memory.
     """
     rig = model.configured(measurement.configuration) if measurement.configuration else model
     data = measurement.data
-    if isinstance(data, FrequencyResponse):
-        chosen = _chosen_lines(data.select(measurement.output, measurement.input), measurement)
-        response = _response(rig, measurement, chosen.frequencies, parameters, (chosen.outputs[0], chosen.inputs[0]))
-        return ResponseBlock(measurement, response, chosen, form)
+    if isinstance(data, Recording):
+        return _of_record(rig, measurement, data, parameters, form)
+    return _of_response(rig, measurement, data, parameters, form)
+
+
+def _of_record(
+    rig: Drivetrain, measurement: Measurement, data: Recording, parameters: tuple[str, ...], form: Form
+) -> Block:
     settings = measurement.settings or default_settings(data, measurement.band)
     band = measurement.band or _usable_band(data, measurement, settings)
     check_memory(measurement.label, data, settings, band)
-    windowed = windowed_estimate(data, measurement.output, measurement.input, settings, band, measurement.settling)
+    names, instrument = (measurement.output, measurement.input), instrument_of(rig, measurement, data, settings)
+    windowed = windowed_estimate(data, *names, settings, band, measurement.settling, instrument)
     kept = _kept(windowed.frequencies, measurement)
-    units = tuple(Channel(name, data[name].unit) for name in (measurement.output, measurement.input))
+    units = tuple(Channel(name, data[name].unit) for name in names)
     response = _response(rig, measurement, windowed.fine, parameters, (units[0], units[1]))
-    rows = windowed.rows.only(kept)
-    steps = steps_covariance(data, measurement.output, measurement.input, windowed.record, rows)
-    return RecordBlock(measurement, response, windowed, kept, steps)
+    steps = steps_covariance(data, *names, windowed.record, windowed.rows.only(kept))
+    return RecordBlock(measurement, response, windowed, kept, steps, form=form)
+
+
+def _of_response(
+    rig: Drivetrain, measurement: Measurement, data: FrequencyResponse, parameters: tuple[str, ...], form: Form
+) -> Block:
+    chosen = _chosen_lines(data.select(measurement.output, measurement.input), measurement)
+    form = form if chosen.has_phase else "magnitude"
+    ends = chosen.outputs[0], chosen.inputs[0]
+    remembered = remembered_estimate(chosen) if measurement.error is None else None
+    if remembered is not None:
+        windowed, kept, steps = remembered
+        response = _response(rig, measurement, windowed.fine, parameters, ends)
+        given = np.asarray(chosen.values[:, 0, 0])
+        return RecordBlock(measurement, response, windowed, kept, steps, form=form, given=given)
+    smooth = smoothing(chosen.frequencies, chosen.estimation) if chosen.estimation else None
+    response = _response(rig, measurement, smooth.fine if smooth else chosen.frequencies, parameters, ends)
+    return ResponseBlock(measurement, response, chosen, smooth, form=form)
 
 
 def default_settings(record: Recording, band: tuple[float, float] | None = None) -> Welch:
@@ -270,17 +88,14 @@ def _usable_band(data: Recording, measurement: Measurement, settings: Welch) -> 
 
 
 def _chosen_lines(data: FrequencyResponse, measurement: Measurement) -> FrequencyResponse:
-    from dataclasses import replace
-
-    low, high = measurement.band or (0.0, data.usable_up_to or np.inf)
+    low, high = measurement.band or (settled(data), data.usable_up_to or np.inf)
     inside = (data.frequencies >= low) & (data.frequencies <= high) & (data.frequencies > 0)
     kept = inside & np.isfinite(data.values[:, 0, 0]) & (data.values[:, 0, 0] != 0)
     for start, stop in measurement.excluded:
         kept &= (data.frequencies < start) | (data.frequencies > stop)
     if not kept.any():
         raise UsageError(_empty(data.frequencies, measurement))
-    coherence = None if data.coherence is None else data.coherence[kept]
-    return replace(data, frequencies=data.frequencies[kept], values=data.values[kept], coherence=coherence)
+    return data.at_lines(kept)
 
 
 def _kept(frequencies: FloatArray, measurement: Measurement) -> NDArray[np.bool_]:

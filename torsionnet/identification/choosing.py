@@ -102,4 +102,7 @@ def choose_model(candidates: Mapping[str, Candidate], measurements: Measurement 
 
 def _distance(fit: Fit) -> float:
     """Sum of squares of model minus test over test."""
-    return sum(float(np.sum(np.abs(one.fitted / one.measured - 1) ** 2)) for one in fit.comparisons)
+    ratios = [
+        one.fitted / one.measured if one.has_phase else np.abs(one.fitted / one.measured) for one in fit.comparisons
+    ]
+    return sum(float(np.sum(np.abs(ratio - 1) ** 2)) for ratio in ratios)

@@ -18,11 +18,12 @@ from torsionnet.files.decoding import decode
 from torsionnet.files.located import Document, compose
 from torsionnet.files.placing import placed, presentable
 from torsionnet.identification.blocks import default_settings
+from torsionnet.identification.instrument import set_points
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.unknown import Unknown
 from torsionnet.response import FrequencyResponse
 from torsionnet.signals.decimation import factor_for
-from torsionnet.signals.files import read_recording
+from torsionnet.signals.files import channel_names, read_recording
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import PAPER, Welch
 from torsionnet.units import UnitError
@@ -35,6 +36,7 @@ SETTINGS: dict[str, Spec] = {
     "seconds": Value("length of a segment", "time", exclusive=True),
     "overlap": Value("share of a segment that the next one repeats", "1"),
     "detrend": Text("mean, linear or none"),
+    "estimator": Text("H1, H2 or Hr; by default Hr where there is a set-point, else H1"),
     "decimation": Count("keep every n-th sample; by default as many as the band needs", upper=100_000),
 }
 MEASUREMENT: dict[str, Spec] = {
@@ -48,12 +50,16 @@ MEASUREMENT: dict[str, Spec] = {
     "excitation": Text("what drives the model, if it has several inputs"),
     "delay": Flag("find a delay of the output's channel along"),
     "gain": Flag("find a gain of the output's channel along"),
+    "reference": Text("channel of the set-point; by default the model's input with _set"),
     "settling": Value("time at the start that is left out", "time"),
+    "error": Value("relative standard error of a response, instead of its coherence", "1", exclusive=True),
 }
 NEEDS = {"record": "either record or response"}
 BANDS = ("band", "excluded")
 LISTED = (*BANDS, "pulses")
 """Entries of a measurement that are more than one value."""
+RANGES = ("band", "from", "to", "start", "stop", "low", "high", "frequencies")
+"""What a range of frequencies may be looked for as; it belongs to a measurement."""
 PARAMETER = ("start", "bounds", "prior", "per_configuration")
 ReadResponse = Callable[[Path], FrequencyResponse]
 _HERTZ = Value("frequency", "frequency")
@@ -208,9 +214,16 @@ class _Reader:
                 except FieldError as error:
                     self.faults.append(error.fault.under(*path, key))
             elif key not in LISTED or path[0] != "measurements":
-                known = [*specs, *(LISTED if path[0] == "measurements" else ())]
-                self.faults.append(unknown_key(key, known, (*path, key), f"known: {', '.join(known)}"))
+                self.faults.append(self._unknown(key, specs, path))
         return values
+
+    def _unknown(self, key: Any, specs: Mapping[str, Spec], path: tuple[str, ...]) -> Fault:
+        known = [*specs, *(LISTED if path[0] == "measurements" else ())]
+        found = unknown_key(key, known, (*path, key), f"known: {', '.join(known)}")
+        if path[0] != "settings" or key not in RANGES:
+            return found
+        where = "frequencies are chosen in each measurement, as band: [0.5 Hz, 20 Hz]"
+        return replace(found, message=f'unknown key "{key}"; {where}')
 
     def _measurements(self, model: Drivetrain | None, settings: Welch | None) -> Iterator[Measurement]:
         for name, raw in self._table("measurements").items():
@@ -232,10 +245,11 @@ class _Reader:
                 continue
             key = "record" if "record" in raw else "response"
             pulses = self._pulses(raw.get("pulses"), (*path, "pulses"))
-            data = self._data(key, values.pop(key), (values["output"], values["input"]), pulses, path)
+            names = [values[name] for name in ("output", "input", "reference") if name in values]
+            data = self._data(key, values.pop(key), names, pulses, model, path)
             if data is not None:
                 more = {**values, "configuration": configuration, **bands}
-                chosen = self._chosen(settings, data, bands.get("band")) if key == "record" else None
+                chosen = self._chosen(settings, data, bands.get("band")) if isinstance(data, Recording) else None
                 yield Measurement(data, name=str(name), settings=chosen, **more)
 
     def _chosen(self, settings: Welch | None, record: Recording, band: tuple[float, float] | None) -> Welch:
@@ -289,8 +303,14 @@ class _Reader:
         return {str(name): float(steps) for name, steps in raw.items()}
 
     def _data(
-        self, key: str, file: str, names: tuple[str, str], pulses: Mapping[str, float], path: tuple[str, ...]
-    ) -> Any:
+        self,
+        key: str,
+        file: str,
+        names: list[str],
+        pulses: Mapping[str, float],
+        model: Drivetrain | None,
+        path: tuple[str, ...],
+    ) -> FrequencyResponse | Recording | None:
         target = self.folder / file
         if not target.is_file():
             beside = [entry.name for entry in self.folder.iterdir()] if self.folder.is_dir() else []
@@ -300,7 +320,9 @@ class _Reader:
         try:
             if key == "response":
                 return self.read_response(target)
-            return read_recording(target, names=list(dict.fromkeys(names)), pulses=pulses)
+            there = channel_names(target)
+            offered = [name for name in set_points(model) if name in there] if model else []
+            return read_recording(target, names=list(dict.fromkeys([*names, *offered])), pulses=pulses)
         except ModelError as error:
             self.faults += [Fault(f"{file}: {fault.message}", (*path, key)) for fault in error.faults]
         except UsageError as error:

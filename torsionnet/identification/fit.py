@@ -10,11 +10,19 @@ import numpy as np
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
+from torsionnet.identification.lack_of_fit import LackOfFit
+from torsionnet.identification.lack_words import lacking
+from torsionnet.identification.limits import at_limits
+from torsionnet.identification.natures import nature
+from torsionnet.identification.noise_bias import noise_bias
 from torsionnet.identification.problem import Problem
+from torsionnet.identification.search import Solution, variance
 from torsionnet.identification.words import verdicts
 from torsionnet.response import Column, Table
+from torsionnet.signals.recording import Recording
 
 SINGULAR = 1e-9
+EXTRA_UNITS = {"delay": "s", "gain": ""}
 HEAVY = 1e12
 """Variance of what is not determined at all, over that of what is."""
 
@@ -35,6 +43,8 @@ class Compared:
     misfit : float
         RMS of the weighted residuals: 1 where the model explains all but noise.
     unit : str
+    has_phase : bool
+        Whether the test has; else its values are magnitudes.
     """
 
     name: str
@@ -44,6 +54,7 @@ class Compared:
     deviation: FloatArray
     misfit: float
     unit: str
+    has_phase: bool = True
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +64,7 @@ class Fit:
     Attributes
     ----------
     values, standard_errors : mapping of str to float
-        SI; an infinite standard error says that the data do not determine the value.
+        SI; an infinite standard error says that the data do not determine the value, or that the model does not fit.
     correlation : (n, n) array
         In the order of ``values``.
     chi_squared : float
@@ -64,6 +75,8 @@ class Fit:
     verdicts : tuple of str
         Which values can be trusted, in words.
     notes : tuple of str
+    lack_of_fit : LackOfFit, optional
+        What the residuals hold beyond noise; none of a fit that was read from a file.
     """
 
     values: Mapping[str, float]
@@ -76,7 +89,9 @@ class Fit:
     notes: tuple[str, ...] = ()
     units: Mapping[str, str] = field(default_factory=dict)
     title: str = ""
+    lack_of_fit: LackOfFit | None = None
     problem: Problem | None = field(default=None, repr=False)
+    loss: str = "linear"
 
     def intervals(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
         """Confidence intervals from the standard errors, with Student's distribution."""
@@ -123,7 +138,7 @@ class Fit:
             if true is not None:
                 known = true.get(name)
                 low, high = intervals[name]
-                row += [known, "" if known is None else "yes" if low <= known <= high else "no"]
+                row += [known, "" if known is None or np.isinf(low) else "yes" if low <= known <= high else "no"]
             rows.append(tuple(row))
         return Table(self.title, tuple(columns), tuple(rows), (*self.verdicts, *self.notes))
 
@@ -137,38 +152,52 @@ class Fit:
         shown = ", ".join(f"{name} = {value:.4g}" for name, value in self.values.items())
         return f"<Fit {shown}>"
 
+    def _repr_html_(self) -> str:
+        return self.table().to_html()
 
-def make_fit(model: Drivetrain, problem: Problem, values: FloatArray, loss: str) -> Fit:
+
+def make_fit(model: Drivetrain, problem: Problem, found: Solution, loss: str, lack: LackOfFit | None = None) -> Fit:
     """Uncertainties and comparisons at the optimum.
 
     The covariance is that of weighted least squares under correlated noise, A J^T R J A with A = (J^T J)^-1 and the
-    correlation R of the residuals, times the reduced chi squared; what the steps of sensors do comes on top.
+    correlation R of the residuals, times the reduced chi squared; what the steps of sensors do comes on top, and the
+    bias that noise makes. Of a model that does not fit they would be those of wrong values, so they are infinite. The
+    noise of records is known from their windows: that lines happen to agree better is no proof of less.
     """
+    plain_names = {name: name.partition("[")[0] for name in problem.names}
+    natures = {plain: nature(model, plain) for plain in plain_names.values()}
+    values, limits = at_limits(problem, found.x, natures)
     residuals, slopes = problem.both(values)
     free = problem.effective_count - len(values)
-    factor = float(residuals @ residuals) / max(len(residuals) - len(values), 1)
-    scale = 1 / np.linalg.norm(slopes, axis=0)
+    left_over = variance(residuals, len(values), loss, found.scale)
+    factor = max(left_over, 1.0) if problem.noise_is_measured and loss == "linear" else left_over
+    reach = np.linalg.norm(slopes, axis=0)
+    scale = 1 / np.where(reach > 0, reach, 1.0)  # what does nothing where the search ended is not determined
     left, sizes, turned = np.linalg.svd(slopes * scale, full_matrices=False)
     lost = sizes < SINGULAR * sizes[0]
     backward = (turned.T / np.where(lost, np.inf, sizes)) @ left.T
-    inverse = problem.under_noise(backward) + problem.under_steps(backward) / max(factor, np.finfo(float).tiny)
+    inverse = problem.under_noise(backward) + problem.under_shared(backward, values) / max(factor, np.finfo(float).tiny)
     covariance = factor * inverse * np.outer(scale, scale)
     undetermined = (np.abs(turned[lost]) > np.sqrt(SINGULAR)).any(axis=0)
     errors = np.where(undetermined, np.inf, np.sqrt(np.diag(covariance)))
     correlation = _correlation(inverse, turned[lost])
-    names = problem.names
+    names, moved = problem.names, noise_bias(problem, values)
+    told = verdicts(problem, values, errors, correlation, turned[lost], moved, limits)
+    withheld = np.inf if lack is not None and lack.rejected else 0.0
     return Fit(
         values=dict(zip(names, values.tolist(), strict=True)),
-        standard_errors=dict(zip(names, errors.tolist(), strict=True)),
+        standard_errors=dict(zip(names, (np.hypot(errors, moved) + withheld).tolist(), strict=True)),
         correlation=correlation,
         chi_squared=float(residuals @ residuals),
         degrees_of_freedom=max(int(free), 1),
         comparisons=tuple(_compared(problem, number, values) for number in range(len(problem.blocks))),
-        verdicts=verdicts(problem, values, errors, correlation, turned[lost]),
-        notes=_notes(problem, loss, factor),
-        units=_units(model, names),
+        verdicts=(*lacking(lack), *limits.values(), *told),
+        notes=_notes(problem, loss, left_over, scaled=factor == left_over and not withheld),
+        units={name: EXTRA_UNITS.get(plain, natures[plain].unit) for name, plain in plain_names.items()},
         title=f"Fit of {model.name}",
+        lack_of_fit=lack,
         problem=problem,
+        loss=loss,
     )
 
 
@@ -192,6 +221,7 @@ def _compared(problem: Problem, number: int, values: FloatArray) -> Compared:
         deviation=np.hypot(size[:count], size[count:]) / np.sqrt(2),
         misfit=float(np.sqrt(np.mean(residual**2))),
         unit=_response_unit(block.response.question.outputs[0].unit, block.response.question.measured[0].unit),
+        has_phase=isinstance(block.measurement.data, Recording) or block.measurement.data.has_phase,
     )
 
 
@@ -199,19 +229,9 @@ def _response_unit(output: str, into: str) -> str:
     return "1" if output == into else f"{output}/({into})" if "*" in into else f"{output}/{into}"
 
 
-def _notes(problem: Problem, loss: str, factor: float) -> tuple[str, ...]:
-    labels = [f"{block.measurement.label} ({len(block.frequencies)} lines)" for block in problem.blocks]
+def _notes(problem: Problem, loss: str, factor: float, *, scaled: bool) -> tuple[str, ...]:
+    labels = [f"{block.measurement.label} ({block.described})" for block in problem.blocks]
+    by = ", by which the errors are scaled" if scaled else ""
     robust = "" if loss == "linear" else f", robust loss {loss}"
-    return (f"from {', '.join(labels)}{robust}; reduced chi squared {factor:.3g}, by which the errors are scaled",)
-
-
-def _units(model: Drivetrain, names: tuple[str, ...]) -> dict[str, str]:
-    from torsionnet.parameters import dimensions
-
-    known, _ = dimensions(model.parameter_definitions)
-    found = {}
-    for name in names:
-        plain = name.partition("[")[0]
-        dimension = known.get(plain)
-        found[name] = {"delay": "s", "gain": "1"}.get(plain, str(dimension) if dimension else "")
-    return found
+    first = f"from {', '.join(labels)}{robust}; reduced chi squared {factor:.3g}{by}"
+    return (first, *filter(None, (block.remark for block in problem.blocks)))

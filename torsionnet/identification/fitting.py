@@ -3,41 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from dataclasses import replace
+from typing import Literal, TypeAlias
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import SolveError, UsageError, did_you_mean
+from torsionnet.identification.explaining import explanations, too_coarse
 from torsionnet.identification.fit import Fit, make_fit
+from torsionnet.identification.forms import FORMS
+from torsionnet.identification.lack_of_fit import LackOfFit, misfits
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.problem import Problem, make_problem
+from torsionnet.identification.search import Solution, solved, steps, weights
 from torsionnet.identification.unknown import Unknown, read_unknowns
 from torsionnet.threads import one_thread
 
 Loss: TypeAlias = Literal["linear", "soft_l1", "huber", "cauchy"]
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
-FORMS = ("complex", "log")
-TOLERANCE = 1e-12
 ROUNDS = 3
 """Times that a fit of records learns its noise anew; it hardly changes after the first."""
 SETTLED = 1e-3
-MOST_CALLS = 500
 IDLE = 1e-10
 """Effect, over the data, below which a parameter does nothing to them."""
-
-
-@dataclass(frozen=True)
-class Solution:
-    """Where a search ended."""
-
-    x: FloatArray
-    cost: float
-    converged: bool
-    message: str
 
 
 @one_thread()
@@ -46,7 +36,7 @@ def identify(
     measurements: Measurement | Sequence[Measurement],
     parameters: str | Sequence[str] | Mapping[str, Unknown | float | None],
     *,
-    residual: Literal["complex", "log"] = "complex",
+    residual: Literal["complex", "log", "magnitude"] = "complex",
     loss: Loss = "linear",
     starts: int = 1,
     seed: int = 0,
@@ -60,11 +50,12 @@ def identify(
         Each names the configuration it was made in; parameters are shared unless they are free per configuration.
     parameters : str, sequence of str, or mapping
         Names of parameters or ``element.field``; in a mapping with a start value in SI or an :class:`Unknown`.
-    residual : {"complex", "log"}, optional
-        Of responses that are given as such: difference of the complex values, or of log magnitude and phase. Both are
-        weighted by the coherence where there is one, else relative to the magnitude. Records take the complex one.
+    residual : {"complex", "log", "magnitude"}, optional
+        Difference of the complex values, of log magnitude and phase, or of log magnitude alone, which is all that
+        responses without a phase have. Responses are weighted by the error stated or by the coherence where there is
+        one, else relative to the magnitude.
     loss : {"linear", "soft_l1", "huber", "cauchy"}, optional
-        Robust ones give less weight to lines that are far off.
+        Robust ones give less weight to lines that are far off, by the scale of most of them.
     starts : int, optional
         From so many start values, the others drawn within the bounds (a decade about the first where there are none).
     seed : int, optional
@@ -101,49 +92,39 @@ def identify(
         raise UsageError(msg)
     problem = make_problem(model, listed, read_unknowns(parameters), residual)
     _check_information(problem)
-    best = min((_solved(problem, start, loss) for start in _starts(problem, starts, seed)), key=lambda one: one.cost)
+    best = min((solved(problem, start, loss) for start in _starts(problem, starts, seed)), key=lambda one: one.cost)
     for _ in range(ROUNDS if problem.has_records else 0):
         before = best.x
         problem.learn_noise(before)
-        best = _solved(problem, before, loss)
+        best = solved(problem, before, loss)
         if _moved(before, best.x) < SETTLED:
             break
     if not best.converged or not np.isfinite(best.cost):
         msg = f"the fit does not converge: {best.message}; try other start values, bounds, or starts=10"
         raise SolveError(msg)
-    return make_fit(model, problem, best.x, loss)
+    return _judged(model, problem, best, loss)
+
+
+def _judged(model: Drivetrain, problem: Problem, best: Solution, loss: Loss) -> Fit:
+    """The fit; of a model that does not, by the noise there is instead of the misfit, with what would explain it."""
+    lack = LackOfFit(misfits(problem, best.x, weights(problem.residuals(best.x), loss, best.scale)))
+    if not lack.rejected:
+        return make_fit(model, problem, best, loss, lack)
+    problem.take_measured_noise(best.x)
+    best = solved(problem, best.x, loss)
+
+    def solve(tried: Problem, start: FloatArray) -> Solution:
+        return solved(tried, start, loss)
+
+    def errors(tried: Problem, at: Solution) -> Mapping[str, float]:
+        return make_fit(model, tried, at, loss).standard_errors
+
+    found = explanations(problem, best.x, solve, errors)
+    return make_fit(model, problem, best, loss, replace(lack, explanations=found, doubts=too_coarse(problem)))
 
 
 def _moved(before: FloatArray, after: FloatArray) -> float:
     return float(np.max(np.abs(after - before) / np.maximum(np.abs(before), 1e-300)))
-
-
-def _solved(problem: Problem, start: FloatArray, loss: str) -> Solution:
-    """A local optimum; one that cannot be calculated has an infinite cost."""
-    chosen: Any = loss
-    try:
-        found = least_squares(
-            problem.residuals,
-            start,
-            jac=problem.jacobian,
-            bounds=(problem.lower, problem.upper),
-            x_scale=_scale(problem, start),
-            loss=chosen,
-            xtol=TOLERANCE,
-            ftol=TOLERANCE,
-            gtol=TOLERANCE,
-            max_nfev=MOST_CALLS,
-        )
-    except SolveError as error:
-        return Solution(start, np.inf, converged=False, message=str(error))
-    return Solution(np.asarray(found.x), float(found.cost), converged=bool(found.success), message=str(found.message))
-
-
-def _scale(problem: Problem, start: FloatArray) -> FloatArray:
-    """Steps in proportion to the values, and those of a delay to a tenth of the shortest period."""
-    top = max(float(block.frequencies[-1]) for block in problem.blocks)
-    extra = [0.1 / top if name.startswith("delay[") else 1.0 for name in problem.names]
-    return np.where(np.abs(start) > 0, np.abs(start), np.array(extra))
 
 
 def _starts(problem: Problem, count: int, seed: int) -> list[FloatArray]:
@@ -168,7 +149,7 @@ def _check_information(problem: Problem) -> None:
             f"{', '.join(problem.names)}; measure more, or fix some of them"
         )
         raise UsageError(msg)
-    reach = np.abs(slopes).max(axis=0) * _scale(problem, problem.start)
+    reach = np.abs(slopes).max(axis=0) * steps(problem, problem.start)
     seen = max(float(np.max(np.abs(block.measured)) / np.min(block.deviations)) for block in problem.blocks)
     idle = [name for name, size in zip(problem.names, reach, strict=True) if not size > IDLE * seen]
     if idle:
@@ -185,10 +166,10 @@ def refit_with_noise_of(other: Fit, model: Drivetrain, fit: Fit) -> Fit:
     """A fit again, from where it ended, with the noise that another fit of the same measurements left unexplained."""
     assert fit.problem is not None
     assert other.problem is not None
-    count = sum(2 * len(one.frequencies) for one in other.comparisons) - len(other.values)
+    count = sum(block.count for block in other.problem.blocks) - len(other.values)
     left = max(other.chi_squared / max(count, 1), np.finfo(float).tiny)
     for block, theirs in zip(fit.problem.blocks, other.problem.blocks, strict=True):
         block.take_noise(theirs, left)
     fit.problem.forget()
-    solution = _solved(fit.problem, np.array(list(fit.values.values())), "linear")
-    return make_fit(model, fit.problem, solution.x, "linear")
+    solution = solved(fit.problem, np.array(list(fit.values.values())), "linear")
+    return make_fit(model, fit.problem, solution, "linear", LackOfFit(misfits(fit.problem, solution.x)))

@@ -30,14 +30,21 @@ class Measurement:
     excluded : tuple of tuple of float, optional
         Bands in Hz that are left out.
     settings : Welch, optional
-        Of a record; by default those of the source paper's decimation if the rate is above 1 kHz.
+        Of a record; by default those of the source paper, its decimation if the rate is above 1 kHz. Of estimators H1,
+        H2 and Hr can be asked for.
     model_output, model_input, excitation : str, optional
     delay, gain : bool, optional
         Whether a delay (s) and a gain of the output's channel are found along with the parameters.
+    reference : str, optional
+        Signal of a record that drives the input and shares no noise with it, such as the exciter's set-point: noise on
+        the input then biases nothing. By default the channel named after the model's input with ``_set``, if there
+        is one and ``settings`` name no other estimator.
     settling : float, optional
         Seconds at the start of a record that are left out, where it does not begin at rest.
     name : str, optional
         By default the configuration.
+    error : float, optional
+        Relative standard error of a response, instead of what its coherence says: 0.05 is 5 % of every magnitude.
     """
 
     data: Recording | FrequencyResponse
@@ -52,16 +59,24 @@ class Measurement:
     excitation: str | None = None
     delay: bool = False
     gain: bool = False
+    reference: str = ""
     settling: float = 0.0
     name: str = ""
+    error: float | None = None
 
     def __post_init__(self) -> None:
         for low, high in (*([self.band] if self.band else ()), *self.excluded):
             if not (np.isfinite(low) and low >= 0 and high > low):
                 msg = f"a band goes from a frequency >= 0 to a higher one, in Hz, got {low}, {high}"
                 raise UsageError(msg)
-        if isinstance(self.data, FrequencyResponse) and (self.settings is not None or self.settling):
-            msg = "settings and settling belong to records; this is a response that has been estimated"
+        if isinstance(self.data, FrequencyResponse) and (self.settings or self.settling or self.reference):
+            msg = "settings, settling and reference belong to records; this is a response that has been estimated"
+            raise UsageError(msg)
+        if self.error is not None and not (np.isfinite(self.error) and self.error > 0):
+            msg = f"a relative standard error is a number above 0, got {self.error}"
+            raise UsageError(msg)
+        if self.error is not None and isinstance(self.data, Recording):
+            msg = "an error belongs to a response that has been estimated; a record shows its noise itself"
             raise UsageError(msg)
 
     @property

@@ -32,6 +32,11 @@ class Demand:
     passing: float
     lines: int
 
+    @property
+    def most(self) -> float:
+        """At the highest."""
+        return self.kept + self.passing
+
 
 def demand(record: Recording, settings: Welch, band: tuple[float, float]) -> Demand:
     """What a record takes whose lines in a band are compared, within a factor of two."""
@@ -60,8 +65,8 @@ def check_memory(label: str, record: Recording, settings: Welch, band: tuple[flo
         With what takes less.
     """
     found = demand(record, settings, band)
-    if found.kept + found.passing > MOST:
-        size = (found.kept + found.passing) / 1e9
+    if found.most > MOST:
+        size = found.most / 1e9
         msg = (
             f"{label}: comparing {found.lines} lines from {band[0]:g} to {band[1]:g} Hz takes {size:.1f} GB of memory; "
             "give a narrower band or shorter windows (seconds)"

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.errors import UsageError
+from torsionnet.identification.instrument import Instrument, without_background
 from torsionnet.identification.segments import SegmentRows, Segments
 from torsionnet.signals.blocks import check_processable
 from torsionnet.signals.decimation import decimate
@@ -26,20 +27,26 @@ REACH = 2.0
 
 @dataclass(frozen=True, eq=False)
 class WindowedEstimate:
-    """H1 of a record at some lines, and how it follows from a transfer function.
+    """Estimate of a record at some lines, and how it follows from a transfer function.
 
     Attributes
     ----------
     frequencies : (n_b,) array
         Lines of the estimate, Hz.
     measured : (n_b,) complex array
-        H1 of the record.
+        Estimate of the record: the lines of all segments of the output, multiplied by those of the instrument and added
+        up, over the same of the input.
     fine : (n_f,) array
         Frequencies at which the transfer function is needed, Hz.
     drive : (n_f,) complex array
         Spectrum of the input there, of the record and as many zeros after it.
     rows : SegmentRows
-        H1 = rows @ output, for the samples of the (decimated) output.
+        Estimate = rows @ output, for the samples of the (decimated) output.
+    instrument : Instrument
+    power : (n_b,) complex array
+        The sum over the segments of the input.
+    background : (n_b,) bool array
+        Whether squared noise of the instrument is in that sum.
     """
 
     frequencies: FloatArray
@@ -50,6 +57,9 @@ class WindowedEstimate:
     record: Recording
     output: str
     input: str
+    instrument: Instrument
+    power: ComplexArray
+    background: NDArray[np.bool_]
 
     def predicted(self, G: ComplexArray) -> ComplexArray:
         """Estimate of the output predicted by G (n_f,) or several of them (n_f, n_p)."""
@@ -57,7 +67,7 @@ class WindowedEstimate:
         return np.stack(columns, axis=1).reshape(-1, *G.shape[1:])
 
     def output_covariance(self) -> FloatArray:
-        """Of real and imaginary parts of H1 (2 n_b, 2 n_b), for unit white noise on the output."""
+        """Of real and imaginary parts of the estimate (2 n_b, 2 n_b), for unit white noise on the output."""
         return self.rows.covariance()
 
     def input_covariance(self, G: ComplexArray) -> FloatArray:
@@ -71,14 +81,17 @@ class WindowedEstimate:
     def unexplained(self, G: ComplexArray) -> FloatArray:
         """Mean square of the lines of measured minus predicted output, over that of unit white noise, (n_b,).
 
-        Segments count by the power of the input in them: in a sweep a line is measured while the sweep passes it, and
+        Segments count as they do in the estimate: in a sweep a line is measured while the sweep passes it, and
         what an encoder's steps do then is not what they do at other times.
         """
-        rest = _from_rest(self.record, self.output) - self._passed(G)
-        noise, drive = (
-            np.abs(self.rows.segments.lines(values)) ** 2 for values in (rest, _from_rest(self.record, self.input))
-        )
+        rest, _ = self.apart(G)
+        noise, drive = np.abs(self.rows.segments.lines(rest)) ** 2, np.abs(self.rows.weights) ** 2
         return np.asarray((noise * drive).sum(axis=0) / drive.sum(axis=0) / self.rows.squares)
+
+    def apart(self, G: ComplexArray) -> tuple[FloatArray, FloatArray]:
+        """Measured minus predicted output, and predicted output, (n,)."""
+        predicted = self._passed(G)
+        return _from_rest(self.record, self.output) - predicted, predicted
 
     @property
     def _first(self) -> int:
@@ -94,7 +107,13 @@ class WindowedEstimate:
 
 
 def windowed_estimate(
-    recording: Recording, output: str, input: str, settings: Welch, band: tuple[float, float], settling: float = 0.0
+    recording: Recording,
+    output: str,
+    input: str,
+    settings: Welch,
+    band: tuple[float, float],
+    settling: float = 0.0,
+    instrument: Instrument | None = None,
 ) -> WindowedEstimate:
     """Prepare the route for one record.
 
@@ -104,13 +123,22 @@ def windowed_estimate(
         Begins at rest, or ``settling`` seconds of its start are left out of the estimate.
     output, input : str
     settings : Welch
-        Its estimator is taken to be H1, which noise on the output (an encoder's steps) leaves unbiased.
+        Its estimator does not count here.
     band : tuple of float
         Lowest and highest line, Hz.
     settling : float, optional
         s.
+    instrument : Instrument, optional
+        H1 as in Welch's method if left out.
+
+    Raises
+    ------
+    UsageError
+        The record is too short or cannot be processed, the band has no lines, or the input does not follow the
+        reference.
     """
-    chosen = recording.select([output, input])
+    instrument = instrument or Instrument("H1", input, plain=True)
+    chosen = recording.select(dict.fromkeys([output, input, instrument.signal]))
     check_processable(chosen)
     record = decimate(chosen, settings.decimation)
     rate, step = record.sampling_rate, settings.step(recording.sampling_rate / settings.decimation)
@@ -123,7 +151,13 @@ def windowed_estimate(
             f"the record of {record.duration:g} s is too short for one window of {settings.seconds:g} s after settling"
         )
         raise UsageError(msg)
-    rows = SegmentRows(segments, X.conj() / (np.abs(X) ** 2).sum(axis=0), len(x))
+    instrument, R = instrument.lines(X, lambda name: segments.lines(_from_rest(record, name)))
+    if instrument.is_clean or instrument.plain:
+        background = np.full(len(bins), not instrument.is_clean)
+    else:
+        R, background = without_background(R)
+    power = (R.conj() * X).sum(axis=0)
+    rows = SegmentRows(segments, R.conj() / power, len(x))
     n = _padded(len(x))
     top = min(rate / 2, REACH * float(bins[-1]) / settings.samples(rate) * rate + 20 * rate / settings.samples(rate))
     fine = np.arange(1, int(top * n / rate))
@@ -136,6 +170,9 @@ def windowed_estimate(
         record=record,
         output=output,
         input=input,
+        instrument=instrument,
+        power=power,
+        background=background,
     )
 
 

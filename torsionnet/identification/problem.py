@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +12,14 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
-from torsionnet.identification.blocks import Block, RecordBlock, make_block
+from torsionnet.identification.block import Block
+from torsionnet.identification.blocks import make_block
 from torsionnet.identification.measurement import Measurement
+from torsionnet.identification.natures import nature
+from torsionnet.identification.record_block import RecordBlock, two_sources
 from torsionnet.identification.unknown import Unknown
 
-EXTRAS = {"delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (0.0, np.inf), "1")}
+EXTRAS = {"delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (0.0, np.inf), "")}
 
 
 @dataclass(eq=False)
@@ -67,15 +71,36 @@ class Problem:
     _known: tuple[bytes, tuple[FloatArray, FloatArray]] | None = field(default=None, init=False, repr=False)
 
     def learn_noise(self, values: FloatArray) -> None:
-        """Let records take as noise what the model leaves unexplained."""
+        """Let records take as noise what the model leaves unexplained; the same sensors have the same in all tests."""
+        records = [
+            (block, values[place])
+            for block, place in zip(self.blocks, self.places, strict=True)
+            if isinstance(block, RecordBlock)
+        ]
+        for sensors in dict.fromkeys(block.sensors for block, _ in records):
+            alike = [(block, mine) for block, mine in records if block.sensors == sensors]
+            levels, gains = zip(*(block.unexplained(mine) for block, mine in alike), strict=True)
+            sources = two_sources(np.concatenate(levels), np.concatenate(gains))
+            for block, mine in alike:
+                block.take_sources(mine, *sources)
+        self.forget()
+
+    def take_measured_noise(self, values: FloatArray) -> None:
+        """Let measurements take the noise there is, whatever the model leaves."""
         for block, place in zip(self.blocks, self.places, strict=True):
-            if isinstance(block, RecordBlock):
-                block.learn_noise(values[place])
+            noise = block.measured_noise(values[place])
+            if noise is not None:
+                block.take_measured_noise(noise)
         self.forget()
 
     @property
     def has_records(self) -> bool:
         return any(isinstance(block, RecordBlock) for block in self.blocks)
+
+    @property
+    def noise_is_measured(self) -> bool:
+        """Whether the size of all noise is known from windows, and not only how it is shared out over the lines."""
+        return all(isinstance(block, RecordBlock) and any(block.sources) for block in self.blocks)
 
     def forget(self) -> None:
         """After the noise of a block has changed."""
@@ -84,36 +109,30 @@ class Problem:
     def under_noise(self, backward: FloatArray) -> FloatArray:
         """Covariance of backward (n, n_residuals) @ residuals; measurements and priors are independent."""
         total, start = np.zeros((len(backward), len(backward))), 0
-        for correlation, count in self._correlations:
-            part = backward[:, start : start + count]
-            total += part @ part.T if correlation is None else part @ correlation @ part.T
-            start += count
+        for block in self.blocks:
+            total += block.under_noise(backward[:, start : start + block.count])
+            start += block.count
+        return total + backward[:, start:] @ backward[:, start:].T
+
+    def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
+        """Covariance of backward (n, n_residuals) @ residuals by errors that lines share, as of a sensor's steps."""
+        total, start = np.zeros((len(backward), len(backward))), 0
+        for block, place in zip(self.blocks, self.places, strict=True):
+            total += block.under_shared(backward[:, start : start + block.count], values[place])
+            start += block.count
         return total
 
-    def under_steps(self, backward: FloatArray) -> FloatArray:
-        """Covariance of backward (n, n_residuals) @ residuals that steps of sensors add."""
-        total, start = np.zeros((len(backward), len(backward))), 0
-        for block in self.blocks:
-            count, shared = 2 * len(block.frequencies), block.shared
-            if shared is not None:
-                part = backward[:, start : start + count]
-                total += part @ shared @ part.T
-            start += count
-        return total
+    @property
+    def spans(self) -> tuple[slice, ...]:
+        """Where the residuals of every block stand."""
+        ends = np.cumsum([0, *(block.count for block in self.blocks)]).tolist()
+        return tuple(slice(begin, end) for begin, end in pairwise(ends))
 
     @property
     def effective_count(self) -> float:
         """Number of independent values that the correlated residuals are worth."""
-        pairs = list(self._correlations)
-        squares = sum(count if one is None else float(np.sum(one**2)) for one, count in pairs)
-        return float(sum(count for _, count in pairs) ** 2 / squares)
-
-    @property
-    def _correlations(self) -> Iterator[tuple[FloatArray | None, int]]:
-        for block in self.blocks:
-            yield block.correlation, 2 * len(block.frequencies)
-        if self.priors:
-            yield None, len(self.priors)
+        count = sum(block.count for block in self.blocks) + len(self.priors)
+        return float(count**2 / (sum(block.squares for block in self.blocks) + len(self.priors)))
 
     @property
     def lines(self) -> int:
@@ -135,7 +154,16 @@ def make_problem(
         twice = sorted({label for label in labels if labels.count(label) > 1})
         msg = f"several measurements are called {', '.join(twice)}; give them names"
         raise UsageError(msg)
-    blocks = [make_block(model, measurement, tuple(unknowns), form) for measurement in measurements]
+    return laid_out(model, [make_block(model, one, tuple(unknowns), form) for one in measurements], unknowns)
+
+
+def laid_out(
+    model: Drivetrain,
+    blocks: Sequence[Block],
+    unknowns: Mapping[str, Unknown],
+    known: Mapping[str, float] | None = None,
+) -> Problem:
+    """One vector for blocks and unknowns, beginning at values that are ``known`` by the names of its entries."""
     entries: dict[str, tuple[float, tuple[float, float]]] = {}
     priors: dict[str, tuple[float, float]] = {}
     places: list[list[str]] = []
@@ -153,8 +181,9 @@ def make_problem(
             mine.append(entry)
             entries[entry] = EXTRAS[extra][:2]
         places.append(mine)
+    entries |= {entry: (value, entries[entry][1]) for entry, value in (known or {}).items() if entry in entries}
     order = {entry: index for index, entry in enumerate(entries)}
-    limits = np.array([bounds for _, bounds in entries.values()])
+    limits = np.array([bounds for _, bounds in entries.values()]).reshape(-1, 2)
     return Problem(
         names=tuple(entries),
         start=np.array([start for start, _ in entries.values()]),
@@ -162,7 +191,7 @@ def make_problem(
         upper=limits[:, 1],
         priors={order[entry]: prior for entry, prior in priors.items()},
         blocks=tuple(blocks),
-        places=tuple(np.array([order[entry] for entry in mine]) for mine in places),
+        places=tuple(np.array([order[entry] for entry in mine], dtype=np.intp) for mine in places),
         unknowns=dict(unknowns),
     )
 
@@ -170,8 +199,14 @@ def make_problem(
 def _begin(model: Drivetrain, name: str, unknown: Unknown, value: float) -> tuple[float, tuple[float, float]]:
     start = value if unknown.start is None else unknown.start
     stated = model.parameter_definitions[name].bounds if name in model.parameter_definitions else None
-    bounds = unknown.bounds or stated or ((0.0, np.inf) if start > 0 else (-np.inf, np.inf))
+    bounds = unknown.bounds or stated or natural_bounds(model, name, start)
     if not bounds[0] <= start <= bounds[1]:
         msg = f"{name} begins at {start:g}, outside its bounds {bounds[0]:g} to {bounds[1]:g}"
         raise UsageError(msg)
     return start, bounds
+
+
+def natural_bounds(model: Drivetrain, name: str, start: float) -> tuple[float, float]:
+    """What a value can be by nature; where that says nothing, one that begins above 0 stays there."""
+    lower, upper = nature(model, name).bounds
+    return (lower, upper) if np.isfinite(lower) or start <= 0 else (0.0, upper)

@@ -29,6 +29,8 @@ def profile_interval(fit: Fit, name: str, level: float) -> tuple[float, float]:
     if name not in fit.values:
         msg = f'no parameter of the fit is named "{name}"{did_you_mean(name, fit.values)}'
         raise UsageError(msg)
+    if fit.lack_of_fit is not None and fit.lack_of_fit.rejected:
+        return -np.inf, np.inf
     profile = _Profile(fit, name, level)
     return profile.end(-1), profile.end(+1)
 

@@ -33,6 +33,7 @@ def dump_fit(fit: Fit, path: str | os.PathLike[str] | None = None) -> str:
     lines.append("measurements:" if fit.comparisons else "measurements: []")
     for one in fit.comparisons:
         lines += [f"  - name: {written(one.name)}", f"    unit: {written(one.unit)}", f"    misfit: {one.misfit!r}"]
+        lines += [] if one.has_phase else ["    has_phase: false"]
         columns = {
             "frequencies": one.frequencies,
             "measured_real": one.measured.real,
@@ -108,11 +109,12 @@ def _compared(entry: dict[str, Any]) -> Compared:
         column["deviation"],
         _float(entry["misfit"]),
         str(entry["unit"]),
+        bool(entry.get("has_phase", True)),
     )
 
 
 def _float(value: Any) -> float:
-    return {".inf": math.inf, ".nan": math.nan}.get(value, math.nan) if isinstance(value, str) else float(value)
+    return float(value.removeprefix(".")) if isinstance(value, str) else float(value)
 
 
 def _array(values: Any) -> Any:

@@ -56,9 +56,14 @@ def steps_covariance(record: Recording, output: str, input: str, coarse: Recordi
     (2 n_b, 2 n_b) array
         Zero where the sensor has no steps, or the input is no sine that is swept.
     """
-    step, none = step_of(record[output].values), np.zeros((2 * len(rows.segments.bins),) * 2)
-    if not step or len(swept(record, output, input)[0]) < 2:  # noqa: PLR2004
-        return none
+    is_swept = len(swept(record, output, input)[0]) > 1
+    return covariance_of_steps(step_of(record[output].values) if is_swept else 0.0, coarse, output, rows)
+
+
+def covariance_of_steps(step: float, coarse: Recording, output: str, rows: SegmentRows) -> FloatArray:
+    """The same where the step is known; 0 if there is none."""
+    if not step:
+        return np.zeros((2 * len(rows.segments.bins),) * 2)
     motion = coarse[output].values - coarse[output].values.mean()
     amplitude = np.abs(hilbert(motion)) / step
     errors = np.where(amplitude > LEAST, gain_errors(np.maximum(amplitude, LEAST)), 0.0) * motion

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from itertools import combinations
 
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.identification.leakage import narrow_peaks
+from torsionnet.identification.noise_bias import biased
 from torsionnet.identification.problem import Problem
 
 ALIKE = 0.95
@@ -19,15 +21,23 @@ AT_BOUND = 1e-6
 
 
 def verdicts(
-    problem: Problem, values: FloatArray, errors: FloatArray, correlation: FloatArray, lost: FloatArray
+    problem: Problem,
+    values: FloatArray,
+    errors: FloatArray,
+    correlation: FloatArray,
+    lost: FloatArray,
+    moved: FloatArray,
+    ended: Collection[str] = (),
 ) -> tuple[str, ...]:
-    """Everything a reader of the values should know."""
+    """Everything a reader of the values should know; of those that have ``ended`` at a limit that is said elsewhere."""
     return (
         *_combinations(problem, lost),
         *_alike(problem, errors, correlation),
-        *_vague(problem, values, errors),
-        *_bounds(problem, values),
+        *_vague(problem, values, errors, ended),
+        *_bounds(problem, values, ended),
         *_odd(problem, values),
+        *biased(problem, values, errors, moved),
+        *narrow_peaks(problem, values),
     )
 
 
@@ -55,16 +65,20 @@ def _alike(problem: Problem, errors: FloatArray, correlation: FloatArray) -> Ite
             yield f"{pair} are indistinguishable {_where(problem)}: correlation {correlation[first, second]:.2f}"
 
 
-def _vague(problem: Problem, values: FloatArray, errors: FloatArray) -> Iterator[str]:
+def _vague(problem: Problem, values: FloatArray, errors: FloatArray, ended: Collection[str]) -> Iterator[str]:
     for name, value, error in zip(problem.names, values, errors, strict=True):
-        if np.isfinite(error) and error > VAGUE * abs(value) and not name.startswith("delay["):
+        if name not in ended and np.isfinite(error) and error > VAGUE * abs(value) and not name.startswith("delay["):
             yield f"{name} is hardly determined: {value:.3g} with a standard error of {error:.2g}"
 
 
-def _bounds(problem: Problem, values: FloatArray) -> Iterator[str]:
+def _bounds(problem: Problem, values: FloatArray, ended: Collection[str]) -> Iterator[str]:
     for name, value, low, high in zip(problem.names, values, problem.lower, problem.upper, strict=True):
         for bound in (low, high):
-            if np.isfinite(bound) and abs(value - bound) <= AT_BOUND * max(abs(value), abs(bound), 1e-300):
+            if (
+                name not in ended
+                and np.isfinite(bound)
+                and abs(value - bound) <= AT_BOUND * max(abs(value), abs(bound), 1e-300)
+            ):
                 yield f"{name} stands at its bound {bound:g}: its standard error means nothing there"
 
 
@@ -87,6 +101,7 @@ def relative_misfits(problem: Problem, values: FloatArray) -> FloatArray:
     """RMS of model minus test over RMS of test, of every measurement."""
     found = []
     for block, place in zip(problem.blocks, problem.places, strict=True):
-        apart = block.predicted(values[place])[0] - block.measured
+        predicted, measured = block.predicted(values[place])[0], block.measured
+        apart = np.abs(predicted) - np.abs(measured) if block.form == "magnitude" else predicted - measured
         found.append(np.sqrt(np.sum(np.abs(apart) ** 2) / np.sum(np.abs(block.measured) ** 2)))
     return np.array(found)

@@ -77,8 +77,11 @@ def lines_of(response: FrequencyResponse, settings: Settings) -> Lines:
     Raises
     ------
     UsageError
-        There are too few, they all hold nothing, or coherence is asked for where there is none.
+        There are too few, they all hold nothing or have no phase, or coherence is asked for where there is none.
     """
+    if not response.has_phase:
+        msg = "modes are fitted to complex responses; this one has magnitudes only"
+        raise UsageError(msg)
     powers = powers_of(response.outputs, response.inputs)
     low, high = settings.band or (0.0, response.usable_up_to or np.inf)
     chosen = response.between(low, high)

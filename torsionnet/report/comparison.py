@@ -123,11 +123,12 @@ def _responses(
     size.plot(f, model.magnitude[:, 0, 0] * scale, color=MODEL, linewidth=1.6, label="model")
     _points(size, f, test.magnitude[:, 0, 0] * scale, good, "test")
     calculated = unwrapped(model.values[:, 0, 0])
-    measured = calculated + (np.degrees(np.angle(test.values[:, 0, 0] / model.values[:, 0, 0])))
+    apart = np.degrees(np.angle(test.values[:, 0, 0] / model.values[:, 0, 0]))
+    measured = calculated + (apart if test.has_phase else np.nan)
     phase.plot(f, calculated, color=MODEL, linewidth=1.6)
     _points(phase, f, measured, good, "")
     reliable = measured[_is_usable(test) & good]
-    every = np.concatenate([calculated[np.isfinite(calculated)], reliable])
+    every = np.concatenate([curve[np.isfinite(curve)] for curve in (calculated, reliable)])
     style.phase_ticks(phase, *((every.min(), every.max()) if every.size else (-180.0, 0.0)))
     phase.set_ylabel("phase [deg]")
     if test.coherence is not None:

@@ -60,7 +60,7 @@ def fit(found: Fit, *, conventions: Conventions = SI, title: str | None = None) 
         row[0].set_ylabel(label)
     size = panels[0][0]
     style.log_ticks(size.yaxis, *size.get_ylim())
-    every = np.concatenate([_phase(one.measured) for one in shown])
+    every = np.concatenate([_phase(one.measured if one.has_phase else one.fitted) for one in shown])
     style.phase_ticks(panels[1][0], float(every.min()), float(every.max()))
     above, below = size.get_legend_handles_labels(), panels[2][0].get_legend_handles_labels()
     handles, names = above[0] + below[0], above[1] + below[1]
@@ -99,12 +99,16 @@ def _column(panels: list[Axes], one: Compared, conventions: Conventions) -> None
     test = {"color": style.PALETTE[1], "marker": "o", "markersize": 3.0, "linestyle": "none"}
     size.plot(f, np.abs(one.measured) * scale, label="test", **test)  # type: ignore[arg-type]
     size.plot(f, np.abs(one.fitted) * scale, label="model, estimated alike", color=style.PALETTE[0], linewidth=1.4)
-    phase.plot(f, _phase(one.measured), **test)  # type: ignore[arg-type]
     phase.plot(f, _phase(one.fitted), color=style.PALETTE[0], linewidth=1.4)
-    rest = (one.measured - one.fitted) / one.deviation
     left.axhspan(-2, 2, color=style.FAINT, alpha=0.6, linewidth=0)
-    left.plot(f, rest.real, color=style.PALETTE[2], marker=".", linewidth=0.8, label="residual, real part")
-    left.plot(f, rest.imag, color=style.PALETTE[3], marker=".", linewidth=0.8, label="imaginary part")
+    if one.has_phase:
+        phase.plot(f, _phase(one.measured), **test)  # type: ignore[arg-type]
+        rest = (one.measured - one.fitted) / one.deviation
+        left.plot(f, rest.real, color=style.PALETTE[2], marker=".", linewidth=0.8, label="residual, real part")
+        left.plot(f, rest.imag, color=style.PALETTE[3], marker=".", linewidth=0.8, label="imaginary part")
+    else:
+        larger = (np.abs(one.measured) - np.abs(one.fitted)) / one.deviation
+        left.plot(f, larger, color=style.PALETTE[2], marker=".", linewidth=0.8, label="residual of the magnitude")
     size.set_yscale("log")
     size.set_title(one.name, fontsize=style.FONT)
     left.set_xlabel(f"frequency [{conventions.frequency}]")

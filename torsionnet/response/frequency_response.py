@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from torsionnet.errors import UsageError, did_you_mean
 from torsionnet.response.conventions import SI, Conventions
+from torsionnet.response.estimation import Estimation
 from torsionnet.response.table import Column, Table
 
 if TYPE_CHECKING:
@@ -54,6 +55,10 @@ class FrequencyResponse:
         Provenance and remarks.
     usable_up_to : float, optional
         Hz; of an estimate: above, the motion was too small for the steps of its sensor, or folds in decimation.
+    estimation : Estimation, optional
+        How it was estimated from records.
+    has_phase : bool
+        False where only magnitudes are known; the values are then real.
     """
 
     frequencies: FloatArray
@@ -65,6 +70,8 @@ class FrequencyResponse:
     coherence: FloatArray | None = None
     notes: tuple[str, ...] = ()
     usable_up_to: float | None = None
+    estimation: Estimation | None = None
+    has_phase: bool = True
 
     @property
     def magnitude(self) -> FloatArray:
@@ -73,8 +80,8 @@ class FrequencyResponse:
 
     @property
     def phase(self) -> FloatArray:
-        """Phase in degrees, -180 to 180, shape (n_f, n_out, n_in); negative when the output lags."""
-        return np.degrees(np.angle(self.values))
+        """Phase in degrees, -180 to 180, shape (n_f, n_out, n_in); negative when the output lags, NaN if unknown."""
+        return np.degrees(np.angle(self.values)) if self.has_phase else np.full(self.values.shape, np.nan)
 
     def decibels(self, conventions: Conventions = SI) -> FloatArray:
         """20 log10 of the magnitude in the unit shown over the dB reference."""
@@ -134,7 +141,10 @@ class FrequencyResponse:
         >>> tn.load("dmf_rig").frequency_response("theta_1", "T_M", [1, 2, 3, 4]).between(2, 3).frequencies.tolist()
         [2.0, 3.0]
         """
-        kept = (self.frequencies >= start) & (self.frequencies <= stop)
+        return self.at_lines((self.frequencies >= start) & (self.frequencies <= stop))
+
+    def at_lines(self, kept: NDArray[np.bool_]) -> FrequencyResponse:
+        """Only the frequencies that ``kept`` (n_f,) marks."""
         return replace(
             self,
             frequencies=self.frequencies[kept],
@@ -164,7 +174,10 @@ class FrequencyResponse:
         steps = np.array([ORDERS[unit] - ORDERS[channel.unit] for channel in self.outputs])
         with np.errstate(divide="ignore", invalid="ignore"):
             values = np.asarray(self.values * (s**steps)[:, :, None], dtype=np.complex128)
-        return replace(self, values=values, outputs=tuple(Channel(channel.name, unit) for channel in self.outputs))
+        values = values if self.has_phase else np.abs(values).astype(np.complex128)
+        estimation = None if self.estimation is None else replace(self.estimation, record=None)
+        outputs = tuple(Channel(channel.name, unit) for channel in self.outputs)
+        return replace(self, values=values, outputs=outputs, estimation=estimation)
 
     def dynamic_stiffness(self) -> FrequencyResponse:
         """Torque per angle: the inverse of the receptance *matrix* at every frequency.
@@ -179,11 +192,15 @@ class FrequencyResponse:
             size = f"{len(self.outputs)} x {len(self.inputs)}"
             msg = f"dynamic stiffness is the inverse of a square receptance matrix; this one is {size}"
             raise UsageError(msg)
+        if not self.has_phase and len(self.inputs) > 1:
+            msg = "a matrix of magnitudes without phases cannot be inverted; select one output and one input"
+            raise UsageError(msg)
         if not np.isfinite(receptance.values).all():
             msg = "the receptance is not finite at some frequency; leave that frequency out"
             raise UsageError(msg)
         values: ComplexArray = np.linalg.inv(receptance.values).astype(np.complex128)
-        return replace(receptance, values=values, outputs=receptance.inputs, inputs=receptance.outputs, coherence=None)
+        outputs, inputs = receptance.inputs, receptance.outputs
+        return replace(receptance, values=values, outputs=outputs, inputs=inputs, coherence=None, estimation=None)
 
     def response_amplitude(self, input_amplitudes: Any, conventions: Conventions = SI) -> FloatArray:
         """Amplitude (n_f, n_out) of the response to harmonic inputs of *peak* amplitude (n_in,) or (n_f, n_in).
@@ -196,14 +213,17 @@ class FrequencyResponse:
         return np.asarray(response * scales * conventions.amplitude_scale)
 
     def table(self, conventions: Conventions = SI) -> Table:
-        """Frequency, magnitude and phase of every pair, and coherence where there is one."""
+        """Frequency, magnitude, phase if it is known, and coherence where there is one, of every pair."""
         columns = [Column("frequency", conventions.frequency)]
         data: list[FloatArray] = [self.frequencies * conventions.frequency_scale]
         for o, out in enumerate(self.outputs):
             for i, into in enumerate(self.inputs):
                 label = f"{out.name}/{into.name}"
-                columns += [Column(f"|{label}|", self.unit(o, i, conventions)), Column(f"phase {label}", "deg")]
-                data += [self.magnitude[:, o, i] * self.scale(conventions, o, i), self.phase[:, o, i]]
+                columns.append(Column(f"|{label}|", self.unit(o, i, conventions)))
+                data.append(self.magnitude[:, o, i] * self.scale(conventions, o, i))
+                if self.has_phase:
+                    columns.append(Column(f"phase {label}", "deg"))
+                    data.append(self.phase[:, o, i])
                 if self.coherence is not None:
                     columns.append(Column(f"coherence {label}", "1"))
                     data.append(self.coherence[:, o, i])

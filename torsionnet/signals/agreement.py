@@ -30,11 +30,13 @@ def agreement(test: FrequencyResponse, model: FrequencyResponse, conventions: Co
         ("largest response of the test", float(peaks[0][0]), float(peaks[0][1] * scale), unit),
         ("largest response of the model", float(peaks[1][0]), float(peaks[1][1] * scale), unit),
     ]
-    for what, values, name in (("magnitude", decibels, "dB"), ("phase", degrees, "deg")):
+    compared = [("magnitude", decibels, "dB"), ("phase", degrees, "deg")][: 2 if test.has_phase else 1]
+    for what, values, name in compared:
         worst = int(np.abs(values).argmax())
         rows.append((f"largest difference in {what}", float(f[worst]), float(values[worst]), name))
         rows.append((f"RMS difference in {what}", None, float(np.sqrt(np.mean(values**2))), name))
-    rows.append(("FRAC", None, float(frac(*picked)[0, 0]), "1"))
+    if test.has_phase:
+        rows.append(("FRAC", None, float(frac(*picked)[0, 0]), "1"))
     columns = (Column("test against model"), Column("at", "Hz", 4), Column("value", "", 4), Column("unit"))
     span = f"over {len(f)} lines from {f[0]:g} to {f[-1]:g} Hz with coherence of {LEAST_COHERENCE:g} or more"
     usable = f"the test can be used up to {limit:.4g} Hz" if test.usable_up_to is not None else ""

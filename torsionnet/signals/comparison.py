@@ -22,7 +22,7 @@ class Difference:
     decibels : (n_f, n_out, n_in) array
         Positive where the first is larger.
     degrees : (n_f, n_out, n_in) array
-        -180 to 180; positive where the first leads.
+        -180 to 180; positive where the first leads; NaN where one has no phase.
     """
 
     frequencies: FloatArray
@@ -49,7 +49,9 @@ def difference(first: FrequencyResponse, second: FrequencyResponse) -> Differenc
     _check_comparable(first, second)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = first.values / second.values
-        return Difference(first.frequencies, 20 * np.log10(np.abs(ratio)), np.degrees(np.angle(ratio)))
+        known = first.has_phase and second.has_phase
+        degrees = np.degrees(np.angle(ratio)) if known else np.full(ratio.shape, np.nan)
+        return Difference(first.frequencies, 20 * np.log10(np.abs(ratio)), degrees)
 
 
 def frac(first: FrequencyResponse, second: FrequencyResponse) -> FloatArray:
@@ -59,6 +61,9 @@ def frac(first: FrequencyResponse, second: FrequencyResponse) -> FloatArray:
     lower it: look at the difference in dB too.
     """
     _check_comparable(first, second)
+    if not (first.has_phase and second.has_phase):
+        msg = "the assurance criterion compares complex responses; one of these has magnitudes only"
+        raise UsageError(msg)
     common = np.abs(np.einsum("foi,foi->oi", first.values.conj(), second.values)) ** 2
     sizes = [np.einsum("foi,foi->oi", r.values.conj(), r.values).real for r in (first, second)]
     with np.errstate(divide="ignore", invalid="ignore"):

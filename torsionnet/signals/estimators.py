@@ -11,18 +11,23 @@ from numpy.typing import NDArray
 
 from torsionnet.errors import UsageError, did_you_mean
 from torsionnet.response import FrequencyResponse
+from torsionnet.response.estimation import Estimation
 from torsionnet.signals import transfer_matrices
 from torsionnet.signals.advice import remarks
 from torsionnet.signals.blocks import Recordings
+from torsionnet.signals.decimation import decimate
+from torsionnet.signals.origin import averaging, remembering
 from torsionnet.signals.recording import FloatArray, Recording
 from torsionnet.signals.resolution import Watch, limited
 from torsionnet.signals.spectra import cross_spectra
 from torsionnet.signals.spectral_matrix import ComplexArray, CrossSpectra
 from torsionnet.signals.welch import Welch
 
-Estimator: TypeAlias = Literal["H1", "H2", "Hv", "Hs"]
+Estimator: TypeAlias = Literal["H1", "H2", "Hv", "Hs", "Hr"]
 Names: TypeAlias = str | Sequence[str]
 INSEPARABLE = 0.01
+LEAST_DRIVEN = 0.2
+"""Share of an input's power that a reference explains, below which it can hardly be one."""
 
 
 def estimate(
@@ -32,6 +37,7 @@ def estimate(
     estimator: str | None = None,
     settings: Welch | None = None,
     noise_ratio: float | None = None,
+    reference: Names = (),
     band: tuple[float, float] | None = None,
 ) -> FrequencyResponse:
     """Transfer functions with coherence, from averaged spectra.
@@ -42,15 +48,19 @@ def estimate(
         As for :func:`~torsionnet.signals.spectra.cross_spectra`, or its result.
     output, input : str or sequence of str
         Names of signals. Several inputs must not be proportional to each other.
-    estimator : {"H1", "H2", "Hv", "Hs"}, optional
+    estimator : {"H1", "H2", "Hv", "Hs", "Hr"}, optional
         ``H1`` for noise on the outputs, ``H2`` for noise on the inputs, ``Hs`` for noise on both in the proportion
-        ``noise_ratio``. ``Hv`` is ``Hs`` with a noise ratio of 1, whose meaning depends on the units (SI here). By
-        default that of the settings.
+        ``noise_ratio``. ``Hv`` is ``Hs`` with a noise ratio of 1, whose meaning depends on the units (SI here).
+        ``Hr``, the one taken where there is a ``reference``, for noise on both of any size. By default that of the
+        settings, or ``H1``.
     settings : Welch, optional
     noise_ratio : float, optional
         Of ``Hs``: spectral density of the output's noise over that of each input's noise, in the squared SI units.
         If left out, of one input, the two are taken to be equally noisy in proportion to their size: the
         geometric mean of H1 and H2, independent of units.
+    reference : str or sequence of str, optional
+        Of ``Hr``: signals that drive the inputs and share no noise with them, such as the set-point of the exciter;
+        as many as there are inputs, or more.
     band : (float, float), optional
         Lowest and highest frequency in Hz that are kept and judged; all by default.
 
@@ -68,27 +78,34 @@ def estimate(
     >>> response.unit(), round(float(response.magnitude.max()), 6), round(float(response.coherence.min()), 6)
     ('rad/(N*m)', 0.01, 1.0)
     """
-    outputs, inputs = _listed(output), _listed(input)
+    outputs, inputs, references = _listed(output), _listed(input), _listed(reference)
     watch = Watch(outputs, inputs[0], (settings or Welch()).seconds) if inputs else None
-    spectra = _spectra(measured, (*outputs, *inputs), settings, watch)
-    chosen = _check(estimator or spectra.settings.estimator, outputs, inputs, noise_ratio)
+    spectra, records = _spectra(measured, (*outputs, *inputs, *references), settings, watch)
+    asked = estimator or ("Hr" if references else spectra.settings.estimator) or "H1"
+    chosen = _check(asked, outputs, inputs, references, noise_ratio)
     s_xx, s_xy = spectra.between(inputs, inputs), spectra.between(inputs, outputs)
     s_yy = spectra.between(outputs, outputs)
+    if chosen == "Hr":
+        values = transfer_matrices.hr(spectra.between(references, inputs), spectra.between(references, outputs))
+    else:
+        values = _values(chosen, s_xx, s_xy, s_yy, noise_ratio)
     response = FrequencyResponse(
         frequencies=spectra.frequencies,
-        values=_values(chosen, s_xx, s_xy, s_yy, noise_ratio),
+        values=values,
         outputs=tuple(spectra.channels[i] for i in spectra.indices(outputs)),
         inputs=tuple(spectra.channels[i] for i in spectra.indices(inputs)),
         title=spectra.title,
         coherence=transfer_matrices.ordinary_coherence(s_xx, s_xy, s_yy),
-        notes=(*spectra.notes, _provenance(chosen, spectra, noise_ratio)),
+        notes=(*spectra.notes, _provenance(chosen, spectra, noise_ratio, references)),
+        estimation=replace(_origin(chosen, spectra, outputs, inputs, records), references=references),
     )
     low, high = band or (0.0, np.inf)
     response = limited(response, watch, spectra.settings.decimation, high) if watch else response
     response = response.between(low, high)
     found = remarks(response, 1 / spectra.settings.seconds, judge_coherence=len(inputs) == 1)
-    asked = (spectra.frequencies >= low) & (spectra.frequencies <= high)
-    return replace(response, notes=(*response.notes, *_doubts(spectra, s_xx, asked), *found))
+    inside = (spectra.frequencies >= low) & (spectra.frequencies <= high)
+    doubts = (*_doubts(spectra, s_xx, inside), *_strangers(spectra, inputs, references))
+    return replace(response, notes=(*response.notes, *doubts, *found))
 
 
 def multiple_coherence(spectra: CrossSpectra, output: Names, input: Names) -> FloatArray:
@@ -105,18 +122,42 @@ def _listed(names: Names) -> tuple[str, ...]:
 
 def _spectra(
     measured: Recordings | CrossSpectra, names: tuple[str, ...], settings: Welch | None, watch: Watch | None
-) -> CrossSpectra:
+) -> tuple[CrossSpectra, tuple[Recording, Recording] | None]:
+    """Spectra, and of a record that is in memory as a whole what they were made of, before and after decimation."""
+    wanted, used = dict.fromkeys(names), settings or Welch()
+    if isinstance(measured, Recording):
+        fine = measured.select(wanted)
+        for _ in watch.passing([fine]) if watch else ():
+            pass
+        coarse = decimate(fine, used.decimation) if used.decimation > 1 else fine
+        return replace(cross_spectra(coarse, replace(used, decimation=1)), settings=used), (fine, coarse)
     if not isinstance(measured, CrossSpectra):
-        blocks = (measured,) if isinstance(measured, Recording) else measured
-        chosen = (block.select(dict.fromkeys(names)) for block in blocks)
-        return cross_spectra(watch.passing(chosen) if watch else chosen, settings)
+        chosen = (block.select(wanted) for block in measured)
+        return cross_spectra(watch.passing(chosen) if watch else chosen, used), None
     if settings is not None:
         msg = "spectra are averaged already; settings can only be given for a recording"
         raise UsageError(msg)
-    return measured
+    return measured, None
 
 
-def _check(estimator: str, outputs: Sequence[str], inputs: Sequence[str], noise_ratio: float | None) -> str:
+def _origin(
+    estimator: str,
+    spectra: CrossSpectra,
+    outputs: tuple[str, ...],
+    inputs: tuple[str, ...],
+    records: tuple[Recording, Recording] | None,
+) -> Estimation:
+    found = averaging(estimator, spectra)
+    return remembering(found, outputs, inputs[0], *records) if records and len(inputs) == 1 else found
+
+
+def _check(
+    estimator: str,
+    outputs: Sequence[str],
+    inputs: Sequence[str],
+    references: Sequence[str],
+    noise_ratio: float | None,
+) -> str:
     known = get_args(Estimator)
     if estimator not in known:
         msg = f'no estimator is named "{estimator}"{did_you_mean(estimator, known)}; there is {", ".join(known)}'
@@ -129,6 +170,12 @@ def _check(estimator: str, outputs: Sequence[str], inputs: Sequence[str], noise_
         raise UsageError(msg)
     if noise_ratio is not None and (estimator != "Hs" or not noise_ratio > 0):
         msg = f"a noise ratio is a positive number and belongs to Hs, got {noise_ratio} for {estimator}"
+        raise UsageError(msg)
+    if estimator == "Hr" and len(references) < len(inputs):
+        msg = f"Hr needs a reference for each input, such as the set-point: {len(references)} for {len(inputs)}"
+        raise UsageError(msg)
+    if references and estimator != "Hr":
+        msg = f"a reference belongs to Hr; {estimator} has no use for {', '.join(references)}"
         raise UsageError(msg)
     return estimator
 
@@ -149,8 +196,9 @@ def _values(
     return transfer_matrices.hs(s_xx, s_xy, s_yy, alike)
 
 
-def _provenance(estimator: str, spectra: CrossSpectra, noise_ratio: float | None) -> str:
+def _provenance(estimator: str, spectra: CrossSpectra, noise_ratio: float | None, references: Sequence[str]) -> str:
     ratio = "" if noise_ratio is None else f" with noise ratio {noise_ratio:g}"
+    ratio += f" with {', '.join(references)} as reference" if references else ""
     count = f"{spectra.averages} averages worth {spectra.effective_averages:.1f} without overlap"
     return f"{estimator}{ratio}, {spectra.settings}, {count}"
 
@@ -166,3 +214,15 @@ def _doubts(spectra: CrossSpectra, s_xx: ComplexArray, asked: NDArray[np.bool_])
             f"warning: the inputs are all but proportional at {span}; their effects cannot be told apart there"
         )
     return found
+
+
+def _strangers(spectra: CrossSpectra, inputs: Sequence[str], references: Sequence[str]) -> list[str]:
+    if not references:
+        return []
+    shares = np.nanmedian(multiple_coherence(spectra, inputs, references), axis=0)
+    names = " and ".join(references)
+    return [
+        f"warning: {names} explains {100 * share:.2g} % of {name}: hardly what drives it; take another reference"
+        for name, share in zip(inputs, shares, strict=True)
+        if share < LEAST_DRIVEN
+    ]

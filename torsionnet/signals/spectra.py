@@ -121,6 +121,7 @@ class _Total:
             averages=count,
             effective_averages=sum(effective_averages(self.weights, self.step, run) for run in self.runs if run),
             settings=self.settings,
+            sampling_rate=rate,
             title=self.first.title,
             notes=self.first.notes,
         )

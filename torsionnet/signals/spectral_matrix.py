@@ -32,6 +32,8 @@ class CrossSpectra:
     effective_averages : float
         Number of segments without overlap that would be as certain.
     settings : Welch
+    sampling_rate : float
+        Of the signals after decimation, Hz.
     title : str
     notes : tuple of str
     """
@@ -42,6 +44,7 @@ class CrossSpectra:
     averages: int
     effective_averages: float
     settings: Welch
+    sampling_rate: float
     title: str = ""
     notes: tuple[str, ...] = ()
 

@@ -29,6 +29,24 @@ def h2(s_yy: ComplexArray, s_yx: ComplexArray) -> ComplexArray:
     return _complex((np.linalg.pinv(s_yx) @ s_yy).transpose(0, 2, 1))
 
 
+def hr(s_rx: ComplexArray, s_ry: ComplexArray) -> ComplexArray:
+    """Against references in place of the inputs: unbiased whatever noise inputs and outputs have that these have not.
+
+    As many references as inputs, or more: ``S_ry = S_rx H^T``, by least squares. The estimator of instrumental
+    variables; see Schoukens, Godfrey and Schoukens (2018), IEEE Control Systems 38(4), on noisy inputs.
+    """
+    if s_rx.shape[1] == s_rx.shape[2] == 1:
+        return _quotient(s_ry.transpose(0, 2, 1), s_rx)
+    return _complex((np.linalg.pinv(s_rx) @ s_ry).transpose(0, 2, 1))
+
+
+def unexplained(H: ComplexArray, s_xx: ComplexArray, s_xy: ComplexArray, s_yy: ComplexArray) -> FloatArray:
+    """Spectral densities (n_f, n_out) of outputs less what H (n_f, n_out, n_in) makes of the inputs."""
+    crossed = np.einsum("foi,fio->fo", H.conj(), s_xy).real
+    passed = np.einsum("foi,fij,foj->fo", H.conj(), s_xx, H).real
+    return np.asarray(np.maximum(np.einsum("foo->fo", s_yy).real - 2 * crossed + passed, 0.0))
+
+
 def hs(s_xx: ComplexArray, s_xy: ComplexArray, s_yy: ComplexArray, noise_ratio: float | FloatArray) -> ComplexArray:
     """Total least squares, each output on its own.
 

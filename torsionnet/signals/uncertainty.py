@@ -11,7 +11,7 @@ from torsionnet.errors import UsageError
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.signals.recording import FloatArray
 from torsionnet.signals.spectral_matrix import CrossSpectra
-from torsionnet.signals.transfer_matrices import multiple_coherence
+from torsionnet.signals.transfer_matrices import hr, unexplained
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,31 +54,38 @@ def random_error(coherence: FloatArray, averages: float) -> RandomError:
         return _of_relative(np.sqrt((1 - bounded) / (2 * averages * bounded)))
 
 
-def random_errors(spectra: CrossSpectra, response: FrequencyResponse) -> RandomError:
+def random_errors(
+    spectra: CrossSpectra, response: FrequencyResponse, reference: str | Sequence[str] = ()
+) -> RandomError:
     """Random error of every transfer function of an estimate made from these spectra.
 
     The noise of an output is what all inputs together do not explain; it weighs on an input's path by how little
-    that input does on its own. For one input this is :func:`random_error`.
+    that input does on its own. For one input this is :func:`random_error`. Against a reference r it is
+    ``sqrt(S_rr S_ee / (2 n |S_ry|^2))`` with the spectral density ``S_ee`` of ``y - H x``, which noise on both sides
+    makes: what comes of ``H = S_ry / S_rx`` to first order.
 
     Parameters
     ----------
     spectra : CrossSpectra
     response : FrequencyResponse
         What :func:`~torsionnet.signals.estimators.estimate` made of them.
+    reference : str or sequence of str, optional
+        Those of ``Hr``.
     """
     inputs, outputs = _names(response.inputs), _names(response.outputs)
+    references = [reference] if isinstance(reference, str) else list(reference) or inputs
     s_xx, s_xy = spectra.between(inputs, inputs), spectra.between(inputs, outputs)
     s_yy = spectra.between(outputs, outputs)
+    s_rx, s_ry = spectra.between(references, inputs), spectra.between(references, outputs)
     free = spectra.effective_averages - len(inputs) + 1
     if free <= 0:
         msg = f"{spectra.effective_averages:.1f} effective averages cannot tell {len(inputs)} inputs from noise"
         raise UsageError(msg)
-    unexplained = np.clip(1 - multiple_coherence(s_xx, s_xy, s_yy), 0, 1) * np.einsum("foo->fo", s_yy).real
-    alone = np.einsum("fii->fi", np.linalg.pinv(s_xx, hermitian=True)).real
-    squared = unexplained[:, :, None] * alone[:, None, :] / (2 * free)
+    backward, found = np.linalg.pinv(s_rx), hr(s_rx, s_ry)
+    alone = np.einsum("fir,frs,fis->fi", backward, spectra.between(references, references), backward.conj()).real
+    squared = unexplained(found, s_xx, s_xy, s_yy)[:, :, None] * alone[:, None, :] / (2 * free)
     with np.errstate(divide="ignore", invalid="ignore"):
-        from_h1 = np.linalg.pinv(s_xx, hermitian=True) @ s_xy
-        return _of_relative(np.sqrt(squared) / np.abs(from_h1.transpose(0, 2, 1)))
+        return _of_relative(np.sqrt(squared) / np.abs(found))
 
 
 def _of_relative(relative: FloatArray) -> RandomError:

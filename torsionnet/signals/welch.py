@@ -31,7 +31,8 @@ class Welch:
     decimation : int
         Factor by which the sampling rate is reduced first.
     estimator : str
-        What :func:`~torsionnet.signals.estimators.estimate` uses unless told otherwise.
+        Of frequency responses, unless a reference says otherwise; empty for ``H1``, or in a fit the one that noise
+        biases least.
     """
 
     window: str = "hamming"
@@ -39,7 +40,7 @@ class Welch:
     overlap: float = 0.8
     detrend: Trend = "mean"
     decimation: int = 1
-    estimator: str = "H1"
+    estimator: str = ""
 
     def __post_init__(self) -> None:
         check_trend(self.detrend)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.response.estimation import Estimation, read_estimation
 
 KEY = "torsionnet_frequency_response"
 _LIMIT = re.compile(r"usable up to (\S+) Hz")
@@ -24,6 +25,10 @@ def description(response: FrequencyResponse) -> str:
     }
     if response.usable_up_to is not None:
         data["usable_up_to"] = response.usable_up_to
+    if response.estimation is not None:
+        data["estimation"] = response.estimation.to_data()
+    if not response.has_phase:
+        data["has_phase"] = False
     return json.dumps(data)
 
 
@@ -43,6 +48,8 @@ class Words:
     title: str
     notes: tuple[str, ...]
     usable_up_to: float | None
+    estimation: Estimation | None
+    has_phase: bool
 
 
 def words(text: str) -> Words:
@@ -52,7 +59,9 @@ def words(text: str) -> Words:
         outputs, inputs = (tuple(Channel(str(n), str(u)) for n, u in data[side]) for side in ("outputs", "inputs"))
         limit = data.get("usable_up_to")
         limit = None if limit is None else float(limit)
-        return Words(outputs, inputs, str(data["title"]), tuple(map(str, data["notes"])), limit)
+        estimation = read_estimation(data["estimation"]) if "estimation" in data else None
+        title, notes, has_phase = str(data["title"]), tuple(map(str, data["notes"])), bool(data.get("has_phase", True))
+        return Words(outputs, inputs, title, notes, limit, estimation, has_phase)
     except (json.JSONDecodeError, KeyError, TypeError, ValueError) as error:
         msg = f"the description of the response in the file is damaged ({type(error).__name__}: {error})"
         raise ValueError(msg) from error
@@ -73,6 +82,8 @@ def described(text: str, numbers: dict[str, Any]) -> FrequencyResponse:
         title=said.title,
         notes=said.notes,
         usable_up_to=said.usable_up_to,
+        estimation=said.estimation,
+        has_phase=said.has_phase,
         **numbers,
     )
 

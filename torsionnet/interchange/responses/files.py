@@ -22,7 +22,8 @@ def read_frequency_response(path: str | os.PathLike[str]) -> FrequencyResponse:
     path : str or path
         A file ending in .csv, .npz, .mat, or with the extra ``uff`` in .uff or .unv. A CSV file may be one of
         :func:`write_frequency_response`, of :meth:`FrequencyResponse.to_csv` or of ``torsionnet frf --csv``: columns
-        ``frequency [Hz]``, ``|output/input| [rad/(N*m)]`` and ``phase output/input [deg]``, or ``re`` and ``im``.
+        ``frequency [Hz]``, ``|output/input| [rad/(N*m)]`` and ``phase output/input [deg]``, or ``re`` and ``im``;
+        magnitudes may stand alone, as published curves do.
 
     Returns
     -------
@@ -67,8 +68,8 @@ def write_frequency_response(response: FrequencyResponse, path: str | os.PathLik
     """Write a frequency response in the format of the ending of ``path``, whole or not at all.
 
     Reading the file again gives the same names, units, frequencies, values, coherence and notes, to the last digit.
-    UFF58 files take finite values only; they keep the first two notes, and of these and the title what fits into lines
-    of 80 characters.
+    UFF58 files take finite values only; they keep two notes, first the one on how it was estimated, and of these and
+    the title what fits into lines of 80 characters.
 
     Raises
     ------

@@ -64,8 +64,11 @@ def _incomplete(found: list[Heading]) -> list[str]:
         label = f"{output}/{driven}"
         if len(set(have)) < len(have):
             faults.append(f"{label} has two columns of one kind")
-        elif sorted(set(have) - {"coherence"}) not in (["magnitude", "phase"], ["im", "re"]):
-            faults.append(f"{label} needs |{label}| and phase {label}, or re {label} and im {label}")
+        elif sorted(set(have) - {"coherence"}) not in (["magnitude", "phase"], ["magnitude"], ["im", "re"]):
+            faults.append(f"{label} needs |{label}|, with phase {label} if there is one, or re {label} and im {label}")
+    phases = {"phase" in have or "re" in have for have in kinds.values()}
+    if len(phases) > 1 and not faults:
+        faults.append("some responses have a phase and some have not; put them into files of their own")
     return faults
 
 

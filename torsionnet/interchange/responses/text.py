@@ -17,6 +17,7 @@ from torsionnet.interchange.responses.headings import Heading, headings
 from torsionnet.interchange.responses.matrix import Matrix, Single, resolve_units
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.conventions import FREQUENCIES
+from torsionnet.response.estimation import estimation_in
 from torsionnet.response.frequency_response import SIGN_NOTE, FloatArray
 
 _STORED = re.compile(rf"#\s*{KEY}:\s*(.*)")
@@ -118,7 +119,12 @@ def _foreign(columns: list[Heading], numbers: FloatArray, comments: list[str], p
     notes = resolve_units(matrix.pairs)
     kept = [comment for comment in comments[1:] if comment not in ("", SIGN_NOTE) and limit_in([comment]) is None]
     conditioning = [numbers[:, at] for at, column in enumerate(columns) if column.kind == "conditioning"]
-    more = {"conditioning": conditioning[0] if conditioning else None, "usable_up_to": limit_in(comments)}
+    more = {
+        "conditioning": conditioning[0] if conditioning else None,
+        "usable_up_to": limit_in(comments),
+        "estimation": estimation_in(comments),
+        "has_phase": not any("phase" not in found and "re" not in found for found in parts.values()),
+    }
     return matrix.response(path.name, comments[0] if comments else path.stem, (*kept, *notes), **more)
 
 
@@ -128,6 +134,7 @@ def _single(found: dict[str, tuple[Heading, FloatArray]]) -> Single:
         values = real + 1j * found["im"][1]
     else:
         heading, magnitude = found["magnitude"]
-        values = magnitude * np.exp(1j * np.radians(found["phase"][1]))
+        phase = found["phase"][1] if "phase" in found else 0.0  # has_phase says which it is
+        values = magnitude * np.exp(1j * np.radians(phase))
     coherence = found["coherence"][1] if "coherence" in found else None
     return Single(np.asarray(values / heading.scale), heading.above, heading.below, coherence)

@@ -28,6 +28,7 @@ from torsionnet.interchange.responses.uff_datasets import (
 )
 from torsionnet.interchange.responses.uff_reading import collected
 from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.response.estimation import estimation_in
 from torsionnet.response.frequency_response import FloatArray, limit_line
 from torsionnet.signals.files.extras import needed
 
@@ -60,6 +61,9 @@ def write(response: FrequencyResponse, path: Path) -> None:
     pyuff = needed("uff")
     if len(response.frequencies) < 2:  # noqa: PLR2004
         msg = "a universal file takes responses at two frequencies or more; write an .npz or .csv file"
+        raise UsageError(msg)
+    if not response.has_phase:
+        msg = "a universal file takes complex responses only; write magnitudes into a .csv, .npz or .mat file"
         raise UsageError(msg)
     functions = list(_datasets(response))
     if not all(np.isfinite(item["data"]).all() for item in functions):
@@ -103,7 +107,9 @@ def _datasets(response: FrequencyResponse) -> Iterator[dict[str, Any]]:
 
 
 def _common(response: FrequencyResponse) -> dict[str, Any]:
-    lines = (response.title, limit_line(response), *response.notes[:2], "", "")[:4]
+    # How it was estimated goes first: a fit needs it to know how certain the lines are.
+    notes = sorted(response.notes, key=lambda note: estimation_in([note]) is None)
+    lines = (response.title, limit_line(response), *notes[:2], "", "")[:4]
     texts = {f"id{at}": " ".join(line.split())[:WIDTH] or "NONE" for at, line in enumerate(lines, 2)}
     frequencies = np.asarray(response.frequencies, dtype=float)
     return {

@@ -21,6 +21,7 @@ from torsionnet.interchange.responses.uff_datasets import (
     UNITS,
 )
 from torsionnet.response import FrequencyResponse
+from torsionnet.response.estimation import estimation_in
 from torsionnet.signals.files.quantities import factor_to_si, plain_unit
 from torsionnet.signals.recording import QUANTITY_UNITS
 from torsionnet.units import DIMENSIONS, UnitError, parse_unit
@@ -49,7 +50,11 @@ def collected(sets: Sequence[dict[str, Any]], path: Path) -> FrequencyResponse:
     notes = tuple(line for line in (_line(first, "id4"), _line(first, "id5")) if line)
     general = [item for _, item in numbered if item["func_type"] == GENERAL_FUNCTION]
     conditioning = [np.asarray(item["data"], dtype=float) for item in general if _line(item, "id1") == "conditioning"]
-    more = {"conditioning": conditioning[0] if conditioning else None, "usable_up_to": limit_in([_line(first, "id3")])}
+    more = {
+        "conditioning": conditioning[0] if conditioning else None,
+        "usable_up_to": limit_in([_line(first, "id3")]),
+        "estimation": estimation_in(notes),
+    }
     return matrix.response(path.name, _line(first, "id2") or path.stem, notes, **more)
 
 

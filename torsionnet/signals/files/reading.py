@@ -9,8 +9,10 @@ from pathlib import Path
 
 from torsionnet.errors import Fault, ModelError, TorsionnetError, UsageError
 from torsionnet.signals.files.assembling import Wanted, recordings
+from torsionnet.signals.files.choosing import choose
 from torsionnet.signals.files.formats import format_of
 from torsionnet.signals.files.pulsed import pulsed
+from torsionnet.signals.files.source import Source
 from torsionnet.signals.recording import Recording
 
 
@@ -89,9 +91,25 @@ def iter_blocks(
     return _read(Path(path), Wanted(names, quantities or {}, units or {}, sampling_rate), seconds, dialect)
 
 
+def channel_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
+    """Names of the channels in a file that :func:`read_recording` reads without being told more about them."""
+    with _opened(Path(path), {}) as source:
+        names = dict.fromkeys(channel.name for channel in source.channels)
+        return tuple(name for name in names if not choose(source, [name], {}, {})[1])
+
+
 def _read(
     path: Path, wanted: Wanted, seconds: float | None, dialect: dict[str, str]
 ) -> Generator[Recording, None, None]:
+    with _opened(path, dialect) as source:
+        if wanted.pulses:
+            yield pulsed(source, wanted, path.name)
+        else:
+            yield from recordings(source, wanted, path.name, seconds)
+
+
+@contextlib.contextmanager
+def _opened(path: Path, dialect: dict[str, str]) -> Iterator[Source]:
     label, module = format_of(path)
     if not path.is_file():
         msg = f'there is no file "{path}"'
@@ -101,10 +119,7 @@ def _read(
         raise UsageError(msg)
     try:
         with module.opened(path, **dialect) as source:
-            if wanted.pulses:
-                yield pulsed(source, wanted, path.name)
-            else:
-                yield from recordings(source, wanted, path.name, seconds)
+            yield source
     except TorsionnetError:
         raise
     # A library says of a damaged file what it likes: struct.error, zlib.error, IndexError.

@@ -1,0 +1,204 @@
+"""Fits to responses: what windows did to them, how certain their lines are, outliers, and magnitudes alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import torsionnet as tn
+from torsionnet.bench import Encoder, Transducer
+from torsionnet.errors import UsageError
+from torsionnet.identification.line_noise import line_correlation
+from torsionnet.identification.smoothing import smoothing
+from torsionnet.interchange import read_frequency_response, write_frequency_response
+from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.response.estimation import Estimation
+from torsionnet.signals import Recording, Signal, Welch, estimate
+
+SHORT = Welch("hamming", 2.0, 0.8, decimation=10)
+LINES = np.arange(1.0, 40.5, 0.5)
+
+
+def averaged(window, overlap, averages=200, seconds=2.0, **more):
+    return Estimation("H1", window, seconds, overlap, "mean", averages, averages / 2, **more)
+
+
+@pytest.fixture(scope="module")
+def record():
+    bench = tn.load_bench("dmf_bench")
+    meter = Transducer(range="230 N*m", noise="0.23 N*m")
+    channels = {"T_T": meter, "theta_1": Encoder(lines=1024, quadrature=True)}
+    return replace(bench, plan=replace(bench.plan, channels=channels)).run(3)
+
+
+# How certain lines are
+
+
+@pytest.mark.parametrize(("window", "expected"), [("boxcar", (1, 0, 0)), ("hann", (1, 4 / 9, 1 / 36))])
+def test_neighbouring_lines_of_separate_windows(window, expected):
+    """The squared transform of the squared window; for Hann 1, 2/3 and 1/6 before squaring."""
+    found = line_correlation(np.arange(2, 22) / 2.0, averaged(window, 0.0)).toarray()
+    for distance, correlation in enumerate(expected):
+        np.testing.assert_allclose(np.diag(found, distance), correlation, atol=1e-4)
+
+
+def test_correlation_of_lines_is_what_noise_has():
+    """Of cross spectra of two noises, over many records."""
+    rng, length, step, windows = np.random.default_rng(5), 32, 7, 12
+    w = np.hamming(length + 1)[:-1]
+    x, y = rng.normal(size=(2, 6000, (windows - 1) * step + length))
+    cross = 0
+    for first in range(0, windows * step, step):
+        X, Y = (np.fft.rfft(w * one[:, first : first + length])[:, 4:12] for one in (x, y))
+        cross = cross + X.conj() * Y
+    measured = np.abs(cross.T.conj() @ cross) / np.sqrt(np.outer(*[(np.abs(cross) ** 2).sum(axis=0)] * 2))
+    estimation = averaged("hamming", 1 - step / length, windows, length / 32.0)
+    found = line_correlation(np.arange(4, 12) * 1.0, replace(estimation, seconds=1.0)).toarray()
+    # np.hamming has 0.54 and 0.46, as scipy's window has; 6000 records are good for two percent.
+    np.testing.assert_allclose(measured, found, atol=0.04)
+
+
+def test_lines_left_out_keep_the_correlation_of_the_others():
+    lines = np.array([4.0, 5.0, 5.5])
+    found = line_correlation(lines, averaged("hann", 0.0)).toarray()
+    np.testing.assert_allclose(found, [[1, 1 / 36, 0], [1 / 36, 1, 4 / 9], [0, 4 / 9, 1]], atol=1e-4)
+
+
+def test_windows_under_a_stationary_input_are_put_upon_the_model():
+    """A peak 0.3 Hz wide under 2 s windows, against an estimate of half an hour of noise."""
+    rate, count, f_n, zeta = 50.0, 2**17, 6.0, 0.025
+    x = np.random.default_rng(2).normal(size=count)
+    f = np.fft.rfftfreq(count, 1 / rate)
+
+    def G(f):
+        return 1 / (1 - (f / f_n) ** 2 + 2j * zeta * f / f_n)
+
+    y = np.fft.irfft(np.fft.rfft(x) * G(f), count)
+    record = Recording((Signal("T", "torque", x), Signal("a", "angle", y)), rate)
+    found = estimate(record, "a", "T", settings=Welch("hann", 2.0, 0.5)).between(2, 12)
+    smooth = smoothing(found.frequencies, found.estimation)
+    assert smooth.exact
+    windowed, _ = smooth.smoothed(G(smooth.fine), np.zeros((len(smooth.fine), 1)))
+    measured, plain = found.values[:, 0, 0], G(found.frequencies)
+    np.testing.assert_allclose(G(smooth.fine)[smooth.own], plain, rtol=1e-9)
+    assert np.abs(plain - measured).max() > 0.25 * np.abs(measured).max()
+    assert np.abs(windowed - measured).max() < 0.04 * np.abs(measured).max()
+
+
+def test_a_response_that_has_its_record_is_fitted_like_the_record(record):
+    """Both against the set-point: the same lines, the same prediction, the same noise."""
+    model, names = tn.load("dmf_rig"), ("theta_1", "T_T")
+    response = estimate(record, *names, settings=SHORT, reference="T_M_set")
+    own = tn.identify(model, tn.Measurement(record, *names, settings=SHORT, band=(1, 16)), {"c_2": 6.0})
+    its = tn.identify(model, tn.Measurement(response, *names, band=(1, 16)), {"c_2": 6.0})
+    assert its.values["c_2"] == pytest.approx(own.values["c_2"], rel=1e-8)
+    assert its.standard_errors["c_2"] == pytest.approx(own.standard_errors["c_2"], rel=1e-4)
+    assert "Hr with T_M_set as reference" in its.notes[0]
+
+
+def test_a_response_whose_record_is_too_long_is_fitted_without_it(record, monkeypatch):
+    response = estimate(record, "theta_1", "T_T", settings=SHORT)
+    monkeypatch.setattr("torsionnet.identification.remembered.MOST", 1e5)
+    fit = tn.identify(tn.load("dmf_rig"), tn.Measurement(response, "theta_1", "T_T", band=(1, 16)), {"c_2": 6.0})
+    assert "of H1" not in fit.notes[0]
+    assert fit.values["c_2"] == pytest.approx(4, rel=0.02)
+
+
+@pytest.mark.parametrize("ending", ["csv", "npz", "mat"])
+def test_files_keep_how_a_response_was_estimated(record, tmp_path, ending):
+    response = estimate(record, "theta_1", "T_T", settings=SHORT, reference="T_M_set")
+    write_frequency_response(response, tmp_path / f"frf.{ending}")
+    found = read_frequency_response(tmp_path / f"frf.{ending}").estimation
+    assert found.to_data() == response.estimation.to_data()
+    assert (found.window, found.overlap, found.references, found.record) == ("hamming", 0.8, ("T_M_set",), None)
+
+
+def test_a_right_model_of_a_swept_response_from_a_file_is_not_called_wrong(record):
+    """Where the power of the input slopes, windows do more to a line than under a stationary input."""
+    response = estimate(record, "theta_1", "T_T", settings=SHORT)
+    bare = replace(response, estimation=replace(response.estimation, record=None))
+    fit = tn.identify(tn.load("dmf_rig"), tn.Measurement(bare, "theta_1", "T_T"), {"c_2": 6.0})
+    assert not fit.lack_of_fit.rejected
+    assert abs(fit.values["c_2"] - 4) < 2 * fit.standard_errors["c_2"] < 0.1
+
+
+def test_peaks_narrower_than_windows_are_named():
+    rig = tn.load("dmf_rig").configured(c_2=0.3)
+    exact = rig.frequency_response("theta_1", "T_T", LINES)
+    data = replace(exact, coherence=np.full(exact.values.shape, 0.99))
+    fit = tn.identify(rig, tn.Measurement(data, "theta_1", "T_T"), {"c_2": 0.4})
+    (said,) = [text for text in fit.verdicts if "passes for damping" in text]
+    assert said.startswith("measurement: the peak at ")
+
+
+# Outliers
+
+
+def tripled():
+    """79 lines with errors of half a percent, of which 4 are three times too large."""
+    exact = tn.load("dmf_rig").frequency_response("theta_1", "T_T", LINES)
+    rng = np.random.default_rng(11)
+    values = exact.values * (1 + 0.005 * (rng.normal(size=(79, 1, 1)) + 1j * rng.normal(size=(79, 1, 1))))
+    values[[12, 14, 40, 63]] *= 3
+    return tn.Measurement(replace(exact, values=values), "theta_1", "T_T")
+
+
+@pytest.mark.parametrize("loss", ["huber", "soft_l1", "cauchy"])
+def test_a_robust_loss_gives_way_to_outliers(loss):
+    rig = tn.load("dmf_rig")
+    plain = tn.identify(rig, tripled(), {"c_2": 6.0, "k_2": 400.0})
+    robust = tn.identify(rig, tripled(), {"c_2": 6.0, "k_2": 400.0}, loss=loss)
+    for name, true in (("c_2", 4.0), ("k_2", 460.0)):
+        assert abs(robust.values[name] - true) < 0.2 * abs(plain.values[name] - true)
+        assert abs(robust.values[name] - true) < 3 * robust.standard_errors[name] < 0.05 * true
+    assert not robust.lack_of_fit.rejected
+
+
+# Magnitudes alone
+
+
+def test_magnitudes_alone_find_the_parameters(tmp_path):
+    rig = tn.load("dmf_rig")
+    exact = rig.frequency_response("theta_1", "T_T", LINES)
+    rows = [f"{f},{size}" for f, size in zip(LINES, exact.magnitude[:, 0, 0], strict=True)]
+    (tmp_path / "curve.csv").write_text("\n".join(["frequency [Hz],|theta_1/T_T| [rad/(N*m)]", *rows]))
+    curve = read_frequency_response(tmp_path / "curve.csv")
+    assert not curve.has_phase
+    fit = tn.identify(rig, tn.Measurement(curve, "theta_1", "T_T"), {"c_2": 6.0, "k_2": 400.0})
+    assert fit.values == pytest.approx({"c_2": 4.0, "k_2": 460.0}, rel=1e-6)
+    assert any("no phase, so magnitudes are compared" in note for note in fit.notes)
+    assert fit.comparisons[0].misfit < 1e-6
+
+
+def test_a_phase_that_is_wrong_does_not_matter_to_magnitudes():
+    rig = tn.load("dmf_rig")
+    exact = rig.frequency_response("theta_1", "T_T", LINES)
+    turned = replace(exact, values=exact.values * np.exp(0.5j))
+    test = tn.Measurement(turned, "theta_1", "T_T")
+    whole, sizes = (tn.identify(rig, test, {"c_2": 6.0}, residual=form) for form in ("complex", "magnitude"))
+    assert sizes.values["c_2"] == pytest.approx(4, rel=1e-7)
+    assert abs(whole.values["c_2"] - 4) > 0.4
+
+
+def test_a_stated_error_is_the_standard_error_of_a_gain():
+    """Of one free inertia and n magnitudes of the relative error e: e / sqrt(n), times what is left over e."""
+    f = np.array([1.0, 2.3, 4.1])
+    model = tn.Drivetrain(
+        "disc",
+        [tn.Inertia("disc", node="a", inertia="J")],
+        {"J": 1.0},
+        inputs={"T": {"torque": "a"}},
+        sensors={"phi": {"angle": "a"}},
+    )
+    inertia = np.array([1.9, 2.2, 2.05])
+    units = (Channel("phi", "rad"),), (Channel("T", "N*m"),)
+    values = (1 / inertia / (2 * np.pi * f) ** 2).astype(complex)[:, None, None]
+    data = FrequencyResponse(f, values, *units, has_phase=False)
+    fit = tn.identify(model, tn.Measurement(data, "phi", "T", error=0.05), "J")
+    best = np.exp(np.mean(np.log(inertia)))
+    assert fit.values["J"] == pytest.approx(best, rel=1e-9)
+    squares = np.sum((np.log(inertia / best) / 0.05) ** 2)
+    assert fit.chi_squared == pytest.approx(squares, rel=1e-9)
+    assert fit.standard_errors["J"] == pytest.approx(best * 0.05 / np.sqrt(3) * np.sqrt(squares / 2), rel=1e-6)
+    with pytest.raises(UsageError, match="relative standard error is a number above 0"):
+        tn.Measurement(data, "phi", "T", error=0.0)

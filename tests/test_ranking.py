@@ -1,0 +1,134 @@
+"""Which value, freed alone, explains a misfit."""
+
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_cli import run
+
+import torsionnet as tn
+from torsionnet.errors import UsageError
+from torsionnet.identification import load_fit, rank_causes
+from torsionnet.interchange import read_frequency_response
+
+F = np.array([6.0, 14.0, 24.0])
+YAML = """\
+torsionnet: 1
+name: geared rig
+parameters: {J_M: 0.05, J_L: 0.6, k_1: 2 kN*m/rad, k_2: 9 kN*m/rad, d: 0.4, tau: 3}
+elements:
+  motor:  {type: inertia, node: a, inertia: J_M}
+  shaft:  {type: spring, nodes: [a, b], stiffness: k_1}
+  stage:  {type: gear, nodes: [b, c], RATIO}
+  output: {type: spring, nodes: [c, d], stiffness: k_2}
+  load:   {type: inertia, node: d, inertia: J_L}
+  drag:   {type: damper, nodes: [d, ground], damping: d}
+inputs: {T: {torque: a}}
+sensors: {n_out: {velocity: d}}
+"""
+
+
+def rig(ratio="ratio: tau", **parameters):
+    return tn.loads(YAML.replace("RATIO", ratio)).configured(**parameters)
+
+
+def curve(path, ratio):
+    """Magnitudes at three frequencies, to three digits, as from a published figure."""
+    sizes = rig(tau=ratio).frequency_response("n_out", "T", F).magnitude[:, 0, 0]
+    rows = [f"{f},{size:.3g}" for f, size in zip(F, sizes, strict=True)]
+    path.write_text("\n".join(["frequency [Hz],|n_out/T| [rad/s/(N*m)]", *rows, ""]))
+    return tn.Measurement(read_frequency_response(path), "n_out", "T", error=0.02, name="figure")
+
+
+@pytest.fixture
+def figure(tmp_path):
+    """Of a rig whose ratio is 3 / 1.29."""
+    return curve(tmp_path / "figure.csv", 3 / 1.29)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "name"), [("ratio: tau", "tau"), ("ratio: 3", "stage.ratio"), ("teeth: [20, 60]", "stage.ratio")]
+)
+def test_a_wrong_ratio_is_named_and_stiffnesses_are_ruled_out(figure, ratio, name):
+    """Magnitudes at three frequencies only, and nothing free."""
+    ranking = rank_causes(rig(ratio), figure)
+    found = {one.unknown: one for one in ranking.causes}
+    assert {"k_1", "k_2", "J_M", "J_L", "d", "gain", name} <= found.keys()
+    assert ranking.causes[0].unknown in (name, "gain")
+    assert found[name].explains
+    assert found[name].value == pytest.approx(3 / 1.29, rel=0.01)
+    assert found[name].before == 3
+    assert not found["k_1"].explains
+    assert not found["k_2"].explains
+    assert re.search(rf"^only .*{name} = 2\.3\d* instead of 3", ranking.verdict)
+    assert "k_1" not in ranking.verdict
+
+
+def test_a_calibration_error_is_named_too(tmp_path):
+    """All magnitudes 29 % high: what a gain undoes to rounding, no stiffness does."""
+    figure = curve(tmp_path / "figure.csv", 3.0)
+    loud = replace(figure, data=replace(figure.data, values=1.29 * figure.data.values))
+    ranking = rank_causes(rig(), loud)
+    best = ranking.causes[0]
+    assert (best.kind, best.of, best.explains) == ("gain", "n_out", True)
+    assert best.value == pytest.approx(1.29, rel=0.005)
+    assert best.misfit < 0.005
+    assert ranking.misfit > 0.2
+    assert not any(one.explains for one in ranking.causes if one.unknown.startswith("k_"))
+
+
+def test_parameters_are_fitted_along():
+    """A free drag does not make up for a wrong inertia; a fit has its own parameters."""
+    f = np.linspace(3, 20, 60)
+    test = tn.Measurement(rig(J_L=0.8, d=0.7).frequency_response("n_out", "T", f), "n_out", "T")
+    fit = tn.identify(rig(), test, ["d"])
+    for ranking in (rank_causes(fit), rank_causes(rig(), test, ["d"])):
+        best = ranking.causes[0]
+        assert (best.unknown, best.explains) == ("J_L", True)
+        assert best.value == pytest.approx(0.8, rel=1e-6)
+        assert "d" not in [one.unknown for one in ranking.causes]
+
+
+def test_a_fit_of_three_magnitudes_names_the_ratio(figure):
+    """By the error stated, which alone says what noise there is."""
+    fit = tn.identify(rig(), figure, ["d"])
+    assert fit.lack_of_fit.rejected
+    assert [one.unknown for one in fit.lack_of_fit.explanations] == ["tau"]
+    assert "tau = 2.325 instead of 3 would explain it" in fit.verdicts[0]
+    right = tn.identify(rig(tau=3 / 1.29), figure, ["d"])
+    assert not right.lack_of_fit.rejected
+
+
+def test_table(figure):
+    table = rank_causes(rig(), figure).table()
+    assert [column.name for column in table.columns][:3] == ["freed alone", "model has", "would be"]
+    assert {row[-1] for row in table.rows} == {"yes", "no"}
+    assert table.notes[0].startswith("only ")
+
+
+def test_nothing_to_compare_with(tmp_path, figure):
+    with pytest.raises(UsageError, match="nothing measured"):
+        rank_causes(rig())
+    tn.identify(rig(), figure, ["d"]).to_yaml(tmp_path / "fit.yaml")
+    with pytest.raises(UsageError, match="read from a file"):
+        rank_causes(load_fit(tmp_path / "fit.yaml"))
+
+
+def test_command(tmp_path, monkeypatch, figure):
+    """The model does not fit by the error stated; what would explain it is told with a table."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "rig.yaml").write_text(YAML.replace("RATIO", "ratio: tau"))
+    (tmp_path / "fit.yaml").write_text(
+        "torsionnet: 1\nmodel: rig.yaml\nparameters: {d: 0.5}\n"
+        "measurements: {figure: {response: figure.csv, output: n_out, input: T, error: 2 %}}\n"
+    )
+    result = run("fit", "fit.yaml", "--rank")
+    assert "What would explain the misfit" in result.stdout
+    assert re.search(r"tau +3 +2\.3\d* .*yes", result.stdout)
+    assert re.search(r"k_1 .*no", result.stdout)
+    assert "the model does not fit" in result.stderr
+    ranking = json.loads(run("fit", "fit.yaml", "--rank", "--json").stdout)["ranking"]
+    assert {one["unknown"]: one["explains"] for one in ranking}["k_2"] is False
+    assert figure.label == "figure"

@@ -1,0 +1,195 @@
+"""What usually makes a model not fit, each as a freedom more: delay, gain, kind of damping, a value taken for known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.elements import Damper, Element, Gear, HystereticSpring, Spring
+from torsionnet.expressions import Expression, Number
+from torsionnet.identification.problem import Problem, laid_out
+from torsionnet.identification.unknown import Unknown
+
+AnySpring: TypeAlias = Spring | HystereticSpring
+Change: TypeAlias = Callable[[Drivetrain], Drivetrain]
+FREED = ("inertia", "stiffness", "damping")
+"""What is set free of the quantities that a model takes for known, and the ratios of gears."""
+GONE = {"hysteretic": "damping", "viscous": "loss_factor", "ratio": "teeth"}
+"""What an element no longer has with the other kind of damping, or with a ratio that no teeth make."""
+
+
+@dataclass(frozen=True)
+class Cause:
+    """One thing that may be wrong.
+
+    Attributes
+    ----------
+    kind : {"delay", "gain", "hysteretic", "viscous", "ratio", "value"}
+    unknown : str
+        Name of the freedom: ``I_2``, ``dmf.loss_factor``, ``delay``.
+    element : str
+        Whose damping is of another kind, or whose ratio its teeth make.
+    """
+
+    kind: str
+    unknown: str
+    element: str = ""
+
+    @property
+    def is_of_channel(self) -> bool:
+        return self.unknown in ("delay", "gain")
+
+    @property
+    def is_value(self) -> bool:
+        """Whether a number of the model is another one."""
+        return self.kind in ("value", "ratio")
+
+
+def causes_of(problem: Problem) -> tuple[Cause, ...]:
+    """All that can be tried with the models and measurements of a fit."""
+    free = {extra for block in problem.blocks for extra in block.extra}
+    channel = [Cause(name, name) for name in ("delay", "gain") if name not in free]
+    rigs = [block.response.drivetrain for block in problem.blocks]
+    listed = [*_values(rigs[0]), *_ratios(rigs[0]), *_dampings(rigs[0])]
+    return (*channel, *(cause for cause in listed if cause.unknown not in problem.unknowns))
+
+
+def _values(rig: Drivetrain) -> Iterator[Cause]:
+    """Parameters and plain numbers that stand for an inertia, a stiffness, a damping or a ratio."""
+    definition, seen = rig.definition, set()
+    for element in definition.active:
+        for field, (spec, value) in element.scalars().items():
+            known = getattr(spec, "dimension", "") in FREED or field == "ratio"
+            if not known or not isinstance(value, Expression):
+                continue
+            for name in _leaves(value, definition.parameters) or [f"{element.name}.{field}"]:
+                if name not in seen and (name in definition.parameters or isinstance(value, Number)):
+                    seen.add(name)
+                    yield Cause("value", name)
+
+
+def _leaves(value: Expression, parameters: Mapping[str, Any]) -> list[str]:
+    """Parameters with a number of their own that an expression comes down to."""
+    found: list[str] = []
+    for name in sorted(value.names & parameters.keys()):
+        inner = parameters[name].value
+        found += [name] if isinstance(inner, Number) else _leaves(inner, parameters)
+    return found
+
+
+def _ratios(rig: Drivetrain) -> Iterator[Cause]:
+    """Stages whose ratio follows from teeth."""
+    for element in rig.definition.active:
+        if isinstance(element, Gear) and element.teeth is not None:
+            yield Cause("ratio", f"{element.name}.ratio", element.name)
+
+
+def _dampings(rig: Drivetrain) -> Iterator[Cause]:
+    """Springs with one kind of damping, which might be the other."""
+    for element in rig.definition.active:
+        if isinstance(element, Spring | HystereticSpring):
+            if _loss(element, rig):
+                yield Cause("viscous", f"{element.name}.damping", element.name)
+            elif _damping(element, rig):
+                yield Cause("hysteretic", f"{element.name}.loss_factor", element.name)
+
+
+def _loss(element: AnySpring, rig: Drivetrain) -> float:
+    return _number(element.loss_factor, rig) if isinstance(element, HystereticSpring) else 0.0
+
+
+def _damping(element: AnySpring, rig: Drivetrain) -> float:
+    """Viscous damping of a spring and of dampers beside it."""
+    return sum(_number(given, rig) for given in (element.damping, *(one.damping for one in _beside(element, rig))))
+
+
+def _number(given: Any, rig: Drivetrain) -> float:
+    """A value of the model; a measure of damping counts as 1."""
+    return float(given.evaluate(rig.exact_values)) if isinstance(given, Expression) else 1.0
+
+
+def _beside(element: AnySpring, rig: Drivetrain) -> list[Damper]:
+    ends = set(element.ports.values())
+    return [one for one in rig.definition.active if isinstance(one, Damper) and set(one.ports.values()) == ends]
+
+
+def with_causes(problem: Problem, causes: Sequence[Cause], values: FloatArray, *, instead: bool) -> Problem:
+    """The problem with freedoms more, beginning where it stands.
+
+    Parameters
+    ----------
+    problem : Problem
+    causes : sequence of Cause
+    values : (n,) array
+        Where it stands.
+    instead : bool
+        Whether another kind of damping takes the place of the one there is, or begins at 0 beside it.
+    """
+    more = [cause.unknown for cause in causes if not cause.is_of_channel]
+    gone = {f"{cause.element}.{GONE[cause.kind]}" for cause in causes if cause.element and instead}
+    flags: dict[str, Any] = {cause.unknown: True for cause in causes if cause.is_of_channel}
+    unknowns = {
+        **{name: one for name, one in problem.unknowns.items() if name not in gone},
+        **{name: Unknown() for name in more},
+    }
+    top = np.exp(np.mean([np.log(block.frequencies).mean() for block in problem.blocks]))
+    changes = [_change(cause, float(top), instead) for cause in causes if cause.element]
+
+    def changed(rig: Drivetrain) -> Drivetrain:
+        for change in changes:
+            rig = change(rig)
+        return rig
+
+    known = dict(zip(problem.names, values.tolist(), strict=True))
+    blocks = [
+        block.varied(changed(block.response.drivetrain), replace(block.measurement, **flags), tuple(unknowns))
+        for block in problem.blocks
+    ]
+    found = laid_out(problem.blocks[0].response.drivetrain, blocks, unknowns, known)
+    idle = [name for name in unknowns if not _acts(found, name)] if instead and changes else []
+    if not idle:
+        return found
+    kept = {name: unknown for name, unknown in unknowns.items() if name not in idle}
+    blocks = [block.varied(block.response.drivetrain, block.measurement, tuple(kept)) for block in blocks]
+    return laid_out(problem.blocks[0].response.drivetrain, blocks, kept, known)
+
+
+def _acts(problem: Problem, name: str) -> bool:
+    columns = [index for index, entry in enumerate(problem.names) if entry.partition("[")[0] == name]
+    return bool(np.any(problem.jacobian(problem.start)[:, columns]))
+
+
+def _change(cause: Cause, frequency: float, instead: bool) -> Change:
+    """A spring with the other kind of damping: of the same loss at a frequency, or none of it yet beside its own.
+
+    A stage has the ratio of its teeth as a number.
+    """
+
+    def change(rig: Drivetrain) -> Drivetrain:
+        element = rig.definition.elements[cause.element]
+        if isinstance(element, Gear):
+            plainly = replace(element, ratio=Number(element.ratio_value(dict(rig.exact_values))), teeth=None)
+            elements = {**rig.definition.elements, cause.element: plainly}
+            return Drivetrain.from_definition(replace(rig.definition, elements=elements))
+        assert isinstance(element, Spring | HystereticSpring)
+        k, omega = _number(element.stiffness, rig), 2 * np.pi * frequency
+        plain = {"nodes": element.nodes, "stiffness": element.stiffness}
+        elements = dict[str, Element](rig.definition.elements)
+        if not instead and cause.kind == "hysteretic":
+            elements[cause.element] = HystereticSpring(cause.element, **plain, loss_factor=0, damping=element.damping)
+        elif not instead:
+            elements[cause.element] = replace(element, damping=Number(0))
+        elif cause.kind == "hysteretic":
+            loss = _damping(element, rig) * omega / k
+            elements[cause.element] = HystereticSpring(cause.element, **plain, loss_factor=loss)
+            elements |= {one.name: replace(one, enabled=False) for one in _beside(element, rig)}
+        else:
+            elements[cause.element] = Spring(cause.element, **plain, damping=_loss(element, rig) * k / omega)
+        return Drivetrain.from_definition(replace(rig.definition, elements=elements))
+
+    return change

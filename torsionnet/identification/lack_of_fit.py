@@ -1,0 +1,163 @@
+"""Whether what a fit leaves is more than noise."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.identification.block import Block
+from torsionnet.identification.noise import Noise
+from torsionnet.identification.noise_bias import noise_shift
+from torsionnet.identification.problem import Problem
+
+LEVEL = 1e-3
+"""Probability, for every measurement of a fit, of calling noise a misfit."""
+WAVES = 5
+"""Patterns over frequency that are looked for, in size and in phase: cosines of up to four half periods."""
+TAKEN = 1e-3
+"""Share of a pattern's noise below which the parameters have taken it up."""
+NEGLIGIBLE = 2e-3
+"""RMS of the misfit over that of the response below which no sensor is calibrated."""
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """How one measurement and the fitted model differ beyond noise.
+
+    Attributes
+    ----------
+    name : str
+        Of the measurement.
+    ratio : float
+        RMS of the residuals over what noise alone would leave.
+    size : float
+        RMS of the difference beyond noise, over that of the response.
+    probability : float
+        That noise alone leaves as much, or as clear a pattern over frequency.
+    """
+
+    name: str
+    ratio: float
+    size: float
+    probability: float
+
+    @property
+    def rejected(self) -> bool:
+        """Whether the model does not fit."""
+        return self.probability < LEVEL and self.size > NEGLIGIBLE
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A freedom with which the model fits, or fits much better.
+
+    Attributes
+    ----------
+    kind : {"delay", "gain", "hysteretic", "viscous", "ratio", "value"}
+    of : str
+        The signal that is late or too large, the element with another kind of damping, or the value set free.
+    values, standard_errors : mapping of str to float
+        Of all parameters then, that of the cause among them, SI.
+    before : float or None
+        What the model had in the place of the cause.
+    complete : bool
+        Whether nothing but noise is left.
+    left : float
+        Sum of squares left over that of the fit.
+    """
+
+    kind: str
+    of: str
+    unknown: str
+    values: Mapping[str, float]
+    standard_errors: Mapping[str, float]
+    before: float | None
+    complete: bool
+    left: float
+
+
+@dataclass(frozen=True)
+class LackOfFit:
+    """What a fit leaves beyond noise.
+
+    Attributes
+    ----------
+    measurements : tuple of Misfit
+        Those whose noise can be told apart from the model's error.
+    explanations : tuple of Explanation
+        Freedoms with each of which the model would fit, the best first; sought only where it does not.
+    doubts : tuple of str
+        What else may be wrong with the data, in words.
+    """
+
+    measurements: tuple[Misfit, ...]
+    explanations: tuple[Explanation, ...] = ()
+    doubts: tuple[str, ...] = ()
+
+    @property
+    def rejected(self) -> bool:
+        """Whether the model does not fit, so that its values have no intervals."""
+        return any(one.rejected for one in self.measurements)
+
+
+def misfits(problem: Problem, values: FloatArray, weights: FloatArray | None = None) -> tuple[Misfit, ...]:
+    """Every measurement whose noise is known apart from the model; a robust loss gives residuals its ``weights``.
+
+    The residuals of the optimum, r = (1 - P) e with the projection P on what the parameters can do, have the covariance
+    (1 - P) R (1 - P) under noise of the covariance R. Sums of squares of them are compared with their mean and scatter
+    under that (Satterthwaite); patterns are sums along cosines over the lines. What squared noise does to them is taken
+    off before.
+    """
+    residuals, slopes = problem.both(values)
+    shift = noise_shift(problem, values)
+    basis, _ = np.linalg.qr(slopes / np.maximum(np.linalg.norm(slopes, axis=0), np.finfo(float).tiny))
+    residuals = residuals * (1.0 if weights is None else weights) - shift + basis @ (basis.T @ shift)
+    found = [block.measured_noise(values[place]) for block, place in zip(problem.blocks, problem.places, strict=True)]
+    every = zip(problem.blocks, problem.spans, problem.places, found, strict=True)
+    seen = [(block, span, values[place], noise) for block, span, place, noise in every if noise]
+    known = [(block, span, noise) for block, span, _, noise in seen]
+    covariances = [_covariance(block, noise, mine) for block, _, mine, noise in seen]
+    spread = basis.copy()
+    for (_, span, _), covariance in zip(known, covariances, strict=True):
+        spread[span] = covariance @ basis[span]
+    both = basis.T @ spread
+    result = []
+    for (block, span, noise), covariance in zip(known, covariances, strict=True):
+        Q, S = basis[span], spread[span]
+        left = covariance - Q @ S.T - S @ Q.T + Q @ both @ Q.T
+        result.append(_judged(block, residuals[span], left, noise))
+    return tuple(result)
+
+
+def _covariance(block: Block, noise: Noise, values: FloatArray) -> FloatArray:
+    """Of the weighted residuals, under noise as it was found."""
+    size = np.sqrt(np.tile(noise.ratio, block.parts))
+    return np.asarray(block.likeness * np.outer(size, size) + block.beyond_noise(values))
+
+
+def _judged(block: Block, residual: FloatArray, covariance: FloatArray, noise: Noise) -> Misfit:
+    count = len(noise.ratio)
+    scale = 1 / np.sqrt(np.tile(noise.ratio, len(residual) // count))
+    r, R = residual * scale, covariance * np.outer(scale, scale)
+    mean, square = float(np.trace(R)), float(np.sum(R**2))
+    total = float(r @ r) / mean
+    chances = [float(stats.f.sf(total, mean**2 / square, noise.certainty))]
+    waves = _waves(count, len(r) // count)
+    sizes, turned = np.linalg.eigh(waves.T @ R @ waves)
+    seen = sizes > TAKEN * sizes[-1]
+    pattern = float(np.mean((turned[:, seen].T @ (waves.T @ r)) ** 2 / sizes[seen]))
+    chances.append(float(stats.f.sf(pattern, int(seen.sum()), noise.certainty)))
+    weights = block.absolute**2
+    beyond = max(float((residual**2 - np.diag(covariance)) @ weights), 0.0)
+    size = np.sqrt(beyond / float(np.sum(np.abs(block.measured) ** 2)))
+    return Misfit(block.measurement.label, float(np.sqrt(total)), float(size), min(1.0, 2 * min(chances)))
+
+
+def _waves(count: int, parts: int) -> FloatArray:
+    """Cosines over the lines, in each part of the residuals on its own, (parts * count, parts * WAVES)."""
+    places = (np.arange(count) + 0.5) / count
+    return np.asarray(np.kron(np.eye(parts), np.cos(np.pi * np.outer(places, np.arange(min(WAVES, count))))))

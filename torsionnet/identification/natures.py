@@ -1,0 +1,57 @@
+"""What a number is by nature: its unit, and whether it can be negative, from the places where a model uses it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import inf
+
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.elements.fields import Quantity
+from torsionnet.expressions import Name
+from torsionnet.parameters import dimensions
+from torsionnet.units import expected_unit
+
+
+@dataclass(frozen=True)
+class Nature:
+    """Of a parameter or a field of an element.
+
+    Attributes
+    ----------
+    unit : str
+        SI; empty for a plain number.
+    dimension : str
+        ``"damping"``, ``"stiffness"``, ...; empty if no field tells.
+    bounds : tuple of float
+        Outside of which no model makes sense.
+    """
+
+    unit: str = ""
+    dimension: str = ""
+    bounds: tuple[float, float] = (-inf, inf)
+
+
+def nature(model: Drivetrain, name: str) -> Nature:
+    """Of a parameter, or of ``element.field``.
+
+    >>> import torsionnet as tn
+    >>> nature(tn.load("dmf_rig"), "k_2")
+    Nature(unit='N*m/rad', dimension='stiffness', bounds=(0.0, inf))
+    """
+    element, dot, field = name.partition(".")
+    if dot and element in model.definition.elements:
+        spec, _ = model.definition.elements[element].scalars().get(field, (None, None))
+        return _of(spec, spec.dimension) if isinstance(spec, Quantity) else Nature()
+    for element_in in model.definition.elements.values():
+        for spec, value in element_in.scalars().values():
+            for _, expression, dimension in spec.expressions(value):
+                if isinstance(expression, Name) and expression.name == name and isinstance(spec, Quantity):
+                    return _of(spec, dimension)
+    dimension_of = dimensions(model.definition.parameters)[0].get(name)
+    return Nature("" if dimension_of is None else str(dimension_of).removeprefix("1"))
+
+
+def _of(spec: Quantity, dimension: str) -> Nature:
+    unit = expected_unit(dimension)
+    # A measure of damping, such as a damping ratio, is as positive as the damping that it stands for.
+    return Nature("" if unit == "1" else unit, dimension, (-inf if spec.lower is None else spec.lower, inf))

@@ -1,0 +1,65 @@
+"""What noise of the instrument, squared, does to a fit of records that have no clean one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.identification.forms import of_errors, parts
+from torsionnet.identification.problem import Problem
+from torsionnet.identification.record_block import RecordBlock
+
+MATERIAL = 0.5
+"""Standard errors; a smaller bias is not worth a word."""
+
+
+def noise_shift(problem: Problem, values: FloatArray) -> FloatArray:
+    """Mean of the weighted residuals that squared noise makes, by the noise the fit has laid to its sensors."""
+    shifts = np.zeros(len(problem.residuals(values)))
+    for block, span, place in zip(problem.blocks, problem.spans, problem.places, strict=True):
+        if isinstance(block, RecordBlock):
+            shift = _shift(block, values[place])
+            shifts[span] = of_errors(block.form, parts(shift)[:, None], block.measured)[:, 0] / block.sizes
+    return shifts
+
+
+def noise_bias(problem: Problem, values: FloatArray) -> FloatArray:
+    """By how much that moves the values, (n,)."""
+    shift = noise_shift(problem, values)
+    if not shift.any():
+        return np.zeros(len(values))
+    return np.asarray(-np.linalg.lstsq(problem.jacobian(values), shift, rcond=None)[0])
+
+
+def _shift(block: RecordBlock, values: FloatArray) -> ComplexArray:
+    """Mean of model minus test, (n_b,)."""
+    windowed, (on_output, on_input) = block.windowed, block.sources
+    rows = windowed.rows
+    own = np.where(windowed.background, len(rows.weights) * rows.squares / windowed.power, 0.0)[block.kept]
+    if not own.any():
+        return np.asarray(own, dtype=complex)
+    if windowed.instrument.estimator == "H2":
+        return np.asarray(-on_output * own)
+    return np.asarray(on_input * own * block.predicted(values)[0])
+
+
+def biased(problem: Problem, values: FloatArray, errors: FloatArray, moved: FloatArray) -> Iterator[str]:
+    """Which values noise moves, and by how much."""
+    told = [
+        f"{name} reads about {100 * abs(change / value):.2g} % {'high' if change * value > 0 else 'low'}"
+        for name, value, change, error in zip(problem.names, values, moved, errors, strict=True)
+        if np.isfinite(error) and value and abs(change) > MATERIAL * error
+    ]
+    if not told:
+        return
+    blocks = [block for block in problem.blocks if isinstance(block, RecordBlock) and block.windowed.background.any()]
+    measurement, estimator = blocks[0].measurement, blocks[0].windowed.instrument.estimator
+    signal, other = measurement.input, "H2"
+    if estimator == "H2":
+        signal, other = measurement.output, "H1"
+    yield (
+        f"noise on {signal} biases {estimator}: {', '.join(told)}, by which the intervals are widened; name the "
+        f"set-point as reference, or take {other} if the other sensor is less noisy"
+    )

@@ -1,0 +1,211 @@
+"""Which value, freed alone, explains a misfit best, and the size that it would need."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import UsageError
+from torsionnet.identification.causes import Cause, causes_of
+from torsionnet.identification.explaining import FACTORS, MOST, Tried, squares, tried_with
+from torsionnet.identification.fit import Fit
+from torsionnet.identification.lack_words import cause_in_words
+from torsionnet.identification.measurement import Measurement
+from torsionnet.identification.problem import Problem, make_problem
+from torsionnet.identification.search import RANGE, Solution, solved
+from torsionnet.identification.unknown import Unknown, read_unknowns
+from torsionnet.identification.words import relative_misfits
+from torsionnet.response import Column, Table
+from torsionnet.threads import one_thread
+
+AS_GOOD = 4.0
+"""Sums of squares left, over the least, of causes that count as explanations beside the best one."""
+ENDED = 1e-3
+"""A value that comes as near to the end of its range, as a factor, has run there."""
+
+
+@dataclass(frozen=True)
+class RankedCause:
+    """One value freed alone, beside the parameters that were free before.
+
+    Attributes
+    ----------
+    kind : {"delay", "gain", "hysteretic", "viscous", "ratio", "value"}
+    of : str
+        The value, the signals of a gain or delay, or the element with another kind of damping.
+    unknown : str
+        Name of the freedom: ``gearbox.ratio``, ``gain``.
+    before : float or None
+        What the model has in its place, SI.
+    value : float
+        What it would have to be, SI; the mean where it is found for each measurement.
+    misfit : float
+        RMS of model minus test over that of the test that is left, of all measurements.
+    left : float
+        Share of the sum of the squared weighted residuals that is left.
+    explains : bool
+        Whether that is little, and not much more than the best cause leaves.
+    """
+
+    kind: str
+    of: str
+    unknown: str
+    before: float | None
+    value: float
+    misfit: float
+    left: float
+    explains: bool
+
+    @property
+    def factor(self) -> float | None:
+        """Of what the model has; None where it has nothing in its place."""
+        if self.kind == "gain":
+            return self.value
+        return self.value / self.before if self.before else None
+
+    def __str__(self) -> str:
+        return cause_in_words(self.kind, self.of, self.value, self.before)
+
+
+@dataclass(frozen=True)
+class Ranking:
+    """Causes of a misfit by what they leave of it, the best first.
+
+    Attributes
+    ----------
+    causes : tuple of RankedCause
+    misfit : float
+        RMS of model minus test over that of the test as things are, of all measurements.
+    """
+
+    causes: tuple[RankedCause, ...]
+    misfit: float
+
+    @property
+    def verdict(self) -> str:
+        """Which causes explain the misfit, in a sentence."""
+        good = [str(one) for one in self.causes if one.explains]
+        if not good:
+            return "no single value explains the misfit"
+        return f"only {', or '.join(good)} explains the misfit"
+
+    def table(self) -> Table:
+        """A row for each cause."""
+        columns = (
+            Column("freed alone"),
+            Column("model has"),
+            Column("would be"),
+            Column("factor", "", 3),
+            Column("misfit left", "%", 3),
+            Column("explains it"),
+        )
+        rows = []
+        for one in self.causes:
+            what = f"{one.kind} of {one.of}" if one.unknown in ("delay", "gain") else one.unknown
+            rows.append((what, one.before, one.value, one.factor, 100 * one.misfit, "yes" if one.explains else "no"))
+        note = f"misfit {100 * self.misfit:.3g} % (RMS of model minus test over test) with nothing freed"
+        return Table("What would explain the misfit", columns, tuple(rows), (self.verdict, note))
+
+
+@one_thread()
+def rank_causes(
+    model: Drivetrain | Fit,
+    measurements: Measurement | Sequence[Measurement] = (),
+    parameters: str | Sequence[str] | Mapping[str, Unknown | float | None] = (),
+    *,
+    residual: str = "complex",
+) -> Ranking:
+    """Free one value after the other, and rank them by what each leaves of a misfit.
+
+    Tried are a gain and a delay of the outputs' channels, every inertia, stiffness, damping and ratio of the model, and
+    the other kind of damping of its springs.
+
+    Parameters
+    ----------
+    model : Drivetrain or Fit
+        Of a fit its model, measurements and parameters; parameters are found anew with every cause.
+    measurements : Measurement or sequence of these, optional
+    parameters : str, sequence of str, or mapping, optional
+        What is fitted along, as for :func:`identify`; nothing by default.
+    residual : {"complex", "log", "magnitude"}, optional
+
+    Returns
+    -------
+    Ranking
+
+    Raises
+    ------
+    UsageError
+        There is nothing measured, or as for :func:`identify`.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.load("dmf_rig")
+    >>> test = rig.configured(I_2=0.2).frequency_response("theta_1", "T_T", [4.0, 6.0, 9.0, 12.0])
+    >>> ranking = rank_causes(rig, tn.Measurement(test, "theta_1", "T_T"))
+    >>> ranking.causes[0].unknown, round(ranking.causes[0].value, 6)
+    ('I_2', 0.2)
+    """
+    problem, values = _prepared(model, measurements, parameters, residual)
+    whole = squares(problem, values)
+    best = [one for cause in causes_of(problem) if (one := _best(problem, cause, values)) is not None]
+    least = min((one.squares for one in best), default=0.0)
+    enough = min((1 - MOST) * whole, max(AS_GOOD * least, np.finfo(float).eps * whole))
+    ranked = [_ranked(one, whole, enough) for one in sorted(best, key=lambda one: one.criterion)]
+    return Ranking(tuple(ranked), _relative(problem, values))
+
+
+def _prepared(
+    model: Drivetrain | Fit,
+    measurements: Measurement | Sequence[Measurement],
+    parameters: str | Sequence[str] | Mapping[str, Unknown | float | None],
+    residual: str,
+) -> tuple[Problem, FloatArray]:
+    if isinstance(model, Fit):
+        if model.problem is None:
+            msg = "a fit read from a file has no data to compare with; fit again"
+            raise UsageError(msg)
+        return model.problem, np.array(list(model.values.values()))
+    listed = [measurements] if isinstance(measurements, Measurement) else list(measurements)
+    if not listed:
+        msg = "there is nothing measured to compare with"
+        raise UsageError(msg)
+    problem = make_problem(model, listed, read_unknowns(parameters) if parameters else {}, residual)
+    return problem, _solve(problem, problem.start).x
+
+
+def _solve(problem: Problem, start: FloatArray) -> Solution:
+    return solved(problem, start, "linear") if len(start) else Solution(start, 0.0, converged=True, message="")
+
+
+def _best(problem: Problem, cause: Cause, values: FloatArray) -> Tried | None:
+    factors = FACTORS if cause.is_value else FACTORS[:1]
+    found = [tried_with(problem, cause, values, _solve, factor) for factor in factors]
+    return min((one for one in found if one is not None), key=lambda one: one.squares, default=None)
+
+
+def _ranked(one: Tried, whole: float, enough: float) -> RankedCause:
+    mine = [place for place, name in enumerate(one.problem.names) if name.partition("[")[0] == one.cause.unknown]
+    cause, value = one.cause, float(np.mean(one.values[mine]))
+    begin = float(np.mean(one.problem.start[mine]))
+    outputs = " and ".join(dict.fromkeys(block.measurement.output for block in one.problem.blocks))
+    ended = begin > 0 and not ENDED * RANGE > value / begin > 1 / (ENDED * RANGE)
+    return RankedCause(
+        kind=cause.kind,
+        of=outputs if cause.is_of_channel else cause.unknown if cause.is_value else cause.element,
+        unknown=cause.unknown,
+        before=begin if cause.is_value else None,
+        value=value,
+        misfit=_relative(one.problem, one.values),
+        left=one.squares / whole if whole else 0.0,
+        explains=one.squares <= enough and not ended,
+    )
+
+
+def _relative(problem: Problem, values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(relative_misfits(problem, values) ** 2)))

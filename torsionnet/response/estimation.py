@@ -1,0 +1,93 @@
+"""How a frequency response was estimated from records, which says how certain it is."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, fields
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from torsionnet.signals.recording import Recording
+
+_NOTE = re.compile(
+    r"(?P<estimator>H\w+)( with .+?)?, Welch, (?P<window>\w+) (?P<seconds>\S+) s, overlap (?P<overlap>[\d.]+)%, "
+    r"detrend (?P<detrend>\w+), (?P<averages>\d+) averages worth (?P<effective>[\d.]+)\b.*"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Estimation:
+    """Averaging by Welch's method.
+
+    Attributes
+    ----------
+    estimator, window : str
+    seconds : float
+        Length of a segment.
+    overlap : float
+        Share of a segment that the next one repeats.
+    detrend : str
+    averages : int
+        Number of segments.
+    effective_averages : float
+        Number of segments without overlap that would be as certain.
+    swept : bool
+        Whether the input was a sine that is swept.
+    settled_from : float
+        Hz; what is below, the sweep passed before the first segment had ended.
+    record : Recording, optional
+        The signals that were averaged, after decimation; kept in memory, not in files.
+    steps : mapping of str to float
+        Steps of the sensors in it, SI.
+    references : tuple of str
+        Signals that ``Hr`` went by.
+    """
+
+    estimator: str
+    window: str
+    seconds: float
+    overlap: float
+    detrend: str
+    averages: int
+    effective_averages: float
+    swept: bool = False
+    settled_from: float = 0.0
+    record: Recording | None = field(default=None, repr=False)
+    steps: Mapping[str, float] = field(default_factory=dict, repr=False)
+    references: tuple[str, ...] = ()
+
+    def to_data(self) -> dict[str, Any]:
+        """What a file keeps."""
+        return {one.name: getattr(self, one.name) for one in fields(self) if one.name not in ("record", "steps")}
+
+
+def read_estimation(data: Mapping[str, Any]) -> Estimation:
+    """From :meth:`Estimation.to_data`; ``KeyError``, ``TypeError`` or ``ValueError`` where that is damaged."""
+    return Estimation(
+        estimator=str(data["estimator"]),
+        window=str(data["window"]),
+        seconds=float(data["seconds"]),
+        overlap=float(data["overlap"]),
+        detrend=str(data["detrend"]),
+        averages=int(data["averages"]),
+        effective_averages=float(data["effective_averages"]),
+        swept=bool(data["swept"]),
+        settled_from=float(data["settled_from"]),
+        references=tuple(map(str, data.get("references", ()))),
+    )
+
+
+def estimation_in(notes: Iterable[str]) -> Estimation | None:
+    """What a note of an estimate says, for files that hold nothing but lines of text.
+
+    >>> estimation_in(["H1, Welch, hann 8 s, overlap 75%, detrend mean, 21 averages worth 11.8 without"]).seconds
+    8.0
+    """
+    for note in notes:
+        found = _NOTE.fullmatch(note)
+        if found:
+            seconds, overlap, effective = (float(found[key]) for key in ("seconds", "overlap", "effective"))
+            names = found["estimator"], found["window"]
+            return Estimation(*names, seconds, overlap / 100, found["detrend"], int(found["averages"]), effective)
+    return None
