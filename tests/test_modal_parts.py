@@ -7,7 +7,7 @@ import pytest
 from modal_cases import chain_residues, pole, response_of
 
 from torsionnet.errors import UsageError
-from torsionnet.modal import Criteria, Settings, fit_poles
+from torsionnet.modal import Criteria, Settings, fit_poles, identify_modes
 from torsionnet.modal.information import Judge, alike, worth_keeping
 from torsionnet.modal.lines import Lines, lines_of
 from torsionnet.modal.polynomials import orthogonal, powers, roots
@@ -235,3 +235,24 @@ def test_given_poles_that_lie_close_together_stay_apart():
     found = fit_poles(response_of(poles, residues, np.arange(5, 15, 0.1)), poles, Settings(residuals="none"))
     np.testing.assert_allclose(found.residues, residues, rtol=1e-6)
     assert not any("close together" in note for note in found.notes)
+
+
+class TestChoiceOfTheMethod:
+    """Poles drawn by hand, 5 % noise: what each method misses is known, and the choice has to be the other one."""
+
+    def found(self, poles, lines, outputs):
+        response = response_of(poles, chain_residues(poles, outputs)[0], lines, noise=0.05)
+        return identify_modes(response, Settings())
+
+    def test_a_close_pair_is_taken_from_the_rational_fraction(self):
+        poles = [pole(11.0, 0.008), pole(11.165, 0.009), pole(22.0, 0.01)]
+        found = self.found(poles, np.arange(2, 30, 0.05), 3)
+        np.testing.assert_allclose(found.natural_frequencies, [11.0, 11.165, 22.0], rtol=2e-3)
+        assert found.notes[0].startswith("method: rational fraction")
+
+    def test_twelve_light_modes_are_taken_from_lscf(self):
+        frequencies = 30 * 4 ** (np.arange(12) / 11)
+        poles = [pole(f, 0.007) for f in frequencies]
+        found = self.found(poles, np.arange(20, 130, 0.1), 6)
+        np.testing.assert_allclose(found.natural_frequencies, frequencies, rtol=4e-3)
+        assert found.notes[0].startswith("method: LSCF rather than rational fraction, whose BIC is")

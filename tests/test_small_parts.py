@@ -105,6 +105,14 @@ class TestSignals:
         notes = " ".join(estimate(record, "phi", "T", settings=Welch("hann", 8.0)).notes)
         assert "half-power bandwidth" not in notes
 
+    def test_a_rate_that_an_hdf5_file_states(self, tmp_path):
+        h5py = pytest.importorskip("h5py")
+        with h5py.File(tmp_path / "r.h5", "w") as file:
+            file["T_T"] = np.arange(4.0)
+            file["T_T"].attrs["unit"] = "N*m"
+            file.attrs["fs"] = 250.0
+        assert tn.signals.read_recording(tmp_path / "r.h5").sampling_rate == 250
+
 
 class TestResponses:
     def test_the_largest_response_is_told_in_the_unit_asked_for(self):

@@ -39,6 +39,7 @@ def stabilisation(response: FrequencyResponse, settings: Settings | None = None)
 
     Examples
     --------
+    >>> import numpy as np
     >>> import torsionnet as tn
     >>> rig = tn.load("amt_rig").configured("II")
     >>> diagram = stabilisation(rig.frequency_response("theta_1", "T_T", np.arange(0.5, 30, 0.1)))

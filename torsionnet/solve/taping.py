@@ -26,7 +26,7 @@ def make_tape(plan: Plan) -> Tape:
     >>> from torsionnet.solve.graph_plan import make_plan
     >>> tape = make_tape(make_plan([{0: 1.0}, {0: 1.0, 1: -1.0}], 2, [{1: 1.0}], [{}], [{1: 1.0}], ()))
     >>> len(tape), tape.n_registers
-    (8, 3)
+    (8, 4)
     """
     n_read = len(plan.outputs) + len(plan.reactions)
     return (_Forward if n_read <= FEW else _Back)(plan).tape(n_read)
