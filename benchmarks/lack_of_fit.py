@@ -1,11 +1,10 @@
 """How often fits say that they are wrong: of right models (false alarms), of wrong ones, and under noise on the torque.
 
-python benchmarks/lack_of_fit.py [RUNS]    # 60 runs take about an hour
+python -m benchmarks.lack_of_fit [RUNS]    # 60 runs take about an hour
 """
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -13,6 +12,7 @@ from typing import Any
 import numpy as np
 
 import torsionnet as tn
+from benchmarks._sizes import ARGUMENTS, sized
 from torsionnet.bench import Acquisition, Encoder, Plan, Transducer
 from torsionnet.signals import LinearChirp, Welch, estimate
 
@@ -56,9 +56,9 @@ def fitted(rig: Any, benches: dict[str, tn.Bench], start: Any, settings: Welch, 
 
 def right(runs: int) -> Iterator[tuple[str, float, float]]:
     """Right models: share of fits that are called wrong, and median of residuals over noise."""
-    for name, (gears, start) in RIGS.items():
+    for name, (gears, start) in list(RIGS.items())[: sized(None, 1)]:
         rig = tn.load(name)
-        for sensor, channels in SENSORS.items():
+        for sensor, channels in list(SENSORS.items())[: sized(None, 1)]:
             benches = {gear: bench(rig.configured(gear), channels) for gear in gears}
             for window, settings in WINDOWS.items():
                 for route in ("records", "responses"):
@@ -132,4 +132,4 @@ def main(runs: int) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 10)
+    main(int(ARGUMENTS[0]) if ARGUMENTS else sized(10, 1))
