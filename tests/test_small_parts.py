@@ -159,3 +159,30 @@ class TestInANotebook:
 
     def test_large_symbolic_systems_are_one_line(self):
         assert len(repr(tn.load("six_cylinder_diesel").symbolic())) < 150
+
+
+class TestBenchFiles:
+    """Each is a fault with its place, never an error of Python."""
+
+    @pytest.mark.parametrize(
+        ("good", "bad", "where", "message"),
+        [
+            ("{type: encoder, lines: 1024}", "{type: {}}", "theta_1: {type: ", "no sensor type is named"),
+            ("{type: linear chirp,", "{type: [a],", "excitation: {type: ", "no excitation type is named"),
+            ("rate: 10 kHz", "rate: 1e9 Hz", "acquisition: {rate: ", "1e+11 samples; at most 1e+08"),
+            ("rate: 10 kHz", "rate: 1e308 Hz", "acquisition: {rate: ", "samples; at most 1e+08"),
+        ],
+    )
+    def test_refused(self, tmp_path, good, bad, where, message):
+        text = tn.library_benches()["dmf_bench"].read_text(encoding="utf-8").replace(good, bad)
+        (tmp_path / "bench.yaml").write_text(text, encoding="utf-8")
+        with pytest.raises(ModelError) as caught:
+            tn.load_bench(tmp_path / "bench.yaml")
+        (fault,) = caught.value.faults
+        assert message in fault.message
+        assert where.split(":")[0].strip() in text.splitlines()[fault.position.line - 1]
+
+    @pytest.mark.parametrize("seconds", [1e-150, 0, 1e9, 1e308, float("nan")])
+    def test_length_of_a_segment(self, seconds):
+        with pytest.raises(UsageError, match="a segment must have a length from 1e-06 to 1e"):
+            Welch("hann", seconds)

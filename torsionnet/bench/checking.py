@@ -14,13 +14,15 @@ from torsionnet.errors import Fault, Path, did_you_mean
 if TYPE_CHECKING:
     from torsionnet.definition import Definition
 
+MOST_SAMPLES = 1e8
+"""Of a channel: some gigabytes on the way."""
 DIMENSION_OF = {"angle": "angle", "twist": "angle", "velocity": "speed"}
 """Dimension of what a sensor reads, where it is not named like its quantity."""
 
 
 def check_plan(plan: Plan, definition: Definition, path: Path = ("bench",)) -> list[Fault]:
     """Every fault of a plan for this model; the sensors written out in full are left to the solver."""
-    faults = [*_drive(plan, definition)]
+    faults = [*_drive(plan, definition), *_size(plan)]
     for name, part in plan.channels.items():
         faults += [fault.under("channels", name) for fault in _channel(name, part, plan, definition)]
     return [fault.under(*path) for fault in faults]
@@ -41,6 +43,13 @@ def _drive(plan: Plan, definition: Definition) -> Iterator[Fault]:
     elif plan.drive not in torques:
         reason = f'no torque input is named "{plan.drive}"{did_you_mean(plan.drive, torques)}'
         yield Fault(f"{reason}; torque inputs: {declared}", ("drive",))
+
+
+def _size(plan: Plan) -> Iterator[Fault]:
+    rate, seconds = plan.acquisition.rate, plan.excitation.length
+    if rate * seconds > MOST_SAMPLES:
+        text = f"{seconds:g} s at {rate:g} Hz are {rate * seconds:.3g} samples; at most {MOST_SAMPLES:.0e}"
+        yield Fault(text, ("acquisition", "rate"))
 
 
 def _channel(name: str, part: Transducer | Encoder, plan: Plan, definition: Definition) -> Iterator[Fault]:

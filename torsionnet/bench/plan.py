@@ -137,7 +137,7 @@ def _type(raw: Any, known: Mapping[str, type[T]], what: str) -> tuple[type[T] | 
     names = ", ".join(known)
     if not isinstance(raw, Mapping) or kind is None:
         return None, [Fault(f"expected {{type: ..., ...}} with one of the types {names}", on_key=True)]
-    if kind not in known:
+    if not isinstance(kind, str) or kind not in known:
         hint = did_you_mean(str(kind), known)
         return None, [Fault(f'no {what} type is named "{kind}"{hint}; known: {names}', ("type",))]
     return known[kind], []

@@ -13,6 +13,9 @@ from torsionnet.signals.recording import FloatArray
 WINDOWS = ("hamming", "hann", "boxcar", "blackman", "blackmanharris", "flattop", "bartlett")
 """Those that are often asked for; scipy has more."""
 
+SHORTEST, LONGEST = 1e-6, 1e6
+"""Seconds of a segment: of a laser's encoder, and of some days."""
+
 
 @dataclass(frozen=True)
 class Welch:
@@ -47,8 +50,8 @@ class Welch:
         if not 0 <= self.overlap < 1:
             msg = f"overlap is a share from 0 to below 1, got {self.overlap}"
             raise UsageError(msg)
-        if not self.seconds > 0:
-            msg = f"a segment must have a length in s above 0, got {self.seconds}"
+        if not SHORTEST <= self.seconds <= LONGEST:
+            msg = f"a segment must have a length from {SHORTEST:g} to {LONGEST:g} s, got {self.seconds:g}"
             raise UsageError(msg)
 
     def samples(self, sampling_rate: float) -> int:
