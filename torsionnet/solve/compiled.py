@@ -16,7 +16,7 @@ from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.errors import MissingExtraError
 from torsionnet.solve import tape as ops
-from torsionnet.solve.doubt import LARGE
+from torsionnet.solve.doubt import LARGE, SHARE
 from torsionnet.solve.tape import Tape
 
 try:
@@ -30,7 +30,7 @@ LANES = 128
 
 LAW, CONSTANT, SUM, PIVOT, PRODUCT = ops.LAW, ops.CONSTANT, ops.SUM, ops.PIVOT, ops.PRODUCT
 QUOTIENT, INVERSE, WATCH, OUTPUT = ops.QUOTIENT, ops.INVERSE, ops.WATCH, ops.OUTPUT
-SQUARE = LARGE * LARGE
+SQUARE, SHARE_SQUARE = LARGE * LARGE, SHARE * SHARE
 
 
 def sweep(tape: Tape, kappa: LawStiffness) -> tuple[ComplexArray, NDArray[np.bool_]]:
@@ -118,7 +118,7 @@ def _loop(  # noqa: PLR0912, PLR0915
             elif code == WATCH:
                 for i in range(LANES):
                     size = r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i]
-                    spare = SQUARE - f * f * size
+                    spare = SHARE_SQUARE - f * f * size
                     left[i] = spare if spare < left[i] else left[i]
             elif code == INVERSE:
                 for i in range(LANES):

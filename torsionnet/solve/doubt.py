@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 Array: TypeAlias = NDArray[Any]
 """Real where nothing damps the system, else complex; the last axis is lanes."""
 
-LARGE = 1e3
-"""A sum this much smaller than its terms is in doubt: three digits are lost, and two such sums on the way lose six."""
+LARGE = 1e4
+"""A sum of two this much smaller than its terms is in doubt: what follows from it has lost four digits or more."""
+SHARE = 1e3
+"""The same of a term beside the pivot or quotient it is part of: lower, since such losses follow each other."""
 
 
 class Doubt:
@@ -23,7 +25,7 @@ class Doubt:
 
     def shares(self, share: Array, factor: float = 1.0) -> None:
         """Look at a term over its sum, ``factor`` times ``share``."""
-        limit, flat = LARGE / factor, share.view(float)
+        limit, flat = SHARE / factor, share.view(float)
         if not (np.vdot(flat, flat) < limit * limit or -0.7 * limit < flat.min() <= flat.max() < 0.7 * limit):
             self.marked |= ~(np.abs(share) < limit)
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve import dense, starmesh
-from torsionnet.solve.doubt import LARGE
+from torsionnet.solve.doubt import SHARE
 from torsionnet.solve.posed import Posed
 from torsionnet.solve.problem import Problem
 from torsionnet.solve.question import Question
@@ -89,8 +89,8 @@ def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray
         inverse, size = _inverse(normed)
         scale = 1 / columns.swapaxes(1, 2) / rows.swapaxes(1, 2)
         quotient = outputs @ (inverse * scale)
-        lost = (LARGE * np.abs(quotient) < np.abs(outputs) @ (size * scale)).any(axis=(1, 2))
-        return quotient, lost | ~(apart * LARGE > 1) | ~np.isfinite(quotient).all(axis=(1, 2)), apart
+        lost = (SHARE * np.abs(quotient) < np.abs(outputs) @ (size * scale)).any(axis=(1, 2))
+        return quotient, lost | ~(apart * SHARE > 1) | ~np.isfinite(quotient).all(axis=(1, 2)), apart
 
 
 def _inverse(matrices: ComplexArray) -> tuple[ComplexArray, FloatArray]:
