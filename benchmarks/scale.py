@@ -70,8 +70,8 @@ def stages(shape: str, n: int) -> dict[str, float]:
         done("load YAML")
         _ = model.assembly
         done("assemble")
-        from torsionnet.cli.describe import tables
         from torsionnet.cli.terminal import print_table
+        from torsionnet.overview import tables
 
         with contextlib.redirect_stdout(io.StringIO()):
             for one in tables(model):

@@ -22,6 +22,7 @@ LAYERS = (  # top to bottom: first name below torsionnet
     {
         "bench",
         "outline",
+        "overview",
         "drivetrain",
         "files",
         "checks",

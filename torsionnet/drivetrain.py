@@ -482,7 +482,7 @@ class Drivetrain:
         return f"<Drivetrain {self.name!r}: {counts}{f', {self.configuration}' if self._choice else ''}>"
 
     def _repr_html_(self) -> str:
-        from torsionnet.cli.describe import page
+        from torsionnet.overview import page
 
         return page(self)
 

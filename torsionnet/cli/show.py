@@ -37,7 +37,7 @@ def command(
     """
     cases = load_cases(model, configurations, settings)
     if csv_file:
-        from torsionnet.cli.describe import elements_table
+        from torsionnet.overview import elements_table
 
         joined(cases, [elements_table(case.drivetrain) for case in cases], named=bool(configurations)).to_csv(csv_file)
         wrote(csv_file)
@@ -69,7 +69,7 @@ def _show(rig: Drivetrain, equations: bool, matrices: bool) -> None:
 
 
 def _describe(rig: Drivetrain) -> None:
-    from torsionnet.cli.describe import tables
+    from torsionnet.overview import tables
 
     say(rig.title)
     for text in (rig.description, rig.source and f"Source: {rig.source}"):
@@ -91,8 +91,8 @@ def _plot(file: str, cases: list[Case]) -> None:
 
 
 def _as_data(case: Case, equations: bool, matrices: bool) -> dict[str, Any]:
-    from torsionnet.cli.describe import as_data
     from torsionnet.cli.equations import equations_data, matrices_data
+    from torsionnet.overview import as_data
 
     data = as_data(case.drivetrain)
     if equations:

@@ -15,9 +15,9 @@ import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.identification.forms import Form, apart
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.noise import Noise, noise_between_lines
+from torsionnet.identification.residual_forms import Form, apart
 from torsionnet.sensitivity import ParametricResponse, parametric_response
 
 

@@ -9,13 +9,13 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.identification.block import Block
-from torsionnet.identification.forms import Form
 from torsionnet.identification.instrument import instrument_of
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.memory import check_memory
 from torsionnet.identification.operator import windowed_estimate
 from torsionnet.identification.record_block import RecordBlock
 from torsionnet.identification.remembered import remembered_estimate
+from torsionnet.identification.residual_forms import Form
 from torsionnet.identification.response_block import ResponseBlock, settled
 from torsionnet.identification.smoothing import smoothing
 from torsionnet.identification.steps import steps_covariance

@@ -12,10 +12,10 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.identification.lack_of_fit import LackOfFit
 from torsionnet.identification.lack_words import lacking
-from torsionnet.identification.limits import at_limits
 from torsionnet.identification.natures import nature
 from torsionnet.identification.noise_bias import noise_bias
 from torsionnet.identification.problem import Problem
+from torsionnet.identification.run_to_limits import at_limits
 from torsionnet.identification.search import Solution, variance
 from torsionnet.identification.words import verdicts
 from torsionnet.response import Column, Table

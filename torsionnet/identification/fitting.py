@@ -13,10 +13,10 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import SolveError, UsageError, did_you_mean
 from torsionnet.identification.explaining import explanations, too_coarse
 from torsionnet.identification.fit import Fit, make_fit
-from torsionnet.identification.forms import FORMS
 from torsionnet.identification.lack_of_fit import LackOfFit, misfits
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.problem import Problem, make_problem
+from torsionnet.identification.residual_forms import FORMS
 from torsionnet.identification.search import Solution, solved, steps, weights
 from torsionnet.identification.unknown import Unknown, read_unknowns
 from torsionnet.threads import one_thread

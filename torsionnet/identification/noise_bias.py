@@ -7,9 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.identification.forms import of_errors, parts
 from torsionnet.identification.problem import Problem
 from torsionnet.identification.record_block import RecordBlock
+from torsionnet.identification.residual_forms import of_errors, parts
 
 MATERIAL = 0.5
 """Standard errors; a smaller bias is not worth a word."""

@@ -11,9 +11,9 @@ from scipy.stats import norm
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.block import Block
-from torsionnet.identification.forms import of_covariance
 from torsionnet.identification.noise import Noise, noise_between_windows
 from torsionnet.identification.operator import WindowedEstimate
+from torsionnet.identification.residual_forms import of_covariance
 
 SOURCE_ROUNDS = 5
 

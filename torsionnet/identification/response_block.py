@@ -9,7 +9,6 @@ from scipy.sparse import csr_array
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.block import Block
-from torsionnet.identification.forms import of_covariance, of_errors, parts
 from torsionnet.identification.line_noise import (
     USUAL_OVERLAP,
     USUAL_WINDOW,
@@ -18,6 +17,7 @@ from torsionnet.identification.line_noise import (
     line_noise,
 )
 from torsionnet.identification.noise import Noise
+from torsionnet.identification.residual_forms import of_covariance, of_errors, parts
 from torsionnet.identification.smoothing import UNCERTAIN, Smoothing
 from torsionnet.response import FrequencyResponse
 
