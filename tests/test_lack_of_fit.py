@@ -31,11 +31,8 @@ def bench(rig, noise=0.05, angle=FINE, excitation=CHIRP):
     return tn.Bench(rig, Plan(excitation=excitation, channels=channels, acquisition=Acquisition(rate="1 kHz")))
 
 
-def test_of(record, **more):
+def measurement_of(record, **more):
     return tn.Measurement(record, "theta_1", "T_T", **{"settings": SETTINGS, "band": BAND, **more})
-
-
-test_of.__test__ = False
 
 
 @pytest.fixture(scope="module")
@@ -60,7 +57,9 @@ def estimator(name):
 @pytest.mark.parametrize("name", ["", "Hr", "H1", "H2"])
 def test_noise_on_the_torque_of_a_sweep_biases_nothing(rig, noisy, name):
     """H1 as it is reads c_2 17 % high and k_2 1 %, its intervals never hold c_2."""
-    fits = [tn.identify(rig, test_of(record, settings=estimator(name)), {"c_2": 8, "k_2": 400}) for record in noisy]
+    fits = [
+        tn.identify(rig, measurement_of(record, settings=estimator(name)), {"c_2": 8, "k_2": 400}) for record in noisy
+    ]
     for parameter, true in (("c_2", 4.0), ("k_2", 460.0)):
         found = np.array([fit.values[parameter] for fit in fits])
         assert abs(found.mean() - true) < 3.5 * found.std() / np.sqrt(len(found))
@@ -73,7 +72,7 @@ def test_noise_on_the_torque_of_a_sweep_biases_nothing(rig, noisy, name):
 def test_estimator_of_a_fit_is_that_of_the_responses(rig, name):
     """Under an excitation that never rests nothing is taken off."""
     record = bench(rig, 3, excitation=RANDOM).run()
-    fit = tn.identify(rig, test_of(record, settings=estimator(name)), ["c_2"])
+    fit = tn.identify(rig, measurement_of(record, settings=estimator(name)), ["c_2"])
     reference = {"reference": "T_M_set"} if name == "Hr" else {}
     plain = estimate(record, "theta_1", "T_T", name, SETTINGS, **reference).between(*BAND)
     kept = fit.problem.blocks[0].windowed.background if name != "Hr" else np.ones(len(plain.frequencies), dtype=bool)
@@ -88,7 +87,7 @@ def test_noise_that_cannot_be_taken_off_is_told_with_its_size(rig):
     found, told, inside = [], [], 0
     for seed in range(5):
         record = excited.run(seed).select(["T_T", "theta_1"])
-        fit = tn.identify(rig, test_of(record), {"c_2": 8, "k_2": 400})
+        fit = tn.identify(rig, measurement_of(record), {"c_2": 8, "k_2": 400})
         (verdict,) = fit.verdicts
         assert verdict.startswith("noise on T_T biases H1: c_2 reads about ")
         assert "name the set-point as reference, or take H2" in verdict
@@ -96,7 +95,7 @@ def test_noise_that_cannot_be_taken_off_is_told_with_its_size(rig):
         told.append(float(verdict.split("about ")[1].split(" %")[0]))
         low, high = fit.intervals()["c_2"]
         inside += low < 4 < high
-        better = tn.identify(rig, test_of(record, settings=estimator("H2")), {"c_2": 8, "k_2": 400})
+        better = tn.identify(rig, measurement_of(record, settings=estimator("H2")), {"c_2": 8, "k_2": 400})
         assert better.verdicts == ()
         assert abs(better.values["c_2"] / 4 - 1) < 0.02
     assert np.mean(found) > 1
@@ -124,22 +123,25 @@ def test_set_point_that_does_not_drive_the_torque_is_left_alone(rig):
     silent = replace(other, values=np.zeros(len(record)))
     for signal in (other, silent):
         strange = record.with_signals(signal)
-        assert "lines of H1)" in tn.identify(rig, test_of(strange), ["c_2"]).notes[0]
+        assert "lines of H1)" in tn.identify(rig, measurement_of(strange), ["c_2"]).notes[0]
         with pytest.raises(UsageError, match=r"T_M_set explains .* of the input: it does not drive it"):
-            tn.identify(rig, test_of(strange, reference="T_M_set"), ["c_2"])
+            tn.identify(rig, measurement_of(strange, reference="T_M_set"), ["c_2"])
 
 
 def test_estimators_and_references_act_or_are_refused(rig):
     record = bench(rig).run()
     named = record.with_signals(replace(record["T_M_set"], name="command"))
-    assert "of Hr with command as reference" in tn.identify(rig, test_of(named, reference="command"), ["c_2"]).notes[0]
+    assert (
+        "of Hr with command as reference"
+        in tn.identify(rig, measurement_of(named, reference="command"), ["c_2"]).notes[0]
+    )
     with pytest.raises(UsageError, match="Hv is not for the fit of a record; there is H1, H2, and Hr"):
-        tn.identify(rig, test_of(record, settings=estimator("Hv")), ["c_2"])
+        tn.identify(rig, measurement_of(record, settings=estimator("Hv")), ["c_2"])
     bare = record.select(["T_T", "theta_1"])
     with pytest.raises(UsageError, match="Hr needs a reference, such as a set-point T_M_set"):
-        tn.identify(rig, test_of(bare, settings=estimator("Hr")), ["c_2"])
+        tn.identify(rig, measurement_of(bare, settings=estimator("Hr")), ["c_2"])
     with pytest.raises(UsageError, match='no signal is named "T_M_st"'):
-        tn.identify(rig, test_of(record, reference="T_M_st"), ["c_2"])
+        tn.identify(rig, measurement_of(record, reference="T_M_st"), ["c_2"])
     response = estimate(record, "theta_1", "T_T")
     with pytest.raises(UsageError, match="settings, settling and reference belong to records"):
         tn.Measurement(response, "theta_1", "T_T", reference="T_M_set")
@@ -152,7 +154,7 @@ def test_estimators_and_references_act_or_are_refused(rig):
 def test_noise_of_a_record_is_that_of_the_sensor(rig, inertia, stiffness, most):
     """Of a model that is 30 % wrong windows smear part of the misfit into it, a tenth of what the misfit is."""
     record = bench(rig, angle=Transducer(noise="0.1 deg")).run()
-    problem = make_problem(rig.configured(I_2=inertia), [test_of(record)], {"k_2": Unknown()}, "complex")
+    problem = make_problem(rig.configured(I_2=inertia), [measurement_of(record)], {"k_2": Unknown()}, "complex")
     (block,), values = problem.blocks, np.array([float(stiffness)])
     variance = block.measured_noise(values).ratio * (block.deviations**2).reshape(2, -1).sum(axis=0)
     unit = np.diag(block.windowed.output_covariance()).reshape(2, -1).sum(axis=0)
@@ -222,7 +224,7 @@ def test_wrong_models_are_found_out_and_explained(rig, case, noise):
     make, unknown, true = WRONG[case]
     model, one, parameters = make(rig)
     plan = replace(one.plan, channels={**one.plan.channels, "T_T": Transducer(noise=f"{noise} N*m")})
-    fit = tn.identify(model, test_of(replace(one, plan=plan).run(), name="run"), parameters)
+    fit = tn.identify(model, measurement_of(replace(one, plan=plan).run(), name="run"), parameters)
     assert fit.lack_of_fit.rejected
     assert fit.verdicts[0].startswith("the model does not fit: the residuals are ")
     assert fit.verdicts[0].endswith("Intervals are withheld")
@@ -238,7 +240,7 @@ def test_wrong_models_are_found_out_and_explained(rig, case, noise):
 
 def test_sentences_say_what_would_explain_it(rig):
     late = bench(rig.configured(c_2=0.8), angle=replace(FINE, delay=1.1e-3)).run()
-    (verdict,) = tn.identify(rig.configured(c_2=1.5), test_of(late), ["c_2"]).verdicts
+    (verdict,) = tn.identify(rig.configured(c_2=1.5), measurement_of(late), ["c_2"]).verdicts
     pattern = (
         r"the model does not fit: the residuals are \d+(\.\d)? times the noise, in a pattern over frequency; "
         r"a delay of 1\.1\d? ms in theta_1 would explain it: c_2 would be 0\.\d+ ± 0\.0\d+; "
@@ -249,7 +251,7 @@ def test_sentences_say_what_would_explain_it(rig):
 
 def test_with_the_delay_found_along_the_model_fits(rig):
     late = bench(rig.configured(c_2=0.8), 1.0, replace(FINE, delay=1.1e-3)).run()
-    fit = tn.identify(rig.configured(c_2=1.5), test_of(late, delay=True, name="run"), ["c_2"])
+    fit = tn.identify(rig.configured(c_2=1.5), measurement_of(late, delay=True, name="run"), ["c_2"])
     assert not fit.lack_of_fit.rejected
     low, high = fit.intervals()["c_2"]
     assert low < 0.8 < high
@@ -258,16 +260,16 @@ def test_with_the_delay_found_along_the_model_fits(rig):
 def test_several_wrong_things_have_no_single_explanation(rig):
     true = rig.configured(I_2=0.2, c_2=9, c_B=2.0)
     late = bench(true, angle=replace(FINE, delay=4e-3)).run()
-    fit = tn.identify(rig, test_of(late), ["k_2"])
+    fit = tn.identify(rig, measurement_of(late), ["k_2"])
     assert fit.lack_of_fit.rejected
     assert not any(one.complete for one in fit.lack_of_fit.explanations)
 
 
 def test_only_the_gear_that_does_not_fit_is_named():
     rig = tn.load("amt_rig")
-    tests = [test_of(bench(rig.configured(gear)).run(), configuration=gear) for gear in ("II", "III")]
+    tests = [measurement_of(bench(rig.configured(gear)).run(), configuration=gear) for gear in ("II", "III")]
     odd = bench(rig.configured("IV", I_2=0.2)).run()
-    fit = tn.identify(rig, [*tests, test_of(odd, configuration="IV")], ["c_O", "c_B"])
+    fit = tn.identify(rig, [*tests, measurement_of(odd, configuration="IV")], ["c_O", "c_B"])
     assert [one.name for one in fit.lack_of_fit.measurements if one.rejected] == ["IV"]
     assert fit.verdicts[0].startswith("the model does not fit IV: ")
 
@@ -297,7 +299,7 @@ def test_viscous_model_of_a_hysteretic_response(rig):
 def test_candidates_of_a_choice_are_judged_too(rig):
     from torsionnet.identification import Candidate, choose_model
 
-    test = test_of(bench(hysteretic(0.4)).run(), name="sweep")
+    test = measurement_of(bench(hysteretic(0.4)).run(), name="sweep")
     found = choose_model(
         {
             "viscous": Candidate(rig, ["c_2", "k_2"]),

@@ -61,7 +61,7 @@ def _loop(  # noqa: PLR0912, PLR0915
 ) -> None:  # fmt: skip
     """All operations for LANES lanes, then for the next; ``offset`` is the first lane of this variant.
 
-    ``left`` falls below zero where a sum is smaller than its terms by more than LARGE.
+    ``left`` falls below zero where a sum is smaller than its terms by more than LARGE, or a share is larger than SHARE.
     """
     n_f = omega.shape[0]
     w, w2, left = np.empty(LANES), np.empty(LANES), np.empty(LANES)
