@@ -75,6 +75,8 @@ class Fit:
     verdicts : tuple of str
         Which values can be trusted, in words.
     notes : tuple of str
+    steps : mapping of str to tuple of float
+        SI; by how much the steps of a sensor can move a value, in each test that has them. The errors contain it.
     lack_of_fit : LackOfFit, optional
         What the residuals hold beyond noise; none of a fit that was read from a file.
     """
@@ -89,22 +91,23 @@ class Fit:
     notes: tuple[str, ...] = ()
     units: Mapping[str, str] = field(default_factory=dict)
     title: str = ""
+    steps: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     lack_of_fit: LackOfFit | None = None
     problem: Problem | None = field(default=None, repr=False)
     loss: str = "linear"
 
     def intervals(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
-        """Confidence intervals from the standard errors, with Student's distribution."""
-        from scipy import stats
+        """Confidence intervals from the standard errors, with Student's distribution; of an error by steps, its own."""
+        from torsionnet.identification.reach import reach
 
         if not 0 < level < 1:
             msg = f"a level is a share between 0 and 1, got {level}"
             raise UsageError(msg)
-        reach = float(stats.t.ppf(0.5 + level / 2, max(self.degrees_of_freedom, 1)))
-        return {
-            name: (value - reach * self.standard_errors[name], value + reach * self.standard_errors[name])
-            for name, value in self.values.items()
-        }
+        freedom, found = max(self.degrees_of_freedom, 1), {}
+        for name, value in self.values.items():
+            half = reach(level, self.standard_errors[name], self.steps.get(name, ()), freedom)
+            found[name] = (value - half, value + half)
+        return found
 
     def profile(self, name: str, level: float = 0.95) -> tuple[float, float]:
         """Profile-likelihood interval of one value: how far it can move while the others follow, SI.
@@ -195,6 +198,7 @@ def make_fit(model: Drivetrain, problem: Problem, found: Solution, loss: str, la
         notes=_notes(problem, loss, left_over, scaled=factor == left_over and not withheld),
         units={name: EXTRA_UNITS.get(plain, natures[plain].unit) for name, plain in plain_names.items()},
         title=f"Fit of {model.name}",
+        steps=_steps(problem, backward * scale[:, None], values),
         lack_of_fit=lack,
         problem=problem,
         loss=loss,
@@ -206,6 +210,12 @@ def _correlation(inverse: FloatArray, lost: FloatArray) -> FloatArray:
     heavy = inverse + HEAVY * max(float(np.trace(inverse)), 1.0) * lost.T @ lost
     size = np.sqrt(np.diag(heavy))
     return np.asarray(heavy / np.outer(size, size))
+
+
+def _steps(problem: Problem, backward: FloatArray, values: FloatArray) -> dict[str, tuple[float, ...]]:
+    """Amplitudes of the cosines that steps of sensors add to the values, one of each test."""
+    tests = [np.sqrt(2 * np.diag(moved)).tolist() for moved in problem.under_steps(backward, values)]
+    return {name: tuple(found) for name, *found in zip(problem.names, *tests, strict=True) if any(found)}
 
 
 def _compared(problem: Problem, number: int, values: FloatArray) -> Compared:

@@ -94,6 +94,11 @@ class WindowedEstimate:
         return _from_rest(self.record, self.output) - predicted, predicted
 
     @property
+    def input_from_rest(self) -> FloatArray:
+        """The input less its first value, (n,)."""
+        return _from_rest(self.record, self.input)
+
+    @property
     def _first(self) -> int:
         """Place of the lowest of the fine frequencies in the spectrum."""
         return round(float(self.fine[0]) * _padded(self.rows.count) / self.record.sampling_rate)

@@ -16,7 +16,8 @@ from torsionnet.identification.block import Block
 from torsionnet.identification.blocks import make_block
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.natures import nature
-from torsionnet.identification.record_block import RecordBlock, two_sources
+from torsionnet.identification.record_block import RecordBlock
+from torsionnet.identification.sources import together, two_sources
 from torsionnet.identification.unknown import Unknown
 
 EXTRAS = {"delay": (0.0, (-np.inf, np.inf), "s"), "gain": (1.0, (0.0, np.inf), "")}
@@ -80,7 +81,12 @@ class Problem:
         for sensors in dict.fromkeys(block.sensors for block, _ in records):
             alike = [(block, mine) for block, mine in records if block.sensors == sensors]
             levels, gains = zip(*(block.unexplained(mine) for block, mine in alike), strict=True)
-            sources = two_sources(np.concatenate(levels), np.concatenate(gains))
+            level, gain = np.concatenate(levels), np.concatenate(gains)
+            repeated = sum(block.squares for block, _ in alike) / sum(block.count for block, _ in alike)
+            sources = two_sources(level, gain, repeated)
+            seen = together(block.input_noise(mine, sources[0]) for block, mine in alike)
+            if seen:
+                sources = two_sources(level, gain, repeated, seen)
             for block, mine in alike:
                 block.take_sources(mine, *sources)
         self.forget()
@@ -116,11 +122,18 @@ class Problem:
 
     def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
         """Covariance of backward (n, n_residuals) @ residuals by errors that lines share, as of a sensor's steps."""
-        total, start = np.zeros((len(backward), len(backward))), 0
-        for block, place in zip(self.blocks, self.places, strict=True):
-            total += block.under_shared(backward[:, start : start + block.count], values[place])
-            start += block.count
+        total = np.zeros((len(backward), len(backward)))
+        for block, span, place in zip(self.blocks, self.spans, self.places, strict=True):
+            total += block.under_shared(backward[:, span], values[place])
         return total
+
+    def under_steps(self, backward: FloatArray, values: FloatArray) -> list[FloatArray]:
+        """The same by the steps of sensors alone, of each record."""
+        return [
+            block.under_shared(backward[:, span], values[place])
+            for block, span, place in zip(self.blocks, self.spans, self.places, strict=True)
+            if isinstance(block, RecordBlock)
+        ]
 
     @property
     def spans(self) -> tuple[slice, ...]:

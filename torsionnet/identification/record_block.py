@@ -6,16 +6,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
-from scipy.stats import norm
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.block import Block
+from torsionnet.identification.input_noise import noise_of_input
 from torsionnet.identification.noise import Noise, noise_between_windows
 from torsionnet.identification.operator import WindowedEstimate
 from torsionnet.identification.residual_forms import of_covariance
-
-SOURCE_ROUNDS = 5
 
 
 @dataclass(eq=False)
@@ -83,6 +80,11 @@ class RecordBlock(Block):
         G, _ = self._distorted(values, self.windowed.fine)
         return self.windowed.unexplained(G)[self.kept], np.abs(self.measured) ** 2
 
+    def input_noise(self, values: FloatArray, on_output: float) -> tuple[float, float] | None:
+        """Power of the noise of the input, seen where the excitation is elsewhere, and its standard error."""
+        G, _ = self._distorted(values, self.windowed.fine)
+        return noise_of_input(self.windowed, G, on_output)
+
     def take_sources(self, values: FloatArray, on_output: float, on_input: float) -> None:
         """Weigh by noise of these powers on output and input."""
         G, _ = self._distorted(values, self.windowed.fine)
@@ -112,36 +114,3 @@ class RecordBlock(Block):
         lines = np.flatnonzero(self.kept)
         both = np.concatenate([lines, len(self.windowed.frequencies) + lines])
         return np.asarray(whole[np.ix_(both, both)])
-
-
-def two_sources(level: FloatArray, gain: FloatArray) -> tuple[float, float]:
-    """Noise power of a sensor on the output, and of one on the input seen through the response, that fit a level best.
-
-    One number each for all lines: the level of a single line rests on the few windows in which the sweep passes it,
-    and weights made of that alone would favour lines that happen to agree. Neither is below 0; one that is found within
-    its own uncertainty of 0 is taken as the mean of all it may be, as no sensor is free of noise by chance.
-
-    >>> [round(share, 2) for share in two_sources(np.array([1.0, 3.0, 5.0]), np.array([0.0, 1.0, 2.0]))]
-    [1.0, 2.0]
-    """
-    tiny = np.finfo(float).tiny
-    found, columns = np.maximum(level, tiny), np.column_stack([np.ones_like(gain), gain])
-    shares = np.zeros(2)
-    for _ in range(SOURCE_ROUNDS):
-        rows = columns / found[:, None]
-        scale = np.maximum(rows.max(axis=0), tiny)
-        shares = nnls(rows / scale, level / found)[0] / scale
-        found = np.maximum(columns @ shares, tiny)
-    shares = _probable(level, columns, found)
-    return max(float(shares[0]), tiny if not shares.any() else 0.0), float(shares[1])
-
-
-def _probable(level: FloatArray, columns: FloatArray, found: FloatArray) -> FloatArray:
-    """Means of the two shares over what they may be: normal, but not below 0. Together they make up the level."""
-    rows = columns / found[:, None]
-    scale = np.maximum(np.linalg.norm(rows, axis=0), np.finfo(float).tiny)
-    inverse = np.linalg.pinv(rows / scale)
-    best, spread = inverse @ (level / found), np.sqrt(np.mean((level / found - 1) ** 2) * (inverse**2).sum(axis=1))
-    far = best / np.maximum(spread, 1e-12 * np.abs(best).max())
-    shares = np.maximum(best + spread * np.exp(norm.logpdf(far) - norm.logcdf(far)), 0.0) / scale
-    return np.asarray(shares * np.mean(level / np.maximum(columns @ shares, np.finfo(float).tiny)))

@@ -25,7 +25,8 @@ def dump_fit(fit: Fit, path: str | os.PathLike[str] | None = None) -> str:
     for name, value in fit.values.items():
         unit = f", unit: {written(fit.units.get(name, ''))}"
         error = fit.standard_errors[name]
-        lines.append(f"  {written(name)}: {{value: {value!r}, standard_error: {_number(error)}{unit}}}")
+        steps = "".join(f", steps: [{', '.join(map(_number, found))}]" for found in [fit.steps.get(name)] if found)
+        lines.append(f"  {written(name)}: {{value: {value!r}, standard_error: {_number(error)}{steps}{unit}}}")
     lines += ["correlation:", *(f"  - [{', '.join(map(_number, row))}]" for row in fit.correlation.tolist())]
     lines += [f"chi_squared: {_number(fit.chi_squared)}", f"degrees_of_freedom: {fit.degrees_of_freedom}"]
     for key, texts in (("verdicts", fit.verdicts), ("notes", fit.notes)):
@@ -96,6 +97,7 @@ def _fit(data: dict[str, Any]) -> Fit:
         notes=tuple(map(str, data["notes"])),
         units={name: str(entry.get("unit") or "") for name, entry in parameters.items()},
         title=str(data["title"]),
+        steps={name: tuple(map(_float, entry["steps"])) for name, entry in parameters.items() if "steps" in entry},
     )
 
 

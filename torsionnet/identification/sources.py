@@ -1,0 +1,95 @@
+"""How the noise of a record is shared out between the sensor on the output and the one on the input."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from scipy.optimize import nnls
+from scipy.stats import norm
+
+from torsionnet.assembly.rows import FloatArray
+
+ROUNDS = 5
+TOLERATED = 4.0
+"""Standard errors that two findings of one noise may be apart; noise that comes with the excitation is seen in the
+lines only that it drives."""
+
+
+def two_sources(
+    level: FloatArray, gain: FloatArray, repeated: float = 1.0, seen: tuple[float, float] | None = None
+) -> tuple[float, float]:
+    """Noise power of a sensor on the output, and of one on the input seen through the response, that fit a level best.
+
+    One number each for all lines: the level of a single line rests on the few windows in which the sweep passes it,
+    and weights made of that alone would favour lines that happen to agree. Neither is below 0; one that is found within
+    its own uncertainty of 0 is taken as the mean of all it may be, as no sensor is free of noise by chance.
+
+    Parameters
+    ----------
+    level, gain : (n,) array
+        Noise left of every line, and the squared magnitude of the response there.
+    repeated : float, optional
+        Number of lines that share one independent value.
+    seen : tuple of float, optional
+        Noise power of the input as it was found elsewhere, and the standard error of that.
+
+    Examples
+    --------
+    >>> [round(share, 2) for share in two_sources(np.array([1.0, 3.0, 5.0]), np.array([0.0, 1.0, 2.0]))]
+    [1.0, 2.0]
+    """
+    none, both = np.zeros_like(level), np.column_stack([np.ones_like(gain), gain])
+    shares, spread = _shares(level, both, none, repeated)
+    if seen is None or abs(seen[0] - shares[1]) > TOLERATED * np.hypot(seen[1], spread[1]):
+        made_up = both @ shares
+        shares = shares * np.mean(level / np.maximum(made_up, np.finfo(float).tiny))
+        return _above_zero(float(shares[0]), float(shares[1]))
+    found = together([seen, (float(shares[1]), float(spread[1]))])
+    assert found is not None
+    on_output, _ = _shares(level, both[:, :1], found[0] * gain, repeated)
+    return _above_zero(float(on_output[0]), found[0])
+
+
+def together(found: Iterable[tuple[float, float] | None]) -> tuple[float, float] | None:
+    """Mean of values with standard errors, weighted by these, and its own standard error.
+
+    >>> together([(1.0, 1.0), None, (2.0, 1.0)])
+    (1.5, 0.7071067811865476)
+    """
+    known = [(value, max(error, np.finfo(float).tiny ** 0.25)) for value, error in filter(None, found)]
+    if not known:
+        return None
+    total = sum(error**-2 for _, error in known)
+    return sum(value * error**-2 for value, error in known) / total, float(total**-0.5)
+
+
+def _shares(level: FloatArray, columns: FloatArray, rest: FloatArray, repeated: float) -> tuple[FloatArray, FloatArray]:
+    """Likeliest shares that make up level - rest, if a level scatters as its own size, and their standard errors."""
+    tiny = np.finfo(float).tiny
+    found, shares = np.maximum(level, tiny), np.zeros(columns.shape[1])
+    for _ in range(ROUNDS):
+        rows = columns / found[:, None]
+        scale = np.maximum(rows.max(axis=0), tiny)
+        shares = nnls(rows / scale, (level - rest) / found)[0] / scale
+        found = np.maximum(rest + columns @ shares, tiny)
+    return _probable(level - rest, columns, found, repeated)
+
+
+def _probable(
+    level: FloatArray, columns: FloatArray, found: FloatArray, repeated: float
+) -> tuple[FloatArray, FloatArray]:
+    """Means of shares over what they may be, normal but not below 0, and their spread."""
+    rows = columns / found[:, None]
+    scale = np.maximum(np.linalg.norm(rows, axis=0), np.finfo(float).tiny)
+    inverse = np.linalg.pinv(rows / scale)
+    best = inverse @ (level / found)
+    misfit = level / found - rows @ (best / scale)
+    spread = np.sqrt(repeated * np.mean(misfit**2) * (inverse**2).sum(axis=1))
+    far = best / np.maximum(spread, 1e-12 * np.abs(best).max())
+    shares = np.maximum(best + spread * np.exp(norm.logpdf(far) - norm.logcdf(far)), 0.0)
+    return shares / scale, spread / scale
+
+
+def _above_zero(on_output: float, on_input: float) -> tuple[float, float]:
+    return max(on_output, 0.0 if on_input else np.finfo(float).tiny), on_input
