@@ -18,7 +18,7 @@ from torsionnet.identification.remembered import remembered_estimate
 from torsionnet.identification.residual_forms import Form
 from torsionnet.identification.response_block import ResponseBlock, settled
 from torsionnet.identification.smoothing import smoothing
-from torsionnet.identification.steps import steps_covariance
+from torsionnet.identification.steps import steps_in
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.frequency_response import Channel
 from torsionnet.sensitivity import ParametricResponse, parametric_response
@@ -54,7 +54,7 @@ def _of_record(
     kept = _kept(windowed.frequencies, measurement)
     units = tuple(Channel(name, data[name].unit) for name in names)
     response = _response(rig, measurement, windowed.fine, parameters, (units[0], units[1]))
-    steps = steps_covariance(data, *names, windowed.record, windowed.rows.only(kept))
+    steps = steps_in(data, *names, settings.decimation)
     return RecordBlock(measurement, response, windowed, kept, steps, form=form)
 
 

@@ -75,8 +75,9 @@ class Fit:
     verdicts : tuple of str
         Which values can be trusted, in words.
     notes : tuple of str
-    steps : mapping of str to tuple of float
-        SI; by how much the steps of a sensor can move a value, in each test that has them. The errors contain it.
+    steps : mapping of str to tuple of tuples of float
+        By how much the steps of a sensor move a value from each place that it may rest at, for each test that has
+        them, SI. The errors contain it.
     lack_of_fit : LackOfFit, optional
         What the residuals hold beyond noise; none of a fit that was read from a file.
     """
@@ -91,7 +92,7 @@ class Fit:
     notes: tuple[str, ...] = ()
     units: Mapping[str, str] = field(default_factory=dict)
     title: str = ""
-    steps: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    steps: Mapping[str, tuple[tuple[float, ...], ...]] = field(default_factory=dict)
     lack_of_fit: LackOfFit | None = None
     problem: Problem | None = field(default=None, repr=False)
     loss: str = "linear"
@@ -198,7 +199,7 @@ def make_fit(model: Drivetrain, problem: Problem, found: Solution, loss: str, la
         notes=_notes(problem, loss, left_over, scaled=factor == left_over and not withheld),
         units={name: EXTRA_UNITS.get(plain, natures[plain].unit) for name, plain in plain_names.items()},
         title=f"Fit of {model.name}",
-        steps=_steps(problem, backward * scale[:, None], values),
+        steps=_steps(problem, backward * scale[:, None]),
         lack_of_fit=lack,
         problem=problem,
         loss=loss,
@@ -212,10 +213,9 @@ def _correlation(inverse: FloatArray, lost: FloatArray) -> FloatArray:
     return np.asarray(heavy / np.outer(size, size))
 
 
-def _steps(problem: Problem, backward: FloatArray, values: FloatArray) -> dict[str, tuple[float, ...]]:
-    """Amplitudes of the cosines that steps of sensors add to the values, one of each test."""
-    tests = [np.sqrt(2 * np.diag(moved)).tolist() for moved in problem.under_steps(backward, values)]
-    return {name: tuple(found) for name, *found in zip(problem.names, *tests, strict=True) if any(found)}
+def _steps(problem: Problem, backward: FloatArray) -> dict[str, tuple[tuple[float, ...], ...]]:
+    tests = [moved.tolist() for moved in problem.under_steps(backward)]
+    return {name: tuple(map(tuple, found)) for name, *found in zip(problem.names, *tests, strict=True) if found}
 
 
 def _compared(problem: Problem, number: int, values: FloatArray) -> Compared:

@@ -80,13 +80,13 @@ class Problem:
         ]
         for sensors in dict.fromkeys(block.sensors for block, _ in records):
             alike = [(block, mine) for block, mine in records if block.sensors == sensors]
-            levels, gains = zip(*(block.unexplained(mine) for block, mine in alike), strict=True)
-            level, gain = np.concatenate(levels), np.concatenate(gains)
+            found = zip(*(block.unexplained(mine) for block, mine in alike), strict=True)
+            level, gain, steps = (np.concatenate(parts) for parts in found)
             repeated = sum(block.squares for block, _ in alike) / sum(block.count for block, _ in alike)
-            sources = two_sources(level, gain, repeated)
+            sources = two_sources(level, gain, steps, repeated)
             seen = together(block.input_noise(mine, sources[0]) for block, mine in alike)
             if seen:
-                sources = two_sources(level, gain, repeated, seen)
+                sources = two_sources(level, gain, steps, repeated, seen)
             for block, mine in alike:
                 block.take_sources(mine, *sources)
         self.forget()
@@ -127,12 +127,12 @@ class Problem:
             total += block.under_shared(backward[:, span], values[place])
         return total
 
-    def under_steps(self, backward: FloatArray, values: FloatArray) -> list[FloatArray]:
-        """The same by the steps of sensors alone, of each record."""
+    def under_steps(self, backward: FloatArray) -> list[FloatArray]:
+        """By how much the steps of the sensor of each record move backward @ residuals, (n, places)."""
         return [
-            block.under_shared(backward[:, span], values[place])
-            for block, span, place in zip(self.blocks, self.spans, self.places, strict=True)
-            if isinstance(block, RecordBlock)
+            block.under_steps(backward[:, span])
+            for block, span in zip(self.blocks, self.spans, strict=True)
+            if isinstance(block, RecordBlock) and block.sensor.size
         ]
 
     @property

@@ -1,8 +1,8 @@
-"""How far an interval reaches from a value whose error is noise, and in part the cosine of a place nobody knows.
+"""How far an interval reaches from a value whose error is noise, and in part that of steps of sensors.
 
-Where the middle of a motion lies between two steps of a sensor moves a fitted value by a cosine of that place: never by
-more than 1.4 standard deviations, where 1.96 of them would be usual. What both together exceed at a stated level is
-found by averaging the distribution of the noise over the places.
+What steps of a sensor do to a fitted value follows from the place within a step that a rig rests at. It has an end: for
+a sine of it 1.4 standard deviations, where 1.96 of them would be usual. What both errors together exceed at a stated
+level is found by averaging the distribution of the noise over the places.
 """
 
 from __future__ import annotations
@@ -15,21 +15,21 @@ from scipy.optimize import brentq
 
 from torsionnet.assembly.rows import FloatArray
 
-PLACES = 512
+COMBINATIONS = 1024
 LITTLE = 1e-3
-"""Share of the variance below which an error counts as noise like all the rest, or noise as no longer there."""
+"""Share of the variance below which steps count as noise like all the rest, or noise as no longer there."""
 
 
-def reach(level: float, error: float, amplitudes: Sequence[float], freedom: float) -> float:
+def reach(level: float, error: float, steps: Sequence[Sequence[float]], freedom: float) -> float:
     """Half the width of an interval around a value.
 
     Parameters
     ----------
     level : float
     error : float
-        Standard error of the value, cosines included.
-    amplitudes : sequence of float
-        Of the cosines; their places are independent.
+        Standard error of the value, steps included.
+    steps : sequence of sequences of float
+        By how much they move it, from places that are all as likely; those of several tests are independent.
     freedom : float
         Degrees of freedom of Student's distribution, which the noise has.
 
@@ -37,25 +37,27 @@ def reach(level: float, error: float, amplitudes: Sequence[float], freedom: floa
     --------
     >>> round(reach(0.95, 1.0, [], 1e6), 3)
     1.96
-    >>> round(reach(0.95, 1.0, [2**0.5], 1e6), 2)
-    1.42
+    >>> cosine = 2**0.5 * np.cos(2 * np.pi * (np.arange(64) + 0.5) / 64)
+    >>> round(reach(0.95, 1.0, [cosine.tolist()], 1e6), 1)
+    1.4
     """
     usual = float(stats.t.ppf(0.5 + level / 2, freedom)) * error
-    sizes = np.asarray(amplitudes, dtype=float)
-    bounded = float(sizes @ sizes) / 2
-    if not np.isfinite(error) or bounded <= LITTLE * error**2:
+    known = sum(float(np.mean(np.square(one))) for one in steps)
+    if not np.isfinite(error) or known <= LITTLE * error**2:
         return usual
-    moved, noise = _places(len(sizes)) @ sizes, np.sqrt(max(error**2 - bounded, LITTLE * error**2))
+    moved, noise = _combined(steps), np.sqrt(max(error**2 - known, LITTLE * error**2))
 
     def missed(width: float) -> float:
         outside = stats.t.sf((width - moved) / noise, freedom) + stats.t.cdf((-width - moved) / noise, freedom)
         return float(outside.mean()) - (1 - level)
 
-    return float(brentq(missed, 0.0, usual + float(sizes.sum())))
+    return float(brentq(missed, 0.0, usual + float(np.abs(moved).max())))
 
 
-def _places(count: int) -> FloatArray:
-    """Cosines (n, count) of places that fill a cube evenly: multiples of the powers of a generalised golden ratio."""
-    ratio = float(brentq(lambda x: x ** (count + 1) - x - 1, 1.0, 2.0))
-    steps = ratio ** -np.arange(1.0, count + 1)
-    return np.asarray(np.cos(2 * np.pi * (np.arange(PLACES)[:, None] + 0.5) * steps))
+def _combined(steps: Sequence[Sequence[float]]) -> FloatArray:
+    """Sums over the tests, of places that fill a cube evenly: multiples of powers of a generalised golden ratio."""
+    ratio = float(brentq(lambda x: x ** (len(steps) + 1) - x - 1, 1.0, 2.0))
+    places = (np.arange(COMBINATIONS)[:, None] + 0.5) * ratio ** -np.arange(1.0, len(steps) + 1) % 1.0
+    return np.asarray(
+        np.sum([np.asarray(one)[(places[:, i] * len(one)).astype(int)] for i, one in enumerate(steps)], axis=0)
+    )

@@ -12,7 +12,8 @@ from torsionnet.identification.block import Block
 from torsionnet.identification.input_noise import noise_of_input
 from torsionnet.identification.noise import Noise, noise_between_windows
 from torsionnet.identification.operator import WindowedEstimate
-from torsionnet.identification.residual_forms import of_covariance
+from torsionnet.identification.residual_forms import of_covariance, of_errors
+from torsionnet.identification.steps import PLACES, Steps
 
 
 @dataclass(eq=False)
@@ -21,19 +22,25 @@ class RecordBlock(Block):
 
     Attributes
     ----------
+    sensor : Steps
+        Of the output.
     given : (n_b,) complex array, optional
         Lines of a response estimated before, in the place of those that are estimated of the record.
+    moved : (places, 2 n_b) array
+        By how much the steps of the sensor move real and imaginary parts, from each place that it may rest at.
     """
 
     windowed: WindowedEstimate
     kept: NDArray[np.bool_]
-    steps: FloatArray
+    sensor: Steps
     given: ComplexArray | None = field(default=None, kw_only=True)
     covariance: FloatArray = field(init=False)
     sources: tuple[float, float] = field(init=False, default=(0.0, 0.0))
+    moved: FloatArray = field(init=False)
 
     def __post_init__(self) -> None:
         self.covariance = self._part(self.windowed.output_covariance())
+        self.moved = np.zeros((PLACES, len(self.covariance)))
 
     @property
     def described(self) -> str:
@@ -58,27 +65,35 @@ class RecordBlock(Block):
 
     @property
     def sizes(self) -> FloatArray:
-        return np.asarray(np.sqrt(np.diag(of_covariance(self.form, self.covariance, self.measured))))
+        whole = self.covariance + self.moved.T @ self.moved / PLACES
+        return np.asarray(np.sqrt(np.diag(of_covariance(self.form, whole, self.measured))))
 
     @property
     def correlation(self) -> FloatArray:
         size = self.sizes
         return np.asarray(of_covariance(self.form, self.covariance, self.measured) / np.outer(size, size))
 
+    def under_steps(self, backward: FloatArray) -> FloatArray:
+        """By how much steps move backward (n, count) @ residuals, from each place of the sensor, (n, places)."""
+        return np.asarray(backward @ (of_errors(self.form, self.moved.T, self.measured) / self.sizes[:, None]))
+
     def under_shared(self, backward: FloatArray, values: FloatArray) -> FloatArray:
         del values
-        weighted = backward / self.sizes
-        return np.asarray(weighted @ of_covariance(self.form, self.steps, self.measured) @ weighted.T)
+        moved = self.under_steps(backward)
+        return np.asarray(moved @ moved.T / PLACES)
 
     @property
     def sensors(self) -> tuple[str, str, float]:
         """Output, input and sampling rate, which set the noise of a record."""
         return self.windowed.output, self.windowed.input, self.windowed.record.sampling_rate
 
-    def unexplained(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """What the model leaves of the output over unit white noise, and what such noise of the input does, (n_b,)."""
+    def unexplained(self, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """What the model leaves of the output over unit white noise; what such noise of the input does, and steps."""
         G, _ = self._distorted(values, self.windowed.fine)
-        return self.windowed.unexplained(G)[self.kept], np.abs(self.measured) ** 2
+        unit = np.diag(self._part(self.windowed.output_covariance())).reshape(2, -1).sum(axis=0)
+        self._take_steps(G)
+        steps = np.mean(self.moved**2, axis=0).reshape(2, -1).sum(axis=0) / unit
+        return self.windowed.unexplained(G)[self.kept], np.abs(self.measured) ** 2, steps
 
     def input_noise(self, values: FloatArray, on_output: float) -> tuple[float, float] | None:
         """Power of the noise of the input, seen where the excitation is elsewhere, and its standard error."""
@@ -107,7 +122,13 @@ class RecordBlock(Block):
     def take_noise(self, other: Block, left: float) -> None:
         del left
         assert isinstance(other, RecordBlock)
-        self.covariance = other.covariance
+        self.covariance, self.moved = other.covariance, other.moved
+
+    def _take_steps(self, G: ComplexArray) -> None:
+        if self.sensor.size:
+            _, motion = self.windowed.apart(G)
+            lines = self.sensor.errors(motion, self.windowed.rows.only(self.kept))
+            self.moved = np.concatenate([lines.real, lines.imag], axis=1)
 
     def _part(self, whole: FloatArray) -> FloatArray:
         """Of the lines compared."""

@@ -7,19 +7,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.assembly.rows import FloatArray
 from torsionnet.identification.instrument import Instrument
 from torsionnet.identification.memory import MOST, demand
 from torsionnet.identification.operator import WindowedEstimate, windowed_estimate
-from torsionnet.identification.steps import covariance_of_steps
+from torsionnet.identification.steps import Steps
 from torsionnet.response import FrequencyResponse
 from torsionnet.signals.welch import Welch
 
 
 def remembered_estimate(
     chosen: FrequencyResponse,
-) -> tuple[WindowedEstimate, NDArray[np.bool_], FloatArray] | None:
-    """How the lines of one pair follow from a transfer function, which of them are compared, and errors by steps.
+) -> tuple[WindowedEstimate, NDArray[np.bool_], Steps] | None:
+    """How lines of one pair follow from a transfer function, which of them are compared, and the sensor's steps.
 
     None without a record, where it was not swept (an average over a stationary input is smoothed alike wherever the
     record begins), for estimators that are not linear in the transfer function, and for records that would take too
@@ -43,5 +42,4 @@ def remembered_estimate(
     kept = np.asarray(np.isclose(windowed.frequencies[:, None], f, rtol=1e-9).any(axis=1), dtype=np.bool_)
     if np.count_nonzero(kept) != len(f):
         return None
-    steps = covariance_of_steps(origin.steps.get(output, 0.0), origin.record, output, windowed.rows.only(kept))
-    return windowed, kept, steps
+    return windowed, kept, Steps(origin.steps.get(output, 0.0), origin.decimation)

@@ -25,7 +25,7 @@ def dump_fit(fit: Fit, path: str | os.PathLike[str] | None = None) -> str:
     for name, value in fit.values.items():
         unit = f", unit: {written(fit.units.get(name, ''))}"
         error = fit.standard_errors[name]
-        steps = "".join(f", steps: [{', '.join(map(_number, found))}]" for found in [fit.steps.get(name)] if found)
+        steps = "".join(f", steps: {_rows(found)}" for found in [fit.steps.get(name)] if found)
         lines.append(f"  {written(name)}: {{value: {value!r}, standard_error: {_number(error)}{steps}{unit}}}")
     lines += ["correlation:", *(f"  - [{', '.join(map(_number, row))}]" for row in fit.correlation.tolist())]
     lines += [f"chi_squared: {_number(fit.chi_squared)}", f"degrees_of_freedom: {fit.degrees_of_freedom}"]
@@ -48,6 +48,11 @@ def dump_fit(fit: Fit, path: str | os.PathLike[str] | None = None) -> str:
     if path is not None:
         write_text(path, text)
     return text
+
+
+def _rows(tests: tuple[tuple[float, ...], ...]) -> str:
+    lists = [", ".join(map(_number, row)) for row in tests]
+    return f"[[{'], ['.join(lists)}]]"
 
 
 def _number(value: float) -> str:
@@ -97,7 +102,11 @@ def _fit(data: dict[str, Any]) -> Fit:
         notes=tuple(map(str, data["notes"])),
         units={name: str(entry.get("unit") or "") for name, entry in parameters.items()},
         title=str(data["title"]),
-        steps={name: tuple(map(_float, entry["steps"])) for name, entry in parameters.items() if "steps" in entry},
+        steps={
+            name: tuple(tuple(map(_float, row)) for row in entry["steps"])
+            for name, entry in parameters.items()
+            if "steps" in entry
+        },
     )
 
 

@@ -17,7 +17,11 @@ lines only that it drives."""
 
 
 def two_sources(
-    level: FloatArray, gain: FloatArray, repeated: float = 1.0, seen: tuple[float, float] | None = None
+    level: FloatArray,
+    gain: FloatArray,
+    rest: FloatArray,
+    repeated: float = 1.0,
+    seen: tuple[float, float] | None = None,
 ) -> tuple[float, float]:
     """Noise power of a sensor on the output, and of one on the input seen through the response, that fit a level best.
 
@@ -27,8 +31,8 @@ def two_sources(
 
     Parameters
     ----------
-    level, gain : (n,) array
-        Noise left of every line, and the squared magnitude of the response there.
+    level, gain, rest : (n,) array
+        Noise left of every line, the squared magnitude of the response there, and what is known of the noise.
     repeated : float, optional
         Number of lines that share one independent value.
     seen : tuple of float, optional
@@ -36,18 +40,18 @@ def two_sources(
 
     Examples
     --------
-    >>> [round(share, 2) for share in two_sources(np.array([1.0, 3.0, 5.0]), np.array([0.0, 1.0, 2.0]))]
+    >>> [round(share, 2) for share in two_sources(np.array([1.0, 3.0, 5.0]), np.arange(3.0), np.zeros(3))]
     [1.0, 2.0]
     """
-    none, both = np.zeros_like(level), np.column_stack([np.ones_like(gain), gain])
-    shares, spread = _shares(level, both, none, repeated)
+    both = np.column_stack([np.ones_like(gain), gain])
+    shares, spread = _shares(level, both, rest, repeated)
     if seen is None or abs(seen[0] - shares[1]) > TOLERATED * np.hypot(seen[1], spread[1]):
-        made_up = both @ shares
+        made_up = rest + both @ shares
         shares = shares * np.mean(level / np.maximum(made_up, np.finfo(float).tiny))
         return _above_zero(float(shares[0]), float(shares[1]))
     found = together([seen, (float(shares[1]), float(spread[1]))])
     assert found is not None
-    on_output, _ = _shares(level, both[:, :1], found[0] * gain, repeated)
+    on_output, _ = _shares(level, both[:, :1], rest + found[0] * gain, repeated)
     return _above_zero(float(on_output[0]), found[0])
 
 

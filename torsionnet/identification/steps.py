@@ -1,72 +1,68 @@
 """What the steps of a sensor do to a measured response, beyond noise.
 
-A sine of A steps whose middle lies o steps from the middle of a step comes out larger by the relative gain
-
-    sum over k of 2 (-1)^k J_1(2 pi k A) / (pi k A) cos(2 pi k o),
-
-the describing function of a quantiser: about 0.2 / A^1.5. Nobody knows o, but it is one number for a whole test of a
-rig that is held: all lines share it, and no averaging reduces what it does.
+The motion that a model predicts is read in steps as the sensor does, from several places of rest within a step. Nobody
+knows the place, but it is one for a whole test of a rig that is held: the errors go with it from line to line, and no
+averaging reduces them. A sine of A steps comes out up to 0.2 / A^1.5 too large or too small.
 """
 
 from __future__ import annotations
 
-import numpy as np
-from scipy.signal import hilbert
-from scipy.special import j1
+from dataclasses import dataclass
 
-from torsionnet.assembly.rows import FloatArray
+import numpy as np
+from scipy.signal import upfirdn
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.segments import SegmentRows
+from torsionnet.signals.decimation import HALF_LENGTH, anti_alias_taps
 from torsionnet.signals.recording import Recording
 from torsionnet.signals.resolution import step_of, swept
 
-TERMS = 4
-LEAST = 0.5
-"""Steps of amplitude; what moves less is not described by this."""
+PLACES = 16
 
 
-def gain_errors(amplitude: FloatArray) -> FloatArray:
-    """Relative gain errors (terms, n) of sines with amplitudes (n,) in steps; cos(2 pi k o) multiplies row k - 1.
+@dataclass(frozen=True)
+class Steps:
+    """How a sensor reads.
 
-    >>> A, o = 4.3, 0.1
-    >>> sine = np.sin(2 * np.pi * np.arange(10_000) / 10_000)
-    >>> exact = 2 * np.mean(np.round(A * sine + o) * sine) / A - 1
-    >>> terms = gain_errors(np.array([A]))[:, 0] @ np.cos(2 * np.pi * o * np.arange(1, TERMS + 1))
-    >>> abs(terms - exact) < 0.2 * abs(exact)
-    np.True_
-    """
-    k = np.arange(1, TERMS + 1)[:, None]
-    return np.asarray(2 * (-1.0) ** k * j1(2 * np.pi * k * amplitude) / (np.pi * k * amplitude))
-
-
-def steps_covariance(record: Recording, output: str, input: str, coarse: Recording, rows: SegmentRows) -> FloatArray:
-    """Covariance of real and imaginary parts of a response (2 n_b, 2 n_b) over all places of the steps.
-
-    Parameters
+    Attributes
     ----------
-    record : Recording
-        With the sensor's steps in it.
-    output, input : str
-    coarse : Recording
-        The same after decimation, n samples.
-    rows : SegmentRows
-        Response = rows @ output, n_b of them.
+    size : float
+        Of a step, SI; 0 if it has none.
+    decimation : int
+        Samples taken by the sensor for one of the record.
+    """
 
-    Returns
-    -------
-    (2 n_b, 2 n_b) array
-        Zero where the sensor has no steps, or the input is no sine that is swept.
+    size: float = 0.0
+    decimation: int = 1
+
+    def errors(self, motion: FloatArray, rows: SegmentRows) -> ComplexArray:
+        """What they do to a response (places, n_b) = rows @ output, n_b of them, with a motion (n,) at its rate."""
+        if not self.size:
+            return np.zeros((PLACES, len(rows.segments.bins)), dtype=complex)
+        fine = _finer(motion, self.decimation)
+        places = (np.arange(PLACES) + 0.5) / PLACES * self.size
+        return np.array([rows.apply(self._error(fine + place, len(motion))) for place in places])
+
+    def _error(self, motion: FloatArray, count: int) -> FloatArray:
+        error = self.size * np.rint(motion / self.size) - motion
+        if self.decimation == 1:
+            return error
+        return upfirdn(anti_alias_taps(self.decimation), error, 1, self.decimation)[HALF_LENGTH : HALF_LENGTH + count]
+
+
+def steps_in(record: Recording, output: str, input: str, decimation: int) -> Steps:
+    """Those of a sensor, before decimation; none where the input is no sine that is swept.
+
+    Under other inputs, and in rigs that turn, a reading falls on all places of a step: its errors are noise.
     """
     is_swept = len(swept(record, output, input)[0]) > 1
-    return covariance_of_steps(step_of(record[output].values) if is_swept else 0.0, coarse, output, rows)
+    return Steps(step_of(record[output].values) if is_swept else 0.0, decimation)
 
 
-def covariance_of_steps(step: float, coarse: Recording, output: str, rows: SegmentRows) -> FloatArray:
-    """The same where the step is known; 0 if there is none."""
-    if not step:
-        return np.zeros((2 * len(rows.segments.bins),) * 2)
-    motion = coarse[output].values - coarse[output].values.mean()
-    amplitude = np.abs(hilbert(motion)) / step
-    errors = np.where(amplitude > LEAST, gain_errors(np.maximum(amplitude, LEAST)), 0.0) * motion
-    lines = np.array([rows.apply(error) for error in errors])
-    parts = np.concatenate([lines.real, lines.imag], axis=1)
-    return np.asarray(0.5 * parts.T @ parts)
+def _finer(motion: FloatArray, factor: int) -> FloatArray:
+    """The same with so many samples for one, without what is above the half rate; zeros follow after it."""
+    if factor == 1:
+        return motion
+    count = 2 * len(motion)
+    return np.asarray(np.fft.irfft(factor * np.fft.rfft(motion, count), factor * count)[: factor * len(motion)])

@@ -40,6 +40,8 @@ class Estimation:
         The signals that were averaged, after decimation; kept in memory, not in files.
     steps : mapping of str to float
         Steps of the sensors in it, SI.
+    decimation : int
+        Samples that the sensors took for one of it.
     references : tuple of str
         Signals that ``Hr`` went by.
     """
@@ -55,11 +57,16 @@ class Estimation:
     settled_from: float = 0.0
     record: Recording | None = field(default=None, repr=False)
     steps: Mapping[str, float] = field(default_factory=dict, repr=False)
+    decimation: int = 1
     references: tuple[str, ...] = ()
 
     def to_data(self) -> dict[str, Any]:
         """What a file keeps."""
-        return {one.name: getattr(self, one.name) for one in fields(self) if one.name not in ("record", "steps")}
+        return {
+            one.name: getattr(self, one.name)
+            for one in fields(self)
+            if one.name not in ("record", "steps", "decimation")
+        }
 
 
 def read_estimation(data: Mapping[str, Any]) -> Estimation:

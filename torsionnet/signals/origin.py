@@ -40,6 +40,7 @@ def remembering(
         settled_from=float(begun.mean()) if is_swept and len(begun) > 1 and begun[1] > begun[0] else 0.0,
         record=coarse if len(coarse) * len(coarse.signals) <= MOST_VALUES else None,
         steps={name: step_of(fine[name].values) for name in outputs},
+        decimation=round(fine.sampling_rate / coarse.sampling_rate),
     )
 
 
