@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.block import Block
-from torsionnet.identification.input_noise import noise_of_input
 from torsionnet.identification.noise import Noise, noise_between_windows
 from torsionnet.identification.operator import WindowedEstimate
+from torsionnet.identification.quiet import quiet_windows
 from torsionnet.identification.residual_forms import of_covariance, of_errors
 from torsionnet.identification.steps import PLACES, Steps
+
+LOUDER = 100.0
+"""Times the power of what is seen where the excitation is elsewhere that noise may have where it is not; what is more,
+and does not follow the input from one window to the next, is what a model of other resonances leaves."""
 
 
 @dataclass(eq=False)
@@ -65,13 +69,17 @@ class RecordBlock(Block):
 
     @property
     def sizes(self) -> FloatArray:
-        whole = self.covariance + self.moved.T @ self.moved / PLACES
-        return np.asarray(np.sqrt(np.diag(of_covariance(self.form, whole, self.measured))))
+        return np.asarray(np.sqrt(np.diag(of_covariance(self.form, self._whole, self.measured))))
 
     @property
     def correlation(self) -> FloatArray:
         size = self.sizes
         return np.asarray(of_covariance(self.form, self.covariance, self.measured) / np.outer(size, size))
+
+    @property
+    def squares(self) -> float:
+        whole = of_covariance(self.form, self._whole, self.measured)
+        return float(np.sum((whole / np.outer(self.sizes, self.sizes)) ** 2))
 
     def under_steps(self, backward: FloatArray) -> FloatArray:
         """By how much steps move backward (n, count) @ residuals, from each place of the sensor, (n, places)."""
@@ -90,15 +98,14 @@ class RecordBlock(Block):
     def unexplained(self, values: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """What the model leaves of the output over unit white noise; what such noise of the input does, and steps."""
         G, _ = self._distorted(values, self.windowed.fine)
-        unit = np.diag(self._part(self.windowed.output_covariance())).reshape(2, -1).sum(axis=0)
         self._take_steps(G)
-        steps = np.mean(self.moved**2, axis=0).reshape(2, -1).sum(axis=0) / unit
+        steps = self._variance_of_steps / self._unit
         return self.windowed.unexplained(G)[self.kept], np.abs(self.measured) ** 2, steps
 
     def input_noise(self, values: FloatArray, on_output: float) -> tuple[float, float] | None:
         """Power of the noise of the input, seen where the excitation is elsewhere, and its standard error."""
         G, _ = self._distorted(values, self.windowed.fine)
-        return noise_of_input(self.windowed, G, on_output)
+        return quiet_windows(self.windowed, G).input_noise(on_output)
 
     def take_sources(self, values: FloatArray, on_output: float, on_input: float) -> None:
         """Weigh by noise of these powers on output and input."""
@@ -113,7 +120,10 @@ class RecordBlock(Block):
         supposed = (self.deviations**2).reshape(2, -1).sum(axis=0)
         independent = self.count * len(self.frequencies) / self.squares
         between = noise_between_windows(self.windowed, G, self.kept, supposed, independent)
-        return super().measured_noise(values) if between is None else between
+        if between is None:
+            return super().measured_noise(values)
+        quiet = self._unit * quiet_windows(self.windowed, G).floor()[self.kept] + self._variance_of_steps
+        return replace(between, ratio=np.minimum(between.ratio, LOUDER * quiet / supposed))
 
     def take_measured_noise(self, noise: Noise) -> None:
         size = np.sqrt(np.tile(noise.ratio, 2))
@@ -123,6 +133,20 @@ class RecordBlock(Block):
         del left
         assert isinstance(other, RecordBlock)
         self.covariance, self.moved = other.covariance, other.moved
+
+    @property
+    def _whole(self) -> FloatArray:
+        """Covariance of real and imaginary parts by noise and steps."""
+        return np.asarray(self.covariance + self.moved.T @ self.moved / PLACES)
+
+    @property
+    def _unit(self) -> FloatArray:
+        """Variance of a line for unit white noise on the output, (n_b,)."""
+        return np.asarray(np.diag(self._part(self.windowed.output_covariance())).reshape(2, -1).sum(axis=0))
+
+    @property
+    def _variance_of_steps(self) -> FloatArray:
+        return np.asarray(np.mean(self.moved**2, axis=0).reshape(2, -1).sum(axis=0))
 
     def _take_steps(self, G: ComplexArray) -> None:
         if self.sensor.size:
