@@ -25,6 +25,8 @@ NEAR = 5
 """Windows and lines over which the power of the input says whether it is excited there."""
 QUIET = 0.03
 """Share of the highest power of a line below which windows are not."""
+LEAST_QUIET = 0.3
+"""Share of windows that are, below which it is by chance, as lines of a stationary input come and go."""
 FEWEST = 100
 """Values that a mean is worth taking of."""
 FEWEST_WINDOWS = 2
@@ -96,6 +98,7 @@ def quiet_windows(windowed: WindowedEstimate, G: ComplexArray) -> QuietWindows:
     power, moment = np.abs(into) ** 2 / unit, -(left * (into * gain).conj()).real / unit
     near = uniform_filter(power, NEAR)
     quiet = near < QUIET * near.max(axis=0)
+    quiet &= quiet.mean(axis=0) > LEAST_QUIET
     follows = np.where(quiet, 0, moment).sum(axis=0) / np.where(quiet, 0, power).sum(axis=0)
     smooth = uniform_filter(power, AROUND)
     return QuietWindows(quiet, moment - follows * power, smooth, np.abs(left) ** 2 / unit, np.abs(gain) ** 2)

@@ -78,8 +78,10 @@ class RecordBlock(Block):
 
     @property
     def squares(self) -> float:
-        whole = of_covariance(self.form, self._whole, self.measured)
-        return float(np.sum((whole / np.outer(self.sizes, self.sizes)) ** 2))
+        """Of noise: errors by steps are known, and do not make it less certain."""
+        noise = of_covariance(self.form, self.covariance, self.measured)
+        size = np.sqrt(np.diag(noise))
+        return float(np.sum((noise / np.outer(size, size)) ** 2))
 
     def under_steps(self, backward: FloatArray) -> FloatArray:
         """By how much steps move backward (n, count) @ residuals, from each place of the sensor, (n, places)."""
