@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import Any, TextIO
 
 from torsionnet.foreign import limits
-from torsionnet.foreign.content import Content, samples
+from torsionnet.foreign.content import Content, ForeignFileError, samples
 
 LONGEST = 300
 """Characters of what a library says."""
@@ -59,7 +59,9 @@ def said(error: BaseException) -> str:
     if isinstance(error, MemoryError):
         return "it asks for more memory than a file of its size may take; it is damaged"
     words = (str(error).splitlines() or [""])[0].strip()
-    shown = "".join(letter if letter.isprintable() else "?" for letter in words or type(error).__name__)
+    if not isinstance(error, (ForeignFileError, OSError, ValueError, RuntimeError)) or " " not in words:
+        words = f"it is damaged ({type(error).__name__}{': ' if words else ''}{words})"
+    shown = "".join(letter if letter.isprintable() else "?" for letter in words)
     return shown if len(shown) <= LONGEST else f"{shown[: LONGEST - 3]}..."
 
 

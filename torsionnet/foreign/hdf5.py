@@ -41,11 +41,11 @@ def opened(path: Path) -> Iterator[Content]:
 def _datasets(file: Any) -> list[tuple[str, Any]]:
     import h5py
 
-    def refuse(name: str, link: Any) -> None:
+    links: list[tuple[str, Any]] = []
+    file.visititems_links(lambda name, link: links.append((name, link)))
+    for name, link in links:
         if isinstance(link, h5py.ExternalLink):
             raise ForeignFileError(_elsewhere(name, link.filename))
-
-    file.visititems_links(refuse)
     found: list[tuple[str, Any]] = []
     file.visititems(lambda name, item: found.append((name, item)) if isinstance(item, h5py.Dataset) else None)
     for name, item in found:

@@ -28,7 +28,7 @@ def opened(path: Path) -> Iterator[Content]:
     import numpy as np
     import pyuff
 
-    _check_end(path.read_bytes())
+    check_end(path.read_bytes())
     found = pyuff.UFF(str(path)).read_sets()
     arrays: list[tuple[str, Any, dict[str, Plain]]] = []
     for item in found if isinstance(found, list) else [found]:
@@ -42,8 +42,8 @@ def opened(path: Path) -> Iterator[Content]:
     yield in_memory(arrays)
 
 
-def _check_end(raw: bytes) -> None:
-    """Datasets stand between two marks each; those written here count down to the last one."""
+def check_end(raw: bytes) -> None:
+    """Refuse a file that ends early: datasets stand between two marks, those written here count down to the last."""
     marks = [found.end() for found in _MARK.finditer(raw)]
     if not marks:
         msg = "there is no whole dataset in it; the file ends early, or is no universal file"

@@ -7,7 +7,6 @@ a pair for a driving point. The first line of a dataset names both, ``output / i
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -15,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from torsionnet import foreign
-from torsionnet.atomic import replacing
 from torsionnet.errors import UsageError
 from torsionnet.interchange.responses.uff_datasets import (
     BETWEEN,
@@ -30,7 +28,8 @@ from torsionnet.interchange.responses.uff_reading import collected
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.estimation import estimation_in
 from torsionnet.response.frequency_response import FloatArray, limit_line
-from torsionnet.signals.files.extras import needed, require
+from torsionnet.signals.files.extras import require
+from torsionnet.signals.files.uff import write_sets
 
 ENTITY, LABEL = 10, 20
 FUNCTION, FREQUENCY = 58, 18
@@ -60,7 +59,7 @@ def read(path: Path) -> FrequencyResponse:
 
 def write(response: FrequencyResponse, path: Path) -> None:
     """Binary datasets 58 in double precision."""
-    pyuff = needed("uff")
+    require("uff")
     if len(response.frequencies) < 2:  # noqa: PLR2004
         msg = "a universal file takes responses at two frequencies or more; write an .npz or .csv file"
         raise UsageError(msg)
@@ -71,13 +70,9 @@ def write(response: FrequencyResponse, path: Path) -> None:
     if not all(np.isfinite(item["data"]).all() for item in functions):
         msg = "a universal file takes finite values only; leave frequencies without them out, as with between()"
         raise UsageError(msg)
-    with replacing(path) as temporary, warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        temporary.unlink()  # pyuff would add to the empty file as if it had an end of a dataset
-        for item in (_SI, _nodes(response)):
-            pyuff.UFF(str(temporary)).write_sets(item, mode="add")
-        for number, item in enumerate(functions, 1):  # how many follow: a file that ends early is known by it
-            pyuff.UFF(str(temporary)).write_sets({**item, "ver_num": len(functions) - number}, mode="add")
+    # Sequence numbers say how many follow: a file that ends early is known by it.
+    counted = [{**item, "ver_num": len(functions) - number} for number, item in enumerate(functions, 1)]
+    write_sets([_SI, _nodes(response), *counted], path)
 
 
 def _numbers(response: FrequencyResponse) -> dict[str, int]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -74,13 +74,22 @@ def _written_rate(item: Stored) -> float | None:
 
 def write(recording: Recording, path: Path) -> None:
     """A universal file of one binary dataset 58 in double precision for every signal; sequence numbers count down."""
+    write_sets([_dataset(recording, signal, number) for number, signal in enumerate(recording, 1)], path)
+
+
+def write_sets(sets: Iterable[dict[str, Any]], path: Path) -> None:
+    """Write datasets one behind the other, whole or not at all."""
     pyuff = needed("uff")
-    sets = [_dataset(recording, signal, number) for number, signal in enumerate(recording, 1)]
     with replacing(path) as temporary, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         temporary.unlink()  # pyuff would add to the empty file as if it had an end of a dataset
         for item in sets:
-            pyuff.UFF(str(temporary)).write_sets(item, mode="add")
+            try:
+                pyuff.UFF(str(temporary)).write_sets(item, mode="add")
+            except Exception as error:
+                if isinstance(error.__context__, OSError):  # pyuff hides that the disk is full
+                    raise error.__context__ from error
+                raise
 
 
 def _dataset(recording: Recording, signal: Signal, number: int) -> dict[str, Any]:
