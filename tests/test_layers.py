@@ -50,6 +50,7 @@ LAYERS = (  # top to bottom: first name below torsionnet
         "threads",
         "atomic",
         "errors",
+        "foreign",
     },
 )
 HEIGHT = {name: -depth for depth, layer in enumerate(LAYERS) for name in layer}

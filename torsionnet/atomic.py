@@ -15,7 +15,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
     write_bytes(path, text.encode())
 
 
-def write_bytes(path: str | os.PathLike[str], data: bytes) -> None:
+def write_bytes(path: str | os.PathLike[str], data: bytes | memoryview) -> None:
     """Write ``data`` beside ``path``, then rename it into place; a failure leaves nothing behind.
 
     A file that is replaced keeps its permissions; a link is followed, not replaced.

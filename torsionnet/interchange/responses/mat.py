@@ -7,34 +7,42 @@ from typing import Any
 
 import numpy as np
 
+from torsionnet import foreign
 from torsionnet.atomic import write_bytes
 from torsionnet.errors import Fault, ModelError
+from torsionnet.foreign import Content
+from torsionnet.foreign.content import ROW
 from torsionnet.interchange.mat_bytes import cells, mat_bytes
 from torsionnet.interchange.responses.described import KEY, arrays, described, description
 from torsionnet.response import FrequencyResponse
 
+FLAT = ("frequencies", "conditioning")
+NUMBERS = ("frequencies", "values", "coherence", "conditioning")
+
 
 def read(path: Path) -> FrequencyResponse:
     """The response in a MAT file of :func:`write`."""
-    from scipy.io import loadmat
+    with foreign.opened(path, "mat") as content:
+        names = [item.name for item in content.arrays]
+        there = [*names, *content.attributes, *content.others]
+        missing = [name for name in (KEY, "frequencies", "values") if name not in there]
+        if missing:
+            known = ", ".join(there) or "nothing"
+            text = f"the file has no {', '.join(missing)}: no frequency response of torsionnet; it has {known}"
+            raise ModelError([Fault(text)], path.name)
+        found = {name: _values(content, names.index(name)) for name in NUMBERS if name in names}
+        text = str(content.attributes.get(KEY, ""))
+    numbers = {name: values.ravel() if name in FLAT else _cubic(values) for name, values in found.items()}
+    return described(text, numbers | {"values": np.asarray(numbers["values"], dtype=complex)})
 
-    content: dict[str, Any] = loadmat(str(path))
-    missing = [name for name in (KEY, "frequencies", "values") if name not in content]
-    if missing:
-        there = ", ".join(name for name in content if not name.startswith("__")) or "nothing"
-        text = f"the file has no {', '.join(missing)}: no frequency response of torsionnet; it has {there}"
-        raise ModelError([Fault(text)], path.name)
-    # Matlab drops a third dimension of one when it saves again.
-    values = np.asarray(content["values"], dtype=complex)
-    numbers = {"frequencies": content["frequencies"].ravel().astype(float), "values": _cubic(values)}
-    if "coherence" in content:
-        numbers["coherence"] = _cubic(content["coherence"].astype(float))
-    if "conditioning" in content:
-        numbers["conditioning"] = content["conditioning"].ravel().astype(float)
-    return described("".join(content[KEY].ravel()[:1]), numbers)
+
+def _values(content: Content, number: int) -> Any:
+    values = next(content.blocks([number], 0))[0]
+    return values.T if content.arrays[number].attributes.get(ROW) else values
 
 
 def _cubic(values: Any) -> Any:
+    """Matlab drops a third dimension of one when it saves again."""
     return values if values.ndim == 3 else values[:, :, None]  # noqa: PLR2004
 
 

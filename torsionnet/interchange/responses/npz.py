@@ -12,19 +12,21 @@ from torsionnet.atomic import write_bytes
 from torsionnet.errors import Fault, ModelError
 from torsionnet.interchange.responses.described import KEY, arrays, described, description
 from torsionnet.response import FrequencyResponse
+from torsionnet.signals.files.npz_headers import checked_headers, loaded
 
 NUMBERS = ("frequencies", "values", "coherence", "conditioning")
 
 
 def read(path: Path) -> FrequencyResponse:
     """The response in an NPZ file of :func:`write`."""
-    with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-        missing = [name for name in (KEY, "frequencies", "values") if name not in archive]
+    with zipfile.ZipFile(path) as archive:
+        there = checked_headers(archive, path)
+        missing = [name for name in (KEY, "frequencies", "values") if name not in there]
         if missing:
-            there = f"it has {', '.join(archive.files)}" if archive.files else "it is empty"
-            text = f"the archive has no {', '.join(missing)}: no frequency response of torsionnet; {there}"
+            words = f"it has {', '.join(there)}" if there else "it is empty"
+            text = f"the archive has no {', '.join(missing)}: no frequency response of torsionnet; {words}"
             raise ModelError([Fault(text)], path.name)
-        return described(str(archive[KEY]), {name: archive[name] for name in NUMBERS if name in archive})
+        return described(str(loaded(archive, KEY)), {name: loaded(archive, name) for name in NUMBERS if name in there})
 
 
 def write(response: FrequencyResponse, path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from torsionnet.response import FrequencyResponse
 from torsionnet.response.conventions import FREQUENCIES
 from torsionnet.response.estimation import estimation_in
 from torsionnet.response.frequency_response import SIGN_NOTE, FloatArray
+from torsionnet.signals.files.early_end import ENOUGH, early_end
 
 _STORED = re.compile(rf"#\s*{KEY}:\s*(.*)")
 SEPARATORS = (";", "\t", ",")
@@ -52,7 +54,8 @@ def _quoted(name: str) -> str:
 
 def read(path: Path) -> FrequencyResponse:
     """The response in a CSV file; ModelError lists every fault with its line."""
-    lines = path.read_text(encoding="utf-8-sig").splitlines()
+    content = path.read_text(encoding="utf-8-sig")
+    lines, is_ended = content.splitlines(), content.endswith("\n")
     comments = [line for line in lines if line.startswith("#")]
     body = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
     if len(body) < 2:  # noqa: PLR2004
@@ -61,12 +64,27 @@ def read(path: Path) -> FrequencyResponse:
     number, heading = body[0]
     texts = [found[1] for comment in comments if (found := _STORED.match(comment))]
     if texts:  # the description has the names, whatever characters are in them
-        kinds = [text.split(" ")[0] for text in next(csv.reader([heading]))]
+        names = next(csv.reader([heading]))
+        if not is_ended:
+            _check_end(body[1:], ",", names, path.name, own=True)
+        kinds = [text.split(" ")[0] for text in names]
         return _own(texts[0], kinds, _numbers(body[1:], ",", len(kinds), path.name))
     separator = max(SEPARATORS, key=heading.count)
     columns = headings(heading, separator, Position(path.name, number, 1, 1, heading[:200]))
+    if not is_ended:
+        _check_end(body[1:], separator, next(csv.reader([heading], delimiter=separator)), path.name)
     numbers = _numbers(body[1:], separator, len(columns), path.name)
     return _foreign(columns, numbers, [comment[1:].strip() for comment in comments], path)
+
+
+def _check_end(
+    body: list[tuple[int, str]], separator: str, names: Sequence[str], file: str, *, own: bool = False
+) -> None:
+    rows = [[cell.strip().strip('"') for cell in line.split(separator)] for _, line in body[-1 - ENOUGH :]]
+    text = early_end(rows[-1], rows[:-1], names, own=own)
+    if text:
+        number, line = body[-1]
+        raise ModelError([Fault(text, position=Position(file, number, 1, len(line) + 1, line[:200]))], file)
 
 
 def _numbers(body: list[tuple[int, str]], separator: str, width: int, file: str) -> FloatArray:

@@ -7,16 +7,14 @@ a pair for a driving point. The first line of a dataset names both, ``output / i
 
 from __future__ import annotations
 
-import re
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from torsionnet.atomic import replacing
-from torsionnet.errors import Fault, ModelError, UsageError
+from torsionnet import foreign
+from torsionnet.errors import UsageError
 from torsionnet.interchange.responses.uff_datasets import (
     BETWEEN,
     COHERENCE,
@@ -30,11 +28,11 @@ from torsionnet.interchange.responses.uff_reading import collected
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.estimation import estimation_in
 from torsionnet.response.frequency_response import FloatArray, limit_line
-from torsionnet.signals.files.extras import needed
+from torsionnet.signals.files.extras import require
+from torsionnet.signals.files.uff import write_sets
 
 ENTITY, LABEL = 10, 20
-_MARK = re.compile(rb" {4}-1[ \r]*(?:\n|$)")
-FREQUENCY = 18
+FUNCTION, FREQUENCY = 58, 18
 _UNUSED = {
     f"{axis}_{entry}": 0
     for axis in ("abscissa", "ordinate", "orddenom", "z_axis")
@@ -49,16 +47,19 @@ _SI = {
 
 def read(path: Path) -> FrequencyResponse:
     """All transfer functions of a universal file as one response."""
-    pyuff = needed("uff")
-    if len(_MARK.findall(path.read_bytes())) % 2:
-        raise ModelError([Fault("the file ends within a dataset")], path.name)
-    found = pyuff.UFF(str(path)).read_sets()
-    return collected(found if isinstance(found, list) else [found], path)
+    require("uff")
+    with foreign.opened(path, "uff") as content:
+        sets: list[dict[str, Any]] = [dict(item.attributes) for item in content.arrays[::2]]
+        for number, item in enumerate(sets):
+            if item.get("type") == FUNCTION:
+                data, axis = (next(content.blocks([2 * number + at], 0), [np.empty(0)])[0] for at in (0, 1))
+                item |= {"data": data, "x": axis}
+    return collected(sets, path)
 
 
 def write(response: FrequencyResponse, path: Path) -> None:
     """Binary datasets 58 in double precision."""
-    pyuff = needed("uff")
+    require("uff")
     if len(response.frequencies) < 2:  # noqa: PLR2004
         msg = "a universal file takes responses at two frequencies or more; write an .npz or .csv file"
         raise UsageError(msg)
@@ -69,11 +70,9 @@ def write(response: FrequencyResponse, path: Path) -> None:
     if not all(np.isfinite(item["data"]).all() for item in functions):
         msg = "a universal file takes finite values only; leave frequencies without them out, as with between()"
         raise UsageError(msg)
-    with replacing(path) as temporary, warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        temporary.unlink()  # pyuff would add to the empty file as if it had an end of a dataset
-        for item in (_SI, _nodes(response), *functions):
-            pyuff.UFF(str(temporary)).write_sets(item, mode="add")
+    # Sequence numbers say how many follow: a file that ends early is known by it.
+    counted = [{**item, "ver_num": len(functions) - number} for number, item in enumerate(functions, 1)]
+    write_sets([_SI, _nodes(response), *counted], path)
 
 
 def _numbers(response: FrequencyResponse) -> dict[str, int]:
@@ -113,7 +112,7 @@ def _common(response: FrequencyResponse) -> dict[str, Any]:
     texts = {f"id{at}": " ".join(line.split())[:WIDTH] or "NONE" for at, line in enumerate(lines, 2)}
     frequencies = np.asarray(response.frequencies, dtype=float)
     return {
-        **_UNUSED, **texts, "type": 58, "binary": 1, "ver_num": 0, "load_case_id": 0, "x": frequencies,
+        **_UNUSED, **texts, "type": 58, "binary": 1, "load_case_id": 0, "x": frequencies,
         "abscissa_spacing": int(_is_even(frequencies)), "abscissa_min": float(frequencies[0]),
         "abscissa_inc": float(frequencies[1] - frequencies[0]), "abscissa_spec_data_type": FREQUENCY,
         "abscissa_axis_units_lab": "Hz", "ordinate_axis_units_lab": "NONE", "orddenom_axis_units_lab": "NONE",

@@ -2,50 +2,42 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.signals.files.source import Channel, Reader, Source, names_a_rate, sliced
+from torsionnet.foreign import Content, Stored
+from torsionnet.foreign.content import COMPLEX
+from torsionnet.signals.files.source import Blocks, Channel, Source, names_a_rate
 from torsionnet.signals.files.stored import with_stored
 from torsionnet.signals.recording import FloatArray
 
 MOST_COLUMNS = 256  # more make a picture or a matrix of something else
+UNIT_NAMES = ("unit", "units", "Unit", "Units", "unit_string")
 
 
 @dataclass(frozen=True)
 class Member:
-    """One array of a file; ``read`` gives rows of it, ``shape`` is (samples, columns)."""
+    """One array of a file; ``shape`` is (samples, columns), ``value`` that of a single number."""
 
     name: str
     shape: tuple[int, int]
-    read: Reader
     unit: str = ""
     quantity: str = ""
-
-    def column(self, index: int) -> Reader:
-        def read(first: int, last: int) -> FloatArray:
-            block = self.read(first, last)
-            return np.asarray(block if block.ndim == 1 else block[:, index], dtype=float)
-
-        return read
+    value: float | None = None
 
 
-def array_member(name: str, values: FloatArray, unit: str = "", quantity: str = "") -> Member:
-    """Member of an array in memory; a row becomes a column."""
-    columns = values.reshape(-1, 1) if values.ndim < 2 or 1 in values.shape else values  # noqa: PLR2004
-    shape = (columns.shape[0], columns.shape[1])
-    return Member(name, shape, lambda first, last: columns[first:last], unit, quantity)
+def array_source(members: Sequence[Member], blocks: Blocks, stored: str, title: str) -> Source:
+    """Source of named arrays: a number named ``fs`` or the like is the rate, other single numbers are passed over.
 
-
-def array_source(members: Iterable[Member], stored: str, title: str) -> Source:
-    """Source of named arrays: a number named ``fs`` or the like is the rate, other single numbers are passed over."""
-    channels, readers, notes, rate = list[Channel](), list[Reader](), list[str](), None
-    for member in members:
+    ``blocks`` knows the arrays by their place in ``members``.
+    """
+    channels, places, notes, rate = list[Channel](), list[tuple[int, int]](), list[str](), None
+    for number, member in enumerate(members):
         if member.shape == (1, 1) and not stored:
             is_rate = names_a_rate(member.name)
-            rate = float(member.read(0, 1).ravel()[0]) if is_rate else rate
+            rate = member.value if is_rate else rate
             what = "was taken for the sampling rate" if is_rate else "is a single number, no channel"
             notes.append(f"{member.name} {what}")
         elif member.shape[1] > MOST_COLUMNS:
@@ -53,10 +45,52 @@ def array_source(members: Iterable[Member], stored: str, title: str) -> Source:
         else:
             for column in range(member.shape[1]):
                 channels.append(_channel(member, column, len(channels)))
-                readers.append(member.column(column))
-    blocks = sliced(readers, [channel.length or 0 for channel in channels])
-    source = Source(tuple(channels), blocks, rate=rate, title=title, notes=tuple(notes))
+                places.append((number, column))
+    source = Source(tuple(channels), _by_column(blocks, places), rate=rate, title=title, notes=tuple(notes))
     return with_stored(source, stored) if stored else source.with_time_found()
+
+
+def _by_column(blocks: Blocks, places: Sequence[tuple[int, int]]) -> Blocks:
+    """Blocks of columns out of blocks of arrays, each of which is read once."""
+
+    def columns_of(columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
+        wanted = [places[column] for column in columns]
+        numbers = list(dict.fromkeys(number for number, _ in wanted))
+        for block in blocks(numbers, count):
+            found = dict(zip(numbers, block, strict=True))
+            yield [_column(found[number], column) for number, column in wanted]
+
+    return columns_of
+
+
+def _column(block: FloatArray, column: int) -> FloatArray:
+    return np.asarray(block if block.ndim == 1 else block[:, column], dtype=float)
+
+
+def content_source(content: Content, stored: str, title: str) -> Source:
+    """Source of the arrays of a file of another program."""
+    kept = [(number, item) for number, item in enumerate(content.arrays) if _is_channel(item)]
+    numbers = [number for number, _ in kept]
+    members = [
+        Member(item.name, _shape(item.shape), _word(item, UNIT_NAMES), _word(item, ("quantity",)), item.value)
+        for _, item in kept
+    ]
+    return array_source(
+        members, lambda asked, count: content.blocks([numbers[at] for at in asked], count), stored, title
+    )
+
+
+def _is_channel(item: Stored) -> bool:
+    return len(item.shape) <= 2 and not item.attributes.get(COMPLEX)  # noqa: PLR2004
+
+
+def _shape(shape: Sequence[int]) -> tuple[int, int]:
+    rows, columns = (*shape, 1, 1)[:2]
+    return rows, columns
+
+
+def _word(item: Stored, names: Sequence[str]) -> str:
+    return next((str(item.attributes[name]) for name in names if name in item.attributes), "")
 
 
 def _channel(member: Member, column: int, number: int) -> Channel:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import importlib.util
 from typing import Any
 
 from torsionnet.errors import MissingExtraError
@@ -26,9 +27,18 @@ def needed(extra: str) -> Any:
     MissingExtraError
         Where it is not installed; the message has the pip command.
     """
-    module, package, files = PACKAGES[extra]
     try:
-        return importlib.import_module(module)
+        return importlib.import_module(PACKAGES[extra][0])
     except ImportError as error:
-        msg = f'{files} files need the package {package}: pip install "torsionnet[{extra}]"'
-        raise MissingExtraError(msg) from error
+        raise _missing(extra) from error
+
+
+def require(extra: str) -> None:
+    """Raise :class:`MissingExtraError` where an extra is not installed, without importing it."""
+    if importlib.util.find_spec(PACKAGES[extra][0].partition(".")[0]) is None:
+        raise _missing(extra)
+
+
+def _missing(extra: str) -> MissingExtraError:
+    _, package, files = PACKAGES[extra]
+    return MissingExtraError(f'{files} files need the package {package}: pip install "torsionnet[{extra}]"')

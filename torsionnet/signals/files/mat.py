@@ -7,12 +7,11 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from torsionnet import foreign
 from torsionnet.atomic import replacing
 from torsionnet.errors import UsageError
 from torsionnet.signals.files import hdf5
-from torsionnet.signals.files.arrays import Member, array_member, array_source
+from torsionnet.signals.files.arrays import content_source
 from torsionnet.signals.files.source import Source
 from torsionnet.signals.files.stored import KEY, TIME, checked_names, plain_keys, stored
 from torsionnet.signals.recording import Recording
@@ -29,14 +28,8 @@ def opened(path: Path) -> Iterator[Source]:
         with hdf5.opened(path) as source:
             yield source
         return
-    from scipy.io import loadmat
-
-    content: dict[str, Any] = loadmat(str(path), squeeze_me=False, simplify_cells=False)
-    text = "".join(content.pop(KEY, np.array([""])).ravel()[:1])
-    members = [
-        member for name, value in content.items() if not name.startswith("__") for member in _members(name, value)
-    ]
-    yield array_source(members, text, path.stem)
+    with foreign.opened(path, "mat") as content:
+        yield content_source(content, str(content.attributes.get(KEY, "")), path.stem)
 
 
 def _is_hdf5(path: Path) -> bool:
@@ -44,14 +37,6 @@ def _is_hdf5(path: Path) -> bool:
         start = file.read(len(SIGNATURE))
         file.seek(512)  # MATLAB puts its own header of 512 bytes first
         return SIGNATURE in (start, file.read(len(SIGNATURE)))
-
-
-def _members(name: str, value: Any) -> Iterator[Member]:
-    if value.dtype.names:
-        for key in value.dtype.names if value.size == 1 else ():
-            yield from _members(f"{name}.{key}", value[key].ravel()[0])
-    elif value.dtype.kind in "fiub" and value.ndim <= 2 and value.size:  # noqa: PLR2004
-        yield array_member(name, value)
 
 
 def write(recording: Recording, path: Path) -> None:

@@ -10,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from torsionnet import foreign
 from torsionnet.atomic import replacing
-from torsionnet.signals.files.extras import needed
-from torsionnet.signals.files.source import Channel, Source, reader_of, sliced
+from torsionnet.signals.files.extras import needed, require
+from torsionnet.signals.files.source import Channel, Source
 from torsionnet.signals.files.stored import checked_names, stored, with_stored
 from torsionnet.signals.recording import Recording
 
@@ -20,16 +21,14 @@ from torsionnet.signals.recording import Recording
 @contextlib.contextmanager
 def opened(path: Path) -> Iterator[Source]:
     """An MDF file; the time stamps are those of the first channel."""
-    asammdf = needed("mdf")
-    with asammdf.MDF(path) as file:
-        signals = [signal for signal in file.iter_channels() if signal.samples.dtype.kind in "fiub"]
-        text = html.unescape(str(file.header.comment))  # it is wrapped in XML
-        channels = [Channel(s.name, number, s.unit or "", length=len(s)) for number, s in enumerate(signals)]
-        arrays = [np.asarray(signal.samples, dtype=float) for signal in signals]
-        if signals:
-            arrays.append(np.asarray(signals[0].timestamps, dtype=float))
-            channels.append(Channel("time", len(signals), "s", length=len(arrays[-1])))
-        source = Source(tuple(channels), sliced([*map(reader_of, arrays)], [*map(len, arrays)]), title=path.stem)
+    require("mdf")
+    with foreign.opened(path, "mdf") as content:
+        text = html.unescape(str(content.attributes.get("comment", "")))  # it is wrapped in XML
+        channels = [
+            Channel(item.name, number, str(item.attributes.get("unit", "")), length=item.length)
+            for number, item in enumerate(content.arrays)
+        ]
+        source = Source(tuple(channels), content.blocks, title=path.stem)
         found = text[text.find("{") : text.rfind("}") + 1]
         yield with_stored(source, found) if '"sampling_rate"' in found else source.with_time_found()
 

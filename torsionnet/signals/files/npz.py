@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from torsionnet.atomic import replacing
-from torsionnet.signals.files.arrays import Member, array_member, array_source
-from torsionnet.signals.files.source import Source
+from torsionnet.signals.files.arrays import Member, array_source
+from torsionnet.signals.files.npz_headers import Header, checked_headers, loaded
+from torsionnet.signals.files.source import Reader, Source, sliced
 from torsionnet.signals.files.stored import KEY, TIME, checked_names, stored
 from torsionnet.signals.recording import FloatArray, Recording
 
@@ -37,25 +38,23 @@ class _Stream:
 def opened(path: Path) -> Iterator[Source]:
     """An NPZ file: every numeric array is a channel, or one for every column."""
     with zipfile.ZipFile(path) as archive:
-        entries = [entry for entry in archive.namelist() if entry.endswith(".npy")]
-        text = str(np.load(archive.open(f"{KEY}.npy"), allow_pickle=False)) if f"{KEY}.npy" in entries else ""
-        members = [_member(archive, entry) for entry in entries if entry != f"{KEY}.npy"]
-        yield array_source([member for member in members if member], text, path.stem)
+        headers = checked_headers(archive, path)
+        text = str(loaded(archive, KEY)) if KEY in headers else ""
+        found = [_member(archive, name, header) for name, header in headers.items() if name != KEY]
+        kept = [pair for pair in found if pair]
+        blocks = sliced([read for _, read in kept], [member.shape[0] for member, _ in kept])
+        yield array_source([member for member, _ in kept], blocks, text, path.stem)
 
 
-def _member(archive: zipfile.ZipFile, entry: str) -> Member | None:
-    name = entry.removesuffix(".npy")
-    with archive.open(entry) as file:
-        version = np.lib.format.read_magic(file)
-        read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-        shape, _fortran, dtype = read(file)
-        header = file.tell()
-    if dtype.kind not in "fiub" or len(shape) > 2:  # noqa: PLR2004
+def _member(archive: zipfile.ZipFile, name: str, header: Header) -> tuple[Member, Reader] | None:
+    if header.dtype.kind not in "fiub" or len(header.shape) > 2:  # noqa: PLR2004
         return None
-    if len(shape) == 1:
-        return Member(name, (shape[0], 1), _Stream(archive, entry, dtype, header))
-    with archive.open(entry) as file:
-        return array_member(name, np.load(file, allow_pickle=False))
+    if len(header.shape) == 1 and header.shape[0] != 1:
+        return Member(name, (header.shape[0], 1)), _Stream(archive, f"{name}.npy", header.dtype, header.offset)
+    values = loaded(archive, name)
+    columns = values.reshape(-1, 1) if values.ndim < 2 or 1 in values.shape else values  # noqa: PLR2004
+    value = float(columns.ravel()[0]) if columns.size == 1 else None
+    return Member(name, (columns.shape[0], columns.shape[1]), value=value), lambda first, last: columns[first:last]
 
 
 def write(recording: Recording, path: Path) -> None:

@@ -5,65 +5,42 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from torsionnet import foreign
 from torsionnet.atomic import replacing
-from torsionnet.signals.files.extras import needed
+from torsionnet.foreign import Stored
+from torsionnet.signals.files.extras import needed, require
 from torsionnet.signals.files.headings import split_heading
 from torsionnet.signals.files.source import Channel, Source
 from torsionnet.signals.files.stored import KEY, TIME, checked_names, stored, with_stored
-from torsionnet.signals.recording import FloatArray, Recording
+from torsionnet.signals.recording import Recording
 
-BATCH, GROUP = 1 << 16, 1 << 20
+GROUP = 1 << 20
+ZERO = "zero"
 
 
 @contextlib.contextmanager
 def opened(path: Path) -> Iterator[Source]:
-    """A Parquet file; units are in the metadata of columns, or in their names in brackets."""
-    parquet = needed("parquet")
-    with parquet.ParquetFile(path) as file:
-        schema = file.schema_arrow
-        text = (schema.metadata or {}).get(KEY.encode(), b"").decode()
-        channels = [
-            _channel(schema.field(number), number, file.metadata.num_rows, plain=bool(text))
-            for number in range(len(schema))
-            if _is_numeric(schema.field(number))
-        ]
-        source = Source(tuple(channels), _blocks(file, schema.names), title=path.stem)
+    """A Parquet file; units are in the metadata of columns, or in their names in brackets. Times become seconds."""
+    require("parquet")
+    with foreign.opened(path, "parquet") as content:
+        text = str(content.attributes.get(KEY, ""))
+        channels = [_channel(item, number, plain=bool(text)) for number, item in enumerate(content.arrays)]
+        source = Source(tuple(channels), content.blocks, title=path.stem, notes=_zero_notes(content.arrays))
         yield with_stored(source, text) if text else source.with_time_found()
 
 
-def _is_numeric(column: Any) -> bool:
-    with contextlib.suppress(NotImplementedError):
-        return np.dtype(column.type.to_pandas_dtype()).kind in "fiub"
-    return False
+def _channel(item: Stored, number: int, *, plain: bool) -> Channel:
+    name, unit = (item.name, "") if plain else split_heading(item.name)
+    unit = "s" if ZERO in item.attributes else str(item.attributes.get("unit", unit))
+    return Channel(name, number, unit, str(item.attributes.get("quantity", "")) or None, item.length)
 
 
-def _channel(column: Any, number: int, length: int, *, plain: bool) -> Channel:
-    metadata = {key.decode(): value.decode() for key, value in (column.metadata or {}).items()}
-    name, unit = (column.name, "") if plain else split_heading(column.name)
-    return Channel(name, number, metadata.get("unit", unit), metadata.get("quantity") or None, length)
-
-
-def _blocks(file: Any, names: Sequence[str]) -> Any:
-    def blocks(columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
-        wanted = [names[column] for column in columns]
-        kept: list[list[FloatArray]] = [[] for _ in columns]
-        have = 0
-        for batch in file.iter_batches(batch_size=min(count or BATCH, BATCH), columns=list(dict.fromkeys(wanted))):
-            for store, name in zip(kept, wanted, strict=True):
-                store.append(np.asarray(batch.column(name).to_numpy(zero_copy_only=False), dtype=float))
-            have += len(batch)
-            while count and have >= count:
-                joined = [np.concatenate(store) for store in kept]
-                yield [values[:count] for values in joined]
-                kept, have = [[values[count:]] for values in joined], have - count
-        if have:
-            yield [np.concatenate(store) for store in kept]
-
-    return blocks
+def _zero_notes(items: Sequence[Stored]) -> tuple[str, ...]:
+    zeros = [(item.name, item.attributes.get(ZERO)) for item in items]
+    return tuple(f"{name} counts from {zero}, its first entry" for name, zero in zeros if zero)
 
 
 def write(recording: Recording, path: Path) -> None:

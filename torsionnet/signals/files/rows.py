@@ -12,6 +12,7 @@ import numpy as np
 from torsionnet.errors import Fault, ModelError, Position
 from torsionnet.signals.files.clock import MOST_FAULTS
 from torsionnet.signals.files.dialect import Dialect
+from torsionnet.signals.files.early_end import ENOUGH, early_end
 from torsionnet.signals.recording import FloatArray
 
 PIECE = 20_000
@@ -26,10 +27,14 @@ class Rows:
     dialect: Dialect
     width: int
     line: int
+    names: Sequence[str]
+    own: bool = False
     faults: list[Fault] = field(default_factory=list)
     read: int = 0
     filled: FloatArray = field(init=False)
     empty: FloatArray = field(init=False)
+
+    _above: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.filled, self.empty = np.zeros(self.width), np.zeros(self.width)
@@ -51,6 +56,9 @@ class Rows:
             if not lines:
                 return
             values = self._parsed(lines)
+            if lines[-1].strip() and not lines[-1].endswith("\n") and not self.faults:
+                self._check_end(lines)
+            self._above = lines[-ENOUGH:]
             self.line += len(lines)
             self.read += len(values)
             left = None if left is None else left - len(lines)
@@ -76,8 +84,19 @@ class Rows:
         for number, line in enumerate(lines, self.line):
             if line.strip():
                 cells = self.dialect.cells(line)
-                rows.append(self._row(cells, line.rstrip("\r\n"), number, self.read + len(rows) + 1))
+                short = "" if line.endswith("\n") else early_end(cells, [], self.names)
+                if short:
+                    self._fault(short, number, line, 0, len(line))
+                else:
+                    rows.append(self._row(cells, line.rstrip("\r\n"), number, self.read + len(rows) + 1))
         return np.array(rows).reshape(-1, self.width)
+
+    def _check_end(self, lines: list[str]) -> None:
+        """The last line of the file, which no end of a line follows."""
+        above = [self.dialect.cells(line) for line in [*self._above, *lines[-1 - ENOUGH : -1]]]
+        text = early_end(self.dialect.cells(lines[-1]), above, self.names, own=self.own)
+        if text:
+            self._fault(text, self.line + len(lines) - 1, lines[-1], 0, len(lines[-1]))
 
     def _row(self, cells: list[str], line: str, number: int, count: int) -> list[float]:
         if len(cells) != self.width:

@@ -66,7 +66,7 @@ class Source:
 def is_time(channel: Channel) -> bool:
     """Whether a channel holds time stamps: its unit is one of time, or it has none and a name for time."""
     if not channel.unit:
-        name = channel.name.strip()
+        name = channel.name.rpartition(".")[2].strip()  # the field of a structure
         return name == "t" or name.casefold() in TIME_NAMES  # T is a torque
     try:
         return parse_unit(channel.unit).dimension == DIMENSIONS["time"]
@@ -75,8 +75,8 @@ def is_time(channel: Channel) -> bool:
 
 
 def names_a_rate(name: str) -> bool:
-    """Whether a single number of this name is the sampling rate: ``fs``, ``Sample_Rate``, ``Time_Sample_Rate``."""
-    folded = name.casefold()
+    """Whether a single number of this name is the sampling rate: ``fs``, ``Sample_Rate``, ``d.Time_Sample_Rate``."""
+    folded = name.rpartition(".")[2].casefold()
     return folded in RATE_NAMES or any(folded.endswith(f"_{known}") for known in RATE_NAMES if known != "fs")
 
 

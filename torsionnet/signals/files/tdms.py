@@ -3,61 +3,49 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
+from torsionnet import foreign
 from torsionnet.atomic import replacing
-from torsionnet.signals.files.extras import needed
-from torsionnet.signals.files.source import Channel, Reader, Source, sliced
+from torsionnet.foreign import Stored
+from torsionnet.foreign.content import Plain
+from torsionnet.signals.files.extras import needed, require
+from torsionnet.signals.files.source import Channel, Source
 from torsionnet.signals.files.stored import KEY, TIME, checked_names, stored, with_stored
-from torsionnet.signals.recording import FloatArray, Recording
+from torsionnet.signals.recording import Recording
 
-GROUP, PIECE = "recording", 1 << 20
+GROUP, PIECE, INCREMENT = "recording", 1 << 20, "wf_increment"
 
 
 @contextlib.contextmanager
 def opened(path: Path) -> Iterator[Source]:
     """A TDMS file; rate and start are those of the waveform properties."""
-    nptdms = needed("tdms")
-    with path.open("rb") as stream, nptdms.TdmsFile.open(stream) as file:
-        groups = file.groups()
-        items = [channel for group in groups for channel in group.channels() if _is_numeric(channel)]
-        channels = [_channel(item, number, len(groups) > 1) for number, item in enumerate(items)]
-        blocks = sliced([_reader(item) for item in items], [len(item) for item in items])
-        waves = [item.properties for item in items if item.properties.get("wf_increment")]
-        rate = 1 / float(waves[0]["wf_increment"]) if waves else None
-        start = float(waves[0].get("wf_start_offset", 0.0)) if waves else 0.0
-        title = str(file.properties.get("name", path.stem))
-        source = Source(tuple(channels), blocks, rate=rate, start=start, title=title, notes=_rate_notes(waves))
-        text = file.properties.get(KEY, "")
+    require("tdms")
+    with foreign.opened(path, "tdms") as content:
+        channels = [_channel(item, number) for number, item in enumerate(content.arrays)]
+        waves = [item.attributes for item in content.arrays if item.attributes.get(INCREMENT)]
+        rate = 1 / float(waves[0][INCREMENT] or 0) if waves else None
+        start = float(waves[0].get("wf_start_offset") or 0.0) if waves else 0.0
+        title = str(content.attributes.get("name", path.stem))
+        notes = _rate_notes(waves)
+        source = Source(tuple(channels), content.blocks, rate=rate, start=start, title=title, notes=notes)
+        text = str(content.attributes.get(KEY, ""))
         yield with_stored(source, text) if text else source if waves else source.with_time_found()
 
 
-def _is_numeric(channel: Any) -> bool:
-    return len(channel) > 0 and np.dtype(channel.dtype).kind in "fiub"
-
-
-def _rate_notes(waves: list[Any]) -> tuple[str, ...]:
-    increments = sorted({float(wave["wf_increment"]) for wave in waves})
+def _rate_notes(waves: Sequence[Mapping[str, Plain]]) -> tuple[str, ...]:
+    increments = sorted({float(wave[INCREMENT] or 0) for wave in waves})
     if len(increments) < 2:  # noqa: PLR2004
         return ()
     return (f"channels have sampling intervals of {increments} s; the first channel's was taken for all",)
 
 
-def _channel(item: Any, number: int, grouped: bool) -> Channel:
-    name = f"{item.group_name}/{item.name}" if grouped else item.name
-    unit = str(item.properties.get("unit_string", item.properties.get("NI_UnitDescription", "")))
-    return Channel(name, number, unit, str(item.properties.get("quantity", "")) or None, len(item))
-
-
-def _reader(item: Any) -> Reader:
-    def read(first: int, last: int) -> FloatArray:
-        return np.asarray(item.read_data(offset=first, length=last - first), dtype=float)
-
-    return read
+def _channel(item: Stored, number: int) -> Channel:
+    given = item.attributes
+    name = f"{given['group']}/{item.name}" if "group" in given else item.name
+    unit = str(given.get("unit_string", given.get("NI_UnitDescription", "")))
+    return Channel(name, number, unit, str(given.get("quantity", "")) or None, item.length)
 
 
 def write(recording: Recording, path: Path) -> None:

@@ -88,6 +88,7 @@ def _source(
 ) -> Source:
     discovered: list[str] = []
     width, start = len(heading.names), file.tell()
+    own = any(map(_STORED.match, lines))
     place = Position(path.name, first, 1, 1, lines[first - 1].rstrip()[:200]) if heading.lines else None
     channels = [
         Channel(name, column, unit, position=place)
@@ -98,7 +99,7 @@ def _source(
 
     def blocks(columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
         file.seek(start)
-        rows = Rows(file, path.name, dialect, width, first + 1)
+        rows = Rows(file, path.name, dialect, width, first + 1, heading.names, own)
         for block in rows.blocks(columns, count):
             if not count:
                 _check_lengths(rows, [channels[column] for column in columns], path.name)

@@ -1,0 +1,167 @@
+"""What is tried: for each kind of file how one is made, and what a user would do with it."""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+import torsionnet as tn
+from fuzz import drawing, sources
+from fuzz.mutating import Chance, mutated, mutated_bytes
+from torsionnet.document import make_report
+from torsionnet.errors import UsageError
+from torsionnet.expressions import scalar
+from torsionnet.files import dump
+from torsionnet.identification.files import load_fit_plan
+from torsionnet.interchange import read_frequency_response, read_tors
+from torsionnet.signals import check_recording, read_recording
+
+LIBRARIES = {".tdms": "nptdms", ".uff": "pyuff", ".h5": "h5py", ".parquet": "pyarrow", ".mf4": "asammdf"}
+FREQUENCIES = np.geomspace(0.1, 1000.0, 12)
+MOST_SAMPLES = 2000
+"""Of a bench that is run: more are sound, and take their time."""
+MOST_COORDINATES = 150
+"""Of a model of which everything is calculated."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """``make`` gives the content of a file, ``use`` reads it and goes on with what is in it."""
+
+    name: str
+    ending: str
+    make: Callable[[Chance, Path], bytes]
+    use: Callable[[Path], None]
+
+
+def _encoded(text: str) -> bytes:
+    return text.encode("utf-8", errors="surrogatepass")
+
+
+def _text(of: Callable[[], tuple[str, ...]], chance: Chance, folder: Path) -> bytes:
+    del folder
+    return _encoded(mutated(chance.choice(of()), chance))
+
+
+def _model(chance: Chance, folder: Path) -> bytes:
+    if chance.random() < 0.4:
+        text = drawing.model(chance)
+        return _encoded(mutated(text, chance) if chance.random() < 0.3 else text)
+    return _text(sources.models, chance, folder)
+
+
+def _bench(chance: Chance, folder: Path) -> bytes:
+    del folder
+    text = sources.BENCH
+    if chance.random() < 0.5:
+        start = text.index("{type: linear")
+        text = text[:start] + chance.choice(sources.EXCITATIONS) + text[text.index("\n", start) :]
+    return _encoded(mutated(text, chance))
+
+
+def _fit(chance: Chance, folder: Path) -> bytes:
+    del folder
+    return _encoded(mutated(sources.FIT, chance))
+
+
+def _report(chance: Chance, folder: Path) -> bytes:
+    del folder
+    return _encoded(sources.RIG + mutated(sources.REPORT, chance))
+
+
+def _expression(chance: Chance, folder: Path) -> bytes:
+    del folder
+    text = drawing.expression(chance)
+    return _encoded(mutated(text, chance) if chance.random() < 0.4 else text)
+
+
+def _of_bytes(of: Callable[[Path, str], tuple[bytes, ...]], ending: str, chance: Chance, folder: Path) -> bytes:
+    raw = chance.choice(of(folder, ending))
+    if ending == ".csv" and chance.random() < 0.8:
+        return _encoded(mutated(raw.decode(), chance))
+    return mutated_bytes(raw, chance)
+
+
+def use_expression(path: Path) -> None:
+    expression = scalar(path.read_bytes().decode("utf-8", errors="surrogatepass"))
+    expression.evaluate(dict.fromkeys(expression.names, 2))
+    expression.dimension(dict.fromkeys(expression.names))
+    str(expression)
+
+
+def use_model(path: Path) -> None:
+    rig = tn.load(path)
+    assert dump(rig.definition)
+    for name in list(rig.configurations)[:2] or [""]:
+        model = rig.configured(name) if name else rig
+        if len(model.nodes) > MOST_COORDINATES:
+            continue
+        model.modes()
+        if model.sensors and model.inputs:
+            everything = list(model.inputs)
+            model.frequency_response(next(iter(model.sensors)), everything[0], FREQUENCIES, excitation=everything[0])
+
+
+def use_bench(path: Path) -> None:
+    bench = tn.load_bench(path)
+    if bench.plan.acquisition.rate * bench.plan.excitation.length <= MOST_SAMPLES:
+        bench.run()
+
+
+def use_fit(path: Path) -> None:
+    plan = load_fit_plan(path, read_frequency_response)
+    tn.identify(plan.model, plan.measurements, dict(plan.parameters), **{**plan.options, "starts": 1})
+
+
+def use_report(path: Path) -> None:
+    make_report(path, date=None)
+
+
+def use_record(path: Path) -> None:
+    check_recording(read_recording(path))
+
+
+def use_response(path: Path) -> None:
+    read_frequency_response(path)
+
+
+def use_tors(path: Path) -> None:
+    model = read_tors(path)
+    if len(model.nodes) <= MOST_COORDINATES:
+        model.modes()
+
+
+def _installed(ending: str) -> bool:
+    return ending not in LIBRARIES or importlib.util.find_spec(LIBRARIES[ending]) is not None
+
+
+RECORDS = [
+    ending for ending in (".csv", ".npz", ".mat", ".h5", ".tdms", ".uff", ".parquet", ".mf4") if _installed(ending)
+]
+RESPONSES = [ending for ending in (".csv", ".npz", ".mat", ".uff") if _installed(ending)]
+KINDS = {
+    kind.name: kind
+    for kind in (
+        Kind("expression", ".txt", _expression, use_expression),
+        Kind("model", ".yaml", _model, use_model),
+        Kind("bench", ".yaml", _bench, use_bench),
+        Kind("fit", ".yaml", _fit, use_fit),
+        Kind("report", ".yaml", _report, use_report),
+        Kind("tors", ".json", partial(_text, sources.tors), use_tors),
+        *(
+            Kind(f"record{ending}", ending, partial(_of_bytes, sources.records, ending), use_record)
+            for ending in RECORDS
+        ),
+        *(
+            Kind(f"response{ending}", ending, partial(_of_bytes, sources.responses, ending), use_response)
+            for ending in RESPONSES
+        ),
+    )
+}
+EXPECTED = (tn.TorsionnetError, UsageError)
+"""What may be raised: errors with words, and a place where there is one."""

@@ -1,0 +1,109 @@
+"""What every format comes down to: named arrays with attributes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import prod
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+COMPLEX, ROW = "complex", "row"
+"""Attributes of an array of complex numbers, and of one that is a row in the file and a column here."""
+
+Plain: TypeAlias = str | float | bool | None
+Slice: TypeAlias = "Callable[[int, int], NDArray[Any]]"
+Blocks: TypeAlias = "Callable[[Sequence[int], int], Iterator[list[NDArray[Any]]]]"
+
+
+class ForeignFileError(Exception):
+    """A file that its library cannot read, or must not; the text says why, in one line."""
+
+
+@dataclass(frozen=True)
+class Stored:
+    """An array of a file: samples by columns; ``value`` is that of a single number."""
+
+    name: str
+    shape: tuple[int, ...]
+    attributes: Mapping[str, Plain] = field(default_factory=dict)
+    value: float | None = None
+
+    @property
+    def length(self) -> int:
+        return self.shape[0] if self.shape else 1
+
+
+@dataclass(frozen=True)
+class Content:
+    """An open file.
+
+    ``blocks(numbers, count)`` reads so many samples of these arrays at a time, everything at once where ``count`` is 0.
+    ``others`` are the names of what is neither numbers nor text.
+    """
+
+    arrays: tuple[Stored, ...]
+    blocks: Blocks
+    attributes: Mapping[str, Plain] = field(default_factory=dict)
+    others: tuple[str, ...] = ()
+
+
+def sliced(readers: Sequence[Slice], lengths: Sequence[int]) -> Blocks:
+    """Blocks of arrays of which each can be read from one sample to another; they end with the shortest."""
+
+    def blocks(numbers: Sequence[int], count: int) -> Iterator[list[NDArray[Any]]]:
+        length = min((lengths[number] for number in numbers), default=0)
+        step = count or max(length, 1)
+        for first in range(0, length, step):
+            yield [readers[number](first, min(first + step, length)) for number in numbers]
+
+    return blocks
+
+
+def in_memory(
+    arrays: Sequence[tuple[str, NDArray[Any], Mapping[str, Plain]]],
+    attributes: Mapping[str, Plain] | None = None,
+    others: Sequence[str] = (),
+) -> Content:
+    """Content of arrays that the library has read already."""
+    stored = tuple(
+        Stored(name, values.shape, given, float(values.real.ravel()[0]) if values.size == 1 else None)
+        for name, values, given in arrays
+    )
+    blocks = sliced([_slice(values) for _, values, _ in arrays], [item.length for item in stored])
+    return Content(stored, blocks, attributes or {}, tuple(others))
+
+
+def _slice(values: NDArray[Any]) -> Slice:
+    return lambda first, last: values[first:last]
+
+
+def plain(attributes: Mapping[Any, Any]) -> dict[str, Plain]:
+    """Attributes that are text or a number; others say nothing that is needed here.
+
+    >>> plain({"unit": b"N*m", "count": 3, "table": [1, 2]})
+    {'unit': 'N*m', 'count': 3}
+    """
+    found: dict[str, Plain] = {}
+    for name, value in attributes.items():
+        if isinstance(value, bytes):
+            found[str(name)] = value.decode(errors="replace")
+        elif isinstance(value, str):
+            found[str(name)] = str(value)
+        elif getattr(value, "shape", ()) == () and (number := _number(value)) is not None:
+            found[str(name)] = number
+    return found
+
+
+def _number(value: Any) -> float | None:
+    try:
+        return int(value) if hasattr(value, "__index__") else float(value)
+    except (TypeError, ValueError, OverflowError):
+        return None
+
+
+def samples(arrays: Sequence[Stored]) -> int:
+    """Numbers in all arrays together."""
+    return sum(prod(item.shape) for item in arrays)

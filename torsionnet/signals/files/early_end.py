@@ -1,0 +1,54 @@
+"""Whether a table of text ends early: within its last row, or within the last number of it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+ENOUGH = 3
+"""Rows of equally many decimals, of which the last row may not differ."""
+_DECIMALS = re.compile(r"[+-]?\d*[.,](?P<decimals>\d+)(?P<exponent>[eEdD][+-]?\d+)?")
+_BEGUN = re.compile(r"[+-]?(?:\d+[.,]?\d*|[.,]\d*)?(?:[eEdD][+-]?)?")
+
+
+def early_end(cells: Sequence[str], above: Sequence[Sequence[str]], names: Sequence[str], *, own: bool = False) -> str:
+    """What is missing, of a last row that no end of line follows; empty where it may be whole.
+
+    ``above`` are rows before it; a file of this package's ``own`` ends with the end of a line.
+
+    >>> early_end(["0.2", "-1."], [["0.1", "-1.12"]] * 3, ["time", "T"])
+    'the file ends early: the last number of T is cut'
+    >>> early_end(["0.2"], [["0.1", "-1.12", "3"]], ["time", "T", "phi"])
+    'the file ends early: the last row lacks T, phi, and its time may be cut'
+    """
+    if len(cells) < len(names):
+        known = names[len(cells) - 1]
+        return f"the file ends early: the last row lacks {', '.join(names[len(cells) :])}, and its {known} may be cut"
+    if len(cells) > len(names):
+        return ""
+    last, others = cells[-1], [row[-1] for row in above if len(row) == len(names)]
+    if own or _is_begun(last, others) or _is_shorter(last, others):
+        return f"the file ends early: the last number of {names[-1]} is cut"
+    return ""
+
+
+def _is_begun(cell: str, others: Sequence[str]) -> bool:
+    """``-``, ``1.2e-``, or nothing where there were numbers: the beginning of a number and none itself."""
+    if not cell:
+        return bool(others) and all(others)
+    return _BEGUN.fullmatch(cell) is not None and cell[-1] not in "0123456789.,"
+
+
+def _is_shorter(cell: str, others: Sequence[str]) -> bool:
+    """Fewer decimals, or no exponent, where all rows above have equally many."""
+    forms = {_form(other) for other in others}
+    if len(others) < ENOUGH or len(forms) != 1:
+        return False
+    (form,) = forms
+    return form is not None and (_form(cell) or (0, 0)) < form
+
+
+def _form(cell: str) -> tuple[int, int] | None:
+    """Digits behind the decimal sign, and characters of the exponent."""
+    found = _DECIMALS.fullmatch(cell)
+    return (len(found["decimals"]), len(found["exponent"] or "")) if found else None
