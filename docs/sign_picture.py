@@ -10,7 +10,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from torsionnet.report import emblems, glyphs, style
+from torsionnet.report import emblems, outlines, style
 from torsionnet.report.blocks import Block, Stroke, Texts, arc, text_width
 from torsionnet.report.canvas import painted
 
@@ -37,7 +37,7 @@ def save(figure: Figure, path: Path) -> None:
 
 def turn(block: Block, x: float, texts: Texts, look: str, *, y: float = 0.0) -> None:
     """An arrow around the shaft in the positive sense, with its name above."""
-    for stroke in glyphs.torque_arrow(x):
+    for stroke in outlines.torque_arrow(x):
         fill = look if stroke.fill else ""
         block.strokes.append(Stroke(tuple((u, v + y) for u, v in stroke.points), look, stroke.closed, fill))
     block.boxes.append((x - 8, x + 8, y - 19, y + 19))
@@ -46,7 +46,7 @@ def turn(block: Block, x: float, texts: Texts, look: str, *, y: float = 0.0) -> 
 
 def node(block: Block, x: float, name: str, *, y: float = 0.0) -> None:
     """A disc with the name of its node."""
-    block.strokes += [stroke.shifted(0, y) for stroke in glyphs.disc(x, 24)]
+    block.strokes += [stroke.shifted(0, y) for stroke in outlines.disc(x, 24)]
     block.boxes.append((x - 8, x + 8, y - 24, y + 24))
     block.write(x, y + 26, [(name, "node")])
 
@@ -82,7 +82,7 @@ def spin(block: Block, x: float, y: float, radius: float, start: float, end: flo
 def wheel(block: Block, x: float, y: float, radius: float, name: str, *, inner: bool = False) -> None:
     """A gear seen along its axis; a ring has its teeth inside."""
     teeth = radius - 3 if not inner else radius + 3
-    outer, within = ((teeth, "thin", ""), (radius, "part", "")), ((radius, "part", glyphs.WHEEL), (teeth, "thin", ""))
+    outer, within = ((teeth, "thin", ""), (radius, "part", "")), ((radius, "part", outlines.WHEEL), (teeth, "thin", ""))
     circles = outer if inner else within
     for size, look, fill in circles:
         block.strokes.append(Stroke(arc(x, y, size, size, 0, 360, 48), look, closed=True, fill=fill))
@@ -99,8 +99,8 @@ def spring() -> Block:
     block.line((-40, 0), (340, 0))
     node(block, 20, "first node a")
     node(block, 280, "second node b")
-    spring_shape = glyphs.zigzag(0, 48, 0)
-    block.strokes += [glyphs.rectangle(126, 174, -8, 8, style.PAPER, look="blank"), spring_shape.shifted(126, 0)]
+    spring_shape = outlines.zigzag(0, 48, 0)
+    block.strokes += [outlines.rectangle(126, 174, -8, 8, style.PAPER, look="blank"), spring_shape.shifted(126, 0)]
     block.boxes.append((126, 174, -13, 13))
     for x, name in ((92, "a"), (208, "b")):
         turn(block, x, [(rf"$T_{{\mathrm{{{name}}}}}$", "input")], "input")
@@ -170,13 +170,13 @@ def planetary() -> Block:
 def sensor() -> Block:
     block = Block()
     block.line((-18, 0), (120, 0))
-    block.strokes += [*glyphs.wheel(120, 0, 24), *glyphs.wheel(120, -64, 40)]
+    block.strokes += [*outlines.wheel(120, 0, 24), *outlines.wheel(120, -64, 40)]
     block.line((120, -64), (260, -64))
     block.boxes.append((113, 127, -104, 24))
     node(block, 2, "a")
     node(block, 240, "b", y=-64)
     for x, y, text in ((62, 0, "{torque: stage}"), (180, -64, "{torque: stage, at: b}")):
-        block.strokes += [stroke.shifted(0, y) for stroke in glyphs.sensor_mark(x, torque=True)]
+        block.strokes += [stroke.shifted(0, y) for stroke in outlines.sensor_mark(x, torque=True)]
         block.boxes.append((x - 5, x + 5, y - 5, y + 20))
         block.write(x, y + 20, [(text, "sensor")])
     block.write(120, 27, [("stage", "name")])
@@ -193,8 +193,8 @@ def clamp() -> Block:
     block = Block()
     block.line((-18, 0), (250, 0))
     node(block, 20, "a")
-    block.strokes += [glyphs.rectangle(80, 128, -8, 8, style.PAPER, look="blank"), glyphs.zigzag(80, 128, 0)]
-    block.strokes += [stroke.shifted(250, 0) for stroke in glyphs.wall(0)]
+    block.strokes += [outlines.rectangle(80, 128, -8, 8, style.PAPER, look="blank"), outlines.zigzag(80, 128, 0)]
+    block.strokes += [stroke.shifted(250, 0) for stroke in outlines.wall(0)]
     block.boxes += [(80, 128, -13, 13), (250, 258, -18, 18)]
     block.write(254, 22, [("brake", "name")])
     turn(block, 168, [(r"$T_{\mathrm{R}}$", "input")], "input")
@@ -212,12 +212,12 @@ def imposed() -> Block:
     block = Block()
     block.line((0, 0), (280, 0))
     turn(block, 6, [(r"$\theta_{\mathrm{E}}$", "input"), ("imposed angle", "what")], "input")
-    block.strokes += [glyphs.rectangle(100, 148, -8, 8, style.PAPER, look="blank"), glyphs.zigzag(100, 148, 0)]
+    block.strokes += [outlines.rectangle(100, 148, -8, 8, style.PAPER, look="blank"), outlines.zigzag(100, 148, 0)]
     block.boxes.append((100, 148, -13, 13))
     node(block, 240, "b")
     block.write(124, -14, [("shaft", "name")], upward=False)
     mark = 66
-    block.strokes += glyphs.sensor_mark(mark, torque=True)
+    block.strokes += outlines.sensor_mark(mark, torque=True)
     block.boxes.append((mark - 5, mark + 5, -5, 20))
     block.write(mark, 20, [(r"$T$", "sensor")])
     below(

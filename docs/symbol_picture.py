@@ -8,7 +8,7 @@ from pathlib import Path
 from sign_picture import EDGE, save
 
 from torsionnet.elements import Element
-from torsionnet.report import emblems, glyphs
+from torsionnet.report import emblems, glyphs, outlines
 from torsionnet.report.blocks import Block, Stroke
 from torsionnet.report.canvas import painted
 from torsionnet.report.drops import Drop, Stage
@@ -45,7 +45,7 @@ def picture(element: Element) -> Block:
 def _disc(element: Element) -> Block:
     block = Block()
     block.line((0, 0), (60, 0))
-    block.strokes += glyphs.disc(30, 26)
+    block.strokes += outlines.disc(30, 26)
     block.boxes.append((23, 37, -26, 26))
     _port(block, 8, element, 0)
     return block
@@ -54,7 +54,7 @@ def _disc(element: Element) -> Block:
 def _clamp(element: Element) -> Block:
     block = Block()
     block.line((0, 0), (50, 0))
-    block.strokes += [stroke.shifted(50, 0) for stroke in glyphs.wall(0)]
+    block.strokes += [stroke.shifted(50, 0) for stroke in outlines.wall(0)]
     block.boxes.append((50, 58, -18, 18))
     _port(block, 14, element, 0)
     return block
@@ -91,7 +91,7 @@ def _box(element: Element) -> Block:
     block.line((-110, 0), (-60, 0))
     block.line((60, 0), (110, 0))
     block.line((0, -half), (0, -half - 22))
-    block.strokes += [glyphs.rectangle(-60, 60, -half, half, glyphs.BOX), *emblems.emblem(element, 0, 6)]
+    block.strokes += [outlines.rectangle(-60, 60, -half, half, outlines.BOX), *emblems.emblem(element, 0, 6)]
     block.boxes.append((-60, 60, -half, half))
     first, second, third = element.ports
     for x, y, name in ((-44, -10, first), (44, -10, second), (0, -half + 2, third)):

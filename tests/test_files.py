@@ -14,12 +14,15 @@ from fractions import Fraction
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from models import EVERY_ELEMENT
 
 from torsionnet import atomic
+from torsionnet.channels import ELEMENT_QUANTITIES
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import (
     ELEMENT_TYPES,
@@ -331,6 +334,28 @@ def element_faults(entry):
     return [
         fault.message for fault in faults if fault.severity == "error" and re.search("unknown key|needs", fault.message)
     ]
+
+
+@pytest.mark.parametrize("kind", ELEMENT_TYPES)
+@pytest.mark.parametrize("quantity", ELEMENT_QUANTITIES)
+def test_a_file_takes_every_sensor_of_an_element_that_can_be_asked_for(kind, quantity):
+    element = EVERY_ELEMENT[kind]
+    nodes = [*element.ports.values(), "x"]
+    discs = [Inertia(f"J_{node}", node=node, inertia=1) for node in nodes]
+    drive = Spring("drive", nodes=("x", nodes[0]), stiffness=50)
+    rig = Drivetrain("rig", [element, drive, *discs], sensors={"y": {quantity: "e"}})
+    read = loads(rig.to_yaml())
+    asked = rig.frequency_response(f"{quantity}(e)", "x", [3.0]).values
+    assert read.frequency_response("y", "x", [3.0]).values.tolist() == asked.tolist()
+
+
+def test_twist_of_one_port_is_the_angle_of_its_node():
+    rig = loads(
+        "{torsionnet: 1, elements: {disc: {type: inertia, node: a, inertia: 2}}, sensors: {y: {twist: disc}},"
+        " inputs: {T: {torque: a}}}"
+    )
+    omega = 2 * np.pi * 5.0
+    assert rig.frequency_response("y", "T", [5.0]).values.item() == pytest.approx(-1 / (2 * omega**2))
 
 
 @pytest.mark.parametrize("kind", ELEMENT_TYPES)

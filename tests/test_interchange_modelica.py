@@ -99,7 +99,7 @@ def around(element):
     nodes = [node for node in element.ports.values() if node != "ground"]
     parts = [tn.Inertia(f"j_{node}", node=node, inertia=1 + i) for i, node in enumerate(nodes)]
     parts += [tn.Spring(f"s_{n}", nodes=(n, "ground"), stiffness=100 + 30 * i) for i, n in enumerate(nodes)]
-    sensors = {"twist": {"twist": "e"}} if len(element.ports) > 1 else {"phi": {"angle": nodes[0]}}
+    sensors = {"twist": {"twist": "e"}}
     sensors |= {f"T_{port}": {"torque": "e", "at": port} for port in element.ports}
     sensors |= {f"w_{node}": {"velocity": node} for node in nodes} | {"a": {"acceleration": nodes[-1]}}
     parts += [

@@ -1,14 +1,14 @@
 """Pictures: what is in them, that they collide nowhere, and how they get into files."""
 
-import itertools
 import re
 
 import matplotlib as mpl
 import numpy as np
 import pytest
 from drawn_models import MODELS, chain, full_mesh, inertia, planetary_of_gears, two_sets
-from models import EVERY_ELEMENT, geared_line
-from validation.build import build, case_names, read_case
+from models import geared_line
+from pictures import EXAMPLES, collisions, crossed, drawable, is_round, on_paper, outside, texts
+from validation.build import build, read_case
 
 import torsionnet as tn
 from torsionnet.report import bode, mode_shapes, save, schematic
@@ -379,85 +379,7 @@ class TestModeShapes:
         assert (tmp_path / "shapes.png").stat().st_size > 0
 
 
-def alone(kind):
-    element = EVERY_ELEMENT[kind]
-    nodes = [node for node in dict.fromkeys(element.ports.values()) if node != "ground"]
-    return tn.Drivetrain(kind, [element, *(inertia(f"J_{node}", node) for node in nodes)])
-
-
-# The chain of 200 has a test of its own; here it would take as long as all others together.
-CASES = [case for case in case_names() if "nodes" in read_case(case) and len(read_case(case)["nodes"]) < 100]
-EXAMPLES = {
-    **{name: lambda name=name: tn.load(name) for name in tn.library_models()},
-    **{case: lambda case=case: build(read_case(case)) for case in CASES},
-    **{kind: lambda kind=kind: alone(kind) for kind in EVERY_ELEMENT},
-    **MODELS,
-}
 each_example = pytest.mark.parametrize("example", EXAMPLES)
-
-
-def texts(figure):
-    return [text.get_text() for text in figure.axes[0].texts]
-
-
-def collisions(figure):
-    """Pairs of texts whose boxes overlap by more than half a pixel, as drawn."""
-    figure.canvas.draw()
-    renderer = figure.canvas.get_renderer()
-    shown = [(text.get_text(), text.get_window_extent(renderer)) for text in figure.axes[0].texts]
-    return [
-        (first, second)
-        for (first, a), (second, b) in itertools.combinations(shown, 2)
-        if min(a.x1, b.x1) - max(a.x0, b.x0) > 0.5 and min(a.y1, b.y1) - max(a.y0, b.y0) > 0.5
-    ]
-
-
-def outside(figure):
-    """Texts that are not wholly in the picture; a drawing leaves the renderer they are measured with."""
-    boxes = [(text.get_text(), text.get_window_extent()) for text in figure.axes[0].texts]
-    page = figure.bbox
-    return [text for text, box in boxes if box.x0 < page.x0 or box.x1 > page.x1 or box.y0 < page.y0 or box.y1 > page.y1]
-
-
-def crossed(figure):
-    """Texts with a line through them, or on a filled symbol other than the box whose port or content they name."""
-    figure.canvas.draw()
-    renderer, back = figure.canvas.get_renderer(), figure.axes[0].transData.inverted()
-    boxes = [
-        (text.get_text(), text.get_window_extent(renderer).transformed(back).padded(-1.0))
-        for text in figure.axes[0].texts
-    ]
-    found = []
-    for patch in figure.axes[0].patches:
-        path, around = patch.get_path(), patch.get_path().get_extents()
-        found += [
-            text
-            for text, box in boxes
-            if path.intersects_bbox(box, filled=patch.get_fill()) and not (patch.get_fill() and contains(around, box))
-        ]
-    return found
-
-
-def contains(outer, inner):
-    return outer.x0 <= inner.x0 and inner.x1 <= outer.x1 and outer.y0 <= inner.y0 and inner.y1 <= outer.y1
-
-
-def on_paper(figure):
-    """Size in points of the smallest text when the figure is printed 170 mm wide."""
-    scale = min(1.0, 170 / 25.4 / figure.get_size_inches()[0])
-    return scale * min(text.get_fontsize() for text in figure.axes[0].texts)
-
-
-def is_round(patch):
-    box = patch.get_path().get_extents()
-    return abs(box.width - box.height) < 0.01 and len(patch.get_path().vertices) > 20
-
-
-def drawable(figure):
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    FigureCanvasAgg(figure)
-    return figure
 
 
 class TestSchematic:
@@ -588,11 +510,6 @@ class TestSchematic:
         elements = [inertia("a", "x"), tn.Gear("g", nodes=("x", "y"), **gear), inertia("b", "y")]
         model = tn.Drivetrain("stage", elements, parameters={"z_a": 20, "z_b": 50} if "ratio" in gear else {})
         assert text in texts(schematic(model))
-
-    def test_torque_of_what_is_not_in_line_says_of_what(self):
-        shown = "".join(texts(schematic(MODELS["crowded"]())))
-        assert "torque of seal" in shown
-        assert "torque of shaft" not in shown
 
     def test_drawing_shows_the_ratio_of_the_inertias(self):
         small, large = (

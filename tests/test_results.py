@@ -85,6 +85,24 @@ def response(**more):
 
 
 class TestFrequencyResponse:
+    def test_one_pair_of_own_arrays_needs_no_axes_of_length_one(self):
+        own = FrequencyResponse([1, 2], [1j, 2], OUTPUTS[:1], list(INPUTS), coherence=np.array([0.5, 1.0]))
+        assert own.values.tolist() == [[[1j]], [[2]]]
+        assert own.coherence.tolist() == [[[0.5]], [[1.0]]]
+        assert (own.frequencies.dtype, own.inputs) == (float, INPUTS)
+
+    @pytest.mark.parametrize(
+        ("frequencies", "values", "words"),
+        [
+            ([1.0, 2.0], [1j, 2, 3], r"values have the shape \(3,\); expected \(n_f, n_out, n_in\) = \(2, 1, 1\)"),
+            ([1.0, 2.0], [[1j, 2]], r"values have the shape \(1, 2\)"),
+            ([[1.0], [2.0]], [1j, 2], r"frequencies have the shape \(2, 1\); expected \(n_f,\) = \(2,\)"),
+        ],
+    )
+    def test_arrays_that_do_not_fit_are_refused(self, frequencies, values, words):
+        with pytest.raises(UsageError, match=words):
+            FrequencyResponse(frequencies, values, OUTPUTS[:1], INPUTS)
+
     def test_table_with_coherence(self):
         coherence = np.array([0.5, 0.75, 1.0])[:, None, None] * np.array([[1.0], [0.5]])
         shown = Conventions(angle="deg", frequency="rpm")

@@ -33,6 +33,15 @@ def test_referred_to_the_other_side_of_the_gear():
     assert S.K == Matrix([[k_1, -k_1 * tau], [-k_1 * tau, k_1 * tau**2 + k_2]])
 
 
+def test_coordinates_stand_in_the_order_given():
+    S = tn.load("amt_rig").symbolic(referred_to=["output_shaft", "motor"])
+    assert S.coordinates == ("output_shaft", "motor")
+    assert S.K == Matrix([[k_1 * tau**2 + k_2, -k_1 * tau], [-k_1 * tau, k_1]])
+    assert S.T[S.nodes.index("motor"), :] == Matrix([[0, 1]])
+    given = S.transfer_function("theta_1", "T_T").mechanical
+    assert (given - tn.load("amt_rig").symbolic().transfer_function("theta_1", "T_T").mechanical).equals(0)
+
+
 @pytest.mark.parametrize(
     ("names", "words"),
     [(["motor", "primary"], "torque_meter"), (["hub"], "ground"), (["hubb"], 'did you mean "hub"')],

@@ -19,6 +19,7 @@ __version__ = "0.1.0"
 _HOMES = {
     "Adaptive": "solve.grid",
     "Bench": "virtual",
+    "Channel": "response",
     "Conventions": "response",
     "Damper": "elements",
     "Differential": "elements",
@@ -97,7 +98,7 @@ if TYPE_CHECKING:
     from torsionnet.identification import Fit, Measurement, Unknown, identify
     from torsionnet.operating_point import OperatingPoint
     from torsionnet.parameters import Parameter
-    from torsionnet.response import Conventions, FrequencyResponse, FrequencyResponses, Modes
+    from torsionnet.response import Channel, Conventions, FrequencyResponse, FrequencyResponses, Modes
     from torsionnet.solve.grid import Adaptive
     from torsionnet.virtual import Bench, load_bench
 

@@ -431,7 +431,7 @@ class Drivetrain:
     def symbolic(self, *, referred_to: Sequence[str] = ()) -> SymbolicSystem:
         """M, C, K and transfer functions in the model's own symbols.
 
-        ``referred_to`` chooses the nodes kept as coordinates.
+        ``referred_to`` chooses the nodes kept as coordinates; they stand in the order given.
 
         Examples
         --------

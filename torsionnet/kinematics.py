@@ -101,7 +101,7 @@ def imposed_rows(definition: Definition, nodes: Collection[str]) -> dict[str, Ro
 def solve_kinematics(
     definition: Definition, value: Values, referred_to: Collection[str] = (), like: Kinematics | None = None
 ) -> Kinematics:
-    """Solve all constraints exactly; ``referred_to`` names nodes to be kept as coordinates.
+    """Solve all constraints exactly; ``referred_to`` names nodes to be kept as coordinates, in this order.
 
     Where ``like``, of another configuration, has the same nodes and constraints, its solution is taken over.
 
@@ -133,8 +133,18 @@ def solve_kinematics(
         kept = ", ".join(referred_to)
         msg = f"{kept} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground"
         raise UsageError(msg)
-    coordinates = tuple(node for node in nodes if reduction.is_free(node))
+    coordinates = in_order_given([node for node in nodes if reduction.is_free(node)], referred_to)
     return Kinematics(nodes, parts, tuple(imposed), driven, reduction, coordinates)
+
+
+def in_order_given(coordinates: Sequence[str], referred_to: Collection[str]) -> tuple[str, ...]:
+    """The coordinates in the order of the nodes, those of ``referred_to`` among themselves in the order given.
+
+    >>> in_order_given(["a", "b", "c"], ["c", "a"])
+    ('c', 'b', 'a')
+    """
+    named = iter(node for node in dict.fromkeys(referred_to) if node in coordinates)
+    return tuple(next(named) if node in referred_to else node for node in coordinates)
 
 
 def _without_locked(imposed: dict[str, Row], rigid: Sequence[Row], order: Mapping[str, int]) -> dict[str, Row]:

@@ -162,7 +162,7 @@ def twin_kinematics(
 ) -> Kinematics:
     """The kinematics again with twins; constraints whose number is in ``loose`` are left out of the solution."""
     from torsionnet.elimination import reduce_rows
-    from torsionnet.kinematics import constraints_of, owned_parts
+    from torsionnet.kinematics import constraints_of, in_order_given, owned_parts
 
     parts = owned_parts(definition, values)
     rows = [
@@ -171,7 +171,7 @@ def twin_kinematics(
     ]
     order = {node: index for index, node in enumerate(plain.nodes)}
     reduction = reduce_rows(rows, order, {*names, *(pseudo_node(name) for name in plain.imposed)})
-    coordinates = tuple(node for node in plain.nodes if node not in reduction.solved)
+    coordinates = in_order_given([node for node in plain.nodes if node not in reduction.solved], names)
     return Kinematics(plain.nodes, parts, plain.imposed, plain.driven, reduction, coordinates)
 
 

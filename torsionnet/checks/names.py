@@ -98,10 +98,6 @@ def unknown_elements(definition: Definition) -> list[Fault]:
         element = definition.elements.get(sensor.of)
         if element is None:
             faults.append(_no_element(sensor.of, definition, path))
-        elif sensor.quantity == "twist" and len(element.ports) == 1:
-            node = next(iter(element.ports.values()))
-            text = f"{sensor.of} has one node and no twist; measure the angle of {node} instead"
-            faults.append(Fault(text, path))
         elif sensor.at is not None:
             reason = port_fault(element, sensor.at)
             if reason:

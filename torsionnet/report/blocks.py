@@ -174,7 +174,7 @@ def font(role: str, size: float) -> FontProperties:
 
 def is_math(text: str, role: str) -> bool:
     """Dollars are written by :func:`torsionnet.report.labels.symbol` only; a title may have its own."""
-    return text.startswith("$") and role != "title"
+    return "$" in text and role != "title"
 
 
 def widest(lines: Iterable[tuple[str, str]]) -> float:

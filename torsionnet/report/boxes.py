@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.report import emblems, glyphs
+from torsionnet.report import emblems, outlines
 from torsionnet.report.blocks import Block, Stroke, text_width, widest
 from torsionnet.report.drops import Exit
 from torsionnet.report.topology import Link, Vertex
@@ -32,7 +32,7 @@ def box(
     before_x, middle = line.x, line.keep(width)
     start, end = middle - width / 2, middle + width / 2
     line.block.line((before_x, 0), (start, 0))
-    line.block.strokes.append(glyphs.rectangle(start, end, -HALF, HALF, glyphs.BOX))
+    line.block.strokes.append(outlines.rectangle(start, end, -HALF, HALF, outlines.BOX))
     line.block.strokes += emblems.emblem(element, middle, HALF - emblems.REACH - 5)
     line.block.boxes.append((start, end, -HALF, HALF))
     line.block.write(middle, HALF + 3, texts)
@@ -50,7 +50,7 @@ def box(
 def _ports_below(line: Line, vertex: Vertex, element: Boxed, leaving: Sequence[tuple[Link, Vertex]]) -> dict[str, Any]:
     """Port to what is there: another line, a loop, or None for ground."""
     below: dict[str, Any] = {link.port: child for link, child in leaving}
-    below |= {link.port: (number, end) for number, link, end in line.plan.loops.get(vertex, ())}
+    below |= {link.port: (number, link, end) for number, link, end in line.plan.loops.get(vertex, ())}
     return below | {port: None for port, node in element.ports.items() if node == "ground"}
 
 
@@ -58,16 +58,17 @@ def _port(line: Line, x: float, use: Any) -> None:
     if isinstance(use, Vertex):
         line.exits.append(Exit(x, -HALF, use))
     elif use is None:
-        line.block.strokes += [Stroke(((x, -HALF), (x, -HALF - 10))), *glyphs.ground(x, -HALF - 10)]
+        line.block.strokes += [Stroke(((x, -HALF), (x, -HALF - 10))), *outlines.ground(x, -HALF - 10)]
         line.block.boxes.append((x - 14, x + 14, -HALF - 17, -HALF))
     else:
         line.exits.append(Exit(x, -HALF, _loop(line, *use)))
 
 
-def _loop(line: Line, number: int, end: Vertex) -> Block:
+def _loop(line: Line, number: int, link: Link, end: Vertex) -> Block:
     """A piece of shaft with a loose end."""
-    piece = type(line)(line.plan)
+    piece = type(line)(line.plan, wall=6.0)
     piece.block.line((0, 0), (STUB, 0))
     piece.x = STUB
+    piece.marks_on_shaft(piece.beside(end.name, link))
     piece.loose(number, end)
     return piece.block

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.elements import GROUND, Element
-from torsionnet.report import glyphs
+from torsionnet.report import outlines
 from torsionnet.report.blocks import Block, Stroke, arc, as_array, overlap
 from torsionnet.report.topology import Vertex
 
@@ -91,20 +91,20 @@ def _wheels(block: Block, stage: Stage, x: float, distance: float) -> None:
     first = (between - mesh) / (1 + stage.child_over_parent)
     second = between - mesh - first
     side = -1 if down else 1
-    block.strokes += [*glyphs.wheel(x, 0, first), *glyphs.wheel(x, side * between, second)]
+    block.strokes += [*outlines.wheel(x, 0, first), *outlines.wheel(x, side * between, second)]
     if between == abs(distance):
         block.line((x, -distance), (x + ELBOW, -distance))
     else:
         block.line((x, side * between), (x + ELBOW, side * between), (x + ELBOW, -distance))
     if mesh:
-        spring = glyphs.zigzag(0, mesh, 0, 4, 2)
+        spring = outlines.zigzag(0, mesh, 0, 4, 2)
         start = -first if down else first + mesh
-        block.strokes += glyphs.Glyph((spring,), mesh, 4).hanging(x, start)
+        block.strokes += outlines.Glyph((spring,), mesh, 4).hanging(x, start)
     low, high = sorted((-side * first, side * (between + second)))
     half, beyond = 7.0, 3.0
     if stage.element.ports.get("housing", GROUND) != GROUND:
         half, beyond = 11.0, 8.0
-        block.strokes.append(glyphs.rectangle(x - half, x + half, low - 5, high + 5, look="housing"))
+        block.strokes.append(outlines.rectangle(x - half, x + half, low - 5, high + 5, look="housing"))
     block.boxes.append((x - half, x + half, low, high))
     block.write(x, -side * (first + beyond), stage.texts, upward=down)
 

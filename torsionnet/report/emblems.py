@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.report.blocks import Stroke, arc
-from torsionnet.report.glyphs import BODY, WHEEL, rectangle
+from torsionnet.report.outlines import BODY, WHEEL, rectangle
 
 if TYPE_CHECKING:
     from torsionnet.report.epicyclic import Boxed
@@ -21,8 +21,8 @@ PLANET = (ROOT - SUN) / 2
 def emblem(element: Boxed, x: float, y: float) -> list[Stroke]:
     """What is drawn around (x, y); nothing for elements without a picture."""
     if element.glyph == "planetary":
-        planets: Any = getattr(element, "planets", 3)
-        return planetary(x, y, planets if isinstance(planets, int) else len(planets))
+        given: Any = getattr(element, "planets", 3)
+        return planetary(x, y, len(given) if isinstance(given, tuple) else given if isinstance(given, int) else 3)
     if element.glyph == "differential":
         return differential(x, y, locked=bool(getattr(element, "locked", False)))
     return []

@@ -91,12 +91,6 @@ def value_lines(element: Element, values: Mapping[str, Any]) -> list[str]:
     return [line for line in (*teeth, *lines) if line][:MOST_LINES]
 
 
-def is_zero(element: Element, field: str, values: Mapping[str, Any]) -> bool:
-    """Whether a field was not given, or is zero."""
-    spec, raw = element.scalars().get(field, (None, None))
-    return spec is None or not _line(spec, raw, values)
-
-
 def _line(spec: Spec, raw: Any, values: Mapping[str, Any]) -> str:
     if isinstance(spec, Table):
         return "k(f), c(f)"
@@ -111,7 +105,9 @@ def _line(spec: Spec, raw: Any, values: Mapping[str, Any]) -> str:
     if value == 0:
         return ""
     if spec.dimension == "1" and raw.names and not isinstance(raw, Name) and len(str(raw)) <= LONGEST_EXPRESSION:
-        return f"{symbol(spec.symbol)} = {expression(str(raw))} = {number(value)}"
+        # A parameter of the model may have the symbol of the field: tau of a gear with the ratio -tau.
+        head = "" if spec.symbol in raw.names else f"{symbol(spec.symbol)} = "
+        return f"{head}{expression(str(raw))} = {number(value)}"
     name = raw.name if isinstance(raw, Name) else spec.symbol
     return f"{symbol(name)} = {quantity(value, spec.dimension)}"
 
@@ -128,7 +124,7 @@ def expression(text: str) -> str:
 
 def _ratio_line(element: Element, teeth: tuple[int, int]) -> str:
     """Ratio as the quotient of the teeth."""
-    ratio = next(spec_of(declared) for declared in element.declared() if declared.name == "ratio")
+    ratio = next((spec_of(declared) for declared in element.declared() if declared.name == "ratio"), None)
     name = ratio.symbol if isinstance(ratio, Quantity) else "tau"
     sign = "−" if teeth[0] * teeth[1] < 0 else ""
     return f"{symbol(name)} = {sign}{abs(teeth[1])}/{abs(teeth[0])} = {number(teeth[1] / teeth[0])}"

@@ -75,7 +75,7 @@ class Sheet:
     def _steps(self, head: Vertex) -> None:
         course, line = self.courses[head], Line(self.plan)
         if course.incoming is not None:
-            line.begin(course.incoming)
+            line.begin(course.incoming, course.parent)
         self.starts[head] = line.x
         self.steps[head] = [self._step(line, course.cut(place, place + 1)) for place in range(len(course.vertices))]
 
@@ -106,8 +106,8 @@ class Sheet:
         line = Line(self.plan)
         line.x = flag(line.block, 0.0, self._shared_node(head)) + 6
         line.block.line((line.x - 6, 0), (line.x, 0))
-        if came.elements and not came.is_gear:
-            line.gap(came)
+        if not came.is_gear:
+            line.arrive(came, course.parent)
         return self._course(head, self.plan.page, top=True, begun=line)
 
     def _course(self, head: Vertex, room: float, *, top: bool = False, begun: Line | None = None) -> Block:
@@ -124,7 +124,7 @@ class Sheet:
             if first == 0 and begun is not None:
                 line = begun
             elif piece.incoming is not None:
-                line.begin(piece.incoming)
+                line.begin(piece.incoming, piece.parent)
             self._fill(line, piece)
             built.append(
                 self._finished(line, narrow, may_rise=top and first == 0, loops_up=last < len(course.vertices))

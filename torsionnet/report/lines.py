@@ -6,14 +6,15 @@ from collections.abc import Callable, Iterable, Sequence
 from itertools import groupby
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from torsionnet.report import glyphs
-from torsionnet.report.blocks import LEADING, ROLES, Block, LooseEnd, Texts, text_width, widest
+from torsionnet.report.blocks import Block, LooseEnd, text_width, widest
 from torsionnet.report.bodies import body, ending
 from torsionnet.report.boxes import box
 from torsionnet.report.drops import ELBOW, Drop, Exit, Stage, attach, ratio_of
+from torsionnet.report.gaps import between
 from torsionnet.report.labels import symbol
 from torsionnet.report.marks import Mark
 from torsionnet.report.row import FAR, Row
+from torsionnet.report.taps import marks_beside
 from torsionnet.report.topology import Link, Vertex
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ class Line(Row):
     def values(self) -> Any:
         return self.plan.drivetrain.exact_values
 
-    def begin(self, incoming: Link) -> None:
+    def begin(self, incoming: Link, parent: Vertex | None) -> None:
         """Come from another line: beside its gears, else by the elements after a wire."""
         if incoming.is_gear:
             widths = self.gear_widths(incoming)
@@ -54,11 +55,28 @@ class Line(Row):
             self.block.line((ELBOW, 0), (self.x, 0))
             return
         self.wall = 6.0
+        self.arrive(incoming, parent)
+        if not incoming.elements:
+            self.block.line((self.x, 0), (self.x + 10, 0))
+            self.x += 10
+
+    def arrive(self, incoming: Link, parent: Vertex | None) -> None:
+        """What leads here from a node of another line, with the torques that are taken there."""
+        if parent is not None and not parent.is_box:
+            self.marks_on_shaft(self.beside(parent.name, incoming))
         if incoming.elements:
             self.gap(incoming)
-        else:
-            self.block.line((0, 0), (10, 0))
-            self.x = 10
+
+    def beside(self, node: str, link: Link | None, *, alone: bool = True) -> list[Mark]:
+        """Marks of torques and twists that are taken from a link at a node."""
+        return marks_beside(self.plan.taps.get(node, ()), link, alone=alone) if link is not None else []
+
+    def marks_on_shaft(self, marks: Sequence[Mark]) -> None:
+        """Marks with the piece of shaft they stand on."""
+        start = self.x
+        self.marks(marks)
+        if marks:
+            self.block.line((start, 0), (self.x, 0))
 
     def gear_widths(self, link: Link) -> list[float]:
         return [max(26.0, widest(self.plan.texts(element)) + GAP) for element in link.elements]
@@ -81,17 +99,25 @@ class Line(Row):
     def crowd(self, vertex: Vertex, before: Link | None, share: tuple[int, int]) -> None:
         """Part of what is at a node with too much for one line."""
         start = self.x
-        self.things(self.present(vertex.name, before, at_end=False)[0], share)
+        self.marks(self.beside(vertex.name, before))
+        self.things(self.present(vertex.name, at_end=False)[0], share)
         named = self.name(start, self.plan.node_texts(vertex.name))
         self.block.line((start, 0), (self.x, 0))
         self.brackets.append((start, named, vertex.name))
 
-    def present(self, node: str, before: Link | None, *, at_end: bool) -> tuple[list[Thing], Element | None]:
-        """What is at a node in the order of the shaft, and what the line ends in."""
-        early = {element.name for element in before.elements} if before else set()
+    def present(self, node: str, *, at_end: bool) -> tuple[list[Thing], Element | None]:
+        """What is at a node in the order of the shaft, and what the line ends in.
+
+        Torques of what leads on from the node or down to ground are not among it: they stand beside that.
+        """
         bodies, held = self.plan.bodies(node, at_end=at_end)
-        first = [*self.taps(node, lambda element: element in early), *self.inputs_and_motion(node)]
-        return [*first, *bodies, *self.taps(node, lambda element: element not in early)], held
+        placed = {element.name for element in (held, *(hanging for _, hanging in bodies)) if element is not None}
+        others = [
+            tap.mark(alone=False)
+            for tap in self.plan.taps.get(node, ())
+            if tap.element not in placed and not self.plan.leads_on(tap, node)
+        ]
+        return [*self.inputs_and_motion(node), *bodies, *others], held
 
     def things(self, things: Sequence[Thing], share: tuple[int, int]) -> None:
         """A part of what is at a node; marks beside each other stand in two rows if there are many."""
@@ -109,15 +135,24 @@ class Line(Row):
         """Everything at one node."""
         start, node = self.x, vertex.name
         loops, targets = self.plan.loops.get(vertex, ()), self.plan.targets.get(node, ())
-        things, held = self.present(node, before, at_end=not (after or leaving or loops or targets))
+        branches = bool(leaving or loops or targets)
+        things, held = self.present(node, at_end=not (after or branches))
+        self.marks(self.beside(node, before))
         self.things(things, share)
+        late = self.beside(node, after)
+        if held is not None:
+            late = [tap.mark(alone=True) for tap in self.plan.taps_of(held)]
+        if not branches:
+            self.marks(late)
         named = self.name(start, self.plan.node_texts(node)) if held is None else self.x
-        for link, child in leaving:
-            self.leave(link, child, vertex)
+        for place, (link, child) in enumerate(leaving, 1):
+            self.leave(link, child, vertex, alone=place == len(leaving) and not (after or loops or targets))
         for number, link, target in loops:
             self.close(number, link, target)
         for number in targets:
             self.block.anchors[number] = (self.keep(14), 0)
+        if branches:
+            self.marks(late)
         end = self.x
         if held is not None:
             end = ending(self, held)
@@ -139,15 +174,12 @@ class Line(Row):
         inputs = [Mark("input", symbol(name), what) for name, what in self.plan.inputs.get(node, ())]
         return inputs + [Mark("motion", symbol(name), what) for name, what in self.plan.motions.get(node, ())]
 
-    def taps(self, node: str, wanted: Callable[[str], bool]) -> list[Mark]:
-        """Torques and twists taken at this node."""
-        taps = self.plan.taps.get(node, ())
-        return [Mark("torque", symbol(name), what) for name, what, element in taps if wanted(element)]
-
-    def leave(self, link: Link, child: Vertex, parent: Vertex) -> None:
+    def leave(self, link: Link, child: Vertex, parent: Vertex, *, alone: bool) -> None:
+        """A line that leaves this one; ``alone`` if nothing else goes on from here."""
         if not link.is_gear:
             self.exits.append(Exit(self.keep(16), 0, child))
             return
+        self.marks(self.beside(parent.name, link, alone=alone))
         widths, stages = self.gear_widths(link), []
         places = [self.keep(width) for width in widths]
         first = places[0]
@@ -159,7 +191,8 @@ class Line(Row):
     def close(self, number: int, link: Link, end: Vertex) -> None:
         """An element that closes a loop, on a line of its own with a loose end."""
         line = Line(self.plan, wall=6.0)
-        line.gap(link)
+        line.arrive(link, link.other(end))
+        line.marks_on_shaft(line.beside(end.name, link))
         line.loose(number, end)
         self.exits.append(Exit(self.keep(16), 0, line.block))
 
@@ -177,21 +210,9 @@ class Line(Row):
             self.block.line((self.x, 0), (self.x + 12, 0))
             self.x += 12
             return
-        drawn = [glyphs.inline_glyph(element, self.values).scaled(self.plan.scale) for element in link.elements]
-        texts = [self.plan.texts(element) for element in link.elements]
-        rails = 12.0 if len(drawn) > 1 else 0.0
-        # The texts of all but the first strand stand between the rails.
-        span = max(*(glyph.length for glyph in drawn), *(widest(lines) for lines in texts[1:]), 0.0) + rails
-        start, piece = self.x, Block()
-        left, right, y = -span / 2, span / 2, 0.0
-        for place, (glyph, lines) in enumerate(zip(drawn, texts, strict=True)):
-            if place:
-                y -= drawn[place - 1].reach + 8 + sum(LEADING * ROLES[role].size for _, role in lines) + glyph.reach
-            _strand(piece, glyph, lines, (left, right), y, below=not rails)
-        for x in (left, right) if rails else ():
-            piece.line((x, 0), (x, y))
-        # Between the rails nothing else can stand.
-        middle = self.put(piece, span / 2 + 3, span / 2 + 3, [(left, right, y, 0)] if rails else [])
+        piece, span, columns = between(self.plan, link)
+        start, left, right = self.x, -span / 2, span / 2
+        middle = self.put(piece, span / 2 + 3, span / 2 + 3, columns)
         self.block.line((start, 0), (middle + left, 0))
         self.block.line((middle + right, 0), (self.x, 0))
 
@@ -204,17 +225,3 @@ class Line(Row):
         attach(self.block, [settle(each) for each in self.exits], may_rise=may_rise)
         self.block.anchors[-1] = (self.x, 0)
         return self.block
-
-
-def _strand(
-    block: Block, glyph: glyphs.Glyph, texts: Texts, ends: tuple[float, float], y: float, *, below: bool
-) -> None:
-    """An element between two ends; alone on its shaft it has its texts below, out of the way of inputs and discs."""
-    middle = (ends[0] + ends[1]) / 2
-    begin = middle - glyph.length / 2
-    block.strokes += glyph.along(begin, y)
-    block.boxes.append((*ends, y - glyph.reach, y + glyph.reach))
-    block.write(middle, y - glyph.reach - 2 if below else y + glyph.reach + 2, texts, upward=not below)
-    if begin > ends[0]:
-        block.line((ends[0], y), (begin, y))
-        block.line((begin + glyph.length, y), (ends[1], y))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from torsionnet.report import glyphs
-from torsionnet.report.blocks import Block, Stroke
+from torsionnet.report import outlines
+from torsionnet.report.blocks import Block, Stroke, Texts
 from torsionnet.report.texts import broken
 
 TOPS = {"input": 19.0, "motion": 20.0, "torque": 20.0}
@@ -28,14 +28,19 @@ class Mark:
         top = TOPS[self.kind] + lift
         piece = Block()
         if self.kind == "input":
-            piece.strokes += glyphs.torque_arrow(0.0)
+            piece.strokes += outlines.torque_arrow(0.0)
             piece.boxes.append((-8, 8, -ARROW - 2, TOPS["input"]))
         else:
-            piece.strokes += glyphs.sensor_mark(0.0, torque=self.kind == "torque", leader=top)
+            piece.strokes += outlines.sensor_mark(0.0, torque=self.kind == "torque", leader=top)
             piece.boxes.append((-5, 5, -5, TOPS["torque"]))
         if lift:
             leader = Stroke(((0, ARROW), (0, top)), "leader")
             piece.strokes += [leader] if self.kind == "input" else []
             piece.boxes.append((-1.5, 1.5, 0, top))
-        piece.write(0, top, broken([(self.name, "input" if self.kind == "input" else "sensor"), (self.what, "what")]))
+        piece.write(0, top, self.texts)
         return piece
+
+    @property
+    def texts(self) -> Texts:
+        """Its name and what it is."""
+        return broken([(self.name, "input" if self.kind == "input" else "sensor"), (self.what, "what")])

@@ -7,13 +7,14 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import zip_longest
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from torsionnet.channels import ELEMENT_QUANTITIES
-from torsionnet.elements import GROUND, Element, Inertia
+from torsionnet.elements import GROUND, Element, Law, Values
 from torsionnet.report.blocks import Texts
 from torsionnet.report.epicyclic import Boxed, EpicyclicSet
 from torsionnet.report.labels import value_lines
+from torsionnet.report.taps import Tap, belongs
 from torsionnet.report.texts import broken, set_lines
 from torsionnet.report.topology import Connections, Link, Tree, Vertex, connections, trees
 
@@ -99,26 +100,33 @@ class Plan:
         return found
 
     @cached_property
-    def taps(self) -> dict[str, list[tuple[str, str, str]]]:
-        """(sensor, what it is, element) of torques and twists, by the node where they are taken."""
-        found: dict[str, list[tuple[str, str, str]]] = {}
+    def taps(self) -> dict[str, list[Tap]]:
+        """Torques and twists by the node where they are taken."""
+        found: dict[str, list[Tap]] = {}
         for name, sensor in self.drivetrain.sensors.items():
             element = self.drivetrain.elements.get(sensor.of)
             if sensor.quantity not in ELEMENT_QUANTITIES or element is None:
                 continue
-            port = sensor.at or next(iter(element.ports))
-            nodes = [element.ports.get(port, port), *element.ports.values()]
-            node = next(node for node in nodes if node != GROUND)
-            what = sensor.quantity if element.name in self._in_line else f"{sensor.quantity} of {element.name}"
-            found.setdefault(self.homes.get(node, node), []).append((name, what, element.name))
+            port, node = _taken(element, sensor.at)
+            found.setdefault(self.homes.get(node, node), []).append(Tap(name, sensor.quantity, element.name, port))
         return found
 
+    def taps_of(self, element: Element) -> list[Tap]:
+        """What is taken from one element."""
+        return [tap for taps in self.taps.values() for tap in taps if tap.element == element.name]
+
+    def leads_on(self, tap: Tap, node: str) -> bool:
+        """Whether a tap is of something that leads on from a node, and is drawn beside it."""
+        return any(belongs(tap, link) for link in self._links[node])
+
     @cached_property
-    def _in_line(self) -> set[str]:
-        """Elements whose torque is that of the shaft beside them, so that a mark on it needs no more words."""
-        looped = {id(link) for loops in self.loops.values() for _, link, _ in loops}
-        alone = [link for link in self.found.links if len(link.elements) == 1 and id(link) not in looped]
-        return {link.elements[0].name for link in alone}
+    def _links(self) -> dict[str, list[Link]]:
+        found: dict[str, list[Link]] = {node: [] for node in self.drivetrain.nodes}
+        for link in self.found.links:
+            for vertex in (link.first, link.second):
+                if not vertex.is_box:
+                    found[vertex.name].append(link)
+        return found
 
     def bodies(self, node: str, *, at_end: bool) -> tuple[Pairs, Element | None]:
         """Discs with what hangs below them, and what the line ends in: a clamp or an element to ground."""
@@ -149,6 +157,13 @@ class Plan:
         return broken([(element.name, "name"), *lines])
 
 
+def _taken(element: Element, at: str | None) -> tuple[str, str]:
+    """Port and node where a sensor is drawn: where it is, unless that is the ground."""
+    ports = list(element.ports.items())
+    return next(((port, node) for port, node in ports if at in (port, node) and node != GROUND),
+                next(pair for pair in ports if pair[1] != GROUND))  # fmt: skip
+
+
 def make_plan(drivetrain: Drivetrain, page: float) -> tuple[Plan, list[Tree]]:
     """The plan, and the connected parts as trees."""
     found = connections(drivetrain)
@@ -165,11 +180,8 @@ def make_plan(drivetrain: Drivetrain, page: float) -> tuple[Plan, list[Tree]]:
 
 def disc_sizes(drivetrain: Drivetrain, scale: float) -> dict[str, float]:
     """Half heights between two limits, by the logarithm of the inertia."""
-    values = {
-        element.name: float(element.inertia.evaluate(drivetrain.exact_values))
-        for element in drivetrain.elements.values()
-        if isinstance(element, Inertia)
-    }
+    discs = [element for element in drivetrain.elements.values() if element.glyph == "disc"]
+    values = {element.name: inertia_of(element, drivetrain.exact_values) for element in discs}
     logs = {name: math.log10(value) for name, value in values.items() if value > 0}
     low, high = min(logs.values(), default=0), max(logs.values(), default=0)
     # Within a decade or two a small difference should not look like a large one.
@@ -179,3 +191,9 @@ def disc_sizes(drivetrain: Drivetrain, scale: float) -> dict[str, float]:
         name: scale * (SMALL_DISC + (LARGE_DISC - SMALL_DISC) * (0.5 + (logs.get(name, low) - middle) / span))
         for name in values
     }
+
+
+def inertia_of(element: Element, values: Mapping[str, Any]) -> float:
+    """What an element adds to the inertia of the nodes it is on, kg m^2."""
+    laws = [part for part in element.parts(Values(values)) if isinstance(part, Law)]
+    return sum(float(law.inertia) * sum(float(factor) ** 2 for factor in law.row.values()) for law in laws)

@@ -78,11 +78,11 @@ def connections(drivetrain: Drivetrain) -> Connections:
         if element.name in inside:
             continue
         ends = _ends(element)
-        if len(element.ports) > 2 and element.glyph != "gear":  # noqa: PLR2004
+        if _is_box(element):
             found.boxes[element.name] = element
         elif len(ends) == 1:
             found.attached[ends[0]].append(element)
-        else:
+        elif ends:
             parallel.setdefault((frozenset(ends), _steps(element)), []).append(element)
     for group in parallel.values():
         first, second = _ends(group[0])
@@ -92,6 +92,12 @@ def connections(drivetrain: Drivetrain) -> Connections:
             if node != GROUND:
                 found.links.append(Link(Vertex(name, is_box=True), Vertex(node), port=port))
     return found
+
+
+def _is_box(element: Element) -> bool:
+    """Three ports and more do not lie on a line; a gear stage is drawn beside its housing."""
+    ports = [port for port in element.ports if element.glyph != "gear" or port != "housing"]
+    return len(ports) > 2  # noqa: PLR2004
 
 
 def _ends(element: Element) -> list[str]:

@@ -28,7 +28,14 @@ KINDS = {"rad": "receptance", "rad/s": "mobility", "rad/s^2": "accelerance"}
 
 @dataclass(frozen=True)
 class Channel:
-    """One signal of a frequency response: its name and SI unit (rad, rad/s, rad/s^2 or N*m)."""
+    """One signal of a frequency response: its name and SI unit (rad, rad/s, rad/s^2 or N*m).
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> tn.Channel("theta_1", "rad")
+    Channel(name='theta_1', unit='rad')
+    """
 
     name: str
     unit: str
@@ -59,6 +66,27 @@ class FrequencyResponse:
         How it was estimated from records.
     has_phase : bool
         False where only magnitudes are known; the values are then real.
+
+    Values and coherence of one output over one input may be given as (n_f,).
+
+    Raises
+    ------
+    UsageError
+        The shapes of the arrays do not fit the frequencies and channels.
+
+    Examples
+    --------
+    Arrays of a test, from degrees into SI, beside the model:
+
+    >>> import numpy as np
+    >>> import torsionnet as tn
+    >>> measured = np.array([0.26 - 0.05j, 0.11 - 0.02j])  # deg/(N*m) at 5 and 10 Hz
+    >>> theta, torque = tn.Channel("theta_1", "rad"), tn.Channel("T_M", "N*m")
+    >>> test = tn.FrequencyResponse(np.array([5.0, 10.0]), measured * np.pi / 180, (theta,), (torque,), "run 7")
+    >>> print(test.kind(), test.values.shape)
+    receptance (2, 1, 1)
+    >>> tn.load("dmf_rig").frequency_response("theta_1", "T_M", test.frequencies).inputs == test.inputs
+    True
     """
 
     frequencies: FloatArray
@@ -72,6 +100,20 @@ class FrequencyResponse:
     usable_up_to: float | None = None
     estimation: Estimation | None = None
     has_phase: bool = True
+
+    def __post_init__(self) -> None:
+        frequencies = np.asarray(self.frequencies, dtype=float)
+        outputs, inputs = tuple(self.outputs), tuple(self.inputs)
+        shape = (frequencies.size, len(outputs), len(inputs))
+        settled = {
+            "frequencies": _shaped("frequencies", frequencies, shape[:1]),
+            "values": _shaped("values", np.asarray(self.values, dtype=complex), shape),
+            "coherence": None if self.coherence is None else _shaped("coherence", np.asarray(self.coherence), shape),
+            "outputs": outputs,
+            "inputs": inputs,
+        }
+        for name, value in settled.items():
+            object.__setattr__(self, name, value)
 
     @property
     def magnitude(self) -> FloatArray:
@@ -259,6 +301,17 @@ class FrequencyResponse:
         table = self.table()
         step = max(1, len(table.rows) // 20)
         return replace(table, rows=table.rows[::step]).to_html()
+
+
+def _shaped(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    """The array in the wanted shape; of one output over one input, the axes of length one may be missing."""
+    if array.shape == shape:
+        return array
+    if array.shape == shape[:1] and shape[1:] == (1, 1):
+        return array.reshape(shape)
+    wanted = "(n_f,)" if len(shape) == 1 else "(n_f, n_out, n_in)"
+    msg = f"{name} have the shape {array.shape}; expected {wanted} = {shape}"
+    raise UsageError(msg)
 
 
 def limit_line(response: FrequencyResponse) -> str:

@@ -1,0 +1,107 @@
+"""Element types that the package does not have: any glyph with any ports, and springs and dashpots arranged otherwise."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.elements import ELEMENT_TYPES, GROUND, Element, Law
+from torsionnet.elements.fields import NodeName, NodePair, Quantity, entry
+from torsionnet.elements.laws import difference, make_row
+
+GLYPHS = sorted({cls.glyph for cls in ELEMENT_TYPES.values()} | {"", "a glyph nobody knows"})
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class OnePort(Element):
+    """Inertia and damping at a node."""
+
+    node: Any = entry(NodeName("its node"))
+    mass: Any = entry(Quantity("mass moment of inertia", "inertia", "J"), 2)
+
+    def parts(self, value):
+        return (Law(make_row([(self.node, 1)]), inertia=value(self.mass), damping=1),)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TwoPorts(Element):
+    """Stiffness between two nodes."""
+
+    nodes: Any = entry(NodePair("its nodes"))
+    give: Any = entry(Quantity("stiffness", "stiffness", "k"), 300)
+
+    def parts(self, value):
+        return (Law(difference(*self.nodes), stiffness=value(self.give)),)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ThreePorts(Element):
+    """Stiffness on the mean of two angles against a third."""
+
+    left: Any = entry(NodeName("one end"))
+    right: Any = entry(NodeName("other end"))
+    middle: Any = entry(NodeName("middle"))
+    give: Any = entry(Quantity("stiffness", "stiffness", "k"), 300, kw_only=True)
+
+    def parts(self, value):
+        row = make_row([(self.left, 1), (self.right, 1), (self.middle, -2)])
+        return (Law(row, stiffness=value(self.give)),)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class FourPorts(ThreePorts):
+    """One more."""
+
+    fourth: Any = entry(NodeName("fourth end"))
+    other: Any = entry(Quantity("stiffness", "stiffness", "k"), 300, kw_only=True)
+
+    def parts(self, value):
+        return (*super().parts(value), Law(difference(self.left, self.fourth), stiffness=value(self.other)))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Maxwell(Element):
+    """A spring and a dashpot in series."""
+
+    glyph = "spring"
+    nodes: Any = entry(NodePair("its nodes"))
+    stiffness: Any = entry(Quantity("stiffness", "stiffness", "k"), 300)
+    damping: Any = entry(Quantity("damping", "damping", "c"), 4)
+
+    @property
+    def internal_nodes(self):
+        return (f"{self.name}.1",)
+
+    def twist(self, value):
+        del value
+        return difference(*self.nodes)
+
+    def parts(self, value):
+        (inner,) = self.internal_nodes
+        spring = Law(difference(self.nodes[0], inner), stiffness=value(self.stiffness))
+        return (spring, Law(difference(inner, self.nodes[1]), damping=value(self.damping)))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Zener(Maxwell):
+    """A spring beside a Maxwell element."""
+
+    beside: Any = entry(Quantity("stiffness", "stiffness", "k"), 100)
+
+    def parts(self, value):
+        return (*super().parts(value), Law(difference(*self.nodes), stiffness=value(self.beside)))
+
+
+def with_glyph(cls, glyph):
+    """A class of its own for the glyph."""
+    return type(f"{cls.__name__}_{glyph}", (cls,), {"kind": f"made_up_{cls.__name__}", "glyph": glyph})
+
+
+SHAPES = {
+    "one port": lambda glyph: with_glyph(OnePort, glyph)("made", node="a"),
+    "two ports": lambda glyph: with_glyph(TwoPorts, glyph)("made", nodes=("a", "b")),
+    "to ground": lambda glyph: with_glyph(TwoPorts, glyph)("made", nodes=("a", GROUND)),
+    "from ground": lambda glyph: with_glyph(TwoPorts, glyph)("made", nodes=(GROUND, "a")),
+    "three ports": lambda glyph: with_glyph(ThreePorts, glyph)("made", "a", "b", "c"),
+    "three, one on ground": lambda glyph: with_glyph(ThreePorts, glyph)("made", "a", "b", GROUND),
+    "three on two nodes": lambda glyph: with_glyph(ThreePorts, glyph)("made", "a", "b", "b"),
+    "four ports": lambda glyph: with_glyph(FourPorts, glyph)("made", "a", "b", "c", fourth="d"),
+}
