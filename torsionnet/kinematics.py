@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
@@ -194,10 +194,10 @@ def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list
     return list(dict.fromkeys(loose[index][0] for index in loop))
 
 
-def virtual_motion(kinematics: Kinematics, index: int) -> dict[str, Fraction]:
+def virtual_motion(kinematics: Kinematics, index: int, number: Callable[[Any], Any] = exact) -> dict[str, Any]:
     """Motion z that violates constraint number ``index`` by one and no other: its torque is the work of all else on z.
 
-    Driven nodes stand still in it: what drives them does no work on z.
+    Driven nodes stand still in it: what drives them does no work on z. ``number`` makes the numbers it is worked out in.
 
     Raises
     ------
@@ -205,7 +205,7 @@ def virtual_motion(kinematics: Kinematics, index: int) -> dict[str, Fraction]:
         The torque is statically indeterminate; the message names the rigid loop.
     """
     constraints = kinematics.constraints
-    rows: list[Any] = [exact_row(row) for _, row in constraints]
+    rows: list[Any] = [{node: number(value) for node, value in row.items()} for _, row in constraints]
     rows[index] = {**rows[index], UNIT: Fraction(-1)}
     rows = [row for number, row in enumerate(rows) if number != index] + [rows[index]]
     names = [name for number, (name, _) in enumerate(constraints) if number != index] + [constraints[index][0]]

@@ -1,0 +1,70 @@
+"""The machines an FMU has binaries for, and what they are called in its archive."""
+
+from __future__ import annotations
+
+import platform
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Platform:
+    """One kind of machine.
+
+    Attributes
+    ----------
+    name : str
+        Also the folder of FMI 3.0.
+    target : str
+        What Zig calls it.
+    old_folder : str
+        The folder of FMI 2.0: it has one for all Macs, and none for Linux on ARM, where the new name has come into use.
+    suffix : str
+        Of a shared library.
+    """
+
+    name: str
+    target: str
+    old_folder: str
+    suffix: str
+
+    def folder(self, version: str) -> str:
+        """Where its binaries are."""
+        return self.old_folder if version == "2.0" else self.name
+
+
+PLATFORMS = (
+    Platform("x86_64-linux", "x86_64-linux-gnu.2.17", "linux64", ".so"),
+    Platform("aarch64-linux", "aarch64-linux-gnu.2.17", "aarch64-linux", ".so"),
+    Platform("x86_64-windows", "x86_64-windows-gnu", "win64", ".dll"),
+    Platform("x86_64-darwin", "x86_64-macos", "darwin64", ".dylib"),
+    Platform("aarch64-darwin", "aarch64-macos", "darwin64", ".dylib"),
+)
+"""What Zig compiles for."""
+
+
+def this_machine() -> Platform:
+    """The platform this program runs on."""
+    system = {"Windows": "windows", "Darwin": "darwin"}.get(platform.system(), "linux")
+    processor = "aarch64" if platform.machine().lower() in ("aarch64", "arm64") else "x86_64"
+    return next(
+        (known for known in PLATFORMS if known.name == f"{processor}-{system}"),
+        Platform(f"{processor}-{system}", "", f"{processor}-{system}", ".dll"),  # Windows on ARM
+    )
+
+
+_ALIGNMENT = 14
+"""Binary logarithm of the size of a page on Macs with ARM processors."""
+_PROCESSORS = {"x86_64": (0x01000007, 3), "aarch64": (0x0100000C, 0)}
+
+
+def for_all_macs(libraries: Mapping[str, bytes]) -> bytes:
+    """One library for several processors, by processor: a header, then each on pages of its own."""
+    page = 1 << _ALIGNMENT
+    header, body, start = struct.pack(">II", 0xCAFEBABE, len(libraries)), b"", page
+    for processor, library in libraries.items():
+        header += struct.pack(">IIIII", *_PROCESSORS[processor], start, len(library), _ALIGNMENT)
+        padded = library + bytes(-len(library) % page)
+        body, start = body + padded, start + len(padded)
+    return header + bytes(page - len(header)) + body
