@@ -26,6 +26,8 @@ from torsionnet.solve.lowest import Motions, lowest_vibrations
 from torsionnet.solve.reduction import LARGE, AnyArray, acting, resisting, restricted, stiff_laws, subspaces
 from torsionnet.solve.spectrum import physical, refined, solve
 
+PART = 1e-6
+"""Imaginary part of a shape of 1 that is not rounding."""
 RIGID, REAL, OSCILLATORY = "rigid body", "real pole", "oscillatory"
 
 
@@ -117,8 +119,7 @@ def _sorted_solution(rigid: FloatArray, found: frozen.Found, *, passive: bool) -
     values = np.where(real, found.values[order].real, found.values[order])
     if passive:
         values = np.minimum(values.real, 0.0) + 1j * values.imag
-    shapes = scaled(found.shapes[:, order])
-    shapes[:, real] = shapes[:, real].real
+    shapes = _real_shapes(scaled(found.shapes[:, order]), found.values[order], real)
     return EigenSolution(
         eigenvalues=np.concatenate([np.zeros(n_rigid), values]).astype(complex),
         vectors=np.hstack([scaled(rigid), shapes]).astype(complex),
@@ -127,6 +128,15 @@ def _sorted_solution(rigid: FloatArray, found: frozen.Found, *, passive: bool) -
         iterations=np.concatenate([np.zeros(n_rigid, dtype=int), found.iterations[order]]),
         errors=np.concatenate([np.zeros(n_rigid), found.errors[order]]),
     )
+
+
+def _real_shapes(shapes: AnyArray, values: ComplexArray, real: NDArray[np.bool_]) -> AnyArray:
+    """Shapes of real eigenvalues are real; two that came out as a pair have the real and the imaginary part of one."""
+    found = shapes.copy()
+    found[:, real] = shapes[:, real].real
+    second = real & (values.imag < 0) & (np.abs(shapes.imag).max(axis=0, initial=0) > PART)
+    found[:, second] = scaled(shapes[:, second].imag)
+    return found
 
 
 def scaled(shapes: AnyArray) -> AnyArray:

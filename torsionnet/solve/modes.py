@@ -18,6 +18,7 @@ from torsionnet.response import Modes
 from torsionnet.solve.cut import poles_of_measured
 from torsionnet.solve.eigen import EigenSolution, complex_modes, scaled, undamped_modes
 from torsionnet.solve.reduction import LARGE
+from torsionnet.solve.repeated import with_chosen_shapes
 from torsionnet.solve.words import describe, uncertain, unsettled
 
 
@@ -49,6 +50,7 @@ def natural_modes(drivetrain: Drivetrain, lowest: int | None = None) -> tuple[Mo
     assembly = drivetrain.assembly
     solution = complex_modes(assembly.system, lowest)
     elements = tuple(drivetrain.elements)
+    solution, notes = with_chosen_shapes(solution, _motion(assembly.node_rows, solution.vectors), assembly.nodes)
     kinetic, strain, dissipated = energies(assembly, solution, elements)
     shapes = scaled(_motion(assembly.node_rows, solution.vectors)).astype(complex)
     found = Modes(
@@ -64,6 +66,7 @@ def natural_modes(drivetrain: Drivetrain, lowest: int | None = None) -> tuple[Mo
         converged=solution.converged,
         descriptions=describe(assembly, solution, shapes, elements, strain, dissipated),
         title=drivetrain.title,
+        notes=notes,
     )
     return found, (*unsettled(solution), *uncertain(solution.errors))
 

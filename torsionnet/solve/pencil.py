@@ -66,7 +66,7 @@ def measured_poles(drivetrain: Drivetrain, question: Question) -> tuple[Modes, t
         raise UsageError(msg)
     still = _still(bordered) if counts[1] else np.zeros((bordered.size, 0))
     roots = _refined(bordered, _approximate(bordered, _rate(assembly), counts[0] - counts[1], counts[1]), counts[1])
-    real = on_real_axis(roots.values, roots.errors)
+    real = on_real_axis(roots.values)
     kept = np.flatnonzero(real | (roots.values.imag > 0))
     kept = kept[np.argsort(np.abs(roots.values[kept]), kind="stable")]
     values = np.where(real[kept], roots.values[kept].real, roots.values[kept])
@@ -170,7 +170,7 @@ def _refined(bordered: Bordered, roots: Roots, zeros: int) -> Roots:
     found, done = refine.refine_roots(p, values, chosen, zeros, roots.errors)
     values = np.where(chosen, refine.to_complex(found, square_root=False), values)
     errors = np.where(chosen | known, refine.CONVERGED, roots.errors)
-    if not (done and in_pairs(values, errors)):
+    if not (done and in_pairs(values)):
         return roots
     vectors = roots.vectors.copy()
     for j in np.flatnonzero(chosen | known):

@@ -15,7 +15,8 @@ REFINE_ABOVE = 1e-10
 POLISH_ABOVE = 1e-11
 """Shapes whose forces balance worse than this, relative to their sum of magnitudes, are recomputed in mpmath."""
 REAL_BELOW = 1e-13
-"""Refined eigenvalues with |Im| <= this |lambda| are real: inputs in double precision cannot tell."""
+"""Eigenvalues with |Im| <= this |lambda| are real: inputs in double precision cannot tell, and several equal ones may
+come out as pairs. A double root with one shape parts by the square root of that."""
 MAX_OPERATIONS = 60_000
 """Multiplications of one sparse elimination times roots to refine; about ten seconds of mpmath."""
 _EPS = float(np.finfo(float).eps)
@@ -97,9 +98,7 @@ def refined(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spec
     roots, done = refine.refine_roots(p, starts, chosen, zeros, spectrum.errors)
     values = np.where(chosen, refine.to_complex(roots, square_root=squared), spectrum.values)
     errors = np.where(chosen, refine.CONVERGED, spectrum.errors)
-    if not (
-        done and (squared or np.iscomplexobj(spectrum.stiffness) or not np.all(wanted) or in_pairs(values, errors))
-    ):
+    if not (done and (squared or np.iscomplexobj(spectrum.stiffness) or not np.all(wanted) or in_pairs(values))):
         return spectrum
     shapes = spectrum.shapes.copy()
     for j in np.flatnonzero(chosen | blurred)[:limit]:
@@ -107,15 +106,14 @@ def refined(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spec
     return replace(spectrum, values=values, shapes=shapes, errors=errors)
 
 
-def in_pairs(values: ComplexArray, errors: FloatArray) -> bool:
+def in_pairs(values: ComplexArray) -> bool:
     """Tell whether as many eigenvalues lie above the real axis as below."""
-    sides = np.sign(values.imag)[~on_real_axis(values, errors)]
+    sides = np.sign(values.imag)[~on_real_axis(values)]
     return bool(np.sum(sides) == 0)
 
 
-def on_real_axis(values: ComplexArray, errors: FloatArray) -> NDArray[np.bool_]:
-    margin = np.where(errors <= REAL_BELOW, REAL_BELOW, 0.0)
-    return np.asarray(np.abs(values.imag) <= margin * np.abs(values))
+def on_real_axis(values: ComplexArray) -> NDArray[np.bool_]:
+    return np.asarray(np.abs(values.imag) <= REAL_BELOW * np.abs(values))
 
 
 def _polynomial_problem(spectrum: Spectrum) -> tuple[AnyArray, list[AnyArray]]:
@@ -147,6 +145,6 @@ def affordable(chosen: NDArray[np.bool_], errors: FloatArray, count: int) -> NDA
 
 def physical(spectrum: Spectrum) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
     """Indices of one eigenvalue per conjugate pair and of all real ones, and which of these are real."""
-    real = on_real_axis(spectrum.values, spectrum.errors)
+    real = on_real_axis(spectrum.values)
     kept = np.flatnonzero(real | (spectrum.values.imag > 0))
     return kept, np.asarray(real[kept])
