@@ -1,6 +1,6 @@
 """Modes that share one eigenvalue: every combination of their shapes is a mode too, so one set of them is chosen.
 
-Chosen are the shapes that are 1 at one of as many nodes and 0 at the others of these, which are those that move most, in
+Chosen are the shapes that are 1 at one of as many nodes and 0 at the others of these, the ones that move most, in
 the order of the nodes. They are real wherever real ones exist.
 """
 

@@ -1,0 +1,68 @@
+"""What --json prints is what its schema says, nothing more and nothing less, for every command that has it."""
+
+import json
+import re
+from pathlib import Path
+
+import jsonschema
+import pytest
+from test_cli import run
+from test_cli_fit import FIT
+from test_cli_records import RIG
+
+from torsionnet.cli.output_schema import OUTPUTS
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("outputs")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        Path("rig.yaml").write_text(RIG)
+        Path("fit.yaml").write_text(FIT)
+        Path("broken.yaml").write_text("name: x\nelements: {a: {type: inertia, node: n, inertia: -1, frob: 2}}\n")
+        run("bench", "rig.yaml", "-c", "soft", "-o", "run_soft.npz")
+        yield folder
+
+
+CALLS = {
+    "check": ["check dmf_rig broken.yaml"],
+    "library": ["library"],
+    "modes": ["modes amt_rig -c all", "modes planetary_set"],
+    "frf": [
+        "frf dmf_rig --output theta_1 --input T_T",
+        "frf amt_rig -c all --output theta_1 --input T_T --from 1 --to 10",
+    ],
+    "sensitivity": ["sensitivity dmf_rig"],
+    "show": ["show dmf_rig", "show dmf_rig --equations --matrices"],
+    "estimate": ["estimate run_soft.npz --output phi --input M"],
+    "compare": ["compare run_soft.npz rig.yaml -c soft --output phi --input M"],
+    "spectrogram": ["spectrogram run_soft.npz --channel phi"],
+    "bench": ["bench rig.yaml -o again.npz"],
+    "fit": ["fit fit.yaml", "fit fit.yaml --profile --rank"],
+    "identify-modes": [
+        "identify-modes run_soft.npz --output phi --input M",
+        "identify-modes run_soft.npz --output phi --input M --against rig.yaml -c soft",
+    ],
+}
+
+
+@pytest.mark.parametrize("call", [call for calls in CALLS.values() for call in calls])
+def test_output_follows_its_schema(folder, call, monkeypatch):
+    monkeypatch.chdir(folder)
+    schema = json.loads(run("schema", "--json-of", call.split()[0]).stdout)
+    jsonschema.Draft202012Validator.check_schema(schema)
+    printed = run(*call.split(), "--json", code=1 if "broken" in call else 0).stdout
+    jsonschema.validate(json.loads(printed), schema)
+
+
+def test_every_command_with_json_has_a_schema():
+    assert CALLS.keys() == OUTPUTS.keys()
+    listed = re.findall(r"^  ([a-z-]+) +[A-Z]", run("--help").stdout, re.MULTILINE)
+    assert {name for name in listed if "Print JSON" in run(name, "--help").stdout} == OUTPUTS.keys()
+
+
+def test_schema_goes_to_a_file(tmp_path):
+    run("schema", "--json-of", "modes", "-o", str(tmp_path / "modes.json"))
+    assert json.loads((tmp_path / "modes.json").read_text())["title"] == "torsionnet modes --json"
+    assert "modes" in run("schema", "--json-of", "frobnicate", code=2).stderr

@@ -1,0 +1,235 @@
+"""What ``--json`` prints, as JSON Schema, by command."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, TypeAlias
+
+Schema: TypeAlias = dict[str, Any]
+
+TEXT: Schema = {"type": "string"}
+TEXTS: Schema = {"type": "array", "items": TEXT}
+YES_OR_NO: Schema = {"type": "boolean"}
+COUNT: Schema = {"type": "integer", "minimum": 0}
+NUMBER: Schema = {"type": ["number", "null"], "description": "null where it is infinite or not determined"}
+
+
+def text_or_nothing() -> Schema:
+    return {"type": ["string", "null"]}
+
+
+def listed(items: Schema) -> Schema:
+    return {"type": "array", "items": items}
+
+
+def by_name(values: Schema) -> Schema:
+    return {"type": "object", "additionalProperties": values}
+
+
+def record(optional: dict[str, Schema] | None = None, /, **fields: Schema) -> Schema:
+    """An object with these fields, and maybe the optional ones."""
+    return {
+        "type": "object",
+        "properties": {**fields, **(optional or {})},
+        "required": list(fields),
+        "additionalProperties": False,
+    }
+
+
+def or_null(schema: Schema) -> Schema:
+    return {"anyOf": [schema, {"type": "null"}]}
+
+
+NUMBERS = listed(NUMBER)
+ROWS = listed(NUMBERS)
+PAIR: Schema = {**NUMBERS, "minItems": 2, "maxItems": 2}
+COMPLEX: Schema = {**PAIR, "description": "real and imaginary part"}
+CURVE = {"output": TEXT, "input": TEXT, "quantity": TEXT, "unit": TEXT, "real": NUMBERS, "imag": NUMBERS}
+ESTIMATE = record(
+    title=TEXT,
+    notes=TEXTS,
+    usable_up_to_Hz=NUMBER,
+    frequencies_Hz=NUMBERS,
+    responses=listed(record(**CURVE, coherence=or_null(NUMBERS))),
+)
+POSITION = record(file=TEXT, line=COUNT, column=COUNT, end_column=COUNT, source=TEXT)
+FAULT = record(
+    severity={"enum": ["error", "warning", "note"]},
+    message=TEXT,
+    meant=text_or_nothing(),
+    configuration=text_or_nothing(),
+    path=listed({"type": ["string", "integer"]}),
+    position=or_null(POSITION),
+)
+KIND: Schema = {"enum": ["rigid body", "real pole", "oscillatory"]}
+MODE = record(
+    mode=COUNT,
+    kind=KIND,
+    natural_frequency_Hz=NUMBER,
+    damped_frequency_Hz=NUMBER,
+    damping_ratio=NUMBER,
+    eigenvalue_rad_per_s=COMPLEX,
+    converged=YES_OR_NO,
+    description=TEXT,
+    shape=by_name(COMPLEX),
+    energy_shares=by_name(record(kinetic=NUMBER, strain=NUMBER, dissipated=NUMBER)),
+)
+IDENTIFIED = record(
+    mode=COUNT,
+    kind=KIND,
+    natural_frequency_Hz=NUMBER,
+    standard_error_Hz=NUMBER,
+    damping_ratio=NUMBER,
+    standard_error=NUMBER,
+    pole_rad_per_s=COMPLEX,
+    shape=by_name(COMPLEX),
+)
+EXPLANATION = record(
+    kind=TEXT,
+    of=TEXT,
+    unknown=TEXT,
+    values=by_name(NUMBER),
+    standard_errors=by_name(NUMBER),
+    before=NUMBER,
+    complete=YES_OR_NO,
+    left=NUMBER,
+)
+LACK = record(
+    rejected=YES_OR_NO,
+    measurements=listed(record(name=TEXT, ratio=NUMBER, size=NUMBER, probability=NUMBER)),
+    explanations=listed(EXPLANATION),
+    doubts=TEXTS,
+)
+FITTED = record(
+    name=TEXT,
+    value=NUMBER,
+    standard_error=NUMBER,
+    interval_95=PAIR,
+    profile_95=or_null(PAIR),
+    unit=TEXT,
+    true=NUMBER,
+)
+EQUATIONS = record(
+    coordinates=TEXTS,
+    equations=TEXTS,
+    dependent=by_name(TEXT),
+    conditions=TEXTS,
+    M=listed(TEXTS),
+    C=listed(TEXTS),
+    K=listed(TEXTS),
+)
+RANKED = record(
+    kind=TEXT, of=TEXT, unknown=TEXT, before=NUMBER, value=NUMBER, misfit=NUMBER, left=NUMBER, explains=YES_OR_NO
+)
+COMPARED = record(name=TEXT, unit=TEXT, frequencies_Hz=NUMBERS, misfit=NUMBER, measured=ROWS, fitted=ROWS)
+
+OUTPUTS: dict[str, Schema] = {
+    "check": listed(record(model=TEXT, errors=COUNT, faults=listed(FAULT))),
+    "library": listed(record(name=TEXT, what=TEXT, source=TEXT, file=TEXT)),
+    "modes": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            notes=TEXTS,
+            undamped_natural_frequencies_Hz=NUMBERS,
+            nodes=TEXTS,
+            modes=listed(MODE),
+        )
+    ),
+    "frf": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            notes=TEXTS,
+            frequencies_Hz=NUMBERS,
+            responses=listed(
+                record(
+                    **CURVE,
+                    static=COMPLEX,
+                    peaks=listed(record(frequency_Hz=NUMBER, magnitude=NUMBER, phase_deg=NUMBER)),
+                )
+            ),
+        )
+    ),
+    "sensitivity": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            parameters=TEXTS,
+            values=NUMBERS,
+            modes=listed(
+                record(
+                    mode=COUNT,
+                    natural_frequency_Hz=NUMBER,
+                    damping_ratio=NUMBER,
+                    frequency_percent_per_percent=NUMBERS,
+                    damping_percent_per_percent=NUMBERS,
+                    d_frequency=NUMBERS,
+                    d_damping=NUMBERS,
+                )
+            ),
+            words=TEXTS,
+        )
+    ),
+    "show": listed(
+        record(
+            {"equations": EQUATIONS, "matrices": record(coordinates=TEXTS, M=ROWS, C=ROWS, K=ROWS)},
+            title=TEXT,
+            configuration=TEXT,
+            model={"type": "object", "description": "a model file, see torsionnet schema"},
+            nodes=TEXTS,
+            parameters=by_name(record(value=NUMBER, unit=TEXT)),
+            mean_speeds_rad_per_s=by_name(NUMBER),
+        )
+    ),
+    "estimate": ESTIMATE,
+    "compare": record(
+        test=ESTIMATE,
+        model=ESTIMATE,
+        difference_dB=NUMBERS,
+        difference_deg=NUMBERS,
+        summary=listed(record(what=TEXT, at_Hz=NUMBER, value=NUMBER, unit=text_or_nothing())),
+        notes=TEXTS,
+    ),
+    "spectrogram": listed(
+        record(channel=TEXT, unit=TEXT, notes=TEXTS, times_s=NUMBERS, frequencies_Hz=NUMBERS, amplitude=ROWS)
+    ),
+    "bench": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            file=TEXT,
+            sampling_rate_Hz=NUMBER,
+            samples=COUNT,
+            duration_s=NUMBER,
+            notes=TEXTS,
+            channels=listed(record(name=TEXT, unit=TEXT, smallest=NUMBER, largest=NUMBER, RMS=NUMBER, notes=TEXTS)),
+        )
+    ),
+    "fit": record(
+        {"ranking": listed(RANKED)},
+        title=TEXT,
+        parameters=listed(FITTED),
+        correlation=ROWS,
+        chi_squared=NUMBER,
+        degrees_of_freedom=COUNT,
+        aicc=NUMBER,
+        verdicts=TEXTS,
+        lack_of_fit=or_null(LACK),
+        notes=TEXTS,
+        measurements=listed(COMPARED),
+    ),
+    "identify-modes": record(
+        {"against_model": listed(record(identified=COUNT, model=COUNT, frequency_error=NUMBER, damping_error=NUMBER))},
+        title=TEXT,
+        method=TEXT,
+        notes=TEXTS,
+        modes=listed(IDENTIFIED),
+    ),
+}
+
+
+def output_schema_text(command: str) -> str:
+    """JSON Schema of what a command prints with ``--json``."""
+    head = {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": f"torsionnet {command} --json"}
+    return json.dumps({**head, **OUTPUTS[command]}, indent=1) + "\n"
