@@ -12,7 +12,7 @@ BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo figures identify test compare mutation lint format types docs bench bench-short clean
+.PHONY: help demo figures identify test test-all compare mutation lint format types docs bench bench-short clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -26,7 +26,10 @@ figures: $(VENV)/.installed  ## only the figures of the virtual test bench, in o
 identify: $(VENV)/.installed  ## the paper's identification on the virtual bench
 	$(RUN) -m torsionnet.demo.identification
 
-test: $(VENV)/.group-test  ## all tests and docstring examples, on all cores
+test: $(VENV)/.group-test  ## tests and docstring examples, on all cores, without those of over a few seconds
+	$(RUN) -m pytest -n auto -m "not slow" $(ARGS)
+
+test-all: $(VENV)/.group-test  ## all tests, also campaigns over many seeds
 	$(RUN) -m pytest -n auto $(ARGS)
 
 compare: $(VENV)/.group-test  ## 300 random models against exact mechanics; make compare ARGS="--models 3000 --seed 1"

@@ -1,4 +1,35 @@
-"""For all tests: what pytest's search for doctests leaves out."""
+"""For all tests: one thread for small matrices, and what was skipped for want of a tool."""
+
+import os
+from collections import Counter
+
+# Before numpy is loaded: threads of BLAS on tiny matrices cost half the time of all tests, and one worker runs per core.
+for library in ("OPENBLAS", "OMP", "MKL"):
+    os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
 # The plugin of `make mutation` reads its settings from the run that loads it.
 collect_ignore = ["mutation/plugin.py"]
+
+TOOLS = {
+    "Chromium": "the system's packages, as apt-get install chromium",
+    "playwright": "pip install playwright",
+    "pdflatex": "the system's packages, as apt-get install texlive-latex-recommended texlive-latex-extra texlive-science",
+    "pdftoppm": "the system's packages, as apt-get install poppler-utils",
+    "compiler": "the system's packages, as apt-get install gcc, or pip install ziglang",
+    "could not import": "pip install --group test",
+}
+WANTING = "skipped for want of a tool"
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Name each tool whose lack left tests out, and where to get it."""
+    reasons = Counter(
+        report.longrepr[2].removeprefix("Skipped: ")
+        for report in terminalreporter.stats.get("skipped", [])
+        if isinstance(report.longrepr, tuple)
+    )
+    for reason, count in sorted(reasons.items()):
+        for tool, where in TOOLS.items():
+            if tool in reason:
+                terminalreporter.write_line(f"{count} {WANTING}: {reason}; {where}")
+                break
