@@ -437,6 +437,19 @@ def convert(value: float, unit: str, to: str) -> float:
     raise UnitError(f'"{unit}" ({source.dimension}) cannot be converted to "{to}" ({target.dimension}){hint}')
 
 
+SMALLEST, LARGEST = 1e-60, 1e60
+"""Sizes in SI: beyond these the square of a value, or its product with another one, leaves the range of numbers."""
+
+
+def is_beyond_range(value: float) -> bool:
+    """Whether a value is of no size that anything in a drivetrain has; 0 is one.
+
+    >>> is_beyond_range(1e300), is_beyond_range(0.0)
+    (True, False)
+    """
+    return bool(value) and not SMALLEST < abs(value) < LARGEST
+
+
 MOST_BITS = 4096
 """Of an exact fraction: with more, powers of powers would double them without end, and a float says all there is."""
 

@@ -14,8 +14,7 @@ import torsionnet as tn
 from fuzz import drawing, sources
 from fuzz.mutating import Chance, mutated, mutated_bytes
 from torsionnet.document import make_report
-from torsionnet.errors import UsageError
-from torsionnet.expressions import scalar
+from torsionnet.expressions import ExpressionError, scalar
 from torsionnet.files import dump
 from torsionnet.identification.files import load_fit_plan
 from torsionnet.interchange import read_frequency_response, read_tors
@@ -163,5 +162,5 @@ KINDS = {
         ),
     )
 }
-EXPECTED = (tn.TorsionnetError, UsageError)
+EXPECTED = (tn.TorsionnetError, ExpressionError)
 """What may be raised: errors with words, and a place where there is one."""

@@ -16,6 +16,7 @@ from types import FrameType
 
 import torsionnet as tn
 from fuzz.kinds import EXPECTED, Kind
+from torsionnet.errors import visible
 
 MOST_SECONDS, SMALL = 2.0, 10_000
 """Of processor time, for a file of fewer bytes."""
@@ -64,8 +65,8 @@ def _used(kind: Kind, path: Path) -> tuple[str, str]:
     try:
         kind.use(path)
     except EXPECTED as error:
-        text = str(error)
-        if not text or not text.replace("\n", "").isprintable() or _TRACE.search(text):
+        text = str(error) if isinstance(error, tn.ModelError) else visible(str(error))
+        if not text or visible(text) != text or _TRACE.search(text):
             return "failure", f"raw text of {type(error).__name__} at {_innermost(error)}"
         return "error", ""
     except Exception as error:  # noqa: BLE001  (whatever it is, it is a finding)

@@ -17,7 +17,7 @@ from torsionnet.elements.laws import GROUND
 from torsionnet.elements.tables import StiffnessTable
 from torsionnet.errors import Fault, Path, did_you_mean
 from torsionnet.expressions import Expression, ExpressionError, Number, scalar
-from torsionnet.units import DIMENSIONS, UnitError, expected_unit
+from torsionnet.units import DIMENSIONS, UnitError, expected_unit, is_beyond_range
 
 
 class FieldError(ValueError):
@@ -442,7 +442,11 @@ class Table(Spec):
         if column < 2 and value.value < 0:  # noqa: PLR2004
             msg = f"{_COLUMNS[column][0]} must not be negative"
             raise FieldError(msg, (index, column))
-        return float(value.value)
+        size = float(value.value)
+        if is_beyond_range(size):
+            msg = f"{size:g} is no size that anything in a drivetrain has"
+            raise FieldError(msg, (index, column))
+        return size
 
     def plain(self, value: Any) -> Any:
         return [list(row) for row in zip(value.frequencies, value.stiffness, value.damping, strict=True)]

@@ -71,11 +71,12 @@ class Process:
         if not line.endswith(b"\n"):
             raise Crashed(_ending(self._running.wait()))
         answer: dict[str, Any] = json.loads(line)
+        self.is_sound = True
         if "full" in answer:
             raise OSError(answer["full"], os.strerror(answer["full"]), str(self.folder))
         if "said" in answer:
+            self.is_used = True
             raise ForeignFileError(answer["said"])
-        self.is_sound = True
         return answer
 
     def end(self) -> None:

@@ -51,7 +51,10 @@ def step_of(values: FloatArray) -> float:
     if len(moved) < FEWEST_STEPS:
         return 0.0
     smallest = float(moved.min())
-    counts = moved / smallest
+    with np.errstate(over="ignore"):  # of a value that is no measurement
+        counts = moved / smallest
+    if not np.isfinite(counts).all():
+        return 0.0
     # The mean over many single steps is more exact than the smallest of them.
     if np.abs(counts - np.rint(counts)).max() > WHOLE:
         return 0.0
