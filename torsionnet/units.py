@@ -437,7 +437,7 @@ def convert(value: float, unit: str, to: str) -> float:
     raise UnitError(f'"{unit}" ({source.dimension}) cannot be converted to "{to}" ({target.dimension}){hint}')
 
 
-SMALLEST, LARGEST = 1e-60, 1e60
+SMALLEST, LARGEST = 1e-30, 1e30
 """Sizes in SI: beyond these the square of a value, or its product with another one, leaves the range of numbers."""
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import re
 import resource
 import signal
@@ -17,6 +18,7 @@ from types import FrameType
 import torsionnet as tn
 from fuzz.kinds import EXPECTED, Kind
 from torsionnet.errors import visible
+from torsionnet.foreign import process
 
 MOST_SECONDS, SMALL = 2.0, 10_000
 """Of processor time, for a file of fewer bytes."""
@@ -102,8 +104,16 @@ def _watched(slow: list[str]) -> Iterator[None]:
 
 
 def _seconds() -> float:
+    """Processor time of this process, of those it has started and ended, and of the one that reads binary files."""
     both = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    return sum(used.ru_utime + used.ru_stime for used in both)
+    return sum(used.ru_utime + used.ru_stime for used in both) + sum(map(_so_far, process._idle))
+
+
+def _so_far(running: process.Process) -> float:
+    with contextlib.suppress(OSError):
+        words = Path(f"/proc/{running._running.pid}/stat").read_text().rpartition(")")[2].split()
+        return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
+    return 0.0
 
 
 def _peak_of_children() -> float:

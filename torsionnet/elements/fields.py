@@ -314,6 +314,9 @@ def _shown(raw: Any) -> str:
     return "nothing" if raw is None else f"{raw!r}"
 
 
+MOST_TEETH = 1_000_000
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Teeth(Spec):
     """Two teeth counts; one negative count marks opposite senses of rotation (an external mesh)."""
@@ -325,6 +328,9 @@ class Teeth(Spec):
         for index, count in enumerate(raw):
             if isinstance(count, bool) or not isinstance(count, Integral) or count == 0:
                 msg = f"a teeth count is a whole number other than zero, got {count!r}"
+                raise FieldError(msg, (index,))
+            if abs(count) > MOST_TEETH:
+                msg = f"no gear has more than {MOST_TEETH} teeth; for a ratio give ratio:"
                 raise FieldError(msg, (index,))
         return (int(raw[0]), int(raw[1]))
 

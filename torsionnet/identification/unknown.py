@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.errors import UsageError
+from torsionnet.units import is_beyond_range
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,10 @@ class Unknown:
     def __post_init__(self) -> None:
         if self.start is not None and not np.isfinite(self.start):
             msg = f"a start value is a finite number in SI, got {self.start}"
+            raise UsageError(msg)
+        given = [size for size in (self.start, *(self.prior or ())) if size is not None]
+        if any(is_beyond_range(size) for size in given):
+            msg = f"{next(filter(is_beyond_range, given)):g} is no size that anything in a drivetrain has"
             raise UsageError(msg)
         if self.bounds is not None and not self.bounds[0] < self.bounds[1]:
             msg = f"the lower bound must be below the upper bound, got {self.bounds}"
