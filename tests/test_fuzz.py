@@ -46,6 +46,13 @@ def test_once_failed(path, folder):
     assert trial.outcome in {"result", "error"}, trial.signature
 
 
+@pytest.mark.parametrize("kind", KINDS.values(), ids=list(KINDS))
+def test_what_is_damaged_was_sound(kind, folder):
+    path = folder / f"input{kind.ending}"
+    path.write_bytes(kind.sound(folder))
+    kind.use(path)
+
+
 @pytest.mark.parametrize("where", ["name: disc", "  wheel:", "node: b", "J: 0.1", "soft:"])
 def test_names_of_100_000_characters(where, folder):
     trial = tried(KINDS["model"], sources.RIG.replace(where, f"{where[:2]}{LONG}{where[2:]}").encode(), folder)

@@ -12,7 +12,7 @@ PAIRS = {
     "tabulated_spring": ("table: [[1, {}, {}], [20, {}, {}], [300, 1e3, 10]]",),
     "gear": ("ratio: {}", "teeth: [17, 61]", "ratio: {}, stiffness: {}, damping: {}"),
     "rigid_coupling": ("",),
-    "shaft": ("outer_diameter: {}, length: {}", "outer_diameter: 50 mm, length: {}, segments: 40"),
+    "shaft": ("outer_diameter: {}, length: {}", "outer_diameter: 50 mm, length: {}, segments: 10"),
 }
 OPERATORS = (" + ", "*", "/", " - ", "**")
 ATOMS = ("k", "J", "tau", "2", "0.5", "1e3", "pi", "omega", "x", "3 kN*m/rad", "17/61", "")

@@ -30,12 +30,13 @@ MOST_COORDINATES = 150
 
 @dataclass(frozen=True)
 class Kind:
-    """``make`` gives the content of a file, ``use`` reads it and goes on with what is in it."""
+    """``make`` gives the content of a file, ``use`` reads it and goes on with what is in it; ``sound`` is a good one."""
 
     name: str
     ending: str
     make: Callable[[Chance, Path], bytes]
     use: Callable[[Path], None]
+    sound: Callable[[Path], bytes] = lambda _: b""
 
 
 def _encoded(text: str) -> bytes:
@@ -84,6 +85,10 @@ def _of_bytes(of: Callable[[Path, str], tuple[bytes, ...]], ending: str, chance:
     if ending == ".csv" and chance.random() < 0.8:
         return _encoded(mutated(raw.decode(), chance))
     return mutated_bytes(raw, chance)
+
+
+def _first(of: Callable[[Path, str], tuple[bytes, ...]], ending: str, folder: Path) -> bytes:
+    return of(folder, ending)[0]
 
 
 def use_expression(path: Path) -> None:
@@ -146,18 +151,30 @@ RESPONSES = [ending for ending in (".csv", ".npz", ".mat", ".uff") if _installed
 KINDS = {
     kind.name: kind
     for kind in (
-        Kind("expression", ".txt", _expression, use_expression),
-        Kind("model", ".yaml", _model, use_model),
-        Kind("bench", ".yaml", _bench, use_bench),
-        Kind("fit", ".yaml", _fit, use_fit),
-        Kind("report", ".yaml", _report, use_report),
-        Kind("tors", ".json", partial(_text, sources.tors), use_tors),
+        Kind("expression", ".txt", _expression, use_expression, lambda _: b"2*k"),
+        Kind("model", ".yaml", _model, use_model, lambda _: sources.RIG.encode()),
+        Kind("bench", ".yaml", _bench, use_bench, lambda _: sources.BENCH.encode()),
+        Kind("fit", ".yaml", _fit, use_fit, lambda _: sources.FIT.encode()),
+        Kind("report", ".yaml", _report, use_report, lambda _: sources.WHOLE_REPORT.encode()),
+        Kind("tors", ".json", partial(_text, sources.tors), use_tors, lambda _: sources.tors()[0].encode()),
         *(
-            Kind(f"record{ending}", ending, partial(_of_bytes, sources.records, ending), use_record)
+            Kind(
+                f"record{ending}",
+                ending,
+                partial(_of_bytes, sources.records, ending),
+                use_record,
+                partial(_first, sources.records, ending),
+            )
             for ending in RECORDS
         ),
         *(
-            Kind(f"response{ending}", ending, partial(_of_bytes, sources.responses, ending), use_response)
+            Kind(
+                f"response{ending}",
+                ending,
+                partial(_of_bytes, sources.responses, ending),
+                use_response,
+                partial(_first, sources.responses, ending),
+            )
             for ending in RESPONSES
         ),
     )

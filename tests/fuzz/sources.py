@@ -75,6 +75,9 @@ report:
   notes: Nothing.
 """
 
+WHOLE_REPORT = f"{RIG}report:\n  transfer_functions: [phi/T]\n"
+"""With every section, so that all modules are loaded."""
+
 
 def furnish(folder: Path) -> None:
     """What bench and fit files refer to."""

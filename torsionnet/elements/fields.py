@@ -329,7 +329,7 @@ class Teeth(Spec):
             if isinstance(count, bool) or not isinstance(count, Integral) or count == 0:
                 msg = f"a teeth count is a whole number other than zero, got {count!r}"
                 raise FieldError(msg, (index,))
-            if abs(count) > MOST_TEETH:
+            if abs(int(count)) > MOST_TEETH:
                 msg = f"no gear has more than {MOST_TEETH} teeth; for a ratio give ratio:"
                 raise FieldError(msg, (index,))
         return (int(raw[0]), int(raw[1]))
