@@ -313,7 +313,10 @@ def parse_quantity(text: str) -> Quantity:
 def _times(ratio: tuple[int, int], factor: Real) -> Real:
     # Fraction * Fraction would take most of the time of reading a model.
     if isinstance(factor, float):
-        return ratio[0] / ratio[1] * factor
+        try:
+            return ratio[0] / ratio[1] * factor
+        except OverflowError:
+            return math.inf  # which is out of range
     return Fraction(ratio[0] * factor.numerator, ratio[1] * factor.denominator)
 
 
@@ -437,7 +440,7 @@ def convert(value: float, unit: str, to: str) -> float:
     raise UnitError(f'"{unit}" ({source.dimension}) cannot be converted to "{to}" ({target.dimension}){hint}')
 
 
-SMALLEST, LARGEST = 1e-30, 1e30
+SMALLEST, LARGEST = 1e-40, 1e40
 """Sizes in SI: beyond these the square of a value, or its product with another one, leaves the range of numbers."""
 
 

@@ -8,7 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.errors import UsageError
-from torsionnet.units import is_beyond_range
+
+LARGEST = 1e20
+"""In SI; a value in a model may be larger, one that is to be found is between others."""
 
 
 @dataclass(frozen=True)
@@ -36,10 +38,10 @@ class Unknown:
         if self.start is not None and not np.isfinite(self.start):
             msg = f"a start value is a finite number in SI, got {self.start}"
             raise UsageError(msg)
-        given = [size for size in (self.start, *(self.prior or ())) if size is not None]
-        if any(is_beyond_range(size) for size in given):
-            msg = f"{next(filter(is_beyond_range, given)):g} is no size that anything in a drivetrain has"
-            raise UsageError(msg)
+        for size in (self.start, *(self.prior or ()), *(self.bounds or ())):
+            if size and np.isfinite(size) and not 1 / LARGEST < abs(size) < LARGEST:
+                msg = f"{size:g} is no size that a parameter of a drivetrain has"
+                raise UsageError(msg)
         if self.bounds is not None and not self.bounds[0] < self.bounds[1]:
             msg = f"the lower bound must be below the upper bound, got {self.bounds}"
             raise UsageError(msg)
