@@ -20,8 +20,8 @@ from fuzz.kinds import EXPECTED, Kind
 from torsionnet.errors import visible
 from torsionnet.foreign import process
 
-MOST_SECONDS, SMALL = 2.0, 10_000
-"""Of processor time, for a file of fewer bytes."""
+SMALL = 10_000
+"""Bytes of a file whose time is limited."""
 MOST_MEMORY = 1e9
 PACKAGE = str(Path(tn.__file__).parent)
 _TRACE = re.compile(r"Traceback \(most recent|\bobject at 0x|<class '")
@@ -47,7 +47,7 @@ def attempt(kind: Kind, path: Path, number: int = 0) -> Trial:
     slow: list[str] = []
     _forget_peak()
     began, others = _seconds(), _peak_of_children()
-    with _watched(slow), warnings.catch_warnings(record=True) as heard:
+    with _watched(slow, kind.seconds), warnings.catch_warnings(record=True) as heard:
         warnings.simplefilter("always")
         outcome, signature = _used(kind, path)
     seconds, size = _seconds() - began, path.stat().st_size
@@ -56,7 +56,7 @@ def attempt(kind: Kind, path: Path, number: int = 0) -> Trial:
     if outcome != "failure" and stray:
         place = Path(stray[0].filename).name
         outcome, signature = "failure", f"{stray[0].category.__name__} in {place}: {str(stray[0].message)[:60]}"
-    if outcome != "failure" and seconds > MOST_SECONDS and size < SMALL:
+    if outcome != "failure" and seconds > kind.seconds and size < SMALL:
         outcome, signature = "failure", f"slow in {slow[0] if slow else 'a library'}"
     if outcome != "failure" and memory > MOST_MEMORY:
         outcome, signature = "failure", "more than 1 GB"
@@ -84,7 +84,7 @@ def _innermost(error: BaseException) -> str:
 
 
 @contextlib.contextmanager
-def _watched(slow: list[str]) -> Iterator[None]:
+def _watched(slow: list[str], seconds: float) -> Iterator[None]:
     """Note where the package is when its time is over."""
 
     def note(number: int, frame: FrameType | None) -> None:
@@ -95,7 +95,7 @@ def _watched(slow: list[str]) -> Iterator[None]:
             slow.append(f"{Path(frame.f_code.co_filename).relative_to(PACKAGE)}:{frame.f_code.co_name}")
 
     before = signal.signal(signal.SIGPROF, note)
-    signal.setitimer(signal.ITIMER_PROF, MOST_SECONDS)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
     finally:
