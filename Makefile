@@ -3,6 +3,7 @@
 
 PYTHON ?= python3
 ARGS ?=
+SECONDS ?= 600
 
 VENV := .venv
 RUN := $(VENV)/bin/python
@@ -12,7 +13,7 @@ BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo figures identify test test-all compare mutation lint format types docs bench bench-short clean
+.PHONY: help demo figures identify test test-all compare mutation fuzz lint format types docs bench bench-short clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -37,6 +38,9 @@ compare: $(VENV)/.group-test  ## 300 random models against exact mechanics; make
 
 mutation: $(VENV)/.group-test  ## small faults in a copy of the package: which does no test notice?
 	PYTHONPATH=tests $(RUN) -m mutation $(ARGS)
+
+fuzz: $(VENV)/.group-test  ## broken files of every kind for SECONDS=600: a result or an error, soon, in little memory
+	cd tests && ../$(RUN) -m fuzz --seconds $(SECONDS) --keep ../out/fuzz $(ARGS)
 
 lint: $(VENV)/.group-lint  ## ruff: rules and formatting
 	$(RUN) -m ruff check .

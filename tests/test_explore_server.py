@@ -10,7 +10,7 @@ from explore_pages import serving
 
 from torsionnet.explore.api import QUESTIONS
 from torsionnet.explore.guard import HEADERS
-from torsionnet.explore.server import LARGEST
+from torsionnet.explore.server import LARGEST, MOST_CONNECTIONS
 
 
 @pytest.fixture(scope="module")
@@ -217,3 +217,23 @@ def test_a_connection_that_breaks_off_is_no_event(server, capfd):
         connection.sendall(f"POST /{server.guard.token}/api/answer HTTP/1.1\r\nHost: {own(server)}\r\n".encode())
     assert ask(server)[0] == 200
     assert capfd.readouterr().err == ""
+
+
+def test_connections_are_limited():
+    """Silent ones take a thread each; one too many is sent away, and places become free again."""
+    with serving("dmf_rig") as busy:
+        silent = [socket.create_connection(busy.server_address, timeout=10) for _ in range(MOST_CONNECTIONS)]
+        try:
+            with socket.create_connection(busy.server_address, timeout=10) as late:
+                assert late.recv(1000).startswith(b"HTTP/1.1 503 ")
+        finally:
+            for connection in silent:
+                connection.close()
+        for _ in range(100):
+            try:
+                status, _, _ = ask(busy)
+            except (ConnectionError, http.client.HTTPException):
+                continue
+            if status == 200:
+                break
+        assert status == 200

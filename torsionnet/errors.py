@@ -100,7 +100,7 @@ def visible(text: str) -> str:
     return text if text.isprintable() else _STEERING.sub(_written_out, text)
 
 
-_STEERING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+_STEERING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff\ud800-\udfff]")
 
 
 def _written_out(found: re.Match[str]) -> str:

@@ -70,6 +70,8 @@ class Expression:
             finite = not isinstance(result, int | float | Fraction) or math.isfinite(result)
         except OverflowError:
             finite = False
+        except ZeroDivisionError:  # an exact fraction that no float is small enough for
+            raise ExpressionError(f'division in "{self}" by a value that is too small') from None
         if not finite:
             raise ExpressionError(f'the value of "{self}" is too large')
         return result

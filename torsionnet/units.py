@@ -313,7 +313,10 @@ def parse_quantity(text: str) -> Quantity:
 def _times(ratio: tuple[int, int], factor: Real) -> Real:
     # Fraction * Fraction would take most of the time of reading a model.
     if isinstance(factor, float):
-        return ratio[0] / ratio[1] * factor
+        try:
+            return ratio[0] / ratio[1] * factor
+        except OverflowError:
+            return math.inf  # which is out of range
     return Fraction(ratio[0] * factor.numerator, ratio[1] * factor.denominator)
 
 
@@ -435,6 +438,19 @@ def convert(value: float, unit: str, to: str) -> float:
     apart = source.dimension / target.dimension
     hint = "; a cycle is 2*pi rad: 1 Hz is 60 rpm" if apart == _dimension(cycle=int(apart.cycle)) else ""
     raise UnitError(f'"{unit}" ({source.dimension}) cannot be converted to "{to}" ({target.dimension}){hint}')
+
+
+SMALLEST, LARGEST = 1e-40, 1e40
+"""Sizes in SI: beyond these the square of a value, or its product with another one, leaves the range of numbers."""
+
+
+def is_beyond_range(value: float) -> bool:
+    """Whether a value is of no size that anything in a drivetrain has; 0 is one.
+
+    >>> is_beyond_range(1e300), is_beyond_range(0.0)
+    (True, False)
+    """
+    return bool(value) and not SMALLEST < abs(value) < LARGEST
 
 
 MOST_BITS = 4096

@@ -12,7 +12,7 @@ PAIRS = {
     "tabulated_spring": ("table: [[1, {}, {}], [20, {}, {}], [300, 1e3, 10]]",),
     "gear": ("ratio: {}", "teeth: [17, 61]", "ratio: {}, stiffness: {}, damping: {}"),
     "rigid_coupling": ("",),
-    "shaft": ("outer_diameter: {}, length: {}", "outer_diameter: 50 mm, length: {}, segments: 40"),
+    "shaft": ("outer_diameter: {}, length: {}", "outer_diameter: 50 mm, length: {}, segments: 10"),
 }
 OPERATORS = (" + ", "*", "/", " - ", "**")
 ATOMS = ("k", "J", "tau", "2", "0.5", "1e3", "pi", "omega", "x", "3 kN*m/rad", "17/61", "")
@@ -20,10 +20,8 @@ ATOMS = ("k", "J", "tau", "2", "0.5", "1e3", "pi", "omega", "x", "3 kN*m/rad", "
 
 def number(chance: Chance) -> str:
     """Mostly one that an engineer would write."""
-    if chance.random() < 0.1:
-        return chance.choice(NUMBERS)
-    if chance.random() < 0.2:
-        return chance.choice(("k", "2*k", "J", "tau", "k/tau**2", "p3"))
+    if chance.random() < 0.04:
+        return chance.choice((*NUMBERS, "k", "2*k", "J", "tau", "k/tau**2", "p3"))
     return f"{10 ** chance.uniform(-3, 6):.3g}"
 
 
@@ -43,17 +41,16 @@ def expression(chance: Chance, depth: int = 4) -> str:
 def model(chance: Chance) -> str:
     """A model file of some elements between a few nodes."""
     parameters = ["k: 1 kN*m/rad", "J: 0.1 kg*m^2", "tau: 4.1"]
-    parameters += [
-        f"p{at}: {expression(chance, 2) if at == 0 else f'p{at - 1}*p{at - 1}'}"
-        for at in range(chance.choice([0, 4, 12]))
-    ]
-    elements = [
-        f"  J_{node}: {{type: inertia, node: {node}, inertia: {number(chance)}}}"
-        for node in chance.sample(NODES[:5], 2)
-    ]
+    chain = chance.choice([0, 0, 0, 4, 12])
+    parameters += [f"p{at}: {f'p{at - 1}*p{at - 1}' if at else expression(chance, 2)}" for at in range(chain)]
+    elements = [f"  J_{node}: {{type: inertia, node: {node}, inertia: {number(chance)}}}" for node in NODES[:2]]
     for at in range(chance.randint(1, 6)):
         kind = chance.choice(sorted(PAIRS))
-        nodes, form = chance.sample(NODES, 2), chance.choice(PAIRS[kind])
+        # Each hangs on a node that is there, most of them a new one.
+        nodes, form = (
+            [chance.choice(NODES[: at + 1]), chance.choice([NODES[min(at + 1, 5)]] * 3 + [*NODES])],
+            chance.choice(PAIRS[kind]),
+        )
         values = form.format(*(number(chance) for _ in range(form.count("{}"))))
         elements.append(f"  e{at}: {{type: {kind}, nodes: [{', '.join(nodes)}]{', ' if values else ''}{values}}}")
     more = chance.choice(

@@ -14,8 +14,7 @@ import torsionnet as tn
 from fuzz import drawing, sources
 from fuzz.mutating import Chance, mutated, mutated_bytes
 from torsionnet.document import make_report
-from torsionnet.errors import UsageError
-from torsionnet.expressions import scalar
+from torsionnet.expressions import ExpressionError, scalar
 from torsionnet.files import dump
 from torsionnet.identification.files import load_fit_plan
 from torsionnet.interchange import read_frequency_response, read_tors
@@ -31,12 +30,15 @@ MOST_COORDINATES = 150
 
 @dataclass(frozen=True)
 class Kind:
-    """``make`` gives the content of a file, ``use`` reads it and goes on with what is in it."""
+    """``make`` gives the content of a file, ``use`` reads it and goes on with what is in it; ``sound`` is a good one."""
 
     name: str
     ending: str
     make: Callable[[Chance, Path], bytes]
     use: Callable[[Path], None]
+    sound: Callable[[Path], bytes] = lambda _: b""
+    seconds: float = 2.0
+    """Of processor time that a file below 10 kB may take."""
 
 
 def _encoded(text: str) -> bytes:
@@ -87,6 +89,10 @@ def _of_bytes(of: Callable[[Path, str], tuple[bytes, ...]], ending: str, chance:
     return mutated_bytes(raw, chance)
 
 
+def _first(of: Callable[[Path, str], tuple[bytes, ...]], ending: str, folder: Path) -> bytes:
+    return of(folder, ending)[0]
+
+
 def use_expression(path: Path) -> None:
     expression = scalar(path.read_bytes().decode("utf-8", errors="surrogatepass"))
     expression.evaluate(dict.fromkeys(expression.names, 2))
@@ -97,14 +103,14 @@ def use_expression(path: Path) -> None:
 def use_model(path: Path) -> None:
     rig = tn.load(path)
     assert dump(rig.definition)
-    for name in list(rig.configurations)[:2] or [""]:
-        model = rig.configured(name) if name else rig
-        if len(model.nodes) > MOST_COORDINATES:
-            continue
-        model.modes()
-        if model.sensors and model.inputs:
-            everything = list(model.inputs)
-            model.frequency_response(next(iter(model.sensors)), everything[0], FREQUENCIES, excitation=everything[0])
+    names = list(rig.configurations)
+    model = rig.configured(names[path.stat().st_size % len(names)]) if names else rig
+    if len(model.nodes) > MOST_COORDINATES:
+        return
+    model.modes()
+    if model.sensors and model.inputs:
+        driven = next(iter(model.inputs))
+        model.frequency_response(next(iter(model.sensors)), driven, FREQUENCIES, excitation=driven)
 
 
 def use_bench(path: Path) -> None:
@@ -147,21 +153,33 @@ RESPONSES = [ending for ending in (".csv", ".npz", ".mat", ".uff") if _installed
 KINDS = {
     kind.name: kind
     for kind in (
-        Kind("expression", ".txt", _expression, use_expression),
-        Kind("model", ".yaml", _model, use_model),
-        Kind("bench", ".yaml", _bench, use_bench),
-        Kind("fit", ".yaml", _fit, use_fit),
-        Kind("report", ".yaml", _report, use_report),
-        Kind("tors", ".json", partial(_text, sources.tors), use_tors),
+        Kind("expression", ".txt", _expression, use_expression, lambda _: b"2*k"),
+        Kind("model", ".yaml", _model, use_model, lambda _: sources.RIG.encode()),
+        Kind("bench", ".yaml", _bench, use_bench, lambda _: sources.BENCH.encode()),
+        Kind("fit", ".yaml", _fit, use_fit, lambda _: sources.FIT.encode(), seconds=10.0),
+        Kind("report", ".yaml", _report, use_report, lambda _: sources.WHOLE_REPORT.encode()),
+        Kind("tors", ".json", partial(_text, sources.tors), use_tors, lambda _: sources.tors()[0].encode()),
         *(
-            Kind(f"record{ending}", ending, partial(_of_bytes, sources.records, ending), use_record)
+            Kind(
+                f"record{ending}",
+                ending,
+                partial(_of_bytes, sources.records, ending),
+                use_record,
+                partial(_first, sources.records, ending),
+            )
             for ending in RECORDS
         ),
         *(
-            Kind(f"response{ending}", ending, partial(_of_bytes, sources.responses, ending), use_response)
+            Kind(
+                f"response{ending}",
+                ending,
+                partial(_of_bytes, sources.responses, ending),
+                use_response,
+                partial(_first, sources.responses, ending),
+            )
             for ending in RESPONSES
         ),
     )
 }
-EXPECTED = (tn.TorsionnetError, UsageError)
+EXPECTED = (tn.TorsionnetError, ExpressionError)
 """What may be raised: errors with words, and a place where there is one."""

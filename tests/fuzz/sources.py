@@ -7,10 +7,10 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
+from foreign_files import matlab_73, record, written
 from tors_models import THRUSTER
 
 import torsionnet as tn
-from foreign_files import matlab_73, record, written
 from torsionnet.files import library_models
 from torsionnet.interchange import to_tors, write_frequency_response
 from torsionnet.signals import write_recording
@@ -57,7 +57,7 @@ parameters:
   k: {start: 0.3 kN*m/rad, bounds: [50, 2 kN*m/rad]}
   c: {prior: [1, 0.5 N*m*s/rad]}
 measurements:
-  soft: {record: run.npz, output: phi, input: T, band: [1 Hz, 25 Hz], excluded: [[5 Hz, 6 Hz]]}
+  soft: {record: run.npz, output: phi, input: T_set, model_input: T, band: [1 Hz, 25 Hz], excluded: [[5 Hz, 6 Hz]]}
   other: {response: frf.csv, output: phi, input: T, configuration: hard, delay: true, error: 2 %}
 settings: {window: hann, seconds: 1 s, overlap: 50 %, detrend: linear, decimation: 2}
 residual: log
@@ -74,6 +74,9 @@ report:
   sections: [summary, parameters, kinematics, modes, responses, validity]
   notes: Nothing.
 """
+
+WHOLE_REPORT = f"{RIG}report:\n  transfer_functions: [phi/T]\n"
+"""With every section, so that all modules are loaded."""
 
 
 def furnish(folder: Path) -> None:

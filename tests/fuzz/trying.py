@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import re
 import resource
 import signal
@@ -16,9 +17,11 @@ from types import FrameType
 
 import torsionnet as tn
 from fuzz.kinds import EXPECTED, Kind
+from torsionnet.errors import visible
+from torsionnet.foreign import process
 
-MOST_SECONDS, SMALL = 2.0, 10_000
-"""Of processor time, for a file of fewer bytes."""
+SMALL = 10_000
+"""Bytes of a file whose time is limited."""
 MOST_MEMORY = 1e9
 PACKAGE = str(Path(tn.__file__).parent)
 _TRACE = re.compile(r"Traceback \(most recent|\bobject at 0x|<class '")
@@ -44,7 +47,7 @@ def attempt(kind: Kind, path: Path, number: int = 0) -> Trial:
     slow: list[str] = []
     _forget_peak()
     began, others = _seconds(), _peak_of_children()
-    with _watched(slow), warnings.catch_warnings(record=True) as heard:
+    with _watched(slow, kind.seconds), warnings.catch_warnings(record=True) as heard:
         warnings.simplefilter("always")
         outcome, signature = _used(kind, path)
     seconds, size = _seconds() - began, path.stat().st_size
@@ -53,7 +56,7 @@ def attempt(kind: Kind, path: Path, number: int = 0) -> Trial:
     if outcome != "failure" and stray:
         place = Path(stray[0].filename).name
         outcome, signature = "failure", f"{stray[0].category.__name__} in {place}: {str(stray[0].message)[:60]}"
-    if outcome != "failure" and seconds > MOST_SECONDS and size < SMALL:
+    if outcome != "failure" and seconds > kind.seconds and size < SMALL:
         outcome, signature = "failure", f"slow in {slow[0] if slow else 'a library'}"
     if outcome != "failure" and memory > MOST_MEMORY:
         outcome, signature = "failure", "more than 1 GB"
@@ -64,8 +67,8 @@ def _used(kind: Kind, path: Path) -> tuple[str, str]:
     try:
         kind.use(path)
     except EXPECTED as error:
-        text = str(error)
-        if not text or not text.replace("\n", "").isprintable() or _TRACE.search(text):
+        text = str(error) if isinstance(error, tn.ModelError) else visible(str(error))
+        if not text or visible(text) != text or _TRACE.search(text):
             return "failure", f"raw text of {type(error).__name__} at {_innermost(error)}"
         return "error", ""
     except Exception as error:  # noqa: BLE001  (whatever it is, it is a finding)
@@ -81,7 +84,7 @@ def _innermost(error: BaseException) -> str:
 
 
 @contextlib.contextmanager
-def _watched(slow: list[str]) -> Iterator[None]:
+def _watched(slow: list[str], seconds: float) -> Iterator[None]:
     """Note where the package is when its time is over."""
 
     def note(number: int, frame: FrameType | None) -> None:
@@ -92,7 +95,7 @@ def _watched(slow: list[str]) -> Iterator[None]:
             slow.append(f"{Path(frame.f_code.co_filename).relative_to(PACKAGE)}:{frame.f_code.co_name}")
 
     before = signal.signal(signal.SIGPROF, note)
-    signal.setitimer(signal.ITIMER_PROF, MOST_SECONDS)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
     finally:
@@ -101,8 +104,16 @@ def _watched(slow: list[str]) -> Iterator[None]:
 
 
 def _seconds() -> float:
+    """Processor time of this process, of those it has started and ended, and of the one that reads binary files."""
     both = [resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN)]
-    return sum(used.ru_utime + used.ru_stime for used in both)
+    return sum(used.ru_utime + used.ru_stime for used in both) + sum(map(_so_far, process._idle))
+
+
+def _so_far(running: process.Process) -> float:
+    with contextlib.suppress(OSError):
+        words = Path(f"/proc/{running._running.pid}/stat").read_text().rpartition(")")[2].split()
+        return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
+    return 0.0
 
 
 def _peak_of_children() -> float:

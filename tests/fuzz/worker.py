@@ -20,8 +20,6 @@ ENDURED = 12
 """Seconds of processor time after which the system ends this process, to be started again behind the input."""
 DATA = 1_500_000_000
 """Bytes of memory, beyond which Python raises."""
-WARM = 3
-"""Inputs first tried uncounted: modules are loaded by them."""
 RENEWED = 40
 """Inputs after which the process that reads binary files is ended, so that its time is counted."""
 
@@ -39,10 +37,8 @@ def main(name: str, seed: str, first: int, seconds: float) -> None:
         folder = Path(made)
         sources.furnish(folder)
         path = folder / f"input{kind.ending}"
-        for number in range(WARM):
-            path.write_bytes(content(kind, f"warm {seed}", number, folder))
-            _limit()
-            attempt(kind, path)
+        path.write_bytes(kind.sound(folder))
+        kind.use(path)  # loads the modules, which is not counted
         number, until = first, time.monotonic() + seconds
         while time.monotonic() < until:
             path.write_bytes(content(kind, seed, number, folder))

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 MOST_SAMPLES = 1e8
 """Of a channel: some gigabytes on the way."""
+FEWEST_SAMPLES = 10
 DIMENSION_OF = {"angle": "angle", "twist": "angle", "velocity": "speed"}
 """Dimension of what a sensor reads, where it is not named like its quantity."""
 
@@ -49,6 +50,9 @@ def _size(plan: Plan) -> Iterator[Fault]:
     rate, seconds = plan.acquisition.rate, plan.excitation.length
     if rate * seconds > MOST_SAMPLES:
         text = f"{seconds:g} s at {rate:g} Hz are {rate * seconds:.3g} samples; at most {MOST_SAMPLES:.0e}"
+        yield Fault(text, ("acquisition", "rate"))
+    elif rate * seconds < FEWEST_SAMPLES:
+        text = f"{seconds:g} s at {rate:g} Hz are {rate * seconds:.3g} samples; at least {FEWEST_SAMPLES}"
         yield Fault(text, ("acquisition", "rate"))
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from torsionnet.elements.fields import SCALAR_SCHEMA, FieldError, Spec, plain_number, read_scalar, spec_of
 from torsionnet.errors import Fault, ModelError
 from torsionnet.expressions import Expression, ExpressionError, Number, scalar
-from torsionnet.units import UnitError, expected_unit
+from torsionnet.units import UnitError, expected_unit, is_beyond_range
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -109,6 +109,9 @@ def _finite(value: Any) -> float:
     number = float(value)
     if not np.isfinite(number):
         msg = f"expected a finite number, got {value!r}"
+        raise FieldError(msg)
+    if is_beyond_range(number):
+        msg = f"{number:g} is no size that anything on a test bench has"
         raise FieldError(msg)
     return number
 

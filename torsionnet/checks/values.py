@@ -12,10 +12,7 @@ from torsionnet.elements.fields import DampingQuantity, Quantity
 from torsionnet.errors import Fault, TorsionnetError
 from torsionnet.expressions import Binary, Expression, ExpressionError
 from torsionnet.parameters import dimensions
-from torsionnet.units import DIMENSIONS, Dimension, expected_unit
-
-SMALLEST, LARGEST = 1e-60, 1e60
-"""Beyond these the square of a value, or its product with another one, leaves the range of numbers."""
+from torsionnet.units import DIMENSIONS, Dimension, expected_unit, is_beyond_range
 
 Numbers = Mapping[str, "Fraction | float"]
 
@@ -102,7 +99,18 @@ def sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
     for element in definition.elements.values():
         found = _field_sizes(element, numbers)
         faults += found or _law_sizes(element, numbers)
-    return faults
+    return faults + _point_sizes(definition, numbers)
+
+
+def _point_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
+    """Mean speeds and torques that cannot be calculated, or that nothing has."""
+    point = definition.operating_point
+    found = {
+        (name, node): _size_fault(None, expression, numbers, measure=False, wanted=name)
+        for name, table in (("speed", point.speed), ("torque", point.torque))
+        for node, expression in table.items()
+    }
+    return [Fault(text, ("operating_point", *place)) for place, text in found.items() if text]
 
 
 def _field_sizes(element: Element, numbers: Numbers) -> list[Fault]:
@@ -123,7 +131,7 @@ def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measu
         return f"{expression} cannot be calculated: {error}"
     if not math.isfinite(value):
         return f"{expression} is not a finite number"
-    if value and not SMALLEST < abs(value) < LARGEST:
+    if is_beyond_range(value):
         return f"{expression} = {value:g} is no size that anything in a drivetrain has"
     shown = f"{expression} = {value:g}" if expression.names else f"{value:g}"
     if measure:

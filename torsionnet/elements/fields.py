@@ -17,7 +17,7 @@ from torsionnet.elements.laws import GROUND
 from torsionnet.elements.tables import StiffnessTable
 from torsionnet.errors import Fault, Path, did_you_mean
 from torsionnet.expressions import Expression, ExpressionError, Number, scalar
-from torsionnet.units import DIMENSIONS, UnitError, expected_unit
+from torsionnet.units import DIMENSIONS, UnitError, expected_unit, is_beyond_range
 
 
 class FieldError(ValueError):
@@ -314,6 +314,9 @@ def _shown(raw: Any) -> str:
     return "nothing" if raw is None else f"{raw!r}"
 
 
+MOST_TEETH = 1_000_000
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Teeth(Spec):
     """Two teeth counts; one negative count marks opposite senses of rotation (an external mesh)."""
@@ -325,6 +328,9 @@ class Teeth(Spec):
         for index, count in enumerate(raw):
             if isinstance(count, bool) or not isinstance(count, Integral) or count == 0:
                 msg = f"a teeth count is a whole number other than zero, got {count!r}"
+                raise FieldError(msg, (index,))
+            if abs(int(count)) > MOST_TEETH:
+                msg = f"no gear has more than {MOST_TEETH} teeth; for a ratio give ratio:"
                 raise FieldError(msg, (index,))
         return (int(raw[0]), int(raw[1]))
 
@@ -442,7 +448,11 @@ class Table(Spec):
         if column < 2 and value.value < 0:  # noqa: PLR2004
             msg = f"{_COLUMNS[column][0]} must not be negative"
             raise FieldError(msg, (index, column))
-        return float(value.value)
+        size = float(value.value)
+        if is_beyond_range(size):
+            msg = f"{size:g} is no size that anything in a drivetrain has"
+            raise FieldError(msg, (index, column))
+        return size
 
     def plain(self, value: Any) -> Any:
         return [list(row) for row in zip(value.frequencies, value.stiffness, value.damping, strict=True)]

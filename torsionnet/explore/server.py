@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from threading import BoundedSemaphore
 from typing import Any
 
 from torsionnet.errors import UsageError
@@ -18,6 +20,8 @@ LARGEST = 100_000
 """Bytes of a request; a state of 2000 parameters has about that many."""
 PATIENCE = 60.0
 """Seconds until a silent connection is closed."""
+MOST_CONNECTIONS = 32
+"""At a time, each of which takes a thread; a browser opens six."""
 JSON = "application/json"
 
 
@@ -55,11 +59,29 @@ class ExploreServer(ThreadingHTTPServer):
             msg = f"port {port} cannot be used ({error}); choose another one with --port, or leave it out"
             raise UsageError(msg) from None
         self.guard = Guard(self.server_address[1])
+        self._places = BoundedSemaphore(MOST_CONNECTIONS)
 
     @property
     def address(self) -> str:
         """What to open in a browser, with the token in it."""
         return self.guard.address
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        """Answer in a thread, while there are not too many."""
+        if self._places.acquire(blocking=False):
+            super().process_request(request, client_address)
+            return
+        with contextlib.suppress(OSError):
+            request.settimeout(0)
+            request.send(FULL)
+        self.shutdown_request(request)
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        """Answer, and leave the place to another connection."""
+        try:
+            super().process_request_thread(request, client_address)
+        finally:
+            self._places.release()
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """A browser that closes a connection early is no event."""
@@ -139,6 +161,12 @@ class Handler(BaseHTTPRequestHandler):
 
     def log_message(self, format: str, *args: Any) -> None:
         """The terminal stays quiet."""
+
+
+FULL = (
+    f"HTTP/1.1 {HTTPStatus.SERVICE_UNAVAILABLE.value} {HTTPStatus.SERVICE_UNAVAILABLE.phrase}\r\n"
+    "Content-Length: 0\r\nRetry-After: 1\r\nConnection: close\r\n\r\n"
+).encode()
 
 
 def _words(text: str) -> bytes:

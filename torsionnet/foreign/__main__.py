@@ -10,6 +10,7 @@ import errno
 import importlib
 import json
 import os
+import re
 import shutil
 import signal
 import sys
@@ -22,6 +23,7 @@ from torsionnet.foreign.content import Content, ForeignFileError, samples
 
 LONGEST = 300
 """Characters of what a library says."""
+_CLASS = re.compile(r"<class '(?:\w+\.)*(\w+)'>")
 Answers = Generator[dict[str, Any], dict[str, Any], None]
 
 
@@ -58,7 +60,7 @@ def said(error: BaseException) -> str:
     """What an error says, in one line of characters that can be shown."""
     if isinstance(error, MemoryError):
         return "it asks for more memory than a file of its size may take; it is damaged"
-    words = (str(error).splitlines() or [""])[0].strip()
+    words = _CLASS.sub(r"\1", (str(error).splitlines() or [""])[0].strip())
     if not isinstance(error, (ForeignFileError, OSError, ValueError, RuntimeError)) or " " not in words:
         words = f"it is damaged ({type(error).__name__}{': ' if words else ''}{words})"
     shown = "".join(letter if letter.isprintable() else "?" for letter in words)

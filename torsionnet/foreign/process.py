@@ -19,12 +19,18 @@ from torsionnet.foreign.content import ForeignFileError
 PACKAGE = Path(__file__).parents[1]
 PATIENCE = 5.0
 """Seconds for a process to end when it is told to."""
+ENDLESS = -getattr(signal, "SIGXCPU", 0) or None
+"""How a process ends whose time is over, where there is such a limit."""
 DEBUG = "TORSIONNET_DEBUG"
 _ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OPENBLAS", "OMP", "MKL")}
 
 
 class Crashed(ForeignFileError):  # noqa: N818
     """The process ended in the middle of an answer."""
+
+
+class _EndlessError(ForeignFileError):
+    """The process took longer than reading may take; once is enough."""
 
 
 class Process:
@@ -69,13 +75,15 @@ class Process:
             self._running.stdin.flush()
         line = self._running.stdout.readline()
         if not line.endswith(b"\n"):
-            raise Crashed(_ending(self._running.wait()))
+            code = self._running.wait()
+            raise (_EndlessError if code == ENDLESS else Crashed)(_ending(code))
         answer: dict[str, Any] = json.loads(line)
+        self.is_sound = True
         if "full" in answer:
             raise OSError(answer["full"], os.strerror(answer["full"]), str(self.folder))
         if "said" in answer:
+            self.is_used = True
             raise ForeignFileError(answer["said"])
-        self.is_sound = True
         return answer
 
     def end(self) -> None:
@@ -105,10 +113,10 @@ def search_path() -> str:
 def _ending(code: int) -> str:
     if code >= 0:
         return f"the library that reads it ended (exit code {code}); the file is damaged"
+    if code == ENDLESS:
+        return "the library that reads it did not come to an end; the file is damaged"
     with contextlib.suppress(ValueError):
         name = signal.Signals(-code).name
-        if name == "SIGXCPU":
-            return "the library that reads it did not come to an end; the file is damaged"
         return f"the library that reads it crashed ({name}); the file is damaged"
     return f"the library that reads it crashed (signal {-code}); the file is damaged"
 

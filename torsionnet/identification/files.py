@@ -39,6 +39,7 @@ SETTINGS: dict[str, Spec] = {
     "estimator": Text("H1, H2 or Hr; by default Hr where there is a set-point, else H1"),
     "decimation": Count("keep every n-th sample; by default as many as the band needs", upper=100_000),
 }
+COUNTS: dict[str, Spec] = {"starts": Count("how many searches begin, at different values", upper=1000)}
 MEASUREMENT: dict[str, Spec] = {
     "record": Text("file of signals, from the folder of this file"),
     "response": Text("instead of a record: file of a response already estimated"),
@@ -124,9 +125,8 @@ class _Reader:
         if self.faults or model is None:
             return None
         options = {key: self.data[key] for key in ("residual", "loss") if key in self.data}
-        if "starts" in self.data:
-            options["starts"] = int(self.data["starts"])
-        true = dict(self._numbers(self.data.get("true") or {}, ("true",)))
+        options |= self._values({key: self.data[key] for key in COUNTS if key in self.data}, COUNTS, ())
+        true = dict(self._numbers(self._table("true"), ("true",)))
         return FitPlan(model, measurements, parameters, options, true)
 
     def _model(self) -> Drivetrain | None:

@@ -9,6 +9,9 @@ import numpy as np
 
 from torsionnet.errors import UsageError
 
+LARGEST = 1e20
+"""In SI; a value in a model may be larger, one that is to be found is between others."""
+
 
 @dataclass(frozen=True)
 class Unknown:
@@ -35,6 +38,10 @@ class Unknown:
         if self.start is not None and not np.isfinite(self.start):
             msg = f"a start value is a finite number in SI, got {self.start}"
             raise UsageError(msg)
+        for size in (self.start, *(self.prior or ()), *(self.bounds or ())):
+            if size and np.isfinite(size) and not 1 / LARGEST < abs(size) < LARGEST:
+                msg = f"{size:g} is no size that a parameter of a drivetrain has"
+                raise UsageError(msg)
         if self.bounds is not None and not self.bounds[0] < self.bounds[1]:
             msg = f"the lower bound must be below the upper bound, got {self.bounds}"
             raise UsageError(msg)

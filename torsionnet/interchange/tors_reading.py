@@ -72,7 +72,7 @@ def read_tors(path: str | os.PathLike[str]) -> Drivetrain:
     except RecursionError:
         raise ModelError([Fault("the entries of the file are nested too deep")], source.name) from None
     except json.JSONDecodeError as error:
-        line = error.doc.splitlines()[error.lineno - 1] if error.doc.strip() else ""
+        line = [*error.doc.split("\n"), ""][error.lineno - 1]  # JSON knows no other end of a line
         place = Position(source.name, error.lineno, error.colno, error.colno + 1, line[:200])
         raise ModelError([Fault(f"this is no JSON: {error.msg}", position=place)], source.name) from None
     try:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.signals.recording import FloatArray
+from torsionnet.signals.resolution import MOST_STEPS
 
 Stretches = list[tuple[int, int]]
 TO_NEIGHBOURS = 5.0  # a quantised peak stays 4.8 times as long on its last step as on the one before
@@ -71,6 +72,8 @@ def leaps(values: FloatArray) -> NDArray[np.intp]:
     if len(moved) < 10:  # noqa: PLR2004
         return np.empty(0, np.intp)
     quantum = float(np.min(moved))
+    if np.max(moved) > MOST_STEPS * quantum:
+        return np.empty(0, np.intp)
     counts = np.rint(steps / quantum)
     if np.max(np.abs(steps - counts * quantum)) > 0.01 * quantum:
         return np.empty(0, np.intp)

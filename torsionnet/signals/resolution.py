@@ -15,6 +15,8 @@ from torsionnet.signals.recording import FloatArray, Recording
 ENOUGH, LOST = 4.0, 0.5
 """Steps per amplitude at which the quantiser's error is a few percent, and below which a change may go unseen."""
 WHOLE = 0.01
+MOST_STEPS = 1e12
+"""At once: no converter has so many, and a signal of such small and large changes does not go in steps."""
 FEWEST_STEPS = 3
 SWEPT = 0.5
 """Share of the input's power that lies in one line and its neighbours while a sine is swept."""
@@ -51,6 +53,8 @@ def step_of(values: FloatArray) -> float:
     if len(moved) < FEWEST_STEPS:
         return 0.0
     smallest = float(moved.min())
+    if moved.max() > MOST_STEPS * smallest:
+        return 0.0
     counts = moved / smallest
     # The mean over many single steps is more exact than the smallest of them.
     if np.abs(counts - np.rint(counts)).max() > WHOLE:

@@ -143,9 +143,14 @@ def _numbers(where: list[tuple[Any, Any]], pair: Pair, cases: tuple[Case, ...]) 
     ]
     rows: list[tuple[Cell, ...]] = []
     for name, expression in where:
-        numbers = [Number(float(expression.xreplace(known)), 5) for known in values]
+        numbers = [_number(expression.xreplace(known)) for known in values]
         rows.append((Math(symbol_latex(str(name))), *numbers))
     return table(("Coefficients of ", Math(pair_latex(pair)), " in numbers, SI units"), columns, rows)
+
+
+def _number(value: Any) -> Cell:
+    """A tabulated stiffness stays a function of the frequency."""
+    return Number(float(value), 5) if value.is_number else "depends on frequency"
 
 
 def _exact(value: Any) -> bool:

@@ -153,6 +153,9 @@ def _single(found: dict[str, tuple[Heading, FloatArray]]) -> Single:
     else:
         heading, magnitude = found["magnitude"]
         phase = found["phase"][1] if "phase" in found else 0.0  # has_phase says which it is
-        values = magnitude * np.exp(1j * np.radians(phase))
+        with np.errstate(invalid="ignore"):  # an infinite magnitude has no real part
+            values = magnitude * np.exp(1j * np.radians(phase))
     coherence = found["coherence"][1] if "coherence" in found else None
-    return Single(np.asarray(values / heading.scale), heading.above, heading.below, coherence)
+    with np.errstate(invalid="ignore"):
+        scaled = np.asarray(values / heading.scale, dtype=complex)
+    return Single(scaled, heading.above, heading.below, coherence)

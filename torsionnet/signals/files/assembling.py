@@ -13,7 +13,7 @@ from torsionnet.signals.files.clock import Clock, clock_of, rate_fault, time_fau
 from torsionnet.signals.files.quantities import plain_unit
 from torsionnet.signals.files.source import Source
 from torsionnet.signals.recording import FloatArray, Recording, Signal
-from torsionnet.units import parse_unit
+from torsionnet.units import LARGEST, parse_unit
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,8 @@ def _clock(
     if not stamps:
         assert rate is not None
         return Clock(rate, source.start + done / rate)
-    times = stamps[0] * _seconds(source)
+    with np.errstate(over="ignore"):
+        times = stamps[0] * _seconds(source)
     faults = time_faults(times, source, done) or rate_fault(times, wanted.sampling_rate)
     if not faults and rate is None and len(times) == 1:
         faults = [Fault("one sample does not tell the sampling rate; give sampling_rate= in Hz")]
@@ -83,11 +84,24 @@ def _recording(
     source: Source, choices: Sequence[Choice], block: Sequence[FloatArray], clock: Clock, file: str
 ) -> Recording:
     signals = tuple(_signal(choice, values) for choice, values in zip(choices, block, strict=False))
+    faults = [fault for signal in signals for fault in _size_faults(signal)]
+    if faults:
+        raise ModelError(faults, file)
     title = source.title or file
     notes = dict.fromkeys([*source.notes, *source.discovered])
     return Recording(signals, clock.rate, clock.start, clock.times, title, tuple(notes))
 
 
+def _size_faults(signal: Signal) -> list[Fault]:
+    sizes = np.abs(signal.values)
+    beyond = np.flatnonzero((sizes > LARGEST) & np.isfinite(sizes))
+    if not len(beyond):
+        return []
+    text = f"{signal.name} has the value {signal.values[beyond[0]]:g}, which nothing on a test bench has"
+    return [Fault(text, ("channels", signal.name))]
+
+
 def _signal(choice: Choice, values: FloatArray) -> Signal:
-    scaled = values if choice.factor == 1.0 else values * choice.factor
+    with np.errstate(over="ignore"):
+        scaled = values if choice.factor == 1.0 else values * choice.factor
     return Signal(choice.name, choice.quantity, np.asanyarray(scaled, dtype=float), choice.notes)

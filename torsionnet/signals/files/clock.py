@@ -13,6 +13,8 @@ from torsionnet.signals.recording import FloatArray
 UNIFORM = 0.01  # of a sampling interval: so far may stamps be off, as rounded decimals are
 SAME_RATE = 1e-3
 MOST_FAULTS = 20
+LATEST = 1e15
+"""Seconds; thirty million years, in whatever unit a clock counted."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,10 @@ def time_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Faul
     column = source.time.name
     broken = np.flatnonzero(~np.isfinite(stamps))
     texts = {int(row): f"sample {first + row + 1} has no time stamp in {column}" for row in broken[:MOST_FAULTS]}
+    beyond = np.flatnonzero(np.abs(stamps) > LATEST)
+    texts |= {int(row): f"{column} has the time {stamps[row]:g} s, beyond all time" for row in beyond[:1]}
+    if texts:
+        return [_fault(text, source, first + row) for row, text in texts.items()]
     for row in np.flatnonzero(np.diff(stamps) <= 0)[:MOST_FAULTS]:
         text = f"the time stamp {stamps[row + 1]:.9g} s follows {stamps[row]:.9g} s in {column}: time has to increase"
         texts[int(row) + 1] = text
