@@ -13,7 +13,8 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.document import make_report
-from torsionnet.document.tree import Facts, Heading, Math, Number, Report, Section, table
+from torsionnet.document.tables import table
+from torsionnet.document.tree import Facts, Heading, Math, Number, Report, Section
 from torsionnet.document.writers import browser, markdown, mathml, pdf
 from torsionnet.document.writers.html import html_page
 from torsionnet.document.writers.latex import latex_document

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from torsionnet.cli.models import STANDARD_INPUT, piped
 from torsionnet.cli.options import model_options
 from torsionnet.cli.terminal import message, say, tell
 
@@ -55,7 +56,13 @@ def command(
     from torsionnet.explore.choices import read_pair
 
     session = open_session(
-        model, "".join(configurations), dict(settings), [read_pair(pair) for pair in pairs], band, overlay
+        model,
+        "".join(configurations),
+        dict(settings),
+        [read_pair(pair) for pair in pairs],
+        band,
+        overlay,
+        piped() if model == STANDARD_INPUT else None,
     )
     tell(session.base.check())
     with ExploreServer(session, port) as server:

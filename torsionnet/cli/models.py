@@ -20,13 +20,14 @@ SHOWN = "<stdin>"
 
 def load_model(model: str) -> Drivetrain:
     """The drivetrain of a model file, of a library model, or of what is piped in as ``-``."""
-    return loads(_piped(), SHOWN) if model == STANDARD_INPUT else load(model)
+    return loads(piped(), SHOWN) if model == STANDARD_INPUT else load(model)
 
 
 def read_model(model: str) -> tuple[Definition | None, list[Fault]]:
     """As :func:`torsionnet.files.read_file`, also for ``-``."""
-    return read_text(_piped(), SHOWN) if model == STANDARD_INPUT else read_file(model)
+    return read_text(piped(), SHOWN) if model == STANDARD_INPUT else read_file(model)
 
 
-def _piped() -> str:
+def piped() -> str:
+    """What is piped in."""
     return decode(sys.stdin.buffer.read(), SHOWN)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from torsionnet.cli.models import STANDARD_INPUT, load_model
 from torsionnet.cli.options import model_options, output_file_option
 from torsionnet.cli.record_options import PRESETS, Averaging, Reading
 from torsionnet.cli.terminal import wrote
@@ -43,6 +44,18 @@ ENDINGS = (".html", ".pdf", ".tex", ".md", ".htm")
 @click.option("--output", metavar="NAME", help="Channel of the records, and sensor of the model.")
 @click.option("--input", "into", metavar="NAME", help="Channel of the records, and input or sensor.")
 @click.option("--preset", type=click.Choice(PRESETS), help="How the records are averaged; paper: Galvagno (2015).")
+@click.option(
+    "--seconds",
+    type=click.FloatRange(0, min_open=True),
+    help="Length of a segment of the records in s.  [default: 2]",
+)
+@click.option(
+    "--record-band",
+    type=float,
+    nargs=2,
+    metavar="LOW HIGH",
+    help="Frequencies in Hz at which test and model are compared.  [default: --band, else all of the test]",
+)
 def command(
     model: str,
     configurations: tuple[str, ...],
@@ -55,6 +68,8 @@ def command(
     output: str | None,
     into: str | None,
     preset: str | None,
+    seconds: float | None,
+    record_band: tuple[float, float] | None,
     **texts: Any,
 ) -> None:
     """Write a report on a model: schematic, values, equations, modes, transfer functions, checks, validity.
@@ -65,20 +80,23 @@ def command(
     \b
     torsionnet report amt_rig
     torsionnet report dmf_rig -o dmf.pdf --author "A. Engineer" --band 0.3 150
-    torsionnet report amt_rig -c V --record test.npz --output theta_1 --input T_T --preset paper
+    torsionnet report amt_rig -c V --record test.npz --output theta_1 --input T_T --seconds 4 --record-band 0.5 40
+    cat model.yaml | torsionnet report - -o model.pdf
     """  # noqa: D301
     from torsionnet.configurations import EVERY
     from torsionnet.document.report import make_report, writer_for
-    from torsionnet.files import load
 
-    target = Path(output_file or f"{Path(model).stem}.html")
+    target = Path(output_file or f"{'model' if model == STANDARD_INPUT else Path(model).stem}.html")
     write = writer_for(target)
-    rig = load(model)
+    rig = load_model(model)
+    outline = rig.definition.report
+    compared = _band("--record-band", record_band) or _band("--band", band) or (outline.band if outline else None)
+    averaging = Averaging(preset=preset, seconds=seconds)
     named = () if EVERY in configurations and EVERY not in rig.configurations else configurations
     fits = [_fit(name) for name in texts.pop("fits")]
-    tests = [_measured(name, rig, output, into, preset) for name in records]
+    tests = [_measured(name, rig, output, into, averaging, compared) for name in records]
     report = make_report(
-        model,
+        rig if model == STANDARD_INPUT else model,
         configurations=named or (rig.configurations if configurations else ()),
         sections=sections,
         transfer_functions=pairs,
@@ -98,11 +116,34 @@ def _fit(name: str) -> Fit:
     return load_fit(name)
 
 
-def _measured(name: str, rig: Drivetrain, output: str | None, into: str | None, preset: str | None) -> Measured:
+def _band(option: str, band: tuple[float, float] | None) -> tuple[float, float] | None:
+    if band and not 0 <= band[0] < band[1] < float("inf"):
+        msg = f"{option} needs 0 <= LOW < HIGH in Hz, got {band[0]:g} {band[1]:g}"
+        raise click.UsageError(msg)
+    return band
+
+
+def _measured(
+    name: str,
+    rig: Drivetrain,
+    output: str | None,
+    into: str | None,
+    averaging: Averaging,
+    band: tuple[float, float] | None,
+) -> Measured:
+    """A test in the band where it is compared."""
     from torsionnet.document.request import Measured
+    from torsionnet.errors import UsageError
 
     configuration, file = split(name, rig)
-    return Measured(_response(file, output, into, preset), configuration)
+    whole = _response(file, output, into, averaging)
+    if band is None:
+        return Measured(whole, configuration)
+    part = whole.between(*band)
+    if not len(part.frequencies):
+        msg = f"{file} has nothing between {band[0]:g} and {band[1]:g} Hz; {whole!r}"
+        raise UsageError(msg)
+    return Measured(part, configuration)
 
 
 def split(name: str, rig: Drivetrain) -> tuple[str, str]:
@@ -119,7 +160,7 @@ def split(name: str, rig: Drivetrain) -> tuple[str, str]:
         raise UsageError(msg) from None
 
 
-def _response(file: str, output: str | None, into: str | None, preset: str | None) -> FrequencyResponse:
+def _response(file: str, output: str | None, into: str | None, averaging: Averaging) -> FrequencyResponse:
     """A measured response as it is in its file, or estimated from a record."""
     from torsionnet.errors import ModelError, UsageError
 
@@ -133,4 +174,4 @@ def _response(file: str, output: str | None, into: str | None, preset: str | Non
             raise
     from torsionnet.cli.estimate import estimated
 
-    return estimated(file, Reading(), (str(output),), (str(into),), Averaging(preset=preset), 0.0, None)
+    return estimated(file, Reading(), (str(output),), (str(into),), averaging, 0.0, None)

@@ -31,6 +31,8 @@ LARGE = 40
 MOST_SYMBOLIC = 12
 """Coordinates of a system whose equations are written out."""
 DEFAULT_PAIRS = 3
+FEW_CASES = 3
+"""Configurations whose modes and peaks are all listed one below the other; of more, a page folds them away."""
 
 
 @dataclass(frozen=True)

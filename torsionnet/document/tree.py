@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -186,6 +186,15 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Details:
+    """Something long that a page folds away behind its title; paper has a sentence ``instead``."""
+
+    title: Text
+    blocks: tuple[Block, ...]
+    instead: Text
+
+
+@dataclass(frozen=True)
 class Section:
     """A heading and what stands below it, further sections included."""
 
@@ -194,7 +203,7 @@ class Section:
     blocks: tuple[Block, ...]
 
 
-Block: TypeAlias = Paragraph | Listing | Facts | Remark | Formula | Equations | Table | Picture | Section
+Block: TypeAlias = Paragraph | Listing | Facts | Remark | Formula | Equations | Table | Picture | Details | Section
 
 
 @dataclass(frozen=True)
@@ -215,24 +224,5 @@ class Report:
             block = stack.pop()
             if isinstance(block, Picture):
                 yield block
-            elif isinstance(block, Section):
+            elif isinstance(block, (Section, Details)):
                 stack += reversed(block.blocks)
-
-
-def table(
-    caption: Cell,
-    columns: Sequence[Heading],
-    rows: Sequence[tuple[Cell, ...]],
-    notes: Sequence[Cell] = (),
-    most: int | None = None,
-) -> Table:
-    """A table without groups, cut after ``most`` rows; columns in which nothing stands are left out."""
-    kept = tuple(rows[:most]) if most else tuple(rows)
-    used = [index for index, _ in enumerate(columns) if any(row[index] not in ("", ()) for row in kept)]
-    return Table(
-        inlines(caption),
-        tuple(columns[index] for index in used),
-        (Group(tuple(tuple(row[index] for index in used) for row in kept)),),
-        tuple(map(inlines, notes)),
-        len(rows) - len(kept),
-    )

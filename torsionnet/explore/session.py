@@ -126,6 +126,7 @@ def open_session(
     pairs: Sequence[Pair] = (),
     band: tuple[float, float] | None = None,
     overlay: str | os.PathLike[str] | None = None,
+    text: str | None = None,
 ) -> Session:
     """Read a model, and a test to lay over it.
 
@@ -142,6 +143,8 @@ def open_session(
         Hz; default: what suits the modes of all configurations.
     overlay : str or path, optional
         A file with a measured frequency response.
+    text : str, optional
+        The model itself, where no file holds it.
 
     Raises
     ------
@@ -155,8 +158,8 @@ def open_session(
     >>> open_session("amt_rig", "V").start.choice
     {'gear': 'V'}
     """
-    path = find_model(model)
-    text = decode(path.read_bytes(), str(path))
+    path = Path("model.yaml") if text is not None else find_model(model)
+    text = decode(path.read_bytes(), str(path)) if text is None else text
     base = loads(text, str(path))
     test = None if overlay is None else _read_test(overlay)
     choice = parse_choice(configuration, base.definition.axes) if configuration else {}

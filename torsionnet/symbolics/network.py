@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -15,6 +16,9 @@ SymbolRow: TypeAlias = Mapping[str, Any]
 
 ONE = sympy.Integer(1)
 ZERO = sympy.Integer(0)
+
+MOST_TERMS = 1000
+"""Terms of a sum that is still multiplied out."""
 
 
 @dataclass(frozen=True)
@@ -158,7 +162,20 @@ def collected(groups: Mapping[Any, Any]) -> Any:
 
 
 def _expanded(total: Any) -> Any:
-    return total if total.is_Atom else sympy.expand(total)
+    """The sum with its products multiplied out, unless that would take more terms than anyone reads."""
+    return total if total.is_Atom or _terms(total) > MOST_TERMS else sympy.expand(total)
+
+
+def _terms(expression: Any) -> int:
+    """How many terms an expression has at most when it is multiplied out."""
+    if expression.is_Add:
+        return sum(map(_terms, expression.args))
+    if expression.is_Mul:
+        return math.prod(map(_terms, expression.args))
+    if expression.is_Pow and expression.exp.is_Integer:
+        power: int = _terms(expression.base) ** abs(int(expression.exp))
+        return power
+    return 1
 
 
 def row_sum(rows: Iterable[tuple[Any, SymbolRow]]) -> dict[str, Any]:

@@ -8,7 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from torsionnet.document.subject import Subject
-from torsionnet.document.tree import Block, Cell, Heading, Math, Number, Paragraph, Remark, Section, table
+from torsionnet.document.tables import table
+from torsionnet.document.tree import Block, Cell, Heading, Math, Number, Paragraph, Remark, Section
 from torsionnet.document.words import capital, pair_latex, sentence
 from torsionnet.errors import Fault, UsageError
 

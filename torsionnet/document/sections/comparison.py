@@ -7,7 +7,8 @@ from dataclasses import replace
 from torsionnet.document.request import Measured
 from torsionnet.document.sections.responses import finish
 from torsionnet.document.subject import Case, Subject, cases_of
-from torsionnet.document.tree import Block, Heading, Math, Number, Paragraph, Picture, Section, Table, table
+from torsionnet.document.tables import table
+from torsionnet.document.tree import Block, Heading, Math, Number, Paragraph, Picture, Section, Table
 from torsionnet.document.words import capital, channel_latex, sentence, unit
 from torsionnet.errors import UsageError
 from torsionnet.outline import Pair

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.channels import UNITS
 from torsionnet.damping import MEASURES, DampingMeasure
 from torsionnet.document.expressions import expression_latex
 from torsionnet.document.subject import Subject
-from torsionnet.document.tree import Block, Cell, Group, Heading, Inline, Math, Number, Section, Table, table
+from torsionnet.document.tables import as_shown, table
+from torsionnet.document.tree import Block, Cell, Heading, Inline, Math, Number, Section, Table
 from torsionnet.document.words import capital, named, plain, unit
 from torsionnet.elements import Values
 from torsionnet.elements.fields import Choice, Count, Quantity, Spec, Teeth
@@ -46,20 +48,27 @@ def _elements(rig: Drivetrain, *, several: bool) -> Table:
         Heading("Unit"),
         Heading("Remark", wide=True),
     )
-    rows: list[Row] = []
-    shown = list(rig.definition.elements.values())
-    for element in shown[:MOST]:
-        rows += _rows(element, rig)
+    shown = _alike(rig)
+    rows = [row for group in shown[:MOST] for row in _rows(group, rig)]
     where = f" in configuration {rig.configuration}" if several and rig.configuration else ""
     found = table(f"Elements{where}; values in SI units", columns, rows)
-    return Table(
-        found.caption, found.columns, (Group(found.groups[0].rows),), found.notes, len(shown) - len(shown[:MOST])
-    )
+    return replace(found, more=sum(map(len, shown[MOST:])))
 
 
-def _rows(element: Element, rig: Drivetrain) -> Iterator[Row]:
-    """A row for each property; the element itself stands in the first only."""
-    head: Row = (plain(element.name), plain(element.kind), between(element))
+def _alike(rig: Drivetrain) -> list[list[Element]]:
+    """Elements of one type with equal values together."""
+    groups: dict[str, list[Element]] = {}
+    for element in rig.definition.elements.values():
+        values = [as_shown(row) for row in _values(element, rig)]
+        groups.setdefault(str((element.kind, _remark(element), values)), []).append(element)
+    return list(groups.values())
+
+
+def _rows(group: list[Element], rig: Drivetrain) -> Iterator[Row]:
+    """A row for each property; the elements themselves stand in the first only."""
+    element = group[0]
+    ends = [between(each) for each in group]
+    head: Row = (", ".join(plain(each.name) for each in group), plain(element.kind), "; ".join(dict.fromkeys(ends)))
     values = list(_values(element, rig)) or [("", "", "", "")]
     for number, row in enumerate(values):
         yield (*(head if not number else ("", "", "")), *row, _remark(element) if not number else "")

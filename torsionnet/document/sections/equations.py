@@ -7,10 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from torsionnet.document.subject import MOST_SYMBOLIC, Case, Form, Subject
+from torsionnet.document.subject import FEW_CASES, MOST_SYMBOLIC, Case, Form, Subject
+from torsionnet.document.tables import table
 from torsionnet.document.tree import (
     Block,
+    Cell,
     Code,
+    Details,
     Equations,
     Formula,
     Heading,
@@ -20,10 +23,8 @@ from torsionnet.document.tree import (
     Remark,
     Section,
     Strong,
-    Table,
     Terms,
     Text,
-    table,
 )
 from torsionnet.document.widths import MATRIX, matrix_letters
 from torsionnet.document.words import plain
@@ -39,17 +40,25 @@ DOTS = {"M": r"\ddot{\mathbf{q}}", "C": r"\dot{\mathbf{q}}", "K": r"\mathbf{q}"}
 NAMES = {"M": "inertia", "C": "viscous damping", "K": "stiffness"}
 WIDEST_NUMBERS = 84
 """Characters of a matrix of numbers that fits the page, roughly."""
+MOST_ENTRIES = 60
+"""Entries of matrices that are listed in full view."""
+COMPLEX = "Stiffness that depends on frequency, or is complex, is not included."
 MOST_NUMBERS = 12
 """Coordinates of a system whose matrices are printed in numbers."""
 
 
 def equations_section(subject: Subject) -> Section:
     if subject.size > MOST_SYMBOLIC:
-        return Section("equations", ("Equations of motion",), _sizes(subject))
-    blocks: list[Block] = []
-    for form in subject.forms:
-        blocks += _form(form, several=len(subject.forms) > 1)
-    blocks.append(_numbers(subject))
+        lead = f"The model has {subject.size} coordinates; its equations are given by the entries of their matrices."
+        return Section("equations", ("Equations of motion",), (Paragraph((lead,)), *_entries(subject)))
+    few = subject.forms if len(subject.forms) <= FEW_CASES else subject.forms[:1]
+    others = subject.forms[len(few) :]
+    blocks: list[Block] = [block for form in few for block in _form(form, several=len(subject.forms) > 1)]
+    if others:
+        title = f"Equations of motion of the other {sum(len(form.cases) for form in others)} configurations"
+        inner = tuple(block for form in others for block in _form(form, several=True))
+        blocks.append(Details((title,), inner, (f"{title}: in the report as HTML.",)))
+    blocks += _numbers(subject)
     return Section("equations", ("Equations of motion",), tuple(blocks))
 
 
@@ -103,13 +112,13 @@ def _introduction(system: Any) -> str:
     return text
 
 
-def _numbers(subject: Subject) -> Table | Paragraph:
+def _numbers(subject: Subject) -> list[Block]:
     """M, C, K of every case; a matrix that is the same in all of them once."""
     found = [(key, [getattr(case.drivetrain.assembly.system, key) for case in subject.cases]) for key in UNITS]
     if subject.size > MOST_NUMBERS or any(
         _number_width(matrix) > WIDEST_NUMBERS for _, all_of in found for matrix in all_of
     ):
-        return Paragraph(("The matrices in numbers are too wide for the page. ", *_export()))
+        return _entries(subject)
     rows = []
     for key, matrices in found:
         alike = all(np.array_equal(matrices[0], other) for other in matrices[1:])
@@ -121,8 +130,8 @@ def _numbers(subject: Subject) -> Table | Paragraph:
             rows.append((*head, where, Math(numbers_latex(matrix)), UNITS[key]))
     columns = (Heading("Matrix"), Heading("Of"), Heading("Configuration"), Heading("Value"), Heading("Unit"))
     dynamic = any(case.drivetrain.assembly.system.dynamic for case in subject.cases)
-    notes = ["Stiffness that depends on frequency, or is complex, is not included."] if dynamic else []
-    return table("Matrices in numbers, in the order of the coordinates", columns, rows, notes)
+    notes = [COMPLEX] if dynamic else []
+    return [table("Matrices in numbers, in the order of the coordinates", columns, rows, notes)]
 
 
 def numbers_latex(matrix: FloatArray) -> str:
@@ -145,33 +154,35 @@ def _number_width(matrix: FloatArray) -> int:
     return sum(max((len(f"{value:.4g}") for value in column), default=0) + 2 for column in matrix.T.tolist())
 
 
-def _sizes(subject: Subject) -> tuple[Block, ...]:
-    rows = []
-    for case in subject.cases:
-        system = case.drivetrain.assembly.system
-        for key in UNITS:
-            matrix = getattr(system, key)
-            filled = int(np.count_nonzero(matrix))
-            share = Number(100 * filled / matrix.size if matrix.size else 0.0, 3)
-            rows.append(
-                (
-                    case.configuration,
-                    Math(rf"\mathbf{{{key}}}"),
-                    NAMES[key],
-                    f"{len(matrix)} × {len(matrix)}",
-                    Number(filled, 9),
-                    share,
-                )
-            )
+def _entries(subject: Subject) -> list[Block]:
+    """What is not zero on and above the diagonals of M, C, K, in numbers."""
+    case = subject.cases[0]
+    system, names = case.drivetrain.assembly.system, case.drivetrain.assembly.kinematics.coordinates
+    matrices = [getattr(system, key) for key in UNITS]
+    filled = np.triu(np.any([matrix != 0 for matrix in matrices], axis=0))
+    rows = [
+        (
+            plain(names[i]),
+            plain(names[j]),
+            *(Number(float(m[i, j]), 5) if m[i, j] else "" for m in matrices),
+        )
+        for i, j in np.argwhere(filled).tolist()
+    ]
     columns = (
-        Heading("Configuration"), Heading("Matrix"), Heading("Of"), Heading("Size"),
-        Heading("Entries that are not zero", numeric=True), Heading("Share", "%", numeric=True),
-    )  # fmt: skip
-    text: Text = (f"The model has {subject.size} coordinates; its equations are not written out here. ", *_export())
-    names = subject.cases[0].drivetrain.assembly.kinematics.coordinates[:4]
-    first = ", ".join(map(plain, names))
-    order = Paragraph((f"Rows and columns are in the order of the coordinates: {first}, …",))
-    return (Paragraph(text), table("Matrices of the equations of motion", columns, rows), order)
+        Heading("Row"),
+        Heading("Column"),
+        *(Heading((Math(rf"\mathbf{{{key}}}"),), shown, numeric=True) for key, shown in UNITS.items()),
+    )
+    where = f" in configuration {case.configuration}" if case.configuration else ""
+    notes: list[Cell] = ["The matrices are symmetric: entries below the diagonal are those above it."]
+    notes += ["In other configurations other values and ratios take their places."] if len(subject.cases) > 1 else []
+    notes += [COMPLEX] if any(one.drivetrain.assembly.system.dynamic for one in subject.cases) else []
+    notes.append(_export())
+    found = table(f"Entries of the matrices of inertia, viscous damping and stiffness{where}", columns, rows, notes)
+    if len(rows) <= MOST_ENTRIES:
+        return [found]
+    text = f"{len(rows)} entries of M, C and K are not zero"
+    return [Details((text,), (found,), (f"{text}; the report as HTML lists them. ", *_export()))]
 
 
 def _export() -> Text:

@@ -6,7 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 from torsionnet.document.subject import Subject
-from torsionnet.document.tree import Block, Cell, Heading, Listing, Number, Paragraph, Picture, Section, Table, table
+from torsionnet.document.tables import table
+from torsionnet.document.tree import Block, Cell, Heading, Listing, Number, Paragraph, Picture, Section, Table
 from torsionnet.document.words import capital, named, sentence, unit
 
 if TYPE_CHECKING:

@@ -7,11 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import sympy
 
-from torsionnet.document.subject import MOST_SYMBOLIC, Case, Form, Subject
+from torsionnet.document.subject import FEW_CASES, MOST_SYMBOLIC, Case, Form, Subject
+from torsionnet.document.tables import table
 from torsionnet.document.tree import (
     Block,
     Cell,
     Code,
+    Details,
     Formula,
     Heading,
     Math,
@@ -22,7 +24,6 @@ from torsionnet.document.tree import (
     Table,
     Terms,
     Text,
-    table,
 )
 from torsionnet.document.widths import FORMULA, letters
 from torsionnet.document.words import capital, channel_latex, pair_latex, sentence, unit
@@ -39,6 +40,9 @@ if TYPE_CHECKING:
 
 SHORT, LONG = 70, 420
 """Operations of a transfer function that is written in one formula, and of one that is written as a table of steps."""
+FEW_STEPS = 24
+"""Steps that a reader may follow; more are folded away."""
+
 MOST_ORDER = 10
 LONGEST = 14
 """Terms of a coefficient that is written out."""
@@ -52,7 +56,7 @@ def formulas_section(subject: Subject) -> Section | None:
         inner: list[Block] = []
         part = subject.about(pair)
         for form in _forms(part):
-            if len(subject.forms) > 1 and subject.size <= MOST_SYMBOLIC:
+            if len(form.cases) < len(part.cases):
                 names = ", ".join(case.configuration for case in form.cases)
                 inner.append(Paragraph((Strong(f"Configuration {names}"),)))
             inner += _function(part, pair, form)
@@ -61,7 +65,8 @@ def formulas_section(subject: Subject) -> Section | None:
 
 
 def _forms(subject: Subject) -> tuple[Form, ...]:
-    if subject.size <= MOST_SYMBOLIC:
+    """The equations of all cases if they are few, else those of the first."""
+    if subject.size <= MOST_SYMBOLIC and len(subject.forms) <= FEW_CASES:
         return subject.forms
     return (Form(subject.cases[:1], subject.cases[0].drivetrain.symbolic()),)
 
@@ -82,11 +87,13 @@ def _function(subject: Subject, pair: Pair, form: Form) -> list[Block]:
         )  # fmt: skip
         lead = "; " if operations <= LONG else ", which would fill pages; in Python "
         return [*blocks, Paragraph((f"{text}{lead}", Code(how), " gives them."))]
-    if operations <= SHORT and found.nested_leaves <= 10 * SHORT and letters(found.mechanical) <= FORMULA:
+    # The formula of a large drivetrain can take hours to write, however few operations its steps have.
+    small = subject.size <= MOST_SYMBOLIC
+    if small and operations <= SHORT and found.nested_leaves <= 10 * SHORT and letters(found.mechanical) <= FORMULA:
         blocks.append(Formula(rf"{_quotient(pair)} = {latex(found.mechanical)}"))
         blocks += [*_polynomial(found, pair, form.cases), _limits(found, pair)]
         return blocks
-    return [*blocks, *_steps(found, pair)]
+    return [*blocks, *_steps(found, pair, limits=small)]
 
 
 def _quotient(pair: Pair) -> str:
@@ -174,16 +181,24 @@ def _limit(expression: Any) -> Cell:
     return Terms(tuple(sum_terms(expression)))
 
 
-def _steps(found: TransferFunction, pair: Pair) -> list[Block]:
+def _steps(found: TransferFunction, pair: Pair, *, limits: bool) -> list[Block]:
     names, result = found.program.where()
     above, below = sympy.fraction(result)
     names = {**names, sympy.Symbol("N"): above, sympy.Symbol("D"): below}
     rows = [(Math(symbol_latex(str(name))), Terms(tuple(sum_terms(value)))) for name, value in names.items()]
     columns = (Heading("Step"), Heading("Expression", wide=True))
-    lead = "Written in steps, each of which uses those before it:"
-    return [
-        Paragraph((lead,)),
+    steps: list[Block] = [
         table(("Steps of ", Math(pair_latex(pair))), columns, rows),
         Formula(rf"{_quotient(pair)} = \frac{{N}}{{D}}"),
-        _limits(found, pair),
     ]
+    after: list[Block] = [_limits(found, pair)] if limits else []
+    if len(rows) <= FEW_STEPS:
+        return [Paragraph(("Written in steps, each of which uses those before it:",)), *steps, *after]
+    title: Text = (f"{len(rows)} steps, each of which uses those before it",)
+    code = Code(f'model.symbolic().transfer_function("{pair.output}", "{pair.input}").python_code()')
+    instead: Text = (
+        f"Written in symbols it takes {len(rows)} steps: the report as HTML has them, in Python ",
+        code,
+        ".",
+    )
+    return [Details(title, tuple(steps), instead), *after]

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from torsionnet.document.subject import Form, Subject
-from torsionnet.document.tree import Block, Cell, Heading, Math, Number, Paragraph, Section, Table, Text, table
+from torsionnet.document.tables import table
+from torsionnet.document.tree import Block, Cell, Heading, Math, Number, Paragraph, Section, Table, Text
 from torsionnet.document.words import listed, plain
 from torsionnet.symbolics.naming import angle_latex
 from torsionnet.symbolics.shown import latex

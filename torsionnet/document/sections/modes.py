@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet.document.subject import MOST_MODES, Subject
+from torsionnet.document.subject import FEW_CASES, MOST_MODES, Subject
+from torsionnet.document.tables import table
 from torsionnet.document.tree import (
     Block,
     Cell,
+    Details,
     Group,
     Heading,
     Math,
@@ -45,10 +48,11 @@ COLUMNS = (
 
 def modes_section(subject: Subject) -> Section:
     blocks: list[Block] = [Paragraph(_introduction(subject))]
-    caption = "Modes" if len(subject.cases) == 1 else "Modes by configuration"
+    caption = "Modes by configuration" if 1 < len(subject.cases) <= FEW_CASES else "Modes"
     if not any(map(len, subject.modes)):
         return Section("modes", ("Modes",), (Paragraph(("Nothing can move: there are no modes.",)),))
-    blocks += [modes_table(subject, subject.modes, (caption,)), _energies(subject), _shapes(subject)]
+    blocks += listed_modes(subject, subject.modes, (caption,), energies=True)
+    blocks.append(_shapes(subject))
     for pair in subject.pairs:
         part = subject.about(pair)
         cut = part.cut_modes(pair)
@@ -75,6 +79,47 @@ def modes_table(subject: Subject, found: tuple[Modes, ...], caption: Text) -> Ta
         title = f"Configuration {case.configuration}" if len(subject.cases) > 1 else ""
         groups.append(Group(_rows(modes, case.drivetrain), title))
     return Table(caption, COLUMNS, tuple(groups), tuple(_notes(subject, found)))
+
+
+def listed_modes(subject: Subject, found: tuple[Modes, ...], caption: Text, *, energies: bool = False) -> list[Block]:
+    """The modes of every case; of many cases those of the first, and how frequencies and damping vary."""
+
+    def full(part: Subject, modes: tuple[Modes, ...], said: Text) -> list[Block]:
+        return [modes_table(part, modes, said), *([_energies(part, modes)] if energies else [])]
+
+    if len(subject.cases) <= FEW_CASES:
+        return full(subject, found, caption)
+    first, rest = replace(subject, cases=subject.cases[:1]), replace(subject, cases=subject.cases[1:])
+    where = f", configuration {subject.cases[0].configuration}"
+    folded = Details(
+        (f"Modes of the other {len(rest.cases)} configurations in full",),
+        tuple(full(rest, found[1:], caption)),
+        ("The report as HTML has the modes of the other configurations in full.",),
+    )
+    compared = [_compared(subject, found, caption, damping=damping) for damping in (False, True)]
+    return [*full(first, found[:1], (*caption, where)), *[each for each in compared if each], folded]
+
+
+def _compared(subject: Subject, found: tuple[Modes, ...], caption: Text, *, damping: bool) -> Table | None:
+    """Natural frequencies or damping ratios, a row for each case."""
+    swings = [[index for index, kind in enumerate(modes.kinds) if kind == OSCILLATORY] for modes in found]
+    letter, shown = (r"\zeta", "%") if damping else ("f", "Hz")
+    columns = [Heading("Configuration")]
+    lists: list[list[Cell]] = [[case.configuration for case in subject.cases]]
+    for place in range(max(map(len, swings))):
+        values = [
+            (100 * float(modes.damping_ratios[at[place]]) if damping else float(modes.natural_frequencies[at[place]]))
+            if place < len(at)
+            else None
+            for modes, at in zip(found, swings, strict=True)
+        ]
+        columns.append(Heading((Math(f"{letter}_{{{place + 1}}}"),), shown, numeric=True))
+        lists.append(list(aligned(values, 3 if damping else 4)))
+    if len(columns) == 1:
+        return None
+    what = "damping ratios" if damping else "natural frequencies"
+    said = (*caption, f": {what} of the vibrations in every configuration")
+    return table(said, columns, list(zip(*lists, strict=True)))
 
 
 def _rows(modes: Modes, rig: Drivetrain) -> tuple[tuple[Cell, ...], ...]:
@@ -109,7 +154,7 @@ def _notes(subject: Subject, found: tuple[Modes, ...]) -> list[Text]:
     return [lead, *(sentence(capital(note) + ".", subject.model) for note in remarks)]
 
 
-def _energies(subject: Subject) -> Table:
+def _energies(subject: Subject, found: tuple[Modes, ...]) -> Table:
     columns = (
         Heading("Mode", numeric=True),
         Heading("Kinetic energy", wide=True),
@@ -117,7 +162,7 @@ def _energies(subject: Subject) -> Table:
         Heading("Dissipated power", wide=True),
     )
     groups = []
-    for case, modes in zip(subject.cases, subject.modes, strict=True):
+    for case, modes in zip(subject.cases, found, strict=True):
         rows = tuple((Number(index + 1), *_energy(modes, index)) for index in range(len(modes)))
         groups.append(Group(rows, f"Configuration {case.configuration}" if len(subject.cases) > 1 else ""))
     note = f"Shares of at least {100 * NOTEWORTHY:.0f} %, the {MOST_SHARES} largest."
@@ -167,4 +212,4 @@ def _cut(subject: Subject, pair: str, measured: str, cut: tuple[Modes, ...]) -> 
     poles = " the poles are others: those of the drivetrain cut where it is measured. A test of "
     text: Text = ("Against the measured ", *inlines(named(measured)), poles, Math(pair), SHOWS_THESE)
     caption: Text = ("Poles of ", Math(pair), ", the drivetrain cut at ", *inlines(named(measured)))
-    return [Paragraph(text), modes_table(subject, cut, caption)]
+    return [Paragraph(text), *listed_modes(subject, cut, caption)]

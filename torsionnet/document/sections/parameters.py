@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from torsionnet.checks.units_in_use import parameter_units
 from torsionnet.document.expressions import expression_latex
 from torsionnet.document.subject import Case, Subject
-from torsionnet.document.tree import Block, Cell, Heading, Math, Number, Section, Table, Text, table
+from torsionnet.document.tables import as_shown, table
+from torsionnet.document.tree import Block, Cell, Heading, Math, Number, Section, Table, Text
 from torsionnet.document.words import aligned, named, plain, unit
 from torsionnet.expressions import Number as Literal
 
@@ -130,4 +131,7 @@ def _operating_point(rig: Drivetrain, where: str) -> Table | None:
     turned = aligned([speeds[node] * 30 / math.pi if node in speeds else None for node in nodes])
     loads = aligned([torques.get(node) for node in nodes])
     rows = [(plain(node), speed, load) for node, speed, load in zip(nodes, turned, loads, strict=True)]
-    return table(f"Operating point{where}", columns, rows, most=MOST)
+    together: dict[str, list[tuple[Cell, ...]]] = {}
+    for row in rows:
+        together.setdefault(str(as_shown(row[1:])), []).append(row)
+    return table(f"Operating point{where}", columns, [row for group in together.values() for row in group], most=MOST)

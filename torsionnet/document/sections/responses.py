@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet.document.subject import Subject, is_damped
+from torsionnet.document.subject import FEW_CASES, Subject, is_damped
+from torsionnet.document.tables import table
 from torsionnet.document.tree import Block, Cell, Group, Heading, Math, Number, Paragraph, Picture, Section, Table
 from torsionnet.document.words import aligned, pair_latex, sentence, unit
 from torsionnet.outline import Pair
@@ -20,7 +21,8 @@ from torsionnet.solve.peaks import Peak, peaks, static_value
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-MOST_PEAKS = 6
+MOST_PEAKS, FEW_PEAKS = 6, 3
+"""Peaks listed of each configuration, and of each of many."""
 PROMINENCE = 1.001
 MOST_CURVES = 7
 """Curves that can be told apart in one plot."""
@@ -33,7 +35,8 @@ def responses_section(subject: Subject) -> Section | None:
     for number, pair in enumerate(subject.pairs, 1):
         part = subject.about(pair)
         found = part.responses(pair)
-        blocks += [_picture(part, pair, found, number), peaks_table(part, pair, found), *left_out(subject, pair)]
+        listing = peaks_table if len(part.cases) <= FEW_CASES else highest_peaks
+        blocks += [_picture(part, pair, found, number), listing(part, pair, found), *left_out(subject, pair)]
     return Section("responses", ("Frequency responses",), tuple(blocks))
 
 
@@ -103,6 +106,24 @@ def peaks_table(subject: Subject, pair: Pair, found: tuple[FrequencyResponse, ..
     notes = (("A negative phase is a lag. Torques are positive as their signs are given with the sensors.",),)
     caption = ("Static values and peaks of ", Math(pair_latex(pair)))
     return Table(caption, columns, (Group(tuple(rows)),), notes)
+
+
+def highest_peaks(subject: Subject, pair: Pair, found: tuple[FrequencyResponse, ...]) -> Table:
+    """Static value and the highest peaks in the order of frequency, a row for each case."""
+    scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
+    read = [read_off(subject, pair, response, index) for index, response in enumerate(found)]
+    columns = [Heading("Configuration"), Heading("Static value", shown, numeric=True)]
+    lists: list[list[Cell]] = [[case.configuration for case in subject.cases]]
+    lists.append(list(aligned([points[0][1].magnitude * scale for points in read])))
+    best = [sorted(sorted((peak for _, peak in points[1:]), key=lambda peak: -peak.magnitude)[:FEW_PEAKS],
+                   key=lambda peak: peak.frequency) for points in read]  # fmt: skip
+    for place in range(max(map(len, best))):
+        picked = [peaks_[place] if place < len(peaks_) else None for peaks_ in best]
+        columns += [Heading(f"Peak {place + 1}", "Hz", numeric=True), Heading("magnitude", shown, numeric=True)]
+        lists.append(list(aligned([None if peak is None else peak.frequency for peak in picked])))
+        lists.append(list(aligned([None if peak is None else peak.magnitude * scale for peak in picked])))
+    caption = ("Static values of ", Math(pair_latex(pair)), f" and its {FEW_PEAKS} highest peaks")
+    return table(caption, columns, list(zip(*lists, strict=True)))
 
 
 def _stands_out(response: FrequencyResponse, frequency: float) -> bool:

@@ -2,34 +2,64 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from torsionnet.document.sections.responses import read_off
-from torsionnet.document.subject import Subject, is_damped
-from torsionnet.document.tree import Block, Cell, Heading, Math, Paragraph, Section, Table, table
-from torsionnet.document.words import aligned, pair_latex, unit
+from torsionnet.document.subject import Case, Subject, is_damped
+from torsionnet.document.tables import table
+from torsionnet.document.tree import Block, Cell, Heading, Inline, Math, Paragraph, Section, Table, Text
+from torsionnet.document.words import aligned, named, pair_latex, unit
 from torsionnet.outline import Pair
 from torsionnet.response.modes import OSCILLATORY
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.identification import Fit
+    from torsionnet.response import Modes
 
 MOST_VIBRATIONS, MOST_PAIRS = 3, 4
 
 
 def summary_section(subject: Subject) -> Section:
-    blocks: list[Block] = [_vibrations(subject)] if any(OSCILLATORY in modes.kinds for modes in subject.modes) else []
+    blocks: list[Block] = [*_of_model(subject)]
+    blocks += [found for fit in subject.request.fits if (found := _fitted(subject, fit)) is not None]
     blocks += [_response(subject.about(pair), pair) for pair in subject.pairs[:MOST_PAIRS]]
     if not blocks:
         blocks.append(Paragraph(("No vibration and no transfer function.",)))
     return Section("summary", ("Results at a glance",), tuple(blocks))
 
 
-def _vibrations(subject: Subject) -> Table:
+def _fitted(subject: Subject, fit: Fit) -> Table | None:
+    """The lowest vibrations with the fitted values."""
+    modes = tuple(_with_values(fit, case).modes() for case in subject.cases)
+    if not any(OSCILLATORY in one.kinds for one in modes):
+        return None
+    plain = dict.fromkeys(name.partition("[")[0] for name in fit.values)
+    names = [name for name in plain if name in subject.model.parameter_definitions]
+    note: list[Inline] = ["With the fitted "]
+    for name in names:
+        note += [", "] * (name != names[0]) + [named(name)]
+    title = f" ({fit.title})" if len(subject.request.fits) > 1 and fit.title else ""
+    caption = f"Lowest natural frequencies and damping ratios of the fitted model{title}"
+    return _vibrations(subject, modes, caption, (*note, "; the values are in the section Fitted parameters."))
+
+
+def _with_values(fit: Fit, case: Case) -> Drivetrain:
+    """A case with the fitted values, shared ones and its own."""
+    rig = fit.configured(case.drivetrain)
+    own = {name.removesuffix(f"[{case.configuration}]"): value for name, value in fit.values.items()}
+    return rig.configured(**{name: value for name, value in own.items() if name in rig.parameter_definitions})
+
+
+def _vibrations(subject: Subject, shown: tuple[Modes, ...], caption: str, note: Text) -> Table:
     found = [
-        [index for index, kind in enumerate(modes.kinds) if kind == OSCILLATORY][:MOST_VIBRATIONS]
-        for modes in subject.modes
+        [index for index, kind in enumerate(modes.kinds) if kind == OSCILLATORY][:MOST_VIBRATIONS] for modes in shown
     ]
     columns = [Heading("Configuration")]
     cells: list[list[Cell]] = [[case.configuration for case in subject.cases]]
     for place in range(max(map(len, found))):
         picked = [indices[place] if place < len(indices) else None for indices in found]
-        pairs = list(zip(subject.modes, picked, strict=True))
+        pairs = list(zip(shown, picked, strict=True))
         columns += [
             Heading((Math(f"f_{{{place + 1}}}"),), "Hz", numeric=True),
             Heading((Math(rf"\zeta_{{{place + 1}}}"),), "%", numeric=True),
@@ -37,9 +67,15 @@ def _vibrations(subject: Subject) -> Table:
         cells.append(list(aligned([None if i is None else float(m.natural_frequencies[i]) for m, i in pairs])))
         cells.append(list(aligned([None if i is None else 100 * float(m.damping_ratios[i]) for m, i in pairs], 3)))
     rows = list(zip(*cells, strict=True))
+    return table(caption, columns, rows, [note])
+
+
+def _of_model(subject: Subject) -> list[Table]:
+    if not any(OSCILLATORY in modes.kinds for modes in subject.modes):
+        return []
     damped = "Damped vibrations" if any(map(is_damped, subject.cases)) else "Vibrations"
     note = f"{damped} of the whole drivetrain; rigid-body motion and overdamped modes are in the section Modes."
-    return table("Lowest natural frequencies and damping ratios", columns, rows, [note])
+    return [_vibrations(subject, subject.modes, "Lowest natural frequencies and damping ratios", (note,))]
 
 
 def _response(subject: Subject, pair: Pair) -> Table:

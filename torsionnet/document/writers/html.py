@@ -10,6 +10,7 @@ from typing import Any
 
 from torsionnet.document.tree import (
     Block,
+    Details,
     Equations,
     Facts,
     Formula,
@@ -28,9 +29,9 @@ from torsionnet.document.writers.mathml import mathml
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 
 
-def html_page(report: Report) -> str:
-    """The text of the page."""
-    writer = _Writer()
+def html_page(report: Report, *, folds: bool = True) -> str:
+    """The text of the page; one to be printed does not fold anything away."""
+    writer = _Writer(folds)
     body = "\n".join(writer.section(section, (number,)) for number, section in enumerate(report.sections, 1))
     style = files("torsionnet.document.writers").joinpath("page.css").read_text(encoding="utf-8")
     notes = f"<p class=lead>{inline(report.notes)}</p>" if any(report.notes) else ""
@@ -55,6 +56,7 @@ def _entry(section: Section) -> str:
 class _Writer:
     """Counts tables, figures and formulas as it goes."""
 
+    folds: bool = True
     counts: Counter[str] = field(default_factory=Counter)
 
     def label(self, what: str) -> str:
@@ -82,6 +84,7 @@ class _Writer:
             Equations: lambda one: "".join(f"<p class=equation>{inline(row)}</p>" for row in one.rows),
             Table: lambda one: table_html(one, self.label("Table")),
             Picture: self.picture,
+            Details: self.details,
             Facts: self.facts,
         }
         return writers[type(block)](block)
@@ -89,6 +92,12 @@ class _Writer:
     @staticmethod
     def remark(block: Remark) -> str:
         return f"<p class='remark {escaped(block.kind)}'><b>{block.kind.capitalize()}:</b> {inline(block.text)}</p>"
+
+    def details(self, block: Details) -> str:
+        if not self.folds:
+            return f"<p>{inline(block.instead)}</p>"
+        inner = "\n".join(self.block(one) for one in block.blocks)
+        return f"<details><summary>{inline(block.title)}</summary>\n{inner}\n</details>"
 
     def formula(self, block: Formula) -> str:
         number = self.label("Formula").removeprefix("Formula ")

@@ -1,4 +1,7 @@
-r"""A report as a LaTeX document for pdfTeX, with its figures as PDF in a folder beside it."""
+r"""A report as a LaTeX document with its figures as PDF in a folder beside it; one run of pdfTeX makes the PDF.
+
+Nothing refers to pages, and tables find their widths at once, so that a second run would change nothing.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,7 @@ from typing import Any
 from torsionnet.atomic import write_text
 from torsionnet.document.tree import (
     Block,
+    Details,
     Equations,
     Facts,
     Formula,
@@ -21,6 +25,7 @@ from torsionnet.document.tree import (
     Table,
 )
 from torsionnet.document.writers.figures import figure_folder, write_figures
+from torsionnet.document.writers.latex_room import room
 from torsionnet.document.writers.latex_table import table_latex
 from torsionnet.document.writers.latex_text import displayed, escaped, inline
 
@@ -32,6 +37,7 @@ PREAMBLE = r"""\documentclass[10pt,a4paper]{article}
 \usepackage{amsmath,amssymb,array,booktabs,longtable,graphicx,textcomp}
 \usepackage[labelfont=bf,singlelinecheck=false,font=small]{caption}
 \usepackage[hidelinks]{hyperref}
+\IfFileExists{bookmark.sty}{\usepackage{bookmark}}{\hypersetup{bookmarks=false}}
 \setlength{\parindent}{0pt}
 \setlength{\parskip}{4pt plus 1pt}
 \setlength{\LTleft}{0pt}
@@ -43,6 +49,13 @@ PREAMBLE = r"""\documentclass[10pt,a4paper]{article}
 \newcommand{\drawing}[1]{\sbox{\drawn}{\includegraphics{#1}}%
   \ifdim\wd\drawn>\linewidth\sbox{\drawn}{\resizebox{\linewidth}{!}{\usebox{\drawn}}}\fi
   \ifdim\ht\drawn>0.86\textheight\resizebox{!}{0.86\textheight}{\usebox{\drawn}}\else\usebox{\drawn}\fi}
+\newcommand{\fitted}[2]{\sbox{\drawn}{$\displaystyle #2$}%
+  \ifdim\wd\drawn>#1\resizebox{#1}{!}{\usebox{\drawn}}\else\usebox{\drawn}\fi}
+\newlength{\widest}
+\newcommand{\measured}[1]{\ifdefined#1\else\newlength#1\fi\setlength#1{0pt}%
+  \def\widen##1{\settowidth\widest{##1}\ifdim\widest>#1\setlength#1{\widest}\fi}}
+\newcommand{\room}[1]{\par\penalty-100\begingroup\dimen0=\pagegoal\advance\dimen0-\pagetotal
+  \ifdim\pagegoal<\maxdimen\ifdim\dimen0<#1\vfil\break\fi\fi\endgroup}
 \allowdisplaybreaks
 \pdfinfoomitdate=1
 \pdftrailerid{}
@@ -68,8 +81,17 @@ def latex_document(report: Report, folder: str) -> str:
     return (
         f"{PREAMBLE}\\hypersetup{{pdftitle={{{title}}}}}\n\\begin{{document}}\n"
         f"{{\\small {escaped(report.subtitle)}\\par}}\n{{\\LARGE\\bfseries\\raggedright {title}\\par}}\n\\medskip\n"
-        f"{_facts(report.facts)}\n{notes}\n\\bigskip\\hrule\n\\tableofcontents\n\n{body}\n\\end{{document}}\n"
+        f"{_facts(report.facts)}\n{notes}\n\\bigskip\\hrule\n{_contents(report)}\n\n{body}\n\\end{{document}}\n"
     )
+
+
+def _contents(report: Report) -> str:
+    """Links to the sections; without page numbers, which would take a second run."""
+    lines = (
+        rf"\hyperlink{{section.{number}}}{{\makebox[2em][l]{{{number}}}{inline(section.title)}}}"
+        for number, section in enumerate(report.sections, 1)
+    )
+    return r"\section*{Contents}" + "\n" + "\\\\\n".join(lines) + "\n"
 
 
 def _section(section: Section, level: int, folder: str) -> str:
@@ -80,7 +102,7 @@ def _section(section: Section, level: int, folder: str) -> str:
         _section(block, level + 1, folder) if isinstance(block, Section) else _block(block, folder)
         for block in section.blocks
     )
-    return "\n\n".join([rf"\{command}{{{shown}}}", *parts])
+    return "\n\n".join([rf"{room(section)}\{command}{{{shown}}}", *parts])
 
 
 def _block(block: Block, folder: str) -> str:
@@ -88,18 +110,25 @@ def _block(block: Block, folder: str) -> str:
         Paragraph: lambda one: inline(one.text),
         Listing: _listing,
         Remark: lambda one: rf"\textbf{{{escaped(one.kind.capitalize())}:}} {inline(one.text)}",
-        Formula: lambda one: f"\\begin{{equation}}\n{displayed(one.latex)}\n\\end{{equation}}",
+        Formula: _formula,
         Equations: _equations,
         Table: lambda one: f"{{\\small\n{table_latex(one)}\n}}",
         Picture: lambda one: _picture(one, folder),
+        Details: lambda one: inline(one.instead),
         Facts: _facts,
     }
-    return writers[type(block)](block)
+    lead = room(block) if isinstance(block, Table) else ""
+    return lead + writers[type(block)](block)
 
 
 def _listing(block: Listing) -> str:
     points = "\n".join(rf"\item {inline(item)}" for item in block.items)
     return f"\\begin{{itemize}}\n{points}\n\\end{{itemize}}"
+
+
+def _formula(block: Formula) -> str:
+    """With its number; one as wide as the page is made smaller."""
+    return f"\\begin{{equation}}\n\\fitted{{0.93\\linewidth}}{{{displayed(block.latex)}}}\n\\end{{equation}}"
 
 
 def _equations(block: Equations) -> str:

@@ -2,51 +2,88 @@ r"""Tables in LaTeX: ``longtable``, so that long ones break over pages with thei
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 
-from torsionnet.document.tree import Cell, Code, Heading, Inline, Math, Number, Strong, Table, Terms, inlines
-from torsionnet.document.writers.latex_text import displayed, escaped, inline, number
-
-PAGE, FEWEST, GAP = 104, 14, 2
-"""Letters across the page in the size of tables, of the narrowest wide column, and of the gap between two."""
-
-_MARKUP = re.compile(r"(begin|end)\{bmatrix\}|\\[a-zA-Z]+|[{}_^~\\ &]")
+from torsionnet.document.tree import Cell, Math, Number, Table, inlines
+from torsionnet.document.writers.latex_columns import PAGE, Columns, length, pieces
+from torsionnet.document.writers.latex_text import breakable, displayed, escaped, inline, number
 
 
 def table_latex(block: Table) -> str:
-    """A table with caption, head and notes."""
+    """A table with caption, head and notes; one that is too wide for the page goes on below."""
     decimals = [_decimals(block, index) for index in range(len(block.columns))]
-    head = " & ".join(rf"\textbf{{{_heading(column)}}}" for column in block.columns)
-    lines = [rf"\begin{{longtable}}{{{_spec(block)}}}"]
-    lines += [rf"\caption{{{inline(block.caption)}}}\\", r"\toprule", rf"{head} \\", r"\midrule", r"\endfirsthead"]
-    lines += [r"\toprule", rf"{head} \\", r"\midrule", r"\endhead", r"\bottomrule", r"\endlastfoot"]
-    for number_, group in enumerate(block.groups):
-        if group.title:
-            lines += [r"\addlinespace"] if number_ else []
-            lines.append(rf"\multicolumn{{{len(block.columns)}}}{{@{{}}l}}{{\textbf{{{inline(group.title)}}}}} \\*")
-        lines += [f"{_row(row, decimals)} \\\\{_gap(row)}" for row in group.rows]
-    lines.append(r"\end{longtable}")
+    lines = []
+    for place, columns in enumerate(pieces(block)):
+        caption = r"\caption*{(continued)}" if place else rf"\caption{{{inline(block.caption)}}}"
+        lines += _piece(block, columns, caption, decimals)
     notes = [*map(inline, block.notes), *([escaped(f"… and {block.more} more")] if block.more else [])]
     return "\n".join([*lines, *(rf"{{\footnotesize {note}\par}}" for note in notes)])
 
 
-def _heading(column: Heading) -> str:
-    unit = f" [{column.unit}]" if column.unit and column.unit != "–" else ""
-    return inline(column.text) + escaped(unit)
+def _piece(block: Table, columns: Columns, caption: str, decimals: Sequence[int]) -> list[str]:
+    head = " & ".join(
+        _heading(lines, numeric=block.columns[index].numeric)
+        for index, lines in zip(columns.indices, columns.headings, strict=True)
+    )
+    lines = [rf"\begin{{longtable}}{{{columns.spec(block)}}}"]
+    lines[:0] = _measured(block, columns, decimals)
+    lines += [rf"{caption}\\", r"\toprule", rf"{head} \\", r"\midrule", r"\endfirsthead"]
+    lines += [r"\toprule", rf"{head} \\", r"\midrule", r"\endhead", r"\bottomrule", r"\endlastfoot"]
+    for number_, group in enumerate(block.groups):
+        if group.title:
+            lines += [r"\addlinespace"] if number_ else []
+            lines.append(rf"\multicolumn{{{len(columns.indices)}}}{{@{{}}l}}{{\textbf{{{inline(group.title)}}}}} \\*")
+        lines += [f"{_row(row, columns, decimals)} \\\\{_gap(row)}" for row in group.rows]
+    return [*lines, r"\end{longtable}"]
+
+
+def _measured(block: Table, columns: Columns, decimals: Sequence[int]) -> list[str]:
+    """Widths of the columns that do not break, so that the table need not find them in runs of its own."""
+    lines = []
+    for place, (index, width, heading) in enumerate(
+        zip(columns.indices, columns.widths, columns.headings, strict=True)
+    ):
+        if width is None:
+            cells = (_cell(cell, decimals[index], None) for cell in _column(block, index))
+            texts = dict.fromkeys([_heading(heading, numeric=block.columns[index].numeric), *filter(None, cells)])
+            lines.append(rf"\measured{{{length(place)}}}" + "".join(rf"\widen{{{text}}}" for text in texts))
+    return lines
+
+
+def _heading(lines: tuple[Cell, ...], *, numeric: bool) -> str:
+    shown = [rf"\textbf{{{inline(line)}}}" for line in lines]
+    if len(shown) == 1:
+        return shown[0]
+    side = "r" if numeric else "l"
+    stacked = r" \\ ".join(shown)
+    return rf"\begin{{tabular}}[b]{{@{{}}{side}@{{}}}}{stacked}\end{{tabular}}"
 
 
 def _gap(row: tuple[Cell, ...]) -> str:
     """Matrices need room below them."""
-    return "[7pt]" if any(isinstance(cell, Math) and "matrix" in cell.latex for cell in row) else ""
+    return "[9pt]" if any(is_matrix(cell) for cell in row) else ""
 
 
-def _row(row: tuple[Cell, ...], decimals: Sequence[int]) -> str:
-    return " & ".join(_cell(cell, places) for cell, places in zip(row, decimals, strict=True))
+def is_matrix(cell: Cell) -> bool:
+    return isinstance(cell, Math) and "matrix" in cell.latex
 
 
-def _cell(cell: Cell, decimals: int) -> str:
-    return number(cell, decimals) if isinstance(cell, Number) else displayed(inline(cell))
+def _row(row: tuple[Cell, ...], columns: Columns, decimals: Sequence[int]) -> str:
+    cells = zip(columns.indices, columns.widths, strict=True)
+    return " & ".join(_cell(row[index], decimals[index], width) for index, width in cells)
+
+
+def _cell(cell: Cell, decimals: int, width: float | None) -> str:
+    if isinstance(cell, Number):
+        return number(cell, decimals)
+    if is_matrix(cell):
+        return rf"\fitted{{{MATRIX / PAGE:.2f}\linewidth}}{{{displayed(inline(cell)[1:-1])}}}"
+    text = inline(cell) if width is None else "".join(map(breakable, inlines(cell)))
+    return displayed(text)
+
+
+MATRIX = 60
+"""Letters that a matrix in a table may be wide before it is made smaller."""
 
 
 def _decimals(block: Table, index: int) -> int:
@@ -55,47 +92,3 @@ def _decimals(block: Table, index: int) -> int:
 
 def _column(block: Table, index: int) -> list[Cell]:
     return [row[index] for group in block.groups for row in group.rows]
-
-
-def _spec(block: Table) -> str:
-    """Columns as wide as what stands in them; wide ones share what is left."""
-    natural = [_width(block, index) for index in range(len(block.columns))]
-    fixed = {index for index, column in enumerate(block.columns) if not column.wide}
-    room = PAGE - GAP * len(natural)
-    if sum(natural) <= room:
-        return "@{}" + "".join("r" if column.numeric else "l" for column in block.columns) + "@{}"
-    left = max(room - sum(natural[index] for index in fixed), FEWEST * (len(natural) - len(fixed)))
-    if len(fixed) == len(natural):  # nothing gives way by itself: the widest text does
-        widest = max((i for i, column in enumerate(block.columns) if not column.numeric), key=lambda i: natural[i])
-        fixed, left = fixed - {widest}, max(room - sum(natural) + natural[widest], FEWEST)
-    wanted = sum(natural[index] for index in range(len(natural)) if index not in fixed)
-    parts = []
-    for index, column in enumerate(block.columns):
-        share = left * natural[index] / wanted / (PAGE * 1.02) if wanted else 0
-        narrow = "r" if column.numeric else "l"
-        parts.append(narrow if index in fixed else rf">{{\raggedright\arraybackslash}}p{{{share:.3f}\linewidth}}")
-    return "@{}" + "".join(parts) + "@{}"
-
-
-def _width(block: Table, index: int) -> int:
-    heading = block.columns[index]
-    title = len(_shown(heading.text)) + (len(heading.unit) + 3 if heading.unit else 0)
-    return max([title, *(len(_shown(cell)) for cell in _column(block, index))])
-
-
-def _shown(cell: Cell) -> str:
-    """Roughly what a cell looks like, for counting letters."""
-    return "".join(map(_letters, inlines(cell)))
-
-
-def _letters(part: Inline) -> str:
-    match part:
-        case Math(latex):
-            return max((re.sub(_MARKUP, "", row) for row in latex.split(r"\\")), key=len)
-        case Terms(parts):
-            return "   ".join(_letters(Math(latex)) for latex in parts)
-        case Strong(text) | Code(text):
-            return text
-        case Number():
-            return part.mantissa + ("·10^-9" if part.exponent is not None else "")
-    return part

@@ -21,6 +21,9 @@ GREEK = {
     for name in sorted(naming.GREEK)
     for size in ("CAPITAL" if name[0].isupper() else "SMALL",)
 }
+LONGEST_WORD, PIECE = 20, 10
+"""Letters of a word that stays in one piece, and after which a longer one may break."""
+_BREAK = r"\allowbreak{}"
 LATIN = 0x180
 """Code points below are letters that T1 fonts have, or are taken apart into such."""
 
@@ -50,6 +53,25 @@ def inline(cell: Cell) -> str:
     return "".join(map(_part, inlines(cell)))
 
 
+def breakable(part: Inline) -> str:
+    r"""A part of a cell in a narrow column: words may also break behind signs, and very long ones anywhere.
+
+    >>> print(breakable("gear=V,clutch=open"))
+    gear=\allowbreak{}V,\allowbreak{}clutch=\allowbreak{}open
+    """
+    if not isinstance(part, str):
+        return _part(part)
+    return " ".join(_BREAK.join(map(escaped, _syllables(word))) for word in part.split(" "))
+
+
+def _syllables(word: str) -> list[str]:
+    found = []
+    for piece in re.split(r"(?<=[=,/_+])", word):
+        size = PIECE if len(piece) > LONGEST_WORD else len(piece) or 1
+        found += [piece[start : start + size] for start in range(0, len(piece), size)]
+    return found
+
+
 def _part(part: Inline) -> str:
     match part:
         case Math(latex):
@@ -59,7 +81,8 @@ def _part(part: Inline) -> str:
         case Strong(text):
             return rf"\textbf{{{escaped(text)}}}"
         case Code(text):
-            return rf"\texttt{{{escaped(text).replace('--', '-{}-')}}}"
+            pieces = (escaped(piece).replace("--", "-{}-") for piece in re.split(r"(?<=[(,._/])", text))
+            return rf"\texttt{{{_BREAK.join(pieces)}}}"
         case Number():
             return number(part)
     return escaped(part)
@@ -78,5 +101,6 @@ def number(value: Number, decimals: int = 0) -> str:
 
 
 def displayed(latex: str) -> str:
-    """A formula on a line of its own: fractions within fractions as large as the others."""
-    return re.sub(r"\\frac(?![a-z])", r"\\dfrac", latex)
+    """A formula on a line of its own: fractions within fractions as large as the others, room between rows of them."""
+    large = re.sub(r"\\frac(?![a-z])", r"\\dfrac", latex)
+    return large.replace(r" \\ ", r" \\[5pt] ") if r"\dfrac" in large and "matrix" in large else large

@@ -14,6 +14,7 @@ from torsionnet.document.tree import (
     Block,
     Cell,
     Code,
+    Details,
     Equations,
     Facts,
     Formula,
@@ -128,6 +129,7 @@ class _Writer:
             Equations: lambda one: "\n\n".join(_display(" ".join(row.parts)) for row in one.rows),
             Table: self.table,
             Picture: self.picture,
+            Details: lambda one: inline(one.instead),
             Facts: self.facts,
         }
         return writers[type(block)](block)

@@ -25,7 +25,7 @@ def write(report: Report, path: Path) -> tuple[Path, ...]:
     browser = find_browser()
     with tempfile.TemporaryDirectory(prefix="torsionnet-") as folder:
         page, printed = Path(folder, "report.html"), Path(folder, "report.pdf")
-        page.write_text(html_page(report), encoding="utf-8")
+        page.write_text(html_page(report, folds=False), encoding="utf-8")
         _print(browser, page, printed)
         write_bytes(path, undated(printed.read_bytes()))
     return (path,)
