@@ -66,9 +66,7 @@ class Traced:
             return self
         if self.place is not None and self.place == right.place:
             return self.tape.number(1)
-        return self.tape.operation(
-            "/", self, right, self.value / right.value, self.other * pow(right.other, -1, PRIME)
-        )
+        return self.tape.operation("/", self, right, self.value / right.value, self.other * pow(right.other, -1, PRIME))
 
     def __neg__(self) -> Traced:
         if self.is_constant:
@@ -127,8 +125,10 @@ class Tape:
     --------
     >>> tape = Tape()
     >>> k = tape.parameter("k", Fraction(3))
-    >>> (k * 2 - 2 * k == 0, tape.settled), (k == 3, tape.settled)
-    ((True, set()), (True, {'k'}))
+    >>> k * 2 - 2 * k == 0, len(tape.settled)
+    (True, 0)
+    >>> k == 3, tape.settled
+    (True, {'k'})
     """
 
     operations: list[tuple[Any, ...]] = field(default_factory=list)

@@ -106,7 +106,9 @@ def _refuse(path: str | os.PathLike[str], step: float | None, version: str) -> N
         msg = f"the communication step is a positive time in s, got {step}"
         raise UsageError(msg)
     if version not in OF_VERSION:
-        msg = f'there are FMUs of version {" and ".join(OF_VERSION)}, not "{version}"{did_you_mean(version, OF_VERSION)}'
+        msg = (
+            f'there are FMUs of version {" and ".join(OF_VERSION)}, not "{version}"{did_you_mean(version, OF_VERSION)}'
+        )
         raise UsageError(msg)
 
 
@@ -130,7 +132,7 @@ def _subject(
 
 
 def _description(subject: Subject, version: str) -> bytes:
-    return (description2 if version == "2.0" else description3).describe(subject)
+    return description2.describe(subject) if version == "2.0" else description3.describe(subject)
 
 
 def _token(description: bytes, *texts: str) -> str:

@@ -69,12 +69,3 @@ static int tn_advance(tn_instance *self, double from, double h, int (*ask)(tn_in
     v->last_step = h;
     return TN_OK;
 }
-
-static int tn_set_slope(tn_instance *self, unsigned ref, int order, double value)
-{
-    if (ref < TN_REF_INPUT || ref >= TN_REF_OUTPUT || order != 1 || !isfinite(value))
-        return tn_fail(self, TN_ERROR, "only first derivatives of inputs can be given, not derivative %d of %u", order, ref);
-    self->v.slope[ref - TN_REF_INPUT] = value;
-    self->v.sloped[ref - TN_REF_INPUT] = 1;
-    return TN_OK;
-}

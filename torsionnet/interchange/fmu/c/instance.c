@@ -28,6 +28,8 @@ typedef struct {
     int extrapolate, mode;
 } tn_variables;
 
+typedef void (*tn_callback)(void);
+
 typedef struct tn_instance {
     tn_variables v;
     tn_state_space *space; /* of v.p, unless `stale` */
@@ -36,7 +38,7 @@ typedef struct tn_instance {
     void *environment;
     char *name;
     void (*log)(struct tn_instance *, int status, const char *text);
-    void *log_callback, *update_callback;
+    tn_callback log_callback, update_callback; /* of the host, of types that depend on the interface */
 } tn_instance;
 
 static int tn_fail(tn_instance *self, int status, const char *format, ...)
