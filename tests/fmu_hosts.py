@@ -42,8 +42,8 @@ class Host:
     """One instance of an FMU, addressed by names; ``messages`` are what it logged."""
 
     def __init__(self, rig, version="2.0", kind="CoSimulation", token=None, ask=None):
-        path, folder = unpacked(rig, version)
-        self.about = fmpy.read_model_description(str(path))
+        self.path, folder = unpacked(rig, version)
+        self.about = fmpy.read_model_description(str(self.path))
         self.version, self.messages = version, []
         self.references = {variable.name: variable.valueReference for variable in self.about.modelVariables}
         self.inputs, self.outputs = (

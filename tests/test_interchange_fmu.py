@@ -10,6 +10,8 @@ from models import geared_line
 import torsionnet as tn
 from torsionnet.interchange.fmu.step_size import suggested_step
 
+validation = pytest.importorskip("fmpy.validation")
+
 MODELS = [("dmf_rig", ""), ("amt_rig", "V"), ("drill_string", ""), ("planetary_set", ""), ("turbine_generator_ssr", "")]
 
 
@@ -243,3 +245,32 @@ def test_directional_derivatives(version):
     knowns = [host.references[name] for name in [*names, *host.inputs]]
     found = [host.unit.getDirectionalDerivative(unknowns, knowns, list(unit)) for unit in np.eye(len(knowns))]
     np.testing.assert_allclose(np.array(found).T, np.hstack([space.C, space.D]), atol=1e-9 * np.abs(space.C).max())
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_drivetrains_without_inertia(version):
+    """Springs alone have no states, springs and dampers one: phi = T/k (1 - exp(-k t/c))."""
+    k, c, T = 50.0, 20.0, 3.0
+    spring = tn.Spring("s", nodes=("a", "ground"), stiffness=k)
+    channels = {"inputs": {"T": {"torque": "a"}}, "sensors": {"phi": {"angle": "a"}, "twist": {"torque": "s"}}}
+    still = Host(tn.Drivetrain("still", [spring], **channels), version).start(T=T)
+    still.step(0.0, 0.1)
+    np.testing.assert_allclose(still.get(), [T / k, T], rtol=1e-15)
+    damper = tn.Damper("d", nodes=("a", "ground"), damping=c)
+    creeping = Host(tn.Drivetrain("creeping", [spring, damper], **channels), version).start(T=T)
+    creeping.step(0.0, 0.4)
+    np.testing.assert_allclose(creeping.get(), T * (1 - np.exp(-k * 0.4 / c)) * np.array([1 / k, 1]), rtol=1e-14)
+    for rig in (still, creeping):
+        assert validation.validate_fmu(str(rig.path)) == []
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_names_that_stand_in_several_tables(version):
+    """Inputs, sensors and parameters of a model may share a name; variables of a unit may not."""
+    parts = [tn.Inertia("i", node="T", inertia="T")]
+    channels = {"inputs": {"T": {"torque": "T"}}, "sensors": {"T": {"velocity": "T"}}}
+    model = tn.Drivetrain('namesakes: 5 % <ü>\n"x" */', parts, {"T": 2}, **channels)
+    host = Host(model, version).start(T=6.0, **{"parameter(T)": 4.0})
+    host.step(0.0, 2.0)
+    assert host.get(["output(T)"])[0] == pytest.approx(3.0, rel=1e-15)
+    assert validation.validate_fmu(str(host.path)) == []

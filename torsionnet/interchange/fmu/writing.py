@@ -30,6 +30,8 @@ VERSION = str(importlib.import_module("torsionnet").__version__)  # the package 
 SOURCES = ("export.h", "dense.c", "exponential.c", "system.c", "stepping.c", "instance.c", "advancing.c", "services.c")
 OF_VERSION = {"2.0": ("fmi2.h", "fmi2.c", "fmi2_modes.c"), "3.0": ("fmi3.h", "fmi3.c", "fmi3_modes.c", "fmi3_absent.c")}
 """Version of the interface -> its types and functions in C."""
+LONGEST_NAME = 60
+"""Characters of a title that go into names of files."""
 
 
 def write_fmu(
@@ -83,7 +85,7 @@ def write_fmu(
     sources = _sources(version)
     body = model(system, variables, drivetrain.title)
     chosen = suggested_step(drivetrain) if step is None else float(step)
-    identifier = Names().new(drivetrain.title)
+    identifier = Names().new(drivetrain.title[:LONGEST_NAME])
     subject = _subject(drivetrain, system, variables, identifier, chosen, token="")
     token = _token(_description(subject, version), body, *sources.values())
     sources |= {"model.h": header(system, variables, token), "model.c": body}

@@ -32,7 +32,7 @@ static int tn_put_right(tn_instance *self)
     if (!step)
         return TN_ERROR;
     for (int i = 0; i < TN_X; i++)
-        tn_add_product(v->x + i, step->matrix + (size_t)i * TN_W + TN_XU, missed, 1, TN_U);
+        v->x[i] += tn_product(step->matrix + (size_t)i * TN_W + TN_XU, missed, TN_U);
     return TN_OK;
 }
 

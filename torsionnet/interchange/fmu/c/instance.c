@@ -111,12 +111,7 @@ static int tn_require(tn_instance *self, int modes, const char *what)
 
 static double tn_dot(const tn_instance *self, const double *row)
 {
-    double sum = 0;
-    for (int i = 0; i < TN_X; i++)
-        sum += row[i] * self->v.x[i];
-    for (int i = 0; i < TN_U; i++)
-        sum += row[TN_X + i] * self->v.now[i];
-    return sum;
+    return tn_product(row, self->v.x, TN_X) + tn_product(row + TN_X, self->v.now, TN_U);
 }
 
 static int tn_get(tn_instance *self, unsigned ref, double *value)
