@@ -41,7 +41,7 @@ def unpacked(rig, version="2.0"):
 class Host:
     """One instance of an FMU, addressed by names; ``messages`` are what it logged."""
 
-    def __init__(self, rig, version="2.0", kind="CoSimulation", token=None, ask=None):
+    def __init__(self, rig, version="2.0", kind="CoSimulation", token=None, ask=None, events=False):
         self.path, folder = unpacked(rig, version)
         self.about = fmpy.read_model_description(str(self.path))
         self.version, self.messages = version, []
@@ -55,9 +55,9 @@ class Host:
             guid=token or self.about.guid, unzipDirectory=folder, instanceName="rig",
             modelIdentifier=self.about.coSimulation.modelIdentifier,
         )  # fmt: skip
-        self._instantiate(ask)
+        self._instantiate(ask, events)
 
-    def _instantiate(self, ask):
+    def _instantiate(self, ask, events):
         if self.version == "2.0":
             self.callbacks = fmi2.fmi2CallbackFunctions()
             self.callbacks.logger = fmi2.fmi2CallbackLoggerTYPE(
@@ -65,10 +65,10 @@ class Host:
             )
             self.unit.instantiate(callbacks=self.callbacks)
             return
-        more = {}
+        more = {"eventModeUsed": True} if events else {}
         if ask is not None:
             names = [self.references[name] for name in self.inputs]
-            more = {"intermediateUpdate": lambda *said: ask(self, said[1]), "requiredIntermediateVariables": names}
+            more |= {"intermediateUpdate": lambda *said: ask(self, said[1]), "requiredIntermediateVariables": names}
         self.unit.instantiate(logMessage=lambda *said: self.messages.append((said[1], said[3].decode())), **more)
 
     def start(self, time=0.0, **values):

@@ -2,6 +2,7 @@
 
 import itertools
 
+import mpmath
 import numpy as np
 import pytest
 from fmu_hosts import VERSIONS, Host, fmpy, library_model, unpacked
@@ -274,3 +275,49 @@ def test_names_that_stand_in_several_tables(version):
     host.step(0.0, 2.0)
     assert host.get(["output(T)"])[0] == pytest.approx(3.0, rel=1e-15)
     assert validation.validate_fmu(str(host.path)) == []
+
+
+def test_an_event_tells_a_jump():
+    """Torques that jump at an event are answered exactly; without one, a jump is taken for a rise over the last step."""
+    rig, step = library_model("dmf_rig"), 1e-3
+    levels = np.repeat([5.0, -3.0], 40)[:, None]
+    answer = rig.simulate("theta_1", {"T_M": np.ones(80)}, 1 / step)["theta_1"].values
+    expected = 5 * answer - 8 * np.concatenate([np.zeros(40), answer[:40]])
+    errors = []
+    for events in (True, False):
+        host = Host(rig, "3.0", events=events).start(T_M=5.0)
+        found = [host.get(["theta_1"])[0]]
+        for number in range(79):
+            if events and number == 40:
+                host.unit.enterEventMode()
+            host.set({"T_M": levels[number, 0]})
+            if events and number in (0, 40):
+                host.unit.updateDiscreteStates()
+                host.unit.enterStepMode()
+            host.step(number * step, step)
+            found.append(host.get(["theta_1"])[0])
+        errors.append(np.abs(np.array(found) - expected).max() / np.abs(expected).max())
+    assert errors[0] < 1e-12
+    assert errors[1] > 1e-3
+
+
+@pytest.mark.parametrize("size", [1e-6, 1e-3, 1.0, 1e3])
+def test_exponentials_of_stiff_drivetrains(size):
+    """Two masses that hardly feel each other, one 1e5 times faster: each the closed form of a mass on a spring."""
+    parts, expected = [], []
+    for number, (J, k) in enumerate(((2.0, 50.0), (1e-3, 2.5e8))):
+        parts += [
+            tn.Inertia(f"i{number}", node=f"n{number}", inertia=J),
+            tn.Spring(f"s{number}", nodes=(f"n{number}", "ground"), stiffness=k, damping=0.02 * k / np.sqrt(k / J)),
+        ]
+        with mpmath.workdps(40):
+            w = mpmath.sqrt(mpmath.mpf(k) / J)
+            d, v = w / 100, w * mpmath.sqrt(1 - mpmath.mpf(1) / 10**4)
+            decay = mpmath.exp(-d * size) * (mpmath.cos(v * size) + d / v * mpmath.sin(v * size))
+            expected.append(float((1 - decay) / k))
+    parts.append(tn.Spring("weak", nodes=("n0", "n1"), stiffness=1e-9))
+    sensors = {f"y{number}": {"angle": f"n{number}"} for number in range(2)}
+    inputs = {f"T{number}": {"torque": f"n{number}"} for number in range(2)}
+    host = Host(tn.Drivetrain("stiff", parts, inputs=inputs, sensors=sensors)).start(T0=1.0, T1=1.0)
+    host.step(0.0, size)
+    np.testing.assert_allclose(host.get(), expected, rtol=1e-8)
