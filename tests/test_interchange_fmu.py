@@ -321,3 +321,32 @@ def test_exponentials_of_stiff_drivetrains(size):
     host = Host(tn.Drivetrain("stiff", parts, inputs=inputs, sensors=sensors)).start(T0=1.0, T1=1.0)
     host.step(0.0, size)
     np.testing.assert_allclose(host.get(), expected, rtol=1e-8)
+
+
+@pytest.mark.parametrize("version", VERSIONS)
+def test_what_follows_from_parameters_is_never_old(version):
+    """Derived values after a second change, and a state stored under other parameters."""
+    rig = library_model("amt_rig", "V")
+    host = Host(rig, version)
+    name, share = "I_F", rig.parameters["I_1"] - rig.parameters["I_F"]
+    for value in (0.3, 0.4):
+        host.set({"I_1": value})
+        assert host.get([name])[0] == pytest.approx(value - share, rel=1e-12)
+    word = "State" if version == "3.0" else "state"
+    changed, plain = Host(rig, version).start(T_M=1.0, tau=5.42), Host(rig, version).start(T_M=1.0)
+    packed = getattr(changed.unit, f"serializeFMU{word}")(getattr(changed.unit, f"getFMU{word}")())
+    plain.step(0.0, 0.01)
+    unpack = plain.unit.deserializeFMUState if version == "3.0" else plain.unit.deSerializeFMUstate
+    getattr(plain.unit, f"setFMU{word}")(unpack(packed))
+    for unit in (changed, plain):
+        unit.step(0.0, 0.01)
+    np.testing.assert_array_equal(plain.get(), changed.get())
+
+
+def test_small_units_are_no_reason_to_refuse():
+    """A balance wheel: 1e-18 kg m^2 on 1e-15 N m/rad answers a unit torque with phi = (1 - cos w t)/k."""
+    parts = [tn.Inertia("i", node="n", inertia="J"), tn.Spring("s", nodes=("n", "ground"), stiffness="k")]
+    rig = tn.Drivetrain("wheel", parts, {"J": 2, "k": 800}, {"T": {"torque": "n"}}, {"phi": {"angle": "n"}})
+    host = Host(rig).start(J=1e-18, k=1e-15, T=1.0)
+    host.step(0.0, 0.05)
+    assert host.get()[0] == pytest.approx((1 - np.cos(np.sqrt(1000) * 0.05)) / 1e-15, rel=1e-12)
