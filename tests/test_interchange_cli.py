@@ -1,6 +1,7 @@
 """``torsionnet export`` and ``torsionnet import``."""
 
 import json
+import zipfile
 
 import pytest
 from modelica_reader import Model
@@ -8,6 +9,7 @@ from test_cli import run
 from tors_models import THRUSTER
 
 import torsionnet as tn
+from torsionnet.interchange.fmu.platforms import this_machine
 from torsionnet.signals.files import extras
 
 
@@ -23,7 +25,6 @@ from torsionnet.signals.files import extras
     ],
 )
 def test_format_by_the_ending(tmp_path, model, name):
-    pytest.importorskip("pythonfmu")
     result = run("export", model, "-o", tmp_path / name)
     assert result.stdout == ""
     assert result.stderr.splitlines()[-1] == f"wrote: {tmp_path / name}"
@@ -55,6 +56,7 @@ def test_another_ending_with_a_format(tmp_path):
         (["-o", "x.m", "--format", "fmu"], "a file ending in .m is of the format matlab, not fmu"),
         (["-o", "x.bin", "--format", "fmu"], "give a file ending in .fmu"),
         (["-o", "x.m", "--step", "0.1"], "--step belongs to an FMU"),
+        (["-o", "x.m", "--fmi", "3.0"], "--fmi belongs to an FMU"),
         (["-o", "x.fmu", "--step", "-1"], "positive time in s"),
         (["-o", "x.tors"], "clamp (lock)"),
         ([], "Missing option"),
@@ -66,8 +68,17 @@ def test_wrong_usage(tmp_path, monkeypatch, arguments, text):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_an_fmu_says_what_it_runs_on(tmp_path, monkeypatch):
+    monkeypatch.setitem(extras.PACKAGES, "fmu", ("no_such_module", "ziglang", "FMU"))
+    result = run("export", "dmf_rig", "-o", tmp_path / "x.fmu", "--fmi", "3.0")
+    assert result.stderr.startswith(f"note: binaries for {this_machine().name}; pip install")
+    with zipfile.ZipFile(tmp_path / "x.fmu") as archive:
+        assert 'fmiVersion="3.0"' in archive.read("modelDescription.xml").decode()
+
+
 def test_missing_extra(tmp_path, monkeypatch):
-    monkeypatch.setitem(extras.PACKAGES, "fmu", ("no_such_module", "pythonfmu", "FMU"))
+    monkeypatch.setitem(extras.PACKAGES, "fmu", ("no_such_module", "ziglang", "FMU"))
+    monkeypatch.setenv("PATH", str(tmp_path))
     result = run("export", "dmf_rig", "-o", tmp_path / "x.fmu", code=4)
     assert 'pip install "torsionnet[fmu]"' in result.stderr
 

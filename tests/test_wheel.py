@@ -47,6 +47,8 @@ def test_wheel_holds_models_and_type_marker(wheel, library_names):
     assert files >= {f"torsionnet/library/{name}.yaml" for name in library_names}
     page = ("index.html", "main.js", "style.css", "vendor/uPlot.iife.min.js", "vendor/LICENSE-uPlot.txt")
     assert files >= {f"torsionnet/explore/static/{name}" for name in page}
+    sources = Path(__file__).parents[1] / "torsionnet" / "interchange" / "fmu" / "c"
+    assert files >= {f"torsionnet/interchange/fmu/c/{source.name}" for source in sources.iterdir()}
     assert {name.split("/")[0].split("-")[0] for name in files} == {"torsionnet"}
 
 

@@ -197,7 +197,7 @@ def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list
 def virtual_motion(kinematics: Kinematics, index: int, number: Callable[[Any], Any] = exact) -> dict[str, Any]:
     """Motion z that violates constraint number ``index`` by one and no other: its torque is the work of all else on z.
 
-    Driven nodes stand still in it: what drives them does no work on z. ``number`` makes the numbers it is worked out in.
+    Driven nodes stand still in it: what drives them does no work on z. ``number`` makes the numbers to work with.
 
     Raises
     ------

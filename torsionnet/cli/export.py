@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import click
 
 from torsionnet.cli.cases import file_of, load_cases
 from torsionnet.cli.options import model_options, output_file_option
-from torsionnet.cli.terminal import wrote
+from torsionnet.cli.terminal import message, wrote
 
 FORMATS = {".tors": "tors", ".json": "tors", ".m": "matlab", ".mat": "mat", ".mo": "modelica", ".fmu": "fmu"}
 """Format by the ending of the file."""
+ONLY_HERE = '; pip install "torsionnet[fmu]" brings a compiler for the others'
 
 
 @click.command("export")
@@ -23,7 +25,8 @@ FORMATS = {".tors": "tors", ".json": "tors", ".m": "matlab", ".mat": "mat", ".mo
     type=click.Choice(list(dict.fromkeys(FORMATS.values()))),
     help="Default: by the ending of the file. Of text (tors, modelica) the ending may be any.",
 )
-@click.option("--step", type=float, help="Communication step of an FMU in s.  [default: 0.0001]")
+@click.option("--step", type=float, help="Communication step of an FMU in s.  [default: a fiftieth of a period]")
+@click.option("--fmi", type=click.Choice(["2.0", "3.0"]), help="Version of the interface of an FMU.  [default: 2.0]")
 def command(
     model: str,
     configurations: tuple[str, ...],
@@ -31,6 +34,7 @@ def command(
     output_file: str,
     form: str | None,
     step: float | None,
+    fmi: str | None,
 ) -> None:
     """Write a model for another program.
 
@@ -38,30 +42,33 @@ def command(
     .tors, .json  TORS of openTorsion: disks, shafts and gears in a tree
     .m, .mat      matrices, state space and names for Matlab and Octave
     .mo           Modelica text of Modelica.Mechanics.Rotational components
-    .fmu          functional mock-up unit, co-simulation (extra fmu)
+    .fmu          functional mock-up unit, for co-simulation and model exchange
+                  (extra fmu, or a C compiler)
 
     \b
     torsionnet export amt_rig -c V -o rig.mo
-    torsionnet export dmf_rig -o rig.fmu --step 0.001
+    torsionnet export dmf_rig -o rig.fmu --fmi 3.0
     """  # noqa: D301
     chosen = _format(Path(output_file).suffix.lower(), form)
-    if step is not None and chosen != "fmu":
-        msg = "--step belongs to an FMU"
+    more = {name: value for name, value in (("step", step), ("version", fmi)) if value is not None}
+    if more and chosen != "fmu":
+        msg = f"{'--step' if step is not None else '--fmi'} belongs to an FMU"
         raise click.UsageError(msg)
     cases = load_cases(model, configurations, settings)
     from torsionnet import interchange
 
-    writers = {
+    writers: dict[str, Callable[..., tuple[str, ...] | None]] = {
         "tors": interchange.write_tors,
         "matlab": interchange.write_matlab,
         "mat": interchange.write_matlab,
         "modelica": interchange.write_modelica,
         "fmu": interchange.write_fmu,
     }
-    more = {} if step is None else {"step": step}
     for case in cases:
         target = file_of(output_file, case, cases)
-        writers[chosen](case.drivetrain, target, **more)
+        platforms = writers[chosen](case.drivetrain, target, **more)
+        if platforms:
+            message("note", f"binaries for {', '.join(platforms)}{'' if len(platforms) > 1 else ONLY_HERE}")
         wrote(target)
 
 

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import shutil
 import subprocess
 import sys
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from torsionnet.errors import MissingExtraError, TorsionnetError
 from torsionnet.interchange.fmu.platforms import PLATFORMS, Platform, for_all_macs, this_machine
+from torsionnet.signals.files.extras import needed
 
 FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno", "-w")
 """Without fused products what cancels does so alike on every machine."""
@@ -36,38 +37,41 @@ def libraries(sources: Mapping[str, str], identifier: str, version: str, folder:
     """
     for name, text in sources.items():
         (folder / name).write_text(text, encoding="ascii", newline="\n")
-    if importlib.util.find_spec("ziglang"):
-        environment = {"ZIG_LOCAL_CACHE_DIR": str(folder / "cache")}
-        made = {
-            platform: _compiled(
-                [sys.executable, "-m", "ziglang", "cc", "-target", platform.target, "-s"], platform, folder, environment
-            )
-            for platform in PLATFORMS
-        }
-    else:
-        machine = this_machine()
-        made = {machine: _compiled([_compiler()], machine, folder, {})}
-    return _placed(made, identifier, version)
+    commands = _commands()
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        made = list(pool.map(lambda item: _compiled(item[1], item[0], folder), commands.items()))
+    return _placed(dict(zip(commands, made, strict=True)), identifier, version)
 
 
-def _compiler() -> str:
+def _commands() -> dict[Platform, list[str]]:
+    """How to call a compiler for each platform that can be reached."""
+    try:
+        needed("fmu")
+    except MissingExtraError as error:
+        compiler = _compiler()
+        if compiler is None:
+            msg = f"{error}; a C compiler (CC, cc, gcc or clang) would do for this machine"
+            raise MissingExtraError(msg) from None
+        return {this_machine(): [compiler]}
+    zig = [sys.executable, "-m", "ziglang", "cc", "-s", "-target"]
+    return {platform: [*zig, platform.target] for platform in PLATFORMS}
+
+
+def _compiler() -> str | None:
     """The C compiler at hand; ``CC`` says which."""
-    for name in (os.environ.get("CC", ""), *COMPILERS):
-        found = shutil.which(name) if name else None
-        if found:
-            return found
-    msg = 'FMU files need a C compiler, or the package ziglang, which is one: pip install "torsionnet[fmu]"'
-    raise MissingExtraError(msg)
+    named = (os.environ.get("CC", ""), *COMPILERS)
+    return next((found for name in named if name and (found := shutil.which(name))), None)
 
 
-def _compiled(command: list[str], platform: Platform, folder: Path, environment: Mapping[str, str]) -> bytes:
+def _compiled(command: list[str], platform: Platform, folder: Path) -> bytes:
+    environment = {**os.environ, "ZIG_LOCAL_CACHE_DIR": str(folder / f"cache_{platform.name}")}
     library = folder / f"{platform.name}{platform.suffix}"
     position = [] if platform.suffix == ".dll" else ["-fPIC"]
     plain = ["-Wl,--build-id=none"] if platform.suffix == ".so" else []
     call = [*command, *FLAGS, *position, *plain, "-o", library.name, "all.c", "-lm"]
     try:
         done = subprocess.run(  # noqa: S603
-            call, cwd=folder, env={**os.environ, **environment}, capture_output=True, text=True, errors="replace",
+            call, cwd=folder, env=environment, capture_output=True, text=True, errors="replace",
             timeout=LONGEST, check=False, stdin=subprocess.DEVNULL,
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:

@@ -42,7 +42,9 @@ def _patterns(system: System) -> tuple[Pattern, Pattern]:
     rate[damped] = _solved(C[damped, damped], (loads | K @ place | C @ rate)[damped])
     faster = _solved(M[heavy, heavy], (loads | K @ place | C @ rate)[heavy])
     states = np.vstack([rate[:n_h], faster, rate[damped]])
-    outputs = np.hstack([np.zeros((len(system.outputs), n_x), dtype=bool), _pattern(system, "F", len(system.outputs), n_u)])
+    outputs = np.hstack(
+        [np.zeros((len(system.outputs), n_x), dtype=bool), _pattern(system, "F", len(system.outputs), n_u)]
+    )
     row = place
     for power in range(3):
         outputs |= _pattern(system, f"R{power}", len(system.outputs), n) @ row

@@ -63,8 +63,12 @@ def add_experiment(root: Element, step: float) -> None:
 
 
 def given(attributes: Mapping[str, str]) -> dict[str, str]:
-    """Attributes that say something; text without characters that XML cannot hold."""
-    return {name: "".join(sign for sign in text if sign.isprintable()) for name, text in attributes.items() if text}
+    """Attributes that say something, on one line and without characters that XML cannot hold."""
+    return {name: _plain(text) for name, text in attributes.items() if text}
+
+
+def _plain(text: str) -> str:
+    return "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
 
 
 def written(root: Element) -> bytes:

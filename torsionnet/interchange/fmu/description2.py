@@ -64,8 +64,9 @@ def _add_variable(table: Element, variable: Variable) -> None:
 def _add_structure(root: Element, subject: Subject) -> None:
     structure = SubElement(root, "ModelStructure")
     for kind, role in (("Outputs", "output"), ("Derivatives", "rate")):
-        unknowns = SubElement(structure, kind)
-        for variable in subject.variables.of(role):
+        variables = subject.variables.of(role)
+        unknowns = SubElement(structure, kind) if variables else structure  # the standard has no empty list
+        for variable in variables:
             takes = " ".join(_index(reference) for reference in subject.dependencies[variable.reference])
             SubElement(unknowns, "Unknown", index=_index(variable.reference), dependencies=takes)
     initial = SubElement(structure, "InitialUnknowns")

@@ -20,7 +20,8 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import Law, Values
 from torsionnet.elimination import reduce_rows, substitute
 from torsionnet.errors import UsageError
-from torsionnet.interchange.fmu.tape import Tape, Traced, trace_parameters
+from torsionnet.interchange.fmu.tape import Tape, Traced
+from torsionnet.interchange.fmu.traced_parameters import trace_parameters
 from torsionnet.kinematics import Kinematics, constraints_of, owned_parts
 
 _Names: TypeAlias = tuple[str, ...]
@@ -111,9 +112,7 @@ class _Kinds:
         inertial = [row for law, row in self.laws if self._is_there(law.inertia, row)]
         massless = self._separated(inertial, self.coordinates)
         heavy = tuple(name for name in self.coordinates if name not in massless)
-        inside = [
-            (law, {name: a for name, a in row.items() if name in massless}) for law, row in self.laws
-        ]
+        inside = [(law, {name: a for name, a in row.items() if name in massless}) for law, row in self.laws]
         damping = [row for law, row in inside if row and self._is_there(law.damping, row)]
         static = self._separated(damping, massless)
         damped = tuple(name for name in massless if name not in static)

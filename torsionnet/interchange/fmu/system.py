@@ -10,8 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
+from torsionnet.assembly.functionals import functional
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import Law
 from torsionnet.errors import UsageError
@@ -19,7 +19,6 @@ from torsionnet.interchange.fmu.motion import Motion, trace_motion
 from torsionnet.interchange.fmu.readings import Part, parts_of
 from torsionnet.interchange.fmu.tape import Traced
 from torsionnet.solve.state_space import active_channels, first_order, output_rows
-from torsionnet.assembly.functionals import functional
 
 MOST = 400
 """Coordinates up to which dense matrices are no burden on a host."""
@@ -141,5 +140,3 @@ def _add_reading(
         if not weight.vanishes:
             for name, share in row.items():
                 matrices[f"R{power}"].add(number, place[name], weight * share)
-
-

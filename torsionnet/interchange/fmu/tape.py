@@ -9,14 +9,13 @@ they must not change without the structure of the model changing.
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
 from torsionnet.elimination import exact
 from torsionnet.expressions import Algebra
-from torsionnet.parameters import Parameter, evaluation_order
 from torsionnet.solve.modular import residue
 from torsionnet.units import limited
 
@@ -66,9 +65,7 @@ class Traced:
             return self
         if self.place is not None and self.place == right.place:
             return self.tape.number(1)
-        return self.tape.operation(
-            "/", self, right, self.value / right.value, self.other * pow(right.other, -1, PRIME)
-        )
+        return self.tape.operation("/", self, right, self.value / right.value, self.other * pow(right.other, -1, PRIME))
 
     def __neg__(self) -> Traced:
         if self.is_constant:
@@ -127,8 +124,10 @@ class Tape:
     --------
     >>> tape = Tape()
     >>> k = tape.parameter("k", Fraction(3))
-    >>> (k * 2 - 2 * k == 0, tape.settled), (k == 3, tape.settled)
-    ((True, set()), (True, {'k'}))
+    >>> k * 2 - 2 * k == 0, len(tape.settled)
+    (True, 0)
+    >>> k == 3, tape.settled
+    (True, {'k'})
     """
 
     operations: list[tuple[Any, ...]] = field(default_factory=list)
@@ -199,19 +198,3 @@ class Tape:
 def _order(number: Traced) -> tuple[int, Any]:
     """Constants first: equal operations have equal keys whatever the order of their operands."""
     return (0, number.value) if number.place is None else (1, number.place)
-
-
-def trace_parameters(
-    tape: Tape, definitions: Mapping[str, Parameter], values: Mapping[str, Any], settled: Iterable[str]
-) -> dict[str, Traced]:
-    """Every parameter on a tape; derived ones follow those they are made of, settled ones are constants."""
-    traced: dict[str, Traced] = {}
-    for name in evaluation_order(definitions)[0]:
-        expression = definitions[name].value
-        if name in settled:
-            traced[name] = tape.number(values[name])
-        elif expression.names:
-            traced[name] = expression.evaluate(traced, tape.algebra)
-        else:
-            traced[name] = tape.parameter(name, values[name])
-    return {name: tape.number(traced[name]) for name in definitions}

@@ -76,8 +76,12 @@ def list_variables(drivetrain: Drivetrain, system: System) -> Variables:
     """The variables of a drivetrain as its C code numbers them."""
     traced, values = system.motion.parameters, drivetrain.parameters
     written = drivetrain.parameter_definitions
-    open_ = {name: values[name] for name, number in traced.items() if not number.is_constant and not written[name].value.names}
-    derived = {name: traced[name] for name, number in traced.items() if not number.is_constant and name not in open_}
+    open_ = {
+        name: values[name]
+        for name, number in traced.items()
+        if not number.is_constant and not written[name].value.names
+    }
+    derived = {name: number for name, number in traced.items() if not number.is_constant and name not in open_}
     settled = {name: values[name] for name, number in traced.items() if number.is_constant}
     named = _Namer()
     listed = [
@@ -132,7 +136,13 @@ def _parameter(drivetrain: Drivetrain, name: str, role: str, dimension: Dimensio
     if role == "settled":
         reason = "cannot be changed here: the structure of the model rests on its value"
         text = f"{text}; {reason}" if text else reason
-    return {"name": name, "role": role, "unit": unit, "description": text, "start": None if role == "derived" else value}
+    return {
+        "name": name,
+        "role": role,
+        "unit": unit,
+        "description": text,
+        "start": None if role == "derived" else value,
+    }
 
 
 class _Namer:

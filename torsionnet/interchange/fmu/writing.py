@@ -30,6 +30,8 @@ VERSION = str(importlib.import_module("torsionnet").__version__)  # the package 
 SOURCES = ("export.h", "dense.c", "exponential.c", "system.c", "stepping.c", "instance.c", "advancing.c", "services.c")
 OF_VERSION = {"2.0": ("fmi2.h", "fmi2.c", "fmi2_modes.c"), "3.0": ("fmi3.h", "fmi3.c", "fmi3_modes.c", "fmi3_absent.c")}
 """Version of the interface -> its types and functions in C."""
+LONGEST_NAME = 60
+"""Characters of a title that go into names of files."""
 
 
 def write_fmu(
@@ -83,7 +85,7 @@ def write_fmu(
     sources = _sources(version)
     body = model(system, variables, drivetrain.title)
     chosen = suggested_step(drivetrain) if step is None else float(step)
-    identifier = Names().new(drivetrain.title)
+    identifier = Names().new(drivetrain.title[:LONGEST_NAME])
     subject = _subject(drivetrain, system, variables, identifier, chosen, token="")
     token = _token(_description(subject, version), body, *sources.values())
     sources |= {"model.h": header(system, variables, token), "model.c": body}
@@ -106,7 +108,9 @@ def _refuse(path: str | os.PathLike[str], step: float | None, version: str) -> N
         msg = f"the communication step is a positive time in s, got {step}"
         raise UsageError(msg)
     if version not in OF_VERSION:
-        msg = f'there are FMUs of version {" and ".join(OF_VERSION)}, not "{version}"{did_you_mean(version, OF_VERSION)}'
+        msg = (
+            f'there are FMUs of version {" and ".join(OF_VERSION)}, not "{version}"{did_you_mean(version, OF_VERSION)}'
+        )
         raise UsageError(msg)
 
 
@@ -130,7 +134,7 @@ def _subject(
 
 
 def _description(subject: Subject, version: str) -> bytes:
-    return (description2 if version == "2.0" else description3).describe(subject)
+    return description2.describe(subject) if version == "2.0" else description3.describe(subject)
 
 
 def _token(description: bytes, *texts: str) -> str:

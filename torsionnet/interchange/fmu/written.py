@@ -40,7 +40,6 @@ static const double tn_start[] = {{{start}0}};
 
 static void tn_fill(const double *p, double *derived, tn_mechanics *m)
 {{
-    (void)p, (void)derived;
 {body}
 }}
 

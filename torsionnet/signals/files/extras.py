@@ -14,7 +14,7 @@ PACKAGES = {
     "hdf5": ("h5py", "h5py", "HDF5 and MAT v7.3"),
     "parquet": ("pyarrow.parquet", "pyarrow", "Parquet"),
     "mdf": ("asammdf", "asammdf", "MDF4"),
-    "fmu": ("pythonfmu", "pythonfmu", "FMU"),
+    "fmu": ("ziglang", "ziglang", "FMU"),
 }
 """Extra: its module, the package it comes in, and the files it is for."""
 

@@ -32,7 +32,7 @@ static int tn_put_right(tn_instance *self)
     if (!step)
         return TN_ERROR;
     for (int i = 0; i < TN_X; i++)
-        tn_add_product(v->x + i, step->matrix + (size_t)i * TN_W + TN_XU, missed, 1, TN_U);
+        v->x[i] += tn_product(step->matrix + (size_t)i * TN_W + TN_XU, missed, TN_U);
     return TN_OK;
 }
 
@@ -67,14 +67,5 @@ static int tn_advance(tn_instance *self, double from, double h, int (*ask)(tn_in
     v->reached = (continues ? v->reached : from) + step->size;
     v->time = from + h;
     v->last_step = h;
-    return TN_OK;
-}
-
-static int tn_set_slope(tn_instance *self, unsigned ref, int order, double value)
-{
-    if (ref < TN_REF_INPUT || ref >= TN_REF_OUTPUT || order != 1 || !isfinite(value))
-        return tn_fail(self, TN_ERROR, "only first derivatives of inputs can be given, not derivative %d of %u", order, ref);
-    self->v.slope[ref - TN_REF_INPUT] = value;
-    self->v.sloped[ref - TN_REF_INPUT] = 1;
     return TN_OK;
 }

@@ -2,31 +2,31 @@
 
 #define SELF ((tn_instance *)component)
 
+typedef void (*tn_logger2)(fmi2ComponentEnvironment, fmi2String, fmi2Status, fmi2String, fmi2String, ...);
+
 static void tn_log2(tn_instance *self, int status, const char *text)
 {
-    const fmi2CallbackFunctions *functions = self->log_callback;
-    functions->logger(self->environment, self->name, (fmi2Status)status, "logStatusError", text);
+    ((tn_logger2)self->log_callback)(self->environment, self->name, (fmi2Status)status, "logStatusError", text);
 }
 
 TN_EXPORT const char *FMI2(GetTypesPlatform)(void) { return "default"; }
 TN_EXPORT const char *FMI2(GetVersion)(void) { return "2.0"; }
 
+/* Errors are all there is to log. */
 TN_EXPORT fmi2Status FMI2(SetDebugLogging)(fmi2Component component, fmi2Boolean on, size_t n, const fmi2String names[])
 {
-    (void)component, (void)on, (void)n, (void)names; /* errors are all there is to log */
     return fmi2OK;
 }
 
 TN_EXPORT fmi2Component FMI2(Instantiate)(fmi2String name, fmi2Type type, fmi2String guid, fmi2String resources,
                                           const fmi2CallbackFunctions *functions, fmi2Boolean visible, fmi2Boolean log)
 {
-    (void)resources, (void)visible, (void)log;
     tn_instance *self = name && guid ? tn_new(name, type == fmi2CoSimulation) : NULL;
     if (!self)
         return NULL;
     if (functions && functions->logger) {
         self->environment = functions->componentEnvironment;
-        self->log_callback = (void *)functions;
+        self->log_callback = (tn_callback)functions->logger;
         self->log = tn_log2;
     }
     if (strcmp(guid, TN_TOKEN) != 0) {
@@ -42,7 +42,6 @@ TN_EXPORT void FMI2(FreeInstance)(fmi2Component component) { tn_free(SELF); }
 TN_EXPORT fmi2Status FMI2(SetupExperiment)(fmi2Component component, fmi2Boolean tolerance_given, fmi2Real tolerance,
                                            fmi2Real start, fmi2Boolean stop_given, fmi2Real stop)
 {
-    (void)tolerance_given, (void)tolerance, (void)stop_given, (void)stop;
     return (fmi2Status)tn_setup(SELF, start);
 }
 
@@ -101,7 +100,6 @@ TN_EXPORT fmi2Status FMI2(SetBoolean)(fmi2Component component, const fmi2ValueRe
 #define TN_NO_VARIABLES(name, type) \
     TN_EXPORT fmi2Status FMI2(name)(fmi2Component component, const fmi2ValueReference refs[], size_t n, type values[]) \
     { \
-        (void)refs, (void)values; \
         return n ? (fmi2Status)tn_fail(SELF, TN_ERROR, "there are no variables of the type of " #name) : fmi2OK; \
     }
 TN_NO_VARIABLES(GetInteger, fmi2Integer)
@@ -121,14 +119,12 @@ TN_EXPORT fmi2Status FMI2(SetFMUstate)(fmi2Component component, fmi2FMUstate sta
 
 TN_EXPORT fmi2Status FMI2(FreeFMUstate)(fmi2Component component, fmi2FMUstate *state)
 {
-    (void)component;
     tn_discard(state);
     return fmi2OK;
 }
 
 TN_EXPORT fmi2Status FMI2(SerializedFMUstateSize)(fmi2Component component, fmi2FMUstate state, size_t *size)
 {
-    (void)component, (void)state;
     *size = sizeof(tn_variables);
     return fmi2OK;
 }

@@ -19,7 +19,6 @@ TN_EXPORT fmi2Status FMI2(EnterContinuousTimeMode)(fmi2Component component)
 TN_EXPORT fmi2Status FMI2(CompletedIntegratorStep)(fmi2Component component, fmi2Boolean no_return, fmi2Boolean *event,
                                                    fmi2Boolean *terminate)
 {
-    (void)component, (void)no_return;
     *event = *terminate = 0;
     return fmi2OK;
 }
@@ -47,7 +46,6 @@ TN_EXPORT fmi2Status FMI2(GetDerivatives)(fmi2Component component, fmi2Real rate
 
 TN_EXPORT fmi2Status FMI2(GetNominalsOfContinuousStates)(fmi2Component component, fmi2Real nominals[], size_t n)
 {
-    (void)component;
     for (size_t i = 0; i < n; i++)
         nominals[i] = 1;
     return fmi2OK;
@@ -55,8 +53,16 @@ TN_EXPORT fmi2Status FMI2(GetNominalsOfContinuousStates)(fmi2Component component
 
 TN_EXPORT fmi2Status FMI2(GetEventIndicators)(fmi2Component component, fmi2Real indicators[], size_t n)
 {
-    (void)indicators;
     return n ? (fmi2Status)tn_fail(SELF, TN_ERROR, "there are no event indicators") : fmi2OK;
+}
+
+static int tn_set_slope(tn_instance *self, unsigned ref, int order, double value)
+{
+    if (ref < TN_REF_INPUT || ref >= TN_REF_OUTPUT || order != 1 || !isfinite(value))
+        return tn_fail(self, TN_ERROR, "only first derivatives of inputs can be given, not derivative %d of %u", order, ref);
+    self->v.slope[ref - TN_REF_INPUT] = value;
+    self->v.sloped[ref - TN_REF_INPUT] = 1;
+    return TN_OK;
 }
 
 TN_EXPORT fmi2Status FMI2(SetRealInputDerivatives)(fmi2Component component, const fmi2ValueReference refs[], size_t n,
@@ -70,13 +76,11 @@ TN_EXPORT fmi2Status FMI2(SetRealInputDerivatives)(fmi2Component component, cons
 TN_EXPORT fmi2Status FMI2(GetRealOutputDerivatives)(fmi2Component component, const fmi2ValueReference refs[], size_t n,
                                                     const fmi2Integer orders[], fmi2Real values[])
 {
-    (void)refs, (void)orders, (void)values;
     return n ? (fmi2Status)tn_fail(SELF, TN_ERROR, "derivatives of outputs are not provided") : fmi2OK;
 }
 
 TN_EXPORT fmi2Status FMI2(DoStep)(fmi2Component component, fmi2Real from, fmi2Real size, fmi2Boolean no_return)
 {
-    (void)no_return;
     return (fmi2Status)tn_advance(SELF, from, size, NULL);
 }
 
@@ -93,7 +97,6 @@ TN_EXPORT fmi2Status FMI2(GetRealStatus)(fmi2Component component, const fmi2Stat
 
 TN_EXPORT fmi2Status FMI2(GetBooleanStatus)(fmi2Component component, const fmi2StatusKind kind, fmi2Boolean *value)
 {
-    (void)component;
     *value = 0;
     return kind == fmi2Terminated ? fmi2OK : fmi2Discard;
 }
@@ -101,7 +104,6 @@ TN_EXPORT fmi2Status FMI2(GetBooleanStatus)(fmi2Component component, const fmi2S
 #define TN_NO_STATUS(name, type) \
     TN_EXPORT fmi2Status FMI2(name)(fmi2Component component, const fmi2StatusKind kind, type *value) \
     { \
-        (void)component, (void)kind, (void)value; \
         return fmi2Discard; \
     }
 TN_NO_STATUS(GetStatus, fmi2Status)

@@ -26,9 +26,9 @@ static fmi3Instance tn_new3(fmi3String name, fmi3String token, int co_simulation
     if (!self)
         return NULL;
     self->environment = environment;
-    self->log_callback = (void *)log;
+    self->log_callback = (tn_callback)log;
     self->log = log ? tn_log3 : NULL;
-    self->update_callback = (void *)update;
+    self->update_callback = (tn_callback)update;
     if (strcmp(token, TN_TOKEN) != 0) {
         tn_fail(self, TN_ERROR, "the instantiation token is not that of this FMU");
         tn_free(self);
@@ -39,9 +39,9 @@ static fmi3Instance tn_new3(fmi3String name, fmi3String token, int co_simulation
 
 TN_EXPORT const char *FMI3(GetVersion)(void) { return "3.0"; }
 
+/* Errors are all there is to log. */
 TN_EXPORT fmi3Status FMI3(SetDebugLogging)(fmi3Instance instance, fmi3Boolean on, size_t n, const fmi3String names[])
 {
-    (void)instance, (void)on, (void)n, (void)names; /* errors are all there is to log */
     return fmi3OK;
 }
 
@@ -49,7 +49,6 @@ TN_EXPORT fmi3Instance FMI3(InstantiateModelExchange)(fmi3String name, fmi3Strin
                                                       fmi3Boolean visible, fmi3Boolean on,
                                                       fmi3InstanceEnvironment environment, fmi3LogMessageCallback log)
 {
-    (void)resources, (void)visible, (void)on;
     return tn_new3(name, token, 0, environment, log, NULL);
 }
 
@@ -58,7 +57,6 @@ TN_EXPORT fmi3Instance FMI3(InstantiateCoSimulation)(
     fmi3Boolean early_return, const fmi3ValueReference intermediate[], size_t n, fmi3InstanceEnvironment environment,
     fmi3LogMessageCallback log, fmi3IntermediateUpdateCallback update)
 {
-    (void)resources, (void)visible, (void)on, (void)early_return, (void)intermediate;
     tn_instance *self = tn_new3(name, token, 1, environment, log, n ? update : NULL);
     if (self)
         self->events = events;
@@ -71,7 +69,6 @@ TN_EXPORT fmi3Status FMI3(EnterInitializationMode)(fmi3Instance instance, fmi3Bo
                                                    fmi3Float64 tolerance, fmi3Float64 start, fmi3Boolean stop_given,
                                                    fmi3Float64 stop)
 {
-    (void)tolerance_given, (void)tolerance, (void)stop_given, (void)stop;
     TN_DO(tn_setup(SELF, start));
     return (fmi3Status)tn_change(SELF, TN_INSTANTIATED, TN_INITIALIZING, "the initialization");
 }

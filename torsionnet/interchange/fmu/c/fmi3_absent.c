@@ -9,13 +9,11 @@ static fmi3Status tn_absent(fmi3Instance instance, size_t n, const char *what)
     TN_EXPORT fmi3Status FMI3(Get##name)(fmi3Instance instance, const fmi3ValueReference refs[], size_t n, \
                                          fmi3##type values[], size_t n_values) \
     { \
-        (void)refs, (void)values, (void)n_values; \
         return tn_absent(instance, n, "Get" #name); \
     } \
     TN_EXPORT fmi3Status FMI3(Set##name)(fmi3Instance instance, const fmi3ValueReference refs[], size_t n, \
                                          const fmi3##type values[], size_t n_values) \
     { \
-        (void)refs, (void)values, (void)n_values; \
         return tn_absent(instance, n, "Set" #name); \
     }
 TN_ABSENT(Float32, Float32)
@@ -33,7 +31,6 @@ TN_ABSENT(String, String)
 #define TN_ABSENT_OF(name, ...) \
     TN_EXPORT fmi3Status FMI3(name)(fmi3Instance instance, const fmi3ValueReference refs[], size_t n, __VA_ARGS__) \
     { \
-        (void)refs; \
         return tn_absent(instance, n, #name); \
     }
 TN_ABSENT_OF(GetBinary, size_t sizes[], fmi3Binary values[], size_t n_values)
@@ -66,7 +63,6 @@ TN_EXPORT fmi3Instance FMI3(InstantiateScheduledExecution)(
     fmi3InstanceEnvironment environment, fmi3LogMessageCallback log, fmi3ClockUpdateCallback update,
     fmi3LockPreemptionCallback lock, fmi3UnlockPreemptionCallback unlock)
 {
-    (void)name, (void)token, (void)resources, (void)visible, (void)on, (void)update, (void)lock, (void)unlock;
     if (log)
         log(environment, fmi3Error, "logStatusError", "this FMU has no scheduled execution");
     return NULL;

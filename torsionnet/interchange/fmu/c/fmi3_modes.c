@@ -12,14 +12,12 @@ TN_EXPORT fmi3Status FMI3(SetFMUState)(fmi3Instance instance, fmi3FMUState state
 
 TN_EXPORT fmi3Status FMI3(FreeFMUState)(fmi3Instance instance, fmi3FMUState *state)
 {
-    (void)instance;
     tn_discard(state);
     return fmi3OK;
 }
 
 TN_EXPORT fmi3Status FMI3(SerializedFMUStateSize)(fmi3Instance instance, fmi3FMUState state, size_t *size)
 {
-    (void)instance, (void)state;
     *size = sizeof(tn_variables);
     return fmi3OK;
 }
@@ -47,7 +45,6 @@ TN_EXPORT fmi3Status FMI3(GetDirectionalDerivative)(fmi3Instance instance, const
 
 TN_EXPORT fmi3Status FMI3(EvaluateDiscreteStates)(fmi3Instance instance)
 {
-    (void)instance;
     return fmi3OK;
 }
 
@@ -63,7 +60,6 @@ TN_EXPORT fmi3Status FMI3(UpdateDiscreteStates)(fmi3Instance instance, fmi3Boole
 TN_EXPORT fmi3Status FMI3(CompletedIntegratorStep)(fmi3Instance instance, fmi3Boolean no_return, fmi3Boolean *event,
                                                    fmi3Boolean *terminate)
 {
-    (void)instance, (void)no_return;
     *event = *terminate = false;
     return fmi3OK;
 }
@@ -91,7 +87,6 @@ TN_EXPORT fmi3Status FMI3(GetContinuousStateDerivatives)(fmi3Instance instance, 
 
 TN_EXPORT fmi3Status FMI3(GetNominalsOfContinuousStates)(fmi3Instance instance, fmi3Float64 nominals[], size_t n)
 {
-    (void)instance;
     for (size_t i = 0; i < n; i++)
         nominals[i] = 1;
     return fmi3OK;
@@ -99,21 +94,18 @@ TN_EXPORT fmi3Status FMI3(GetNominalsOfContinuousStates)(fmi3Instance instance, 
 
 TN_EXPORT fmi3Status FMI3(GetNumberOfContinuousStates)(fmi3Instance instance, size_t *n)
 {
-    (void)instance;
     *n = TN_X;
     return fmi3OK;
 }
 
 TN_EXPORT fmi3Status FMI3(GetNumberOfEventIndicators)(fmi3Instance instance, size_t *n)
 {
-    (void)instance;
     *n = 0;
     return fmi3OK;
 }
 
 TN_EXPORT fmi3Status FMI3(GetEventIndicators)(fmi3Instance instance, fmi3Float64 indicators[], size_t n)
 {
-    (void)indicators;
     return n ? (fmi3Status)tn_fail(SELF, TN_ERROR, "there are no event indicators") : fmi3OK;
 }
 
@@ -121,7 +113,6 @@ TN_EXPORT fmi3Status FMI3(DoStep)(fmi3Instance instance, fmi3Float64 from, fmi3F
                                   fmi3Boolean *event_needed, fmi3Boolean *terminate, fmi3Boolean *early_return,
                                   fmi3Float64 *last_time)
 {
-    (void)no_return;
     *event_needed = *terminate = *early_return = false;
     const int status = tn_advance(SELF, from, size, SELF->update_callback ? tn_ask3 : NULL);
     *last_time = SELF->v.time;

@@ -28,6 +28,8 @@ typedef struct {
     int extrapolate, mode;
 } tn_variables;
 
+typedef void (*tn_callback)(void);
+
 typedef struct tn_instance {
     tn_variables v;
     tn_state_space *space; /* of v.p, unless `stale` */
@@ -36,7 +38,7 @@ typedef struct tn_instance {
     void *environment;
     char *name;
     void (*log)(struct tn_instance *, int status, const char *text);
-    void *log_callback, *update_callback;
+    tn_callback log_callback, update_callback; /* of the host, of types that depend on the interface */
 } tn_instance;
 
 static int tn_fail(tn_instance *self, int status, const char *format, ...)
@@ -109,12 +111,7 @@ static int tn_require(tn_instance *self, int modes, const char *what)
 
 static double tn_dot(const tn_instance *self, const double *row)
 {
-    double sum = 0;
-    for (int i = 0; i < TN_X; i++)
-        sum += row[i] * self->v.x[i];
-    for (int i = 0; i < TN_U; i++)
-        sum += row[TN_X + i] * self->v.now[i];
-    return sum;
+    return tn_product(row, self->v.x, TN_X) + tn_product(row + TN_X, self->v.now, TN_U);
 }
 
 static int tn_get(tn_instance *self, unsigned ref, double *value)

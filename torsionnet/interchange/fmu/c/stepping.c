@@ -80,7 +80,7 @@ static const tn_step *tn_step_of(tn_steps *steps, const tn_state_space *s, doubl
     return oldest;
 }
 
-/* x after a step; `all` has room for x, u0 and u1 in a row. Returns whether it is finite. */
+/* x after a step. Returns whether it is finite; if not, x stays as it was. */
 static int tn_take_step(const tn_step *step, double *x, const double *u0, const double *u1)
 {
     double all[TN_W + 1], next[TN_X + 1];
@@ -88,10 +88,10 @@ static int tn_take_step(const tn_step *step, double *x, const double *u0, const 
     memcpy(all, x, sizeof(double) * TN_X);
     memcpy(all + TN_X, u0, sizeof(double) * TN_U);
     memcpy(all + TN_XU, u1, sizeof(double) * TN_U);
-    memset(next, 0, sizeof next);
-    tn_add_product(next, step->matrix, all, TN_X, TN_W);
-    for (int i = 0; i < TN_X; i++)
+    for (int i = 0; i < TN_X; i++) {
+        next[i] = tn_product(step->matrix + (size_t)i * TN_W, all, TN_W);
         finite = finite && isfinite(next[i]);
+    }
     if (finite)
         memcpy(x, next, sizeof(double) * TN_X);
     return finite;

@@ -1,0 +1,152 @@
+"""The matrices an FMU makes its state space of: for random drivetrains, also with other values of every parameter."""
+
+import math
+import random
+
+import numpy as np
+import pytest
+from random_drivetrains import draw
+
+import torsionnet as tn
+from torsionnet.errors import UsageError
+from torsionnet.interchange.fmu.dependencies import dependencies
+from torsionnet.interchange.fmu.step_size import suggested_step
+from torsionnet.interchange.fmu.system import trace_system
+from torsionnet.interchange.fmu.tape import Tape, Traced
+
+F = np.array([0.3, 2.0, 9.0, 40.0])
+
+
+def evaluated(tape, values):
+    """Value of every operation of a tape for other values of the parameters: what the C code does."""
+    found = []
+
+    def number(part):
+        return float(part.value) if part.place is None else found[part.place]
+
+    for sign, *parts in tape.operations:
+        if sign == "parameter":
+            found.append(float(values[parts[0]]))
+        elif sign == "sqrt":
+            found.append(math.sqrt(number(parts[0])))
+        else:
+            left, right = map(number, parts)
+            found.append(left + right if sign == "+" else left * right if sign == "*" else left / right)
+    return number
+
+
+def response(system, number):
+    """Outputs over inputs at F: M h'' + C (h', b') + K c = L u solved as it stands."""
+    n, n_u, n_y = len(system.coordinates), len(system.inputs), len(system.outputs)
+    shapes = (
+        dict.fromkeys("MCK", (n, n)) | {"L": (n, n_u), "F": (n_y, n_u)} | dict.fromkeys(("R0", "R1", "R2"), (n_y, n))
+    )
+    m = {letter: np.zeros(shape) for letter, shape in shapes.items()}
+    for letter, entries in system.matrices.items():
+        for i, j, value in entries:
+            m[letter][i, j] = number(value)
+    heavy, damped = len(system.motion.heavy), len(system.motion.damped)
+    assert not m["M"][heavy:].any()
+    assert not m["C"][heavy + damped :].any()
+    s = 2j * np.pi * F
+    return np.array(
+        [
+            (m["R0"] + m["R1"] * p + m["R2"] * p * p) @ np.linalg.solve(m["M"] * p * p + m["C"] * p + m["K"], m["L"])
+            + m["F"]
+            for p in s
+        ]
+    )
+
+
+def with_every_sensor(drawn, source):
+    """The drivetrain with torques on two nodes and every sensor that has a state space; None where that cannot be."""
+    free = [node for node in drawn.nodes if not drawn.assembly.kinematics.holds(node)]
+    inputs = {"first": {"torque": free[0]}, "last": {"torque": free[-1]}}
+    wanted = [(quantity, node) for node in free for quantity in ("angle", "velocity", "acceleration")]
+    between = [name for name, element in drawn.elements.items() if len(element.ports) > 1]
+    wanted += [(quantity, name) for name in between for quantity in ("torque", "twist")]
+    source.shuffle(wanted)
+    definition, sensors = drawn.definition, {}
+    for number, (quantity, of) in enumerate(wanted[:12]):
+        sensor = {f"y{number}": {quantity: of}}
+        model = tn.Drivetrain("drawn", drawn.elements.values(), definition.parameters, inputs=inputs, sensors=sensor)
+        try:
+            trace_system(model)
+        except UsageError:
+            continue
+        sensors |= sensor
+    if not sensors:
+        return None
+    return tn.Drivetrain("drawn", drawn.elements.values(), definition.parameters, inputs=inputs, sensors=sensors)
+
+
+@pytest.mark.slow
+def test_random_drivetrains_with_any_values():
+    counts = dict.fromkeys(("all", "damped", "relative", "fed through", "open"), 0)
+    for seed in range(60):
+        source = random.Random(seed)
+        drawn, _ = draw(source, loops=seed % 2, planetary=seed % 4 == 0)
+        model = with_every_sensor(drawn, source)
+        if model is None:
+            continue
+        system = trace_system(model)
+        tape = system.motion.tape
+        names = [parts[0] for sign, *parts in tape.operations if sign == "parameter"]
+        changes = {name: model.parameters[name] * source.uniform(0.7, 1.3) for name in names}
+        for values in (model.parameters, changes):
+            other = model.configured(**{name: float(values[name]) for name in names})
+            expected = other.frequency_response(list(model.sensors), list(model.inputs), F).values
+            found = response(system, evaluated(tape, values))
+            scale = np.maximum(np.abs(expected).max(axis=0), 1e-12 * np.abs(expected).max())
+            np.testing.assert_allclose(found / scale, expected / scale, atol=1e-8, rtol=0)
+        counts["all"] += 1
+        counts["damped"] += bool(system.motion.damped)
+        counts["relative"] += bool(system.motion.relative)
+        counts["fed through"] += bool(list(system.matrices["F"]))
+        counts["open"] += len(names)
+        assert dependencies(system).keys() >= {1 + len(system.inputs)}
+    assert min(counts.values()) >= 5, counts
+
+
+def test_what_moves_as_one_body_meets_no_stiffness():
+    """The column of the first angle is empty, not small: a free drivetrain may turn as far as it likes."""
+    for name in ("drill_string", "turbine_generator_ssr", "wind_turbine_5mw"):
+        system = trace_system(tn.load(name))
+        assert not [entry for entry in system.matrices["K"] if 0 in entry[:2]]
+
+
+@pytest.mark.parametrize(
+    ("value", "decided"),
+    [
+        (lambda a, b: a * b - b * a, False),
+        (lambda a, b: a / b * b - a, False),
+        (lambda a, b: (a + b) * (a - b) - (a**2 - b**2), False),
+        (lambda a, b: a - 2 * b, True),
+        (lambda a, b: 1 / a**-1 - 2 * b, True),
+        (lambda a, b: a * 0 + b * 0, False),
+    ],
+)
+def test_decisions_that_rest_on_values_are_noted(value, decided):
+    tape = Tape()
+    a, b = tape.parameter("a", 6), tape.parameter("b", 3)
+    assert value(a, b) == 0
+    assert tape.settled == ({"a", "b"} if decided else set())
+
+
+def test_numbers_are_calculated_again():
+    tape = Tape()
+    a = tape.parameter("a", 4)
+    result = tape.sqrt(a + 5) * 3 - 1 / (2 - a) + tape.sqrt(9)
+    assert isinstance(result, Traced)
+    assert float(result.value) == 12.5
+    assert evaluated(tape, {"a": 20})(result) == 3 * 5 + 1 / 18 + 3
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "expected"),
+    [(4 * np.pi**2, 2e-2), (400 * np.pi**2, 2e-3), (4e4 * np.pi**2, 2e-4), (4e10 * np.pi**2, 2e-5), (0, 2e-2)],
+)
+def test_the_advised_step_is_a_fiftieth_of_a_period(stiffness, expected):
+    """1, 10, 100 Hz and 100 kHz, the last of which counts as 1 kHz; without any mode as 1 Hz."""
+    parts = [tn.Inertia("i", node="a", inertia=1), tn.Spring("s", nodes=("a", "ground"), stiffness=stiffness)]
+    assert suggested_step(tn.Drivetrain("x", parts[: 1 + bool(stiffness)])) == expected
