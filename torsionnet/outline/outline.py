@@ -92,6 +92,10 @@ class Outline:
         return data | ({"notes": self.notes} if self.notes else {})
 
 
+LOWEST, HIGHEST = 1e-9, 1e9
+"""Hz; no shaft train moves slower or faster."""
+
+
 def parse_band(raw: Any) -> tuple[float, float]:
     """Two frequencies in Hz from ``0.3..40 Hz`` or a list of two.
 
@@ -101,6 +105,9 @@ def parse_band(raw: Any) -> tuple[float, float]:
     low, high = (_hertz(edge) for edge in _edges(raw))
     if not 0 < low < high:
         msg = f"a band goes from a lower to a higher frequency, both above 0, as in {BAND_FORMS}; got {raw!r}"
+        raise FieldError(msg)
+    if not LOWEST <= low < high <= HIGHEST:
+        msg = f"a band lies between {LOWEST:g} and {HIGHEST:g} Hz, got {raw!r}"
         raise FieldError(msg)
     return low, high
 
