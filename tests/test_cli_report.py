@@ -34,6 +34,14 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
+def response_of(record, seconds, band):
+    """What the command compares: of a record, between two frequencies."""
+    from torsionnet.cli.record_options import Averaging
+    from torsionnet.cli.report import _measured
+
+    return _measured(record, tn.load("dmf_rig"), "theta_1", "T_T", Averaging(seconds=seconds), band).response
+
+
 class TestCommand:
     def test_default_file_is_named_after_the_model(self, folder):
         result = run("report", "dmf_rig", "--section", "validity", *DATE)
@@ -130,6 +138,48 @@ class TestCommand:
         text = (folder / "r.md").read_text(encoding="utf-8")
         assert "Test and model" in text
         assert "Fitted parameters" in text
+
+    def test_a_test_is_compared_in_its_band_with_segments_of_its_length(self, folder):
+        run("bench", "dmf_bench", "-o", "test.npz")
+        names = ["--record", "test.npz", "--output", "theta_1", "--input", "T_T", "--section", "validity", *DATE]
+        run("report", "dmf_rig", *names, "--seconds", "4", "--record-band", "2", "9", "-o", "r.md")
+        assert "Test and model" in (folder / "r.md").read_text(encoding="utf-8")
+        found = response_of("test.npz", 4.0, (2.0, 9.0))
+        assert (found.frequencies.min(), found.frequencies.max()) == (2.0, 9.0)
+        assert found.frequencies[1] - found.frequencies[0] == pytest.approx(0.25)
+        refused = run("report", "dmf_rig", *names, "--record-band", "2e4", "3e4", "-o", "s.md", code=2)
+        assert "nothing between 20000 and 30000 Hz" in refused.stderr
+        assert "LOW < HIGH" in run("report", "dmf_rig", *names, "--record-band", "9", "2", code=2).stderr
+
+    def test_the_summary_has_the_modes_of_the_fit(self, folder):
+        rig = tn.load("dmf_rig")
+        response = rig.configured(k_2=20e3).frequency_response("theta_1", "T_T", [1, 2, 4, 8, 12, 16])
+        tn.identify(rig, tn.Measurement(response, "theta_1", "T_T"), ["k_2"]).to_yaml("fit.yaml")
+        run("report", "dmf_rig", "--fit", "fit.yaml", "-o", "r.md", "--section", "summary", *DATE)
+        summary = (folder / "r.md").read_text(encoding="utf-8").partition("Fitted parameters")[0]
+        rows = summary.partition("of the fitted model")[2]
+        assert f"{rig.configured(k_2=20e3).modes().natural_frequencies[0]:.2f}" in rows
+        assert f"{rig.modes().natural_frequencies[0]:.2f}" not in rows
+
+    @pytest.mark.parametrize("command", ["report", "explore"])
+    def test_a_model_from_standard_input(self, folder, command):
+        arguments = {
+            "report": ["-o", "r.md", "--section", "validity", *DATE],
+            "explore": ["--port", "0", "--no-browser"],
+        }
+        program = [sys.executable, "-m", "torsionnet", command, "-", *arguments[command]]
+        environment = {**os.environ, "PYTHONPATH": str(Path(tn.__file__).parents[1])}
+        with subprocess.Popen(
+            program, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
+        ) as running:
+            running.stdin.write(MODEL)
+            running.stdin.close()
+            if command == "explore":
+                assert running.stdout.readline().startswith("http://127.0.0.1")
+                running.terminate()
+            assert running.wait(60) in (0, -15, 143)
+        if command == "report":
+            assert "two masses" in (folder / "r.md").read_text(encoding="utf-8")
 
     @pytest.mark.slow
     def test_time_and_size(self, folder):

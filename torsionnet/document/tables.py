@@ -39,7 +39,7 @@ def alike(rows: Sequence[tuple[Cell, ...]]) -> tuple[tuple[Cell, ...], ...]:
     for row in rows:
         named = found and len(row) > 1 and row[0] and found[-1][0]
         if named and as_shown(row[1:]) == as_shown(found[-1][1:]):
-            found[-1] = ((*inlines(found[-1][0]), ", ", *inlines(row[0])), *row[1:])
+            found[-1] = ((*inlines(found[-1][0]), ", ", *inlines(row[0])), *found[-1][1:])
         else:
             found.append(row)
     return tuple((joined(row[0]), *row[1:]) if row else row for row in found)

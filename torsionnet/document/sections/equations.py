@@ -26,7 +26,7 @@ from torsionnet.document.tree import (
     Terms,
     Text,
 )
-from torsionnet.document.widths import MATRIX, matrix_letters
+from torsionnet.document.widths import FORMULA, MATRIX, letters, matrix_letters
 from torsionnet.document.words import plain
 from torsionnet.symbolics.equations import bracketed, complex_stiffness, equation_terms, matrix_latex, to_latex
 from torsionnet.symbolics.shown import latex
@@ -53,13 +53,26 @@ def equations_section(subject: Subject) -> Section:
         return Section("equations", ("Equations of motion",), (Paragraph((lead,)), *_entries(subject)))
     few = subject.forms if len(subject.forms) <= FEW_CASES else subject.forms[:1]
     others = subject.forms[len(few) :]
-    blocks: list[Block] = [block for form in few for block in _form(form, several=len(subject.forms) > 1)]
+    blocks: list[Block] = []
+    for form in few:
+        written = _form(form, several=len(subject.forms) > 1)
+        if _is_short(form.system):
+            blocks += written
+        else:
+            title = f"Equations of motion in symbols{f', configuration {_where(form.cases)}' if len(few) > 1 else ''}"
+            lead = "In symbols the equations are too long to be read; the report as HTML has them."
+            blocks.append(Details((title,), tuple(written), (lead,)))
     if others:
         title = f"Equations of motion of the other {sum(len(form.cases) for form in others)} configurations"
         inner = tuple(block for form in others for block in _form(form, several=True))
         blocks.append(Details((title,), inner, (f"{title}: in the report as HTML.",)))
     blocks += _numbers(subject)
     return Section("equations", ("Equations of motion",), tuple(blocks))
+
+
+def _is_short(system: SymbolicSystem) -> bool:
+    """Whether every entry of the matrices fits a line."""
+    return all(letters(cell) <= FORMULA for key in UNITS for cell in getattr(system, key) if cell != 0)
 
 
 def _where(cases: tuple[Case, ...]) -> str:
@@ -115,8 +128,10 @@ def _introduction(system: Any) -> str:
 def _numbers(subject: Subject) -> list[Block]:
     """M, C, K of every case; a matrix that is the same in all of them once."""
     found = [(key, [getattr(case.drivetrain.assembly.system, key) for case in subject.cases]) for key in UNITS]
-    if subject.size > MOST_NUMBERS or any(
-        _number_width(matrix) > WIDEST_NUMBERS for _, all_of in found for matrix in all_of
+    if (
+        len(subject.cases) > FEW_CASES
+        or subject.size > MOST_NUMBERS
+        or any(_number_width(matrix) > WIDEST_NUMBERS for _, all_of in found for matrix in all_of)
     ):
         return _entries(subject)
     rows = []

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from torsionnet.document.subject import Form, Subject
+from torsionnet.document.subject import FEW_CASES, Form, Subject
 from torsionnet.document.tables import table
-from torsionnet.document.tree import Block, Cell, Heading, Math, Number, Paragraph, Section, Table, Text
+from torsionnet.document.tree import Block, Cell, Details, Heading, Math, Number, Paragraph, Section, Table, Text
+from torsionnet.document.widths import letters
 from torsionnet.document.words import listed, plain
 from torsionnet.symbolics.naming import angle_latex
 from torsionnet.symbolics.shown import latex
@@ -16,7 +17,8 @@ from torsionnet.symbolics.shown import latex
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
 
-MOST, MOST_COLUMNS, FEW = 40, 6, 12
+MOST, MOST_COLUMNS, FEW, LONGEST = 40, 6, 12, 24
+"""Rows, configurations, names; letters of a ratio in symbols."""
 
 
 def kinematics_section(subject: Subject) -> Section:
@@ -34,8 +36,26 @@ def kinematics_section(subject: Subject) -> Section:
     elif subject.is_large:
         blocks.append(_numeric(rig, dependent))
     else:
-        blocks += [_relations(form) for form in subject.forms]
+        few = subject.forms if len(subject.forms) <= FEW_CASES else subject.forms[:1]
+        blocks += [
+            _relations(form) if _is_short(form) else _numeric(form.cases[0].drivetrain, dependent) for form in few
+        ]
+        others = subject.forms[len(few) :]
+        if others:
+            title = f"Kinematic relations of the other {sum(len(form.cases) for form in others)} configurations"
+            tables = tuple(_relations(form) for form in others)
+            blocks.append(Details((title,), tables, (f"{title}: in the report as HTML.",)))
     return Section("kinematics", ("Kinematic relations",), tuple(blocks))
+
+
+def _in_numbers(form: Form) -> Table:
+    rig = form.cases[0].drivetrain
+    return _numeric(rig, [node for node in rig.nodes if node not in rig.assembly.kinematics.coordinates])
+
+
+def _is_short(form: Form) -> bool:
+    """Whether the ratios in symbols can be read; in numbers they always can."""
+    return max((letters(cell) for cell in form.system.T if cell != 0), default=0) <= LONGEST
 
 
 def _angles(nodes: tuple[str, ...]) -> Text:

@@ -57,11 +57,13 @@ class _Writer:
     """Counts tables, figures and formulas as it goes."""
 
     folds: bool = True
+    series: str = ""
+    """Before the numbers of what is folded away: paper, which leaves it out, has the same numbers without it."""
     counts: Counter[str] = field(default_factory=Counter)
 
     def label(self, what: str) -> str:
-        self.counts[what] += 1
-        return f"{what} {self.counts[what]}"
+        self.counts[self.series + what] += 1
+        return f"{what} {self.series}{self.counts[self.series + what]}"
 
     def section(self, section: Section, numbers: tuple[int, ...]) -> str:
         level, shown = min(len(numbers) + 1, 6), ".".join(map(str, numbers))
@@ -96,7 +98,9 @@ class _Writer:
     def details(self, block: Details) -> str:
         if not self.folds:
             return f"<p>{inline(block.instead)}</p>"
+        self.series = "S"
         inner = "\n".join(self.block(one) for one in block.blocks)
+        self.series = ""
         return f"<details><summary>{inline(block.title)}</summary>\n{inner}\n</details>"
 
     def formula(self, block: Formula) -> str:

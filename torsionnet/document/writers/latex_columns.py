@@ -14,6 +14,8 @@ from torsionnet.document.tree import Cell, Code, Heading, Inline, Math, Number, 
 
 PAGE, GAP, FEWEST = 98, 2, 10
 """Letters across the page, of the gap between two columns, and of the narrowest column of text."""
+MATRIX = 48
+"""Letters that a matrix in a table may be wide before it is made smaller."""
 LONGEST_WORD = 20
 """Letters of a word that stays in one piece."""
 
@@ -79,11 +81,13 @@ def _fitted(block: Table, indices: tuple[int, ...], least: Sequence[float]) -> C
     return Columns(indices, widths, headings)
 
 
+def is_matrix(cell: Cell) -> bool:
+    return isinstance(cell, Math) and "matrix" in cell.latex
+
+
 def breaks(block: Table, index: int) -> bool:
     """Whether lines may break in a column: in texts, not in numbers and matrices."""
-    cells = [part for cell in _column(block, index) for part in inlines(cell)]
-    matrices = any(isinstance(part, Math) and "matrix" in part.latex for part in cells)
-    return not block.columns[index].numeric and not matrices
+    return not block.columns[index].numeric and not any(map(is_matrix, _column(block, index)))
 
 
 def _title(column: Heading) -> Cell:
@@ -117,13 +121,15 @@ def _content(block: Table, index: int) -> int:
     decimals = max((number.decimals_shown for number in numbers), default=0)
     whole = max((len(number.mantissa.partition(".")[0]) for number in numbers), default=0)
     aligned = whole + decimals + (decimals > 0)
-    return max([aligned, *(len(shown(cell)) for cell in cells)], default=0)
+    return max([aligned, *(min(len(shown(c)), MATRIX) if is_matrix(c) else len(shown(c)) for c in cells)], default=0)
 
 
 def _least(block: Table, index: int) -> float:
     """Letters that a column needs at least."""
     column = block.columns[index]
     words = [len(word) for word in shown(column.text).split()] + [len(column.unit) + 2 if column.unit else 0]
+    if any(is_matrix(cell) for cell in _column(block, index)):
+        return min(_content(block, index), MATRIX)
     if not breaks(block, index):
         return min(max([_content(block, index), *words]), PAGE - 2 * GAP)
     longest = max((_longest(cell) for cell in _column(block, index)), default=0)

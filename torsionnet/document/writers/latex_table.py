@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from torsionnet.document.tree import Cell, Math, Number, Table, inlines
-from torsionnet.document.writers.latex_columns import PAGE, Columns, length, pieces
+from torsionnet.document.tree import Cell, Number, Table, inlines
+from torsionnet.document.writers.latex_columns import MATRIX, PAGE, Columns, is_matrix, length, pieces
 from torsionnet.document.writers.latex_text import breakable, displayed, escaped, inline, number
 
 
@@ -64,10 +64,6 @@ def _gap(row: tuple[Cell, ...]) -> str:
     return "[9pt]" if any(is_matrix(cell) for cell in row) else ""
 
 
-def is_matrix(cell: Cell) -> bool:
-    return isinstance(cell, Math) and "matrix" in cell.latex
-
-
 def _row(row: tuple[Cell, ...], columns: Columns, decimals: Sequence[int]) -> str:
     cells = zip(columns.indices, columns.widths, strict=True)
     return " & ".join(_cell(row[index], decimals[index], width) for index, width in cells)
@@ -80,10 +76,6 @@ def _cell(cell: Cell, decimals: int, width: float | None) -> str:
         return rf"\fitted{{{MATRIX / PAGE:.2f}\linewidth}}{{{displayed(inline(cell)[1:-1])}}}"
     text = inline(cell) if width is None else "".join(map(breakable, inlines(cell)))
     return displayed(text)
-
-
-MATRIX = 60
-"""Letters that a matrix in a table may be wide before it is made smaller."""
 
 
 def _decimals(block: Table, index: int) -> int:
