@@ -12,7 +12,7 @@ from torsionnet.document.expressions import expression_latex
 from torsionnet.document.subject import Subject
 from torsionnet.document.tables import as_shown, table
 from torsionnet.document.tree import Block, Cell, Heading, Inline, Math, Number, Section, Table
-from torsionnet.document.words import capital, named, plain, unit
+from torsionnet.document.words import capital, listed, named, plain, unit
 from torsionnet.elements import Values
 from torsionnet.elements.fields import Choice, Count, Quantity, Spec, Teeth
 from torsionnet.elements.fields import Table as Measurements
@@ -68,7 +68,9 @@ def _rows(group: list[Element], rig: Drivetrain) -> Iterator[Row]:
     """A row for each property; the elements themselves stand in the first only."""
     element = group[0]
     ends = [between(each) for each in group]
-    head: Row = (", ".join(plain(each.name) for each in group), plain(element.kind), "; ".join(dict.fromkeys(ends)))
+    names, nodes = [plain(each.name) for each in group], list(dict.fromkeys(ends))
+    rest = f"; … and {len(nodes) - MOST} more" if len(nodes) > MOST else ""
+    head: Row = (listed(names, MOST), plain(element.kind), "; ".join(nodes[:MOST]) + rest)
     values = list(_values(element, rig)) or [("", "", "", "")]
     for number, row in enumerate(values):
         yield (*(head if not number else ("", "", "")), *row, _remark(element) if not number else "")

@@ -43,6 +43,10 @@ WIDEST_NUMBERS = 84
 MOST_ENTRIES = 60
 """Entries of matrices that are listed in full view."""
 COMPLEX = "Stiffness that depends on frequency, or is complex, is not included."
+MOST_FOLDED = 200
+"""Entries that are listed at all."""
+MOST_ROWS = 24
+"""Rows of the matrices of all configurations together."""
 MOST_NUMBERS = 12
 """Coordinates of a system whose matrices are printed in numbers."""
 
@@ -129,7 +133,7 @@ def _numbers(subject: Subject) -> list[Block]:
     """M, C, K of every case; a matrix that is the same in all of them once."""
     found = [(key, [getattr(case.drivetrain.assembly.system, key) for case in subject.cases]) for key in UNITS]
     if (
-        len(subject.cases) > FEW_CASES
+        len(subject.cases) * subject.size > MOST_ROWS
         or subject.size > MOST_NUMBERS
         or any(_number_width(matrix) > WIDEST_NUMBERS for _, all_of in found for matrix in all_of)
     ):
@@ -193,7 +197,13 @@ def _entries(subject: Subject) -> list[Block]:
     notes += ["In other configurations other values and ratios take their places."] if len(subject.cases) > 1 else []
     notes += [COMPLEX] if any(one.drivetrain.assembly.system.dynamic for one in subject.cases) else []
     notes.append(_export())
-    found = table(f"Entries of the matrices of inertia, viscous damping and stiffness{where}", columns, rows, notes)
+    found = table(
+        f"Entries of the matrices of inertia, viscous damping and stiffness{where}",
+        columns,
+        rows,
+        notes,
+        most=MOST_FOLDED,
+    )
     if len(rows) <= MOST_ENTRIES:
         return [found]
     text = f"{len(rows)} entries of M, C and K are not zero"
