@@ -1,4 +1,4 @@
-"""Mode shapes of several configurations: one row of small panels for each, one column for each mode.
+"""Mode shapes of several configurations: one row of small panels for each, one column for each vibration.
 
 All panels are drawn into one axes, in inches: a dozen axes with ticks of their own take a second, this a tenth of it.
 """
@@ -27,6 +27,7 @@ from torsionnet.report.shapes import (
     view_of,
 )
 from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.modes import OSCILLATORY
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -56,7 +57,7 @@ class Panel:
 
 
 def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels: Sequence[str]) -> Figure:
-    """Relative angles of the nodes, referred to one shaft, in the modes of several configurations.
+    """Relative angles of the nodes, referred to one shaft, in the vibrations of several configurations.
 
     Parameters
     ----------
@@ -102,13 +103,17 @@ def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels
 
 def _panels(modes: Sequence[Modes], below: float) -> tuple[list[Panel], float]:
     """The panels and the height of all."""
+    drawn = _drawn(modes)
     if len(modes) == 1:
-        count = len(modes[0])
+        count = len(drawn[0])
         across = count if count <= MOST_COLUMNS else WRAPPED
-        places = [(0, index, index // across, index % across) for index in range(count)]
+        places = [(0, index, place // across, place % across) for place, index in enumerate(drawn[0])]
     else:
-        places = [(row, index, row, index) for row, one in enumerate(modes) for index in range(len(one))]
-        places = [place for place in places if place[1] < MOST_COLUMNS]
+        places = [
+            (row, index, row, column)
+            for row, indices in enumerate(drawn)
+            for column, index in enumerate(indices[:MOST_COLUMNS])
+        ]
     rows, columns = 1 + max(place[2] for place in places), max(2, 1 + max(place[3] for place in places))
     step = (style.WIDTH - LEFT - RIGHT + BETWEEN) / columns
     half = TALL if rows <= MANY_ROWS else LOW
@@ -118,6 +123,12 @@ def _panels(modes: Sequence[Modes], below: float) -> tuple[list[Panel], float]:
         for place in places
     ]
     return panels, below + rows * rise
+
+
+def _drawn(modes: Sequence[Modes]) -> list[list[int]]:
+    """The vibrations of each configuration; what only turns or creeps where nothing vibrates."""
+    vibrations = [[index for index, kind in enumerate(one.kinds) if kind == OSCILLATORY] for one in modes]
+    return vibrations if any(vibrations) else [list(range(len(one))) for one in modes]
 
 
 def _frame(axes: Axes, panel: Panel) -> None:
