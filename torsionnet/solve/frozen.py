@@ -21,6 +21,8 @@ from torsionnet.solve.spectrum import Spectrum, physical, refined, solve
 
 TOLERANCE = 1e-12
 """Relative change of a mode's frequency at which the fixed point is found."""
+NEAR = 1e-6
+"""Relative change from which on, or from its own error, an uncertain eigenvalue is refined."""
 MAX_ITERATIONS = 60
 SAME = 1e-8
 """Eigenvalues that agree to this are one multiple eigenvalue, or one mode found twice."""
@@ -165,7 +167,9 @@ def _track(problem: FrozenProblem, omega: float, shape: ComplexArray, count: int
         if not len(candidates):
             return []
         nearest = candidates[np.argmax(problem.resemblance(spectrum.shapes[:, candidates], shape))]
-        spectrum = refined(spectrum, np.arange(len(spectrum.values)) == nearest)
+        rough = float(spectrum.values[nearest].imag)
+        if abs(rough - omega) <= max(NEAR, float(spectrum.errors[nearest])) * rough:
+            spectrum = refined(spectrum, np.arange(len(spectrum.values)) == nearest)
         shape, found = spectrum.shapes[:, nearest], float(spectrum.values[nearest].imag)
         converged = abs(found - omega) <= TOLERANCE * found
         group = _group(spectrum, candidates, nearest, converged=converged, iterations=iteration)
