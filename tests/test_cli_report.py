@@ -85,7 +85,7 @@ class TestCommand:
             (["dmf_rig", "--tf", "theta_1"], 2, "OUTPUT/INPUT"),
             (["dmf_rig", "--tf", "theta_2/T_T"], 2, 'did you mean "theta_1"?'),
             (["dmf_rig", "--date", "31.3.25"], 2, "year-month-day"),
-            (["dmf_rig", "--band", "9", "1"], 2, "from a lower to a higher"),
+            (["dmf_rig", "--band", "9", "1"], 2, "LOW < HIGH"),
             (["dmf_rig", "-o", "r.doc"], 2, "does not end in"),
             (["amt_rig", "-c", "VI"], 2, "VI"),
             (["no_rig"], 2, "no library model"),
