@@ -149,7 +149,8 @@ def _foreign(columns: list[Heading], numbers: FloatArray, comments: list[str], p
 def _single(found: dict[str, tuple[Heading, FloatArray]]) -> Single:
     if "re" in found:
         heading, real = found["re"]
-        values = real + 1j * found["im"][1]
+        values = np.empty(len(real), dtype=complex)
+        values.real, values.imag = real, found["im"][1]
     else:
         heading, magnitude = found["magnitude"]
         phase = found["phase"][1] if "phase" in found else 0.0  # has_phase says which it is
