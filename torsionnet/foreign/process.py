@@ -19,7 +19,7 @@ from torsionnet.foreign.content import ForeignFileError
 PACKAGE = Path(__file__).parents[1]
 PATIENCE = 5.0
 """Seconds for a process to end when it is told to."""
-ENDLESS = -getattr(signal, "SIGXCPU", 0) or None
+ENDLESS = -getattr(signal, "SIGPROF", 0) or None
 """How a process ends whose time is over, where there is such a limit."""
 DEBUG = "TORSIONNET_DEBUG"
 _ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OPENBLAS", "OMP", "MKL")}

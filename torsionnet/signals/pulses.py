@@ -158,6 +158,7 @@ def check_pulses(times: ArrayLike) -> FloatArray:
     return stamps
 
 
+@np.errstate(over="ignore", invalid="ignore")  # an interval that is next to nothing
 def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp]) -> None:
     """Refuse intervals that do not go on from those around them."""
     intervals = np.diff(times)
