@@ -16,7 +16,6 @@ TOOLS = {
     "pdflatex": "the system's packages, as apt-get install texlive-latex-recommended texlive-latex-extra texlive-science",
     "pdftoppm": "the system's packages, as apt-get install poppler-utils",
     "compiler": "the system's packages, as apt-get install gcc, or pip install ziglang",
-    "could not import": "pip install --group test",
 }
 WANTING = "skipped for want of a tool"
 

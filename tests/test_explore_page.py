@@ -79,7 +79,9 @@ def test_what_stands_there_at_first(opened):
     assert test["kind"] == "dots"
     assert opened.text("h1") == "AMT test rig"
     assert opened.page.title().startswith("AMT test rig")
-    assert "peak 0.006345 rad/(N·m) at 6.784 Hz (−75.4°)" in opened.text("#summary")
+    peak = re.search(r"peak ([\d.]+) rad/\(N·m\) at ([\d.]+) Hz \((−[\d.]+)°\)", opened.text("#summary"))
+    assert float(peak[1]) == pytest.approx(0.006345, rel=1e-3)  # of the highest of the lines drawn
+    assert float(peak[2]) == pytest.approx(6.784, rel=2e-3)
     assert "apart by" in opened.text("#curves")
     rows = opened.page.locator("#modes tbody tr").all_inner_texts()
     assert rows[0].split("\t")[:4] == ["1", "5.912", "5.7704", "21.76"]
@@ -184,7 +186,7 @@ def test_response_quantity_units_and_band(opened):
     assert drawn(opened)[0]["frequencies"][0] == 3
     with opened.update():
         opened.page.get_by_role("button", name="fit").click()
-    assert drawn(opened)[0]["frequencies"][0] == 0.2
+    assert drawn(opened)[0]["frequencies"][0] == 1
 
 
 def test_zoom_by_dragging_and_back_by_double_click(opened):
@@ -196,11 +198,11 @@ def test_zoom_by_dragging_and_back_by_double_click(opened):
         opened.page.mouse.move(box["x"] + 0.8 * box["width"], y, steps=5)
         opened.page.mouse.up()
     low, high = drawn(opened)[0]["frequencies"][0], drawn(opened)[0]["frequencies"][-1]
-    assert 1 < low < 3
-    assert 10 < high < 30
+    assert low == pytest.approx(20**0.4, rel=0.05)  # of 1 to 20 Hz
+    assert high == pytest.approx(20**0.8, rel=0.05)
     with opened.update():
         opened.page.mouse.dblclick(box["x"] + 0.5 * box["width"], y)
-    assert drawn(opened)[0]["frequencies"][-1] == 50
+    assert drawn(opened)[0]["frequencies"][-1] == 20
 
 
 def test_cursor_by_mouse_and_by_keys(opened):
@@ -209,7 +211,7 @@ def test_cursor_by_mouse_and_by_keys(opened):
     opened.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + 20)
     opened.until(lambda: "(peak)" not in opened.text("#at"), "the cursor")
     frequency = float(re.search(r"at ([\d.]+) Hz", opened.text("#at"))[1])
-    assert frequency == pytest.approx(np.sqrt(0.2 * 50), rel=0.01)
+    assert frequency == pytest.approx(np.sqrt(1 * 20), rel=0.01)
     expected = abs(tn.load("amt_rig").configured("V").frequency_response("theta_1", "T_T", [frequency]).values[0, 0, 0])
     shown = float(opened.page.locator("#curves tbody tr td").first.inner_text())
     assert shown == pytest.approx(expected, rel=0.01)
@@ -344,7 +346,9 @@ def test_a_server_that_has_ended_is_told(browser):
 def test_nothing_sticks_out(browser, amt, width):
     with visit(browser, amt.address, viewport={"width": width, "height": 850}) as found:
         assert found.page.evaluate("document.documentElement.scrollWidth") <= width
-        assert found.page.locator("#magnitude canvas").bounding_box()["width"] > 0.6 * min(width, 1000) - 60
+        canvas = found.page.locator("#magnitude canvas")
+        found.until(lambda: canvas.bounding_box() is not None, "the picture")
+        assert canvas.bounding_box()["width"] > 0.6 * min(width, 1000) - 60
 
 
 def test_every_control_has_a_name(opened):

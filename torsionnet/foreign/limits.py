@@ -13,7 +13,7 @@ LEAST, TIMES = 256_000_000, 100
 """A file unpacks to at most the greater of so many bytes and so many times its own size."""
 SPARE, COPIES = 1_000_000_000, 4
 """Bytes of memory beside what unpacked samples may take several times over."""
-SECONDS, PACE = 1.0, 3e5
+SECONDS, PACE = 1.4, 3e5
 """Processor time that reading may take, and bytes of a file that take another second."""
 SAMPLE = 8
 """Bytes: samples become floating-point numbers, whatever they are in the file."""
