@@ -428,7 +428,9 @@ class TestCommand:
     @pytest.mark.skipif(os.name == "nt", reason="Ctrl-C cannot be sent to one process on Windows")
     def test_it_prints_an_address_is_ready_at_once_and_ends_with_ctrl_c(self, pytestconfig):
         began = time.perf_counter()
-        program = "import sys; from torsionnet.cli import main; sys.exit(main())"
+        # A run in the background of a shell ignores Ctrl-C, and its children do.
+        heard = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)"
+        program = f"{heard}; from torsionnet.cli import main; sys.exit(main())"
         done = subprocess.Popen(
             [sys.executable, "-c", program, "explore", "amt_rig", "--no-browser"],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=pytestconfig.rootpath,
