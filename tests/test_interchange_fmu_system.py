@@ -11,8 +11,8 @@ import torsionnet as tn
 from torsionnet.errors import UsageError
 from torsionnet.interchange.fmu.dependencies import dependencies
 from torsionnet.interchange.fmu.step_size import suggested_step
-from torsionnet.interchange.fmu.system import trace_system
-from torsionnet.interchange.fmu.tape import Tape, Traced
+from torsionnet.interchange.fmu.traced_matrices import trace_system
+from torsionnet.interchange.fmu.traced_numbers import Tape, Traced
 
 F = np.array([0.3, 2.0, 9.0, 40.0])
 

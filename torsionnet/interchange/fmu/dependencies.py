@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.interchange.fmu.system import System
+from torsionnet.interchange.fmu.traced_matrices import System
 
 Pattern: TypeAlias = NDArray[np.bool_]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from xml.etree.ElementTree import Element, SubElement
 
-from torsionnet.interchange.fmu.described import (
+from torsionnet.interchange.fmu.common_description import (
     ATTRIBUTES,
     UNKNOWN_AT_START,
     Subject,

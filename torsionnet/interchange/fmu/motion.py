@@ -20,7 +20,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import Law, Values
 from torsionnet.elimination import reduce_rows, substitute
 from torsionnet.errors import UsageError
-from torsionnet.interchange.fmu.tape import Tape, Traced
+from torsionnet.interchange.fmu.traced_numbers import Tape, Traced
 from torsionnet.interchange.fmu.traced_parameters import trace_parameters
 from torsionnet.kinematics import Kinematics, constraints_of, owned_parts
 

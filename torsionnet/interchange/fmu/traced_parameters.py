@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from torsionnet.interchange.fmu.tape import Tape, Traced
+from torsionnet.interchange.fmu.traced_numbers import Tape, Traced
 from torsionnet.parameters import Parameter, evaluation_order
 
 

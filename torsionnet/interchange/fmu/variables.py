@@ -8,8 +8,8 @@ from typing import Any
 
 from torsionnet.channels import UNITS
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.interchange.fmu.system import System
-from torsionnet.interchange.fmu.tape import Traced
+from torsionnet.interchange.fmu.traced_matrices import System
+from torsionnet.interchange.fmu.traced_numbers import Traced
 from torsionnet.parameters import dimensions
 from torsionnet.solve.state_space import active_channels
 from torsionnet.units import DIMENSIONS, Dimension

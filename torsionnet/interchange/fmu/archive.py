@@ -17,13 +17,13 @@ from torsionnet.atomic import write_bytes
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError, did_you_mean
 from torsionnet.interchange.fmu import description2, description3
+from torsionnet.interchange.fmu.c_source import header, model
+from torsionnet.interchange.fmu.common_description import Subject
 from torsionnet.interchange.fmu.compiling import libraries
 from torsionnet.interchange.fmu.dependencies import dependencies
-from torsionnet.interchange.fmu.described import Subject
 from torsionnet.interchange.fmu.step_size import suggested_step
-from torsionnet.interchange.fmu.system import System, trace_system
+from torsionnet.interchange.fmu.traced_matrices import System, trace_system
 from torsionnet.interchange.fmu.variables import Variables, list_variables
-from torsionnet.interchange.fmu.written import header, model
 from torsionnet.interchange.naming import Names
 
 VERSION = str(importlib.import_module("torsionnet").__version__)  # the package itself is above every layer

@@ -16,8 +16,8 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import Law
 from torsionnet.errors import UsageError
 from torsionnet.interchange.fmu.motion import Motion, trace_motion
-from torsionnet.interchange.fmu.readings import Part, parts_of
-from torsionnet.interchange.fmu.tape import Traced
+from torsionnet.interchange.fmu.traced_numbers import Traced
+from torsionnet.interchange.fmu.traced_readings import Part, parts_of
 from torsionnet.solve.state_space import active_channels, first_order, output_rows
 
 MOST = 400

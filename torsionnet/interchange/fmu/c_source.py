@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from torsionnet.interchange.fmu.system import System
-from torsionnet.interchange.fmu.tape import Traced
+from torsionnet.interchange.fmu.traced_matrices import System
+from torsionnet.interchange.fmu.traced_numbers import Traced
 from torsionnet.interchange.fmu.variables import Variables
 
 HEADER = """/* Sizes of this model. */
