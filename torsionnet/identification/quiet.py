@@ -2,8 +2,8 @@
 
 There the measured input is all but its own noise, and so is what a model predicts from it: their product has the power
 of that noise as its mean, over windows and lines by the thousand. The lines that a fit compares are few in which this
-noise weighs as much as that of the output, and the fit has bent itself to them. An error of the model makes a product
-too, but one in proportion to the power of the input, as where a line is excited.
+noise weighs as much as that of the output, and the fit has bent itself to them. What a wrong model leaves follows the
+excitation, and that is elsewhere.
 """
 
 from __future__ import annotations
@@ -99,6 +99,5 @@ def quiet_windows(windowed: WindowedEstimate, G: ComplexArray) -> QuietWindows:
     near = uniform_filter(power, NEAR)
     quiet = near < QUIET * near.max(axis=0)
     quiet &= quiet.mean(axis=0) > LEAST_QUIET
-    follows = np.where(quiet, 0, moment).sum(axis=0) / np.where(quiet, 0, power).sum(axis=0)
     smooth = uniform_filter(power, AROUND)
-    return QuietWindows(quiet, moment - follows * power, smooth, np.abs(left) ** 2 / unit, np.abs(gain) ** 2)
+    return QuietWindows(quiet, moment, smooth, np.abs(left) ** 2 / unit, np.abs(gain) ** 2)
