@@ -65,8 +65,13 @@ class EigenSolution:
         return EigenSolution(kinds=self.kinds[:count], **parts)
 
 
-def complex_modes(system: RowSystem, lowest: int | None = None) -> EigenSolution:
+def complex_modes(
+    system: RowSystem, lowest: int | None = None, undamped: tuple[FloatArray, FloatArray] | None = None
+) -> EigenSolution:
     """Modes with damping, all or the ``lowest`` so many; an undamped system gets purely imaginary eigenvalues.
+
+    Frequency-dependent laws start from the modes without damping, which are calculated where ``undamped`` does not give
+    them.
 
     Of passive laws real parts are never positive: the damping matrix is positive semidefinite, so a positive one is
     rounding. A table whose damping is negative can make a mode grow.
@@ -84,13 +89,12 @@ def complex_modes(system: RowSystem, lowest: int | None = None) -> EigenSolution
         return few.first(lowest)
     spaces = subspaces(system, stiff, system.damping > 0)
     if system.dynamic:
-        omega, shapes = undamped_modes(system)
+        omega, shapes = undamped_modes(system) if undamped is None else undamped
         starts = [(float(omega[i]), shapes[:, i].astype(complex)) for i in np.flatnonzero(omega)]
         found = frozen.modes(system, spaces, starts)
         passive = is_passive(system, found.values)
     else:
-        undamped = not np.any(system.damping > 0)
-        spectrum = refined(solve(system, spaces, system.stiffness, undamped=undamped))
+        spectrum = refined(solve(system, spaces, system.stiffness, undamped=not np.any(system.damping > 0)))
         kept, real = physical(spectrum)
         found = frozen.Found.all_converged(spectrum, kept, real)
         passive = True

@@ -48,7 +48,9 @@ def modes(
 def natural_modes(drivetrain: Drivetrain, lowest: int | None = None) -> tuple[Modes, tuple[str, ...]]:
     """Modes of the drivetrain as it stands, and what is doubtful; nodes with an imposed angle stand still."""
     assembly = drivetrain.assembly
-    solution = complex_modes(assembly.system, lowest)
+    system = assembly.system
+    undamped = undamped_modes(system) if system.dynamic else None
+    solution = complex_modes(system, lowest, undamped)
     elements = tuple(drivetrain.elements)
     solution, notes = with_chosen_shapes(solution, _motion(assembly.node_rows, solution.vectors), assembly.nodes)
     kinetic, strain, dissipated = energies(assembly, solution, elements)
@@ -58,7 +60,7 @@ def natural_modes(drivetrain: Drivetrain, lowest: int | None = None) -> tuple[Mo
         kinds=solution.kinds,
         nodes=assembly.nodes,
         shapes=shapes,
-        undamped_natural_frequencies=_undamped_rates(assembly.system, solution, lowest) / (2 * np.pi),
+        undamped_natural_frequencies=_undamped_rates(system, solution, undamped, lowest) / (2 * np.pi),
         elements=elements,
         kinetic=kinetic,
         strain=strain,
@@ -76,11 +78,13 @@ def _motion(rows: Rows, vectors: ComplexArray) -> ComplexArray:
     return np.asarray((rows.csr if rows.n_columns > LARGE else rows.dense) @ vectors)
 
 
-def _undamped_rates(system: RowSystem, solution: EigenSolution, lowest: int | None) -> FloatArray:
+def _undamped_rates(
+    system: RowSystem, solution: EigenSolution, undamped: tuple[FloatArray, FloatArray] | None, lowest: int | None
+) -> FloatArray:
     """Natural frequencies without damping, rad/s; those of the solution itself where nothing damps."""
-    if system.damping.any() or system.dynamic:
-        return undamped_modes(system, lowest)[0]
-    return np.abs(solution.eigenvalues)
+    if undamped is not None:
+        return undamped[0][:lowest]
+    return undamped_modes(system, lowest)[0] if system.damping.any() else np.abs(solution.eigenvalues)
 
 
 def energies(

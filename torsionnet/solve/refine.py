@@ -152,7 +152,7 @@ def eliminate(matrix: list[dict[int, Any]], right: list[Any] | None = None) -> t
             del matrix[i][column]  # a stored zero
         if not holders:
             return determinant * 0, []
-        pivot = max(holders, key=lambda i: _size(matrix[i][column]))
+        pivot = max(holders, key=lambda i: size_of(matrix[i][column]))
         determinant = determinant * matrix[pivot][column]
         order.append(pivot)
         for j in matrix[pivot]:
@@ -179,7 +179,7 @@ def _is_even(order: Sequence[int]) -> bool:
     return exchanges % 2 == 0
 
 
-def _size(value: Any) -> Any:
+def size_of(value: Any) -> Any:
     return abs(value.real) + abs(value.imag)
 
 
@@ -260,7 +260,7 @@ def _move(p: Polynomial, z: list[Any], j: int, zeros: int) -> bool:
     repulsion = sum((1 / (z[j] - other) for i, other in enumerate(z) if i != j), start=zeros / z[j])
     step = 1 / (newton - repulsion)
     z[j] = z[j] - step
-    return bool(_size(step) <= CONVERGED * _size(z[j]))
+    return bool(size_of(step) <= CONVERGED * size_of(z[j]))
 
 
 def newton(p: Polynomial, start: complex) -> Any:
@@ -274,7 +274,7 @@ def newton(p: Polynomial, start: complex) -> Any:
             if slope is None:
                 return z
             z = z - 1 / slope
-            if _size(1 / slope) <= CONVERGED * _size(z):
+            if size_of(1 / slope) <= CONVERGED * size_of(z):
                 return z
     return None
 
@@ -296,7 +296,7 @@ def refine_vector(p: Polynomial, z: Any, vector: ComplexArray) -> ComplexArray:
     with mpmath.workdps(DIGITS):
         start = [mpmath.mpmathify(vector[j].item()) for j in np.argsort(p.place)]
         _, solution = eliminate(p.at(z + z * STEP), p.slope(z, start))
-        largest = max(solution, key=_size, default=None)
+        largest = max(solution, key=size_of, default=None)
         if not largest:
             return vector
         return np.array([complex(solution[j] / largest) for j in p.place])

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.solve.reduction import AnyArray, FirstOrder, Subspaces, first_order
+
+if TYPE_CHECKING:
+    from torsionnet.solve.refine import Polynomial
 
 REFINE_ABOVE = 1e-10
 """Eigenvalues whose estimated relative error is larger are refined in mpmath."""
@@ -94,6 +98,11 @@ def refined(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spec
     p = refine.polynomial(spectrum.system.law_rows, coefficients)
     limit = MAX_OPERATIONS // max(p.operations, 1)
     chosen = affordable(chosen, spectrum.errors, limit)
+    spectrum, settled = _isolated_settled(spectrum, p, np.flatnonzero(chosen | blurred)[:limit])
+    chosen, blurred = chosen & ~settled, blurred & ~settled
+    if not np.any(chosen | blurred):
+        return spectrum
+    starts, _ = _polynomial_problem(spectrum)
     zeros = spectrum.spaces.rigid.shape[1] + (0 if squared else spectrum.spaces.undamped_rigid)
     roots, done = refine.refine_roots(p, starts, chosen, zeros, spectrum.errors)
     values = np.where(chosen, refine.to_complex(roots, square_root=squared), spectrum.values)
@@ -104,6 +113,30 @@ def refined(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spec
     for j in np.flatnonzero(chosen | blurred)[:limit]:
         shapes[:, j] = refine.refine_vector(p, roots[j], shapes[:, j])
     return replace(spectrum, values=values, shapes=shapes, errors=errors)
+
+
+def _isolated_settled(spectrum: Spectrum, p: Polynomial, some: NDArray[np.intp]) -> tuple[Spectrum, NDArray[np.bool_]]:
+    """Those of ``some`` eigenvalues that cannot be taken for another exact to double precision, and which these are."""
+    from torsionnet.solve.isolated import free_space, settle
+    from torsionnet.solve.refine import CONVERGED, to_complex
+
+    starts, _ = _polynomial_problem(spectrum)
+    space = free_space(starts, spectrum.errors)
+    values, shapes, errors = spectrum.values.copy(), spectrum.shapes.copy(), spectrum.errors.copy()
+    settled = np.zeros(len(starts), dtype=bool)
+    conjugates = not (spectrum.undamped or np.iscomplexobj(spectrum.stiffness))
+    for j in some:
+        if conjugates and values[j].imag < 0 and settled[j - 1]:
+            values[j], shapes[:, j], errors[j], settled[j] = (
+                values[j - 1].conj(),
+                shapes[:, j - 1].conj(),
+                CONVERGED,
+                True,
+            )
+        elif space[j] and (met := settle(p, starts[j].item(), shapes[:, j], space[j])) is not None:
+            values[j], shapes[:, j] = to_complex([met[0]], square_root=spectrum.undamped)[0], met[1]
+            errors[j], settled[j] = CONVERGED, True
+    return replace(spectrum, values=values, shapes=shapes, errors=errors), settled
 
 
 def in_pairs(values: ComplexArray) -> bool:
