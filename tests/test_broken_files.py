@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import pytest
 
 from torsionnet.errors import ModelError, UsageError
-from torsionnet.files import load, loads, read_file
+from torsionnet.files import read_file
 from torsionnet.files.located import PythonParser, compose
 from torsionnet.files.reader import read_text
+from torsionnet.loading import load, loads
 
 BASE = """\
 torsionnet: 1

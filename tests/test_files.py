@@ -38,12 +38,13 @@ from torsionnet.elements import (
     Spring,
     TabulatedSpring,
 )
-from torsionnet.files import dump, json_schema, library_entry, library_models, load, loads, read_file
+from torsionnet.files import dump, json_schema, library_entry, library_models, read_file
 from torsionnet.files.located import PythonParser, compose
 from torsionnet.files.quoting import written
 from torsionnet.files.reader import read_text
 from torsionnet.files.scalars import plain_value
 from torsionnet.files.schema import schema_text
+from torsionnet.loading import load, loads
 
 LIBRARY = Path(__file__).parents[1] / "library"
 HEAD = "torsionnet: 1\nname: m\n"

@@ -9,9 +9,9 @@ from scipy import stats
 
 import torsionnet as tn
 from torsionnet.bench import Acquisition, Encoder, Plan, Transducer
+from torsionnet.identification.fit import load_fit
 from torsionnet.identification.quiet import quiet_windows
 from torsionnet.identification.reach import reach
-from torsionnet.identification.saving import load_fit
 from torsionnet.identification.sources import together, two_sources
 from torsionnet.identification.steps import PLACES, Steps
 from torsionnet.signals import LinearChirp, Multisine, Welch, decimate

@@ -12,13 +12,13 @@ from hypothesis import strategies as st
 
 import torsionnet as tn
 from torsionnet.symbolics import loops
+from torsionnet.symbolics.adjugate import bilinear, determinant, seen_from
 from torsionnet.symbolics.algebras import Values
 from torsionnet.symbolics.blocks import is_forest, orient, roots_of
 from torsionnet.symbolics.loops import Split
 from torsionnet.symbolics.mechanical import single_edges
 from torsionnet.symbolics.network import Member, Network, Stiffness
 from torsionnet.symbolics.program import Program
-from torsionnet.symbolics.tree import bilinear, determinant, seen_from
 
 EXAMPLES = settings(max_examples=30, deadline=None)
 COEFFICIENTS = [-3, -2, -1, 1, 1, 2, sympy.Rational(1, 3)]

@@ -55,9 +55,9 @@ _HOMES = {
     "library_models": "files",
     "identify": "identification",
     "library_benches": "files",
-    "load": "files",
+    "load": "loading",
     "load_bench": "virtual",
-    "loads": "files",
+    "loads": "loading",
     "write_report": "document",
 }
 
@@ -94,8 +94,9 @@ if TYPE_CHECKING:
         TorsionnetWarning,
         UsageError,
     )
-    from torsionnet.files import library_benches, library_models, load, loads
+    from torsionnet.files import library_benches, library_models
     from torsionnet.identification import Fit, Measurement, Unknown, identify
+    from torsionnet.loading import load, loads
     from torsionnet.operating_point import OperatingPoint
     from torsionnet.parameters import Parameter
     from torsionnet.response import Channel, Conventions, FrequencyResponse, FrequencyResponses, Modes

@@ -12,10 +12,10 @@ if TYPE_CHECKING:
 
     import networkx as nx
 
-    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.model import Model
 
 
-def build_graph(drivetrain: Drivetrain) -> nx.MultiGraph[str]:
+def build_graph(drivetrain: Model) -> nx.MultiGraph[str]:
     """Nodes in the order of the drivetrain, and an edge for each pair of ports an element connects.
 
     Parameters

@@ -20,14 +20,14 @@ from torsionnet.units import expected_unit
 
 if TYPE_CHECKING:
     from torsionnet.configurations import Overlay
-    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.model import Model
 
 MOST_ROWS = 60
 """Rows of a table in a notebook."""
 SHOWN_ELSEWHERE = (NodeName, NodePair, Text)
 
 
-def tables(rig: Drivetrain) -> tuple[Table, ...]:
+def tables(rig: Model) -> tuple[Table, ...]:
     """Everything there is to show; tables without rows are those the model does not use."""
     return (
         elements_table(rig),
@@ -38,7 +38,7 @@ def tables(rig: Drivetrain) -> tuple[Table, ...]:
     )
 
 
-def page(rig: Drivetrain) -> str:
+def page(rig: Model) -> str:
     """The tables in HTML, of large models the first rows of each."""
     shown = [_beginning(table) for table in tables(rig) if table.rows]
     return "\n".join([f"<p><b>{html.escape(rig.title)}</b></p>", *(table.to_html() for table in shown)])
@@ -52,7 +52,7 @@ def _beginning(table: Table) -> Table:
     )
 
 
-def elements_table(rig: Drivetrain) -> Table:
+def elements_table(rig: Model) -> Table:
     columns = (Column("element"), Column("type"), Column("nodes"), Column("values"), Column("description"))
     rows = tuple(
         (element.name, element.kind, nodes_text(element), "; ".join(values_of(element, rig)), _remark(element))
@@ -82,7 +82,7 @@ def nodes_text(element: Element) -> str:
     return ", ".join(f"{port} {node}" for port, node in element.ports.items())
 
 
-def values_of(element: Element, rig: Drivetrain) -> Iterator[str]:
+def values_of(element: Element, rig: Model) -> Iterator[str]:
     """``stiffness k_2 = 460 N*m/rad`` for each value given."""
     defaults = element.defaults()
     for name, (spec, value) in element.scalars().items():
@@ -93,7 +93,7 @@ def values_of(element: Element, rig: Drivetrain) -> Iterator[str]:
         yield f"{name} {value_text(element, spec, value, rig)}"
 
 
-def value_text(element: Element, spec: Spec, value: Any, rig: Drivetrain) -> str:
+def value_text(element: Element, spec: Spec, value: Any, rig: Model) -> str:
     if isinstance(value, DampingMeasure):
         at = f" at {resolved(value.at, 'Hz', rig)}" if value.at is not None else ""
         return f"{value.measure} {resolved(value.value, _unit_of_measure(value), rig)}{at}{_viscous(element, rig)}"
@@ -110,13 +110,13 @@ def _unit_of_measure(value: DampingMeasure) -> str:
     return expected_unit("damping" if value.measure == "c" else "1")
 
 
-def _viscous(element: Element, rig: Drivetrain) -> str:
+def _viscous(element: Element, rig: Model) -> str:
     """What a measure of damping comes to, where the element has a single law."""
     laws = [part for part in element.parts(Values(rig.exact_values)) if isinstance(part, Law)]
     return f" = {float(laws[0].damping):.6g} N*m*s/rad" if len(laws) == 1 and laws[0].damping else ""
 
 
-def resolved(value: Expression, unit: str, rig: Drivetrain) -> str:
+def resolved(value: Expression, unit: str, rig: Model) -> str:
     """As written, and in SI where that is something else: ``0.46 kN*m/rad = 460 N*m/rad``."""
     number = f"{float(value.evaluate(rig.exact_values)):.6g}{'' if unit == '1' else f' {unit}'}"
     if isinstance(value, Number) and value.unit_dimension is None:
@@ -125,7 +125,7 @@ def resolved(value: Expression, unit: str, rig: Drivetrain) -> str:
     return number if written == number else f"{written} = {number}"
 
 
-def parameters_table(rig: Drivetrain) -> Table:
+def parameters_table(rig: Model) -> Table:
     units = parameter_units(rig.definition)
     columns = (Column("parameter"), Column("value"), Column("unit"), Column("as written"), Column("description"))
     rows = tuple(
@@ -135,7 +135,7 @@ def parameters_table(rig: Drivetrain) -> Table:
     return Table("Parameters", columns, rows)
 
 
-def channels_table(rig: Drivetrain) -> Table:
+def channels_table(rig: Model) -> Table:
     rows = [(name, "input", str(entry), UNITS[entry.quantity], "") for name, entry in rig.inputs.items()]
     for name, sensor in rig.sensors.items():
         element = rig.elements.get(sensor.of) if sensor.quantity == "torque" else None
@@ -146,7 +146,7 @@ def channels_table(rig: Drivetrain) -> Table:
     return without_empty_columns(Table("Inputs and sensors", columns, tuple(rows)))
 
 
-def configurations_table(rig: Drivetrain) -> Table:
+def configurations_table(rig: Model) -> Table:
     rows = tuple(
         (axis, name, changes_text(overlay))
         for axis, alternatives in rig.definition.axes.items()
@@ -163,7 +163,7 @@ def changes_text(overlay: Overlay) -> str:
     return "; ".join([*changes, *(["operating point"] if overlay.operating_point else [])]) or "as written"
 
 
-def speeds_table(rig: Drivetrain) -> Table:
+def speeds_table(rig: Model) -> Table:
     columns = (Column("node"), Column("mean speed", "rad/s"), Column("mean speed", "rpm"), Column("mean torque", "N*m"))
     speeds = rig.mean_speeds if rig.definition.operating_point.speed else {}
     torques = rig.mean_torques
@@ -175,7 +175,7 @@ def speeds_table(rig: Drivetrain) -> Table:
     return without_empty_columns(Table("Operating point", columns, rows))
 
 
-def as_data(rig: Drivetrain) -> dict[str, Any]:
+def as_data(rig: Model) -> dict[str, Any]:
     """The model for a program: the content of its file, and the resolved values."""
     units = parameter_units(rig.definition)
     return {

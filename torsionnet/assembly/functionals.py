@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.channels import SENSOR_QUANTITIES, UNITS, Sensor, port_fault
 from torsionnet.definition import all_nodes
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import GROUND, Element, Values
 from torsionnet.elimination import exact
 from torsionnet.errors import UsageError, did_you_mean
@@ -107,7 +107,7 @@ def coefficient(term: Term, kappa: LawStiffness) -> ComplexArray:
     return np.asarray(float(term.factor) * (kappa.s**term.power if term.law is None else kappa.of(term.law)))
 
 
-def functional(drivetrain: Drivetrain, sensor: Sensor, name: str = "") -> Functional:
+def functional(drivetrain: AssembledModel, sensor: Sensor, name: str = "") -> Functional:
     """The functional of a sensor.
 
     Raises

@@ -13,8 +13,8 @@ from typing import Any
 
 import sympy
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.twin import TWINS, Twin, rational, twin, twin_parameters
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import Law, Row, Values
 from torsionnet.errors import UsageError
 from torsionnet.kinematics import Kinematics, pseudo_node, solve_kinematics
@@ -90,7 +90,7 @@ def _joined(terms: list[str]) -> str:
     return text.removeprefix("+ ") or "0"
 
 
-def symbolic_matrices(drivetrain: Drivetrain, referred_to: Sequence[str] = ()) -> SymbolicMatrices:
+def symbolic_matrices(drivetrain: AssembledModel, referred_to: Sequence[str] = ()) -> SymbolicMatrices:
     """See :meth:`torsionnet.Drivetrain.symbolic`.
 
     Raises

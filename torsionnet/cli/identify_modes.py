@@ -107,7 +107,7 @@ def _weights(response: FrequencyResponse) -> Any:
 
 
 def _compared(found: ModalEstimate, model: str, configuration: str, inputs: tuple[str, ...]) -> Match:
-    from torsionnet.files import load
+    from torsionnet.loading import load
     from torsionnet.modal import match
 
     rig = load(model)

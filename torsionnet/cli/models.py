@@ -5,9 +5,10 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from torsionnet.files import load, loads, read_file
+from torsionnet.files import read_file
 from torsionnet.files.decoding import decode
 from torsionnet.files.reader import read_text
+from torsionnet.loading import load, loads
 
 if TYPE_CHECKING:
     from torsionnet.definition import Definition

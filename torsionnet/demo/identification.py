@@ -13,8 +13,8 @@ from pathlib import Path
 from torsionnet import report
 from torsionnet.bench import Encoder
 from torsionnet.cli.terminal import print_table
-from torsionnet.files import load
 from torsionnet.identification import Fit, Measurement, identify
+from torsionnet.loading import load
 from torsionnet.response import Conventions
 from torsionnet.signals import PAPER
 from torsionnet.virtual import Bench, load_bench

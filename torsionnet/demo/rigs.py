@@ -12,7 +12,7 @@ import numpy as np
 from torsionnet import report
 from torsionnet.cli.modes import on_screen
 from torsionnet.cli.terminal import print_table
-from torsionnet.files import load
+from torsionnet.loading import load
 from torsionnet.response import Column, Conventions, FrequencyResponse, Table
 from torsionnet.solve.peaks import peaks
 

@@ -14,8 +14,8 @@ from torsionnet.document.request import Measured, Request, read_date
 from torsionnet.document.subject import Subject, cases_of, digest_of, require_answers
 from torsionnet.document.tree import Report
 from torsionnet.errors import UsageError
-from torsionnet.files import load
 from torsionnet.files.reader import find_model
+from torsionnet.loading import load
 from torsionnet.outline import Outline, Pair, parse_band
 from torsionnet.outline.reading import section_fault
 

@@ -16,7 +16,8 @@ from torsionnet.explore.overlay import overlay_data
 from torsionnet.explore.state import State
 from torsionnet.files.changing import changed_text, place_of
 from torsionnet.files.decoding import decode
-from torsionnet.files.reader import find_model, loads
+from torsionnet.files.reader import find_model
+from torsionnet.loading import loads
 from torsionnet.response import FrequencyResponse
 from torsionnet.solve.grid import opening_range
 

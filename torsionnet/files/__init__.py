@@ -1,8 +1,8 @@
 """Model files: reading them with every fault located, writing them, their JSON Schema and the library.
 
->>> rig = load("amt_rig")
->>> loads(dump(rig.definition)) == rig
-True
+>>> definition, faults = read_file("amt_rig")
+>>> list(definition.parameters)[:2], [fault.severity for fault in faults if fault.severity == "error"]
+(['I_MT', 'I_1'], [])
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ import os
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.files.library import library_benches, library_entry, library_models
-from torsionnet.files.reader import load, loads, read_file
+from torsionnet.files.reader import read_file
 
 if TYPE_CHECKING:
     from torsionnet.definition import Definition
 
-__all__ = ["dump", "json_schema", "library_benches", "library_entry", "library_models", "load", "loads", "read_file"]
+__all__ = ["dump", "json_schema", "library_benches", "library_entry", "library_models", "read_file"]
 
 
 def dump(definition: Definition, path: str | os.PathLike[str] | None = None) -> str:

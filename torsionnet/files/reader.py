@@ -1,4 +1,4 @@
-"""Model files to drivetrains; every fault gets its place in the file."""
+"""Model files to definitions; every fault gets its place in the file."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from pathlib import Path
 from torsionnet.checks import has_errors
 from torsionnet.collecting import collector_paused
 from torsionnet.definition import Definition, read_definition
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.files.decoding import decode
 from torsionnet.files.followups import check_what_was_read
@@ -18,42 +17,6 @@ from torsionnet.files.located import Document, compose
 from torsionnet.files.placing import placed, presentable
 
 SUFFIXES = (".yaml", ".yml", ".json")
-
-
-def load(model: str | os.PathLike[str]) -> Drivetrain:
-    """The drivetrain of a model file, or of a library model given by name.
-
-    Parameters
-    ----------
-    model : str or path
-        A ``.yaml``, ``.yml`` or ``.json`` file, or a name out of :func:`library_models`.
-
-    Raises
-    ------
-    ModelError
-        With every fault of the file and its place.
-    UsageError
-        There is no such file or library model.
-
-    Examples
-    --------
-    >>> load("dmf_rig").nodes
-    ('motor', 'primary', 'secondary')
-    """
-    path = find_model(model)
-    return _drivetrain(*read_file(path), path.name)
-
-
-def loads(text: str, file: str = "<text>") -> Drivetrain:
-    """The drivetrain a model file with this text describes.
-
-    Examples
-    --------
-    >>> text = "{torsionnet: 1, name: wheel, elements: {disc: {type: inertia, node: a, inertia: 2}}}"
-    >>> loads(text).name
-    'wheel'
-    """
-    return _drivetrain(*read_text(text, file), file)
 
 
 def read_file(path: str | os.PathLike[str]) -> tuple[Definition | None, list[Fault]]:
@@ -92,12 +55,6 @@ def _no_model(document: Document) -> Fault:
     what = "a list" if isinstance(document.data, list) else "a single value"
     text = f"this is {what}; a model is made of entries: torsionnet: 1, name: ..., elements: ..."
     return Fault(text, position=document.position())
-
-
-def _drivetrain(definition: Definition | None, faults: list[Fault], title: str) -> Drivetrain:
-    if definition is None:
-        raise ModelError([fault for fault in faults if fault.severity == "error"], title)
-    return Drivetrain.from_definition(definition, faults)
 
 
 def find_model(model: str | os.PathLike[str]) -> Path:

@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.noise import Noise, noise_between_lines
 from torsionnet.identification.residual_forms import Form, apart
@@ -131,7 +131,7 @@ class Block(ABC):
     def take_noise(self, other: Block, left: float) -> None:
         """Weigh as another fit of the same measurement does; ``left`` is its reduced chi squared."""
 
-    def varied(self, rig: Drivetrain, measurement: Measurement, parameters: tuple[str, ...]) -> Block:
+    def varied(self, rig: AssembledModel, measurement: Measurement, parameters: tuple[str, ...]) -> Block:
         """The same test against another model, or in other parameters."""
         found, old = copy(self), self.response
         found.measurement = measurement

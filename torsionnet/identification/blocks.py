@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.identification.block import Block
 from torsionnet.identification.instrument import instrument_of
@@ -28,7 +28,7 @@ from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import PAPER, Welch
 
 
-def make_block(model: Drivetrain, measurement: Measurement, parameters: tuple[str, ...], form: Form) -> Block:
+def make_block(model: AssembledModel, measurement: Measurement, parameters: tuple[str, ...], form: Form) -> Block:
     """The block of one measurement.
 
     Raises
@@ -44,7 +44,7 @@ def make_block(model: Drivetrain, measurement: Measurement, parameters: tuple[st
 
 
 def _of_record(
-    rig: Drivetrain, measurement: Measurement, data: Recording, parameters: tuple[str, ...], form: Form
+    rig: AssembledModel, measurement: Measurement, data: Recording, parameters: tuple[str, ...], form: Form
 ) -> Block:
     settings = measurement.settings or default_settings(data, measurement.band)
     band = measurement.band or _usable_band(data, measurement, settings)
@@ -59,7 +59,7 @@ def _of_record(
 
 
 def _of_response(
-    rig: Drivetrain, measurement: Measurement, data: FrequencyResponse, parameters: tuple[str, ...], form: Form
+    rig: AssembledModel, measurement: Measurement, data: FrequencyResponse, parameters: tuple[str, ...], form: Form
 ) -> Block:
     chosen = _chosen_lines(data.select(measurement.output, measurement.input), measurement)
     form = form if chosen.has_phase else "magnitude"
@@ -114,7 +114,7 @@ def _empty(frequencies: FloatArray, measurement: Measurement) -> str:
 
 
 def _response(
-    rig: Drivetrain,
+    rig: AssembledModel,
     measurement: Measurement,
     frequencies: FloatArray,
     parameters: tuple[str, ...],

@@ -8,15 +8,15 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import Damper, Element, Gear, HystereticSpring, Spring
 from torsionnet.expressions import Expression, Number
 from torsionnet.identification.problem import Problem, laid_out
 from torsionnet.identification.unknown import Unknown
 
 AnySpring: TypeAlias = Spring | HystereticSpring
-Change: TypeAlias = Callable[[Drivetrain], Drivetrain]
+Change: TypeAlias = Callable[[AssembledModel], AssembledModel]
 FREED = ("inertia", "stiffness", "damping")
 """What is set free of the quantities that a model takes for known, and the ratios of gears."""
 GONE = {"hysteretic": "damping", "viscous": "loss_factor", "ratio": "teeth"}
@@ -59,7 +59,7 @@ def causes_of(problem: Problem) -> tuple[Cause, ...]:
     return (*channel, *(cause for cause in listed if cause.unknown not in problem.unknowns))
 
 
-def _values(rig: Drivetrain) -> Iterator[Cause]:
+def _values(rig: AssembledModel) -> Iterator[Cause]:
     """Parameters and plain numbers that stand for an inertia, a stiffness, a damping or a ratio."""
     definition, seen = rig.definition, set()
     for element in definition.active:
@@ -82,14 +82,14 @@ def _leaves(value: Expression, parameters: Mapping[str, Any]) -> list[str]:
     return found
 
 
-def _ratios(rig: Drivetrain) -> Iterator[Cause]:
+def _ratios(rig: AssembledModel) -> Iterator[Cause]:
     """Stages whose ratio follows from teeth."""
     for element in rig.definition.active:
         if isinstance(element, Gear) and element.teeth is not None:
             yield Cause("ratio", f"{element.name}.ratio", element.name)
 
 
-def _dampings(rig: Drivetrain) -> Iterator[Cause]:
+def _dampings(rig: AssembledModel) -> Iterator[Cause]:
     """Springs with one kind of damping, which might be the other."""
     for element in rig.definition.active:
         if isinstance(element, Spring | HystereticSpring):
@@ -99,21 +99,21 @@ def _dampings(rig: Drivetrain) -> Iterator[Cause]:
                 yield Cause("hysteretic", f"{element.name}.loss_factor", element.name)
 
 
-def _loss(element: AnySpring, rig: Drivetrain) -> float:
+def _loss(element: AnySpring, rig: AssembledModel) -> float:
     return _number(element.loss_factor, rig) if isinstance(element, HystereticSpring) else 0.0
 
 
-def _damping(element: AnySpring, rig: Drivetrain) -> float:
+def _damping(element: AnySpring, rig: AssembledModel) -> float:
     """Viscous damping of a spring and of dampers beside it."""
     return sum(_number(given, rig) for given in (element.damping, *(one.damping for one in _beside(element, rig))))
 
 
-def _number(given: Any, rig: Drivetrain) -> float:
+def _number(given: Any, rig: AssembledModel) -> float:
     """A value of the model; a measure of damping counts as 1."""
     return float(given.evaluate(rig.exact_values)) if isinstance(given, Expression) else 1.0
 
 
-def _beside(element: AnySpring, rig: Drivetrain) -> list[Damper]:
+def _beside(element: AnySpring, rig: AssembledModel) -> list[Damper]:
     ends = set(element.ports.values())
     return [one for one in rig.definition.active if isinstance(one, Damper) and set(one.ports.values()) == ends]
 
@@ -140,7 +140,7 @@ def with_causes(problem: Problem, causes: Sequence[Cause], values: FloatArray, *
     top = np.exp(np.mean([np.log(block.frequencies).mean() for block in problem.blocks]))
     changes = [_change(cause, float(top), instead) for cause in causes if cause.element]
 
-    def changed(rig: Drivetrain) -> Drivetrain:
+    def changed(rig: AssembledModel) -> AssembledModel:
         for change in changes:
             rig = change(rig)
         return rig
@@ -170,12 +170,12 @@ def _change(cause: Cause, frequency: float, instead: bool) -> Change:
     A stage has the ratio of its teeth as a number.
     """
 
-    def change(rig: Drivetrain) -> Drivetrain:
+    def change(rig: AssembledModel) -> AssembledModel:
         element = rig.definition.elements[cause.element]
         if isinstance(element, Gear):
             plainly = replace(element, ratio=Number(element.ratio_value(dict(rig.exact_values))), teeth=None)
             elements = {**rig.definition.elements, cause.element: plainly}
-            return Drivetrain.from_definition(replace(rig.definition, elements=elements))
+            return rig.with_definition(replace(rig.definition, elements=elements))
         assert isinstance(element, Spring | HystereticSpring)
         k, omega = _number(element.stiffness, rig), 2 * np.pi * frequency
         plain = {"nodes": element.nodes, "stiffness": element.stiffness}
@@ -190,6 +190,6 @@ def _change(cause: Cause, frequency: float, instead: bool) -> Change:
             elements |= {one.name: replace(one, enabled=False) for one in _beside(element, rig)}
         else:
             elements[cause.element] = Spring(cause.element, **plain, damping=_loss(element, rig) * k / omega)
-        return Drivetrain.from_definition(replace(rig.definition, elements=elements))
+        return rig.with_definition(replace(rig.definition, elements=elements))
 
     return change

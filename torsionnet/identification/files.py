@@ -13,7 +13,6 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements.fields import Count, FieldError, Flag, Spec, Text
 from torsionnet.errors import Fault, ModelError, UsageError, did_you_mean, unknown_key
 from torsionnet.expressions import ExpressionError, Number, scalar
-from torsionnet.files import load
 from torsionnet.files.decoding import decode
 from torsionnet.files.located import Document, compose
 from torsionnet.files.placing import placed, presentable
@@ -21,6 +20,7 @@ from torsionnet.identification.blocks import default_settings
 from torsionnet.identification.instrument import set_points
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.unknown import Unknown
+from torsionnet.loading import load
 from torsionnet.response import FrequencyResponse
 from torsionnet.signals.decimation import factor_for
 from torsionnet.signals.files import channel_names, read_recording

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.identification.measurement import Measurement
 from torsionnet.signals.estimators import LEAST_DRIVEN
@@ -80,7 +80,7 @@ class Instrument:
         return Instrument("H1", ""), of_input
 
 
-def instrument_of(model: Drivetrain, measurement: Measurement, record: Recording, settings: Welch) -> Instrument:
+def instrument_of(model: AssembledModel, measurement: Measurement, record: Recording, settings: Welch) -> Instrument:
     """What the measurement asks for, else a set-point that the record has, else the input.
 
     Raises
@@ -103,7 +103,7 @@ def instrument_of(model: Drivetrain, measurement: Measurement, record: Recording
     raise UsageError(msg)
 
 
-def set_points(model: Drivetrain, excitation: str | None = None) -> tuple[str, ...]:
+def set_points(model: AssembledModel, excitation: str | None = None) -> tuple[str, ...]:
     """What the set-points of the model's inputs are called, or that of one of them.
 
     >>> import torsionnet as tn
@@ -113,7 +113,7 @@ def set_points(model: Drivetrain, excitation: str | None = None) -> tuple[str, .
     return tuple(f"{drive}_set" for drive in ([excitation] if excitation else model.inputs))
 
 
-def _set_point(model: Drivetrain, measurement: Measurement, record: Recording) -> str:
+def _set_point(model: AssembledModel, measurement: Measurement, record: Recording) -> str:
     names = set_points(model, measurement.excitation)
     return next((name for name in names if name in record.names and name != measurement.input), "")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from math import inf
 
-from torsionnet.drivetrain import Drivetrain
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.elements.fields import Quantity
 from torsionnet.expressions import Name
 from torsionnet.parameters import dimensions
@@ -31,7 +31,7 @@ class Nature:
     bounds: tuple[float, float] = (-inf, inf)
 
 
-def nature(model: Drivetrain, name: str) -> Nature:
+def nature(model: AssembledModel, name: str) -> Nature:
     """Of a parameter, or of ``element.field``.
 
     >>> import torsionnet as tn

@@ -9,8 +9,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.identification.block import Block
 from torsionnet.identification.blocks import make_block
@@ -153,7 +153,7 @@ class Problem:
 
 
 def make_problem(
-    model: Drivetrain, measurements: Sequence[Measurement], unknowns: Mapping[str, Unknown], form: str
+    model: AssembledModel, measurements: Sequence[Measurement], unknowns: Mapping[str, Unknown], form: str
 ) -> Problem:
     """Lay out the vector.
 
@@ -171,7 +171,7 @@ def make_problem(
 
 
 def laid_out(
-    model: Drivetrain,
+    model: AssembledModel,
     blocks: Sequence[Block],
     unknowns: Mapping[str, Unknown],
     known: Mapping[str, float] | None = None,
@@ -209,7 +209,7 @@ def laid_out(
     )
 
 
-def _begin(model: Drivetrain, name: str, unknown: Unknown, value: float) -> tuple[float, tuple[float, float]]:
+def _begin(model: AssembledModel, name: str, unknown: Unknown, value: float) -> tuple[float, tuple[float, float]]:
     start = value if unknown.start is None else unknown.start
     stated = model.parameter_definitions[name].bounds if name in model.parameter_definitions else None
     bounds = unknown.bounds or stated or natural_bounds(model, name, start)
@@ -219,7 +219,7 @@ def _begin(model: Drivetrain, name: str, unknown: Unknown, value: float) -> tupl
     return start, bounds
 
 
-def natural_bounds(model: Drivetrain, name: str, start: float) -> tuple[float, float]:
+def natural_bounds(model: AssembledModel, name: str, start: float) -> tuple[float, float]:
     """What a value can be by nature; where that says nothing, one that begins above 0 stays there."""
     lower, upper = nature(model, name).bounds
     return (lower, upper) if np.isfinite(lower) or start <= 0 else (0.0, upper)

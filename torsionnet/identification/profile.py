@@ -13,7 +13,7 @@ from torsionnet.errors import UsageError, did_you_mean
 from torsionnet.threads import one_thread
 
 if TYPE_CHECKING:
-    from torsionnet.identification.fit import Fit
+    from torsionnet.identification.fit_result import FitResult
 
 DOUBLINGS = 12
 EDGE = 1e-6
@@ -21,7 +21,7 @@ EDGE = 1e-6
 
 
 @one_thread()
-def profile_interval(fit: Fit, name: str, level: float) -> tuple[float, float]:
+def profile_interval(fit: FitResult, name: str, level: float) -> tuple[float, float]:
     """Both ends of the interval in which chi squared rises by less than the level allows."""
     if fit.problem is None:
         msg = "a fit read from a file has no data to profile; fit again"
@@ -36,7 +36,7 @@ def profile_interval(fit: Fit, name: str, level: float) -> tuple[float, float]:
 
 
 class _Profile:
-    def __init__(self, fit: Fit, name: str, level: float) -> None:
+    def __init__(self, fit: FitResult, name: str, level: float) -> None:
         assert fit.problem is not None
         self.problem, self.index = fit.problem, list(fit.values).index(name)
         self.best = np.array(list(fit.values.values()))

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.identification.causes import Cause, causes_of
 from torsionnet.identification.explaining import FACTORS, MOST, Tried, squares, tried_with
@@ -113,7 +113,7 @@ class Ranking:
 
 @one_thread()
 def rank_causes(
-    model: Drivetrain | Fit,
+    model: AssembledModel | Fit,
     measurements: Measurement | Sequence[Measurement] = (),
     parameters: str | Sequence[str] | Mapping[str, Unknown | float | None] = (),
     *,
@@ -161,7 +161,7 @@ def rank_causes(
 
 
 def _prepared(
-    model: Drivetrain | Fit,
+    model: AssembledModel | Fit,
     measurements: Measurement | Sequence[Measurement],
     parameters: str | Sequence[str] | Mapping[str, Unknown | float | None],
     residual: str,

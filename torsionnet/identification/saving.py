@@ -14,12 +14,12 @@ from torsionnet.errors import Fault, ModelError, UsageError
 from torsionnet.files.decoding import decode
 from torsionnet.files.located import compose
 from torsionnet.files.quoting import written
-from torsionnet.identification.fit import Compared, Fit
+from torsionnet.identification.fit_result import Compared, FitResult
 
 VERSION = 1
 
 
-def dump_fit(fit: Fit, path: str | os.PathLike[str] | None = None) -> str:
+def dump_fit(fit: FitResult, path: str | os.PathLike[str] | None = None) -> str:
     """YAML text with values, errors, correlation, verdicts and the curves of test and model."""
     lines = [f"torsionnet_fit: {VERSION}", f"title: {written(fit.title)}", "parameters:"]
     for name, value in fit.values.items():
@@ -59,8 +59,8 @@ def _number(value: float) -> str:
     return repr(float(value)) if math.isfinite(value) else ".inf" if value > 0 else ".nan"
 
 
-def load_fit(path: str | os.PathLike[str]) -> Fit:
-    """A fit that was written with :meth:`Fit.to_yaml`, without the data needed to profile it.
+def read_fit(path: str | os.PathLike[str]) -> FitResult:
+    """What :func:`dump_fit` has written.
 
     Raises
     ------
@@ -89,9 +89,9 @@ def load_fit(path: str | os.PathLike[str]) -> Fit:
         raise ModelError([fault], file.name) from None
 
 
-def _fit(data: dict[str, Any]) -> Fit:
+def _fit(data: dict[str, Any]) -> FitResult:
     parameters = data["parameters"]
-    return Fit(
+    return FitResult(
         values={name: _float(entry["value"]) for name, entry in parameters.items()},
         standard_errors={name: _float(entry["standard_error"]) for name, entry in parameters.items()},
         correlation=_array(data["correlation"]),

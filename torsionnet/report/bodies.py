@@ -10,12 +10,12 @@ from torsionnet.report.blocks import LEADING, ROLES, Block, Stroke, Texts, wides
 from torsionnet.report.glyphs import inline_glyph
 
 if TYPE_CHECKING:
-    from torsionnet.report.lines import Line
+    from torsionnet.report.planned_row import PlannedRow
 
 WALL, LEADER = 18.0, 14.0
 
 
-def body(line: Line, disc: Element | None, hanging: Element | None) -> None:
+def body(line: PlannedRow, disc: Element | None, hanging: Element | None) -> None:
     """A disc, an element to ground, or the one below the other."""
     above = line.plan.texts(disc) if disc else []
     below = line.plan.texts(hanging) if hanging else []
@@ -31,7 +31,7 @@ def body(line: Line, disc: Element | None, hanging: Element | None) -> None:
     line.put(piece, reach, reach)
 
 
-def _hang(line: Line, piece: Block, element: Element, y: float, texts: Texts) -> None:
+def _hang(line: PlannedRow, piece: Block, element: Element, y: float, texts: Texts) -> None:
     """An element down to ground, its torques beside the piece that leads there, its texts below the hatching."""
     length, reach = 14.0, 8.0
     y = _tapped(line, piece, element, y)
@@ -47,7 +47,7 @@ def _hang(line: Line, piece: Block, element: Element, y: float, texts: Texts) ->
     piece.write(0, y - length - 9, texts, upward=False)
 
 
-def _tapped(line: Line, piece: Block, element: Element, y: float) -> float:
+def _tapped(line: PlannedRow, piece: Block, element: Element, y: float) -> float:
     """Marks one below the other on the way down to an element; gives where it begins."""
     for tap in line.plan.taps_of(element):
         mark = tap.mark(alone=True)
@@ -60,7 +60,7 @@ def _tapped(line: Line, piece: Block, element: Element, y: float) -> float:
     return y
 
 
-def ending(line: Line, element: Element) -> float:
+def ending(line: PlannedRow, element: Element) -> float:
     """A wall the shaft ends in, after the element unless that is a clamp; gives where the shaft stops."""
     texts = line.plan.texts(element)
     glyph = None if element.glyph == "clamp" else inline_glyph(element, line.values).scaled(line.plan.scale)

@@ -13,14 +13,14 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from torsionnet.report.epicyclic import Boxed
-    from torsionnet.report.lines import Line
+    from torsionnet.report.planned_row import PlannedRow
 
 HALF = 35.0
 GAP, STUB = 10.0, 12.0
 
 
 def box(
-    line: Line, vertex: Vertex, before: Link | None, after: Link | None, leaving: Sequence[tuple[Link, Vertex]]
+    line: PlannedRow, vertex: Vertex, before: Link | None, after: Link | None, leaving: Sequence[tuple[Link, Vertex]]
 ) -> None:
     """An element with three ports: in on the left, on to the right, the others below."""
     element = line.plan.found.boxes[vertex.name]
@@ -47,14 +47,16 @@ def box(
         x += slot
 
 
-def _ports_below(line: Line, vertex: Vertex, element: Boxed, leaving: Sequence[tuple[Link, Vertex]]) -> dict[str, Any]:
+def _ports_below(
+    line: PlannedRow, vertex: Vertex, element: Boxed, leaving: Sequence[tuple[Link, Vertex]]
+) -> dict[str, Any]:
     """Port to what is there: another line, a loop, or None for ground."""
     below: dict[str, Any] = {link.port: child for link, child in leaving}
     below |= {link.port: (number, link, end) for number, link, end in line.plan.loops.get(vertex, ())}
     return below | {port: None for port, node in element.ports.items() if node == "ground"}
 
 
-def _port(line: Line, x: float, use: Any) -> None:
+def _port(line: PlannedRow, x: float, use: Any) -> None:
     if isinstance(use, Vertex):
         line.exits.append(Exit(x, -HALF, use))
     elif use is None:
@@ -64,7 +66,7 @@ def _port(line: Line, x: float, use: Any) -> None:
         line.exits.append(Exit(x, -HALF, _loop(line, *use)))
 
 
-def _loop(line: Line, number: int, link: Link, end: Vertex) -> Block:
+def _loop(line: PlannedRow, number: int, link: Link, end: Vertex) -> Block:
     """A piece of shaft with a loose end."""
     piece = type(line)(line.plan, wall=6.0)
     piece.block.line((0, 0), (STUB, 0))

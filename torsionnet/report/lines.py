@@ -2,28 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from itertools import groupby
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
-from torsionnet.report.blocks import Block, LooseEnd, text_width, widest
+from torsionnet.report.blocks import Block, widest
 from torsionnet.report.bodies import body, ending
 from torsionnet.report.boxes import box
 from torsionnet.report.drops import ELBOW, Drop, Exit, Stage, attach, ratio_of
 from torsionnet.report.gaps import between
 from torsionnet.report.labels import symbol
 from torsionnet.report.marks import Mark
-from torsionnet.report.row import FAR, Row
-from torsionnet.report.taps import marks_beside
+from torsionnet.report.planned_row import PlannedRow
 from torsionnet.report.topology import Link, Vertex
 
 if TYPE_CHECKING:
     from torsionnet.elements import Element
-    from torsionnet.report.plan import Plan
 
 GAP = 9.0
-MANY, HIGHER = 4, 22.0
-"""Marks in a row of which every other one is lifted, by so many points."""
+
 
 Leaving: TypeAlias = Sequence[tuple[Link, Vertex]]
 Thing: TypeAlias = "Mark | tuple[Element | None, Element | None]"
@@ -33,18 +30,8 @@ Settle: TypeAlias = Callable[[Exit], Drop]
 """Gives what leaves a line its block."""
 
 
-class Line(Row):
+class Line(PlannedRow):
     """Builds a line along y = 0 from left to right; ``x`` is how far it has come."""
-
-    def __init__(self, plan: Plan, wall: float = -FAR) -> None:
-        super().__init__(wall)
-        self.plan = plan
-        self.exits: list[Exit] = []
-        self.brackets: list[tuple[float, float, str]] = []
-
-    @property
-    def values(self) -> Any:
-        return self.plan.drivetrain.exact_values
 
     def begin(self, incoming: Link, parent: Vertex | None) -> None:
         """Come from another line: beside its gears, else by the elements after a wire."""
@@ -66,17 +53,6 @@ class Line(Row):
             self.marks_on_shaft(self.beside(parent.name, incoming))
         if incoming.elements:
             self.gap(incoming)
-
-    def beside(self, node: str, link: Link | None, *, alone: bool = True) -> list[Mark]:
-        """Marks of torques and twists that are taken from a link at a node."""
-        return marks_beside(self.plan.taps.get(node, ()), link, alone=alone) if link is not None else []
-
-    def marks_on_shaft(self, marks: Sequence[Mark]) -> None:
-        """Marks with the piece of shaft they stand on."""
-        start = self.x
-        self.marks(marks)
-        if marks:
-            self.block.line((start, 0), (self.x, 0))
 
     def gear_widths(self, link: Link) -> list[float]:
         return [max(26.0, widest(self.plan.texts(element)) + GAP) for element in link.elements]
@@ -162,14 +138,6 @@ class Line(Row):
         self.block.line((start, 0), (end, 0))
         self.brackets.append((start, named, node))
 
-    def marks(self, marks: Iterable[Mark]) -> None:
-        """Marks on the shaft with their names above it; of many, every other one stands higher."""
-        ordered = list(marks)
-        for place, mark in enumerate(ordered):
-            lift = HIGHER if len(ordered) >= MANY and place % 2 else 0.0
-            piece = mark.drawn(lift)
-            self.put(piece, 9, 9)
-
     def inputs_and_motion(self, node: str) -> list[Mark]:
         inputs = [Mark("input", symbol(name), what) for name, what in self.plan.inputs.get(node, ())]
         return inputs + [Mark("motion", symbol(name), what) for name, what in self.plan.motions.get(node, ())]
@@ -195,14 +163,6 @@ class Line(Row):
         line.marks_on_shaft(line.beside(end.name, link))
         line.loose(number, end)
         self.exits.append(Exit(self.keep(16), 0, line.block))
-
-    def loose(self, number: int, end: Vertex) -> None:
-        """Lead to the node, or name it where no way is free: room for the name is kept either way."""
-        width = text_width(end.name, "node") + 10
-        tag = (self.x, self.x + width, -8.0, 8.0)
-        self.block.ends.append(LooseEnd(number, end.name, self.x, 0, tag))
-        self.block.boxes.append(tag)
-        self.x += width
 
     def gap(self, link: Link) -> None:
         """The elements of a link, in parallel; a port of a box is a short piece of shaft."""

@@ -17,15 +17,16 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import linalg
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.channels import Input, Sensor
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.response import Column, Table
 from torsionnet.sensitivity.augmented import Augmented, augmented
 from torsionnet.sensitivity.forms import equation_rate, equation_slopes, reading_rate, reading_slopes
 from torsionnet.sensitivity.readings import Reading, reading, rows_of
 from torsionnet.sensitivity.unknowns import Unknowns, unknowns
+from torsionnet.solve.modes import modes as modes_of
 from torsionnet.solve.question import as_sensor, ask
 
 SAME = 1e-6
@@ -158,7 +159,7 @@ def _strongest(relative: FloatArray, names: Sequence[str], most: int) -> str:
 
 
 def mode_sensitivities(
-    drivetrain: Drivetrain,
+    drivetrain: AssembledModel,
     parameters: Sequence[str] | None = None,
     *,
     measured_input: str | Sensor | None = None,
@@ -192,7 +193,7 @@ def mode_sensitivities(
     names = list(parameters) if parameters is not None else _basic(drivetrain)
     chosen = unknowns(drivetrain, names)
     system = _System(drivetrain, chosen, measured_input, excitation)
-    modes = drivetrain.modes(measured_input=measured_input, excitation=excitation)
+    modes = modes_of(drivetrain, measured_input=measured_input, excitation=excitation)
     numbers = tuple(number for number, kind in enumerate(modes.kinds, 1) if "rigid" not in kind)
     poles = np.array([modes.eigenvalues[number - 1] for number in numbers])
     slopes = np.zeros((len(poles), len(names)), dtype=complex)
@@ -201,7 +202,7 @@ def mode_sensitivities(
     return ModeSensitivities(tuple(names), np.array(chosen.start), poles, slopes, modes.title, numbers)
 
 
-def _basic(drivetrain: Drivetrain) -> list[str]:
+def _basic(drivetrain: AssembledModel) -> list[str]:
     basic = [name for name, one in drivetrain.parameter_definitions.items() if not one.value.names]
     if not basic:
         msg = f"{drivetrain.name} has no parameters; name numbers of elements, such as shaft.stiffness"
@@ -225,7 +226,7 @@ class _System:
     """The equations, bordered by drive and reading where the input is measured."""
 
     def __init__(
-        self, drivetrain: Drivetrain, chosen: Unknowns, measured: str | Sensor | None, excitation: str | None
+        self, drivetrain: AssembledModel, chosen: Unknowns, measured: str | Sensor | None, excitation: str | None
     ) -> None:
         self.nodes = drivetrain.assembly.kinematics.nodes
         redundant = tuple(sorted(drivetrain.assembly.kinematics.reduction.redundant))

@@ -10,10 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.channels import Input, Sensor
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import SolveError, UsageError
 from torsionnet.expressions import ExpressionError
 from torsionnet.sensitivity.arranged import Arranged, law_stiffness_of
@@ -21,6 +21,7 @@ from torsionnet.sensitivity.augmented import Augmented, augmented
 from torsionnet.sensitivity.unknowns import Unknowns, unknowns
 from torsionnet.solve.question import Question, as_sensor, ask
 from torsionnet.solve.starmesh import respond
+from torsionnet.solve.transfer import frequency_response
 from torsionnet.solve.uncertain import ENOUGH, expected_errors
 
 
@@ -47,7 +48,7 @@ class ParametricResponse:
     (True, (1, 1, 1, 2))
     """
 
-    drivetrain: Drivetrain
+    drivetrain: AssembledModel
     question: Question
     frequencies: FloatArray
     unknowns: Unknowns
@@ -131,14 +132,14 @@ class ParametricResponse:
 
         poor = (expected_errors(evaluate, kappa, values) > ENOUGH).any(axis=(1, 2))
         if poor.any():
-            changed = Drivetrain.from_definition(self.unknowns.definition).configured(
+            changed = AssembledModel.from_definition(self.unknowns.definition).configured(
                 **dict(zip(self.unknowns.parameters, numbers, strict=True))
             )
             n_out = len(self.question.outputs)
             measured = {"input": list(self.sensors[n_out:]), "excitation": list(self.loads)}
             asked = measured if self.question.is_measured else {"input": list(self.loads)}
             f = self.frequencies[lanes[poor]]
-            values[poor] = changed.frequency_response(list(self.sensors[:n_out]), frequencies=f, **asked).values
+            values[poor] = frequency_response(changed, list(self.sensors[:n_out]), frequencies=f, **asked).values
         return values
 
     def _quotient(self, y: ComplexArray, dy: ComplexArray) -> Evaluation:
@@ -156,7 +157,7 @@ class ParametricResponse:
 
 
 def parametric_response(
-    drivetrain: Drivetrain,
+    drivetrain: AssembledModel,
     output: str | Sensor | Sequence[str | Sensor],
     input: str | Sensor | Sequence[str | Sensor],
     frequencies: ArrayLike,
@@ -197,6 +198,6 @@ def parametric_response(
     )
 
 
-def _sensor(drivetrain: Drivetrain, entry: str | Sensor) -> Sensor:
+def _sensor(drivetrain: AssembledModel, entry: str | Sensor) -> Sensor:
     found = as_sensor(drivetrain, entry)
     return Sensor("angle", str(entry)) if found is None else found

@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.damping import DampingMeasure
 from torsionnet.definition import Definition
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import Element
 from torsionnet.elements.fields import Quantity
 from torsionnet.errors import ModelError, UsageError, did_you_mean
@@ -65,7 +65,7 @@ class Unknowns:
         return self.definition.parameters[name].value.value_in(values, DUALS)
 
 
-def unknowns(drivetrain: Drivetrain, names: Sequence[str]) -> Unknowns:
+def unknowns(drivetrain: AssembledModel, names: Sequence[str]) -> Unknowns:
     """Find the numbers named.
 
     Raises
@@ -100,7 +100,7 @@ def unknowns(drivetrain: Drivetrain, names: Sequence[str]) -> Unknowns:
     return Unknowns(tuple(names), tuple(parameters), tuple(start), definition)
 
 
-def _with_parameter(definition: Definition, name: str, drivetrain: Drivetrain) -> tuple[Definition, str]:
+def _with_parameter(definition: Definition, name: str, drivetrain: AssembledModel) -> tuple[Definition, str]:
     """The definition with a parameter in the place of ``element.field``."""
     element_name, dot, field = name.partition(".")
     if not dot or element_name not in definition.elements:
@@ -130,7 +130,7 @@ def _with_parameter(definition: Definition, name: str, drivetrain: Drivetrain) -
     )
 
 
-def _fields(drivetrain: Drivetrain, element: str) -> list[str]:
+def _fields(drivetrain: AssembledModel, element: str) -> list[str]:
     """Scalar fields of an element that have a value."""
     scalars = drivetrain.definition.elements[element].scalars()
     return [name for name, (spec, _) in scalars.items() if isinstance(spec, Quantity)]

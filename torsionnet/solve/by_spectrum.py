@@ -8,17 +8,17 @@ from dataclasses import replace
 import numpy as np
 from scipy.fft import next_fast_len
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import Functional
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.channels import Input
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.solve.question import Question, ask
 from torsionnet.solve.transfer import responses
 
 
 def by_spectrum(
-    drivetrain: Drivetrain,
+    drivetrain: AssembledModel,
     readings: Sequence[Functional],
     excitations: Sequence[Input],
     torques: FloatArray,
@@ -49,7 +49,7 @@ def by_spectrum(
     return np.asarray(motion[:, :count])
 
 
-def _question(drivetrain: Drivetrain, readings: Sequence[Functional], excitations: Sequence[Input]) -> Question:
+def _question(drivetrain: AssembledModel, readings: Sequence[Functional], excitations: Sequence[Input]) -> Question:
     node = next(iter(drivetrain.nodes))
     nodes = [load.of for load in excitations]
     return replace(ask(drivetrain, [node], nodes, None), outputs=tuple(readings))

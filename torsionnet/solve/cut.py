@@ -14,10 +14,10 @@ from typing import TypeAlias
 
 import numpy as np
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import port_of
 from torsionnet.channels import ELEMENT_QUANTITIES, Input, Sensor
 from torsionnet.definition import Definition, all_nodes
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import GROUND, Element
 from torsionnet.errors import SolveError, UsageError
 from torsionnet.response import Modes
@@ -35,10 +35,10 @@ class Cut:
 
 
 def poles_of_measured(
-    drivetrain: Drivetrain,
+    drivetrain: AssembledModel,
     measured_input: str | Sensor | Sequence[str | Sensor],
     excitation: str | Sequence[str] | None,
-    natural_modes: Callable[[Drivetrain], Found],
+    natural_modes: Callable[[AssembledModel], Found],
 ) -> Found:
     """Modes of the drivetrain cut at a measured input, and what is doubtful about them.
 
@@ -65,14 +65,14 @@ def poles_of_measured(
     return _of_cut_system(drivetrain, cut, str(entries[0]), natural_modes)
 
 
-def _anything(drivetrain: Drivetrain) -> str:
+def _anything(drivetrain: AssembledModel) -> str:
     if not drivetrain.nodes:
         msg = "the drivetrain has no nodes"
         raise UsageError(msg)
     return f"angle({drivetrain.nodes[0]})"
 
 
-def find_cut(drivetrain: Drivetrain, sensor: Sensor, excitations: tuple[Input, ...]) -> Cut | None:
+def find_cut(drivetrain: AssembledModel, sensor: Sensor, excitations: tuple[Input, ...]) -> Cut | None:
     """The cut at a torque sensor, or None if it is no torque or does not separate the drivetrain.
 
     Elements and nodes are the vertices of a graph, every port an edge; the torque at a port flows over one edge. Ground
@@ -100,7 +100,7 @@ def _element(name: str) -> str:
     return f"element {name}"
 
 
-def _links(drivetrain: Drivetrain, without: tuple[str, str]) -> dict[str, set[str]]:
+def _links(drivetrain: AssembledModel, without: tuple[str, str]) -> dict[str, set[str]]:
     links: dict[str, set[str]] = {_node(node): set() for node in drivetrain.nodes}
     for name, element in drivetrain.elements.items():
         links[_element(name)] = set()
@@ -138,9 +138,9 @@ def cut_definition(definition: Definition, kept: tuple[str, ...]) -> Definition:
 
 
 def _of_cut_system(
-    drivetrain: Drivetrain, cut: Cut, measured: str, natural_modes: Callable[[Drivetrain], Found]
+    drivetrain: AssembledModel, cut: Cut, measured: str, natural_modes: Callable[[AssembledModel], Found]
 ) -> Found:
-    rest = Drivetrain.from_definition(cut_definition(drivetrain.definition, cut.kept))
+    rest = drivetrain.with_definition(cut_definition(drivetrain.definition, cut.kept))
     try:
         found, doubts = natural_modes(rest)
     except SolveError as error:  # the whole has been checked, so it is the cut that leaves a loose end

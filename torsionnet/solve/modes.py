@@ -9,10 +9,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray, Rows, RowSystem
 from torsionnet.assembly.system import Assembly
 from torsionnet.channels import Sensor
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import TorsionnetWarning, UsageError
 from torsionnet.response import Modes
 from torsionnet.solve.cut import poles_of_measured
@@ -23,7 +23,7 @@ from torsionnet.solve.words import describe, uncertain, unsettled
 
 
 def modes(
-    drivetrain: Drivetrain,
+    drivetrain: AssembledModel,
     *,
     measured_input: str | Sensor | Sequence[str | Sensor] | None = None,
     excitation: str | Sequence[str] | None = None,
@@ -45,7 +45,7 @@ def modes(
     return found.first(lowest)
 
 
-def natural_modes(drivetrain: Drivetrain, lowest: int | None = None) -> tuple[Modes, tuple[str, ...]]:
+def natural_modes(drivetrain: AssembledModel, lowest: int | None = None) -> tuple[Modes, tuple[str, ...]]:
     """Modes of the drivetrain as it stands, and what is doubtful; nodes with an imposed angle stand still."""
     assembly = drivetrain.assembly
     system = assembly.system

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.elimination import reduce_rows
 from torsionnet.errors import UsageError
 from torsionnet.response import Modes
@@ -43,7 +43,7 @@ class Roots:
     errors: FloatArray
 
 
-def measured_poles(drivetrain: Drivetrain, question: Question) -> tuple[Modes, tuple[str, ...]]:
+def measured_poles(drivetrain: AssembledModel, question: Question) -> tuple[Modes, tuple[str, ...]]:
     """Poles against measured inputs that do not cut the drivetrain in two, and what is doubtful about them.
 
     Raises

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import Functional, functional
 from torsionnet.assembly.system import Assembly
 from torsionnet.channels import ELEMENT_QUANTITIES, Input, Sensor, parse_sensor
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError, did_you_mean
 from torsionnet.solve.posed import Posed, pose
 
@@ -66,7 +66,7 @@ class Question:
 
 
 def remembered(
-    drivetrain: Drivetrain,
+    drivetrain: AssembledModel,
     output: str | Sensor | Sequence[str | Sensor],
     input: str | Sensor | Sequence[str | Sensor],
     excitation: str | Sequence[str] | None,
@@ -87,7 +87,7 @@ def remembered(
 
 
 def ask(
-    drivetrain: Drivetrain,
+    drivetrain: AssembledModel,
     output: str | Sensor | Sequence[str | Sensor],
     input: str | Sensor | Sequence[str | Sensor],
     excitation: str | Sequence[str] | None,
@@ -117,7 +117,7 @@ def ask(
 
 
 def _measured(
-    drivetrain: Drivetrain,
+    drivetrain: AssembledModel,
     outputs: tuple[Functional, ...],
     entries: Sequence[str | Sensor],
     resolved: Sequence[Input | Functional],
@@ -149,7 +149,7 @@ def _measured(
     )
 
 
-def _default(drivetrain: Drivetrain) -> tuple[Input, ...]:
+def _default(drivetrain: AssembledModel) -> tuple[Input, ...]:
     inputs = tuple(drivetrain.inputs.values())
     if len(inputs) == 1:
         return (_present(drivetrain, next(iter(drivetrain.inputs))),)
@@ -160,7 +160,7 @@ def _default(drivetrain: Drivetrain) -> tuple[Input, ...]:
     raise UsageError(msg)
 
 
-def _torque_on(drivetrain: Drivetrain, node: str) -> Input:
+def _torque_on(drivetrain: AssembledModel, node: str) -> Input:
     """A torque on a node that can move; anywhere else every response would silently be zero."""
     solved = drivetrain.assembly.kinematics.reduction.solved
     driven = [name for name, channel in drivetrain.inputs.items() if channel.quantity == "angle" and channel.of == node]
@@ -174,7 +174,7 @@ def _torque_on(drivetrain: Drivetrain, node: str) -> Input:
     return Input("torque", node)
 
 
-def _present(drivetrain: Drivetrain, name: str) -> Input:
+def _present(drivetrain: AssembledModel, name: str) -> Input:
     channel = drivetrain.inputs[name]
     if channel.of not in drivetrain.nodes:
         msg = f'input {name} acts on node "{channel.of}", which is not there in this configuration'
@@ -185,15 +185,15 @@ def _present(drivetrain: Drivetrain, name: str) -> Input:
     return channel
 
 
-def _known_inputs(drivetrain: Drivetrain) -> str:
+def _known_inputs(drivetrain: AssembledModel) -> str:
     return f": {', '.join(drivetrain.inputs)}" if drivetrain.inputs else ""
 
 
-def _chosen(drivetrain: Drivetrain, excitation: str | Input | Sequence[str | Input]) -> tuple[Input, ...]:
+def _chosen(drivetrain: AssembledModel, excitation: str | Input | Sequence[str | Input]) -> tuple[Input, ...]:
     return tuple(_named_input(drivetrain, name) for name in _listed(excitation, "an excitation", (str, Input)))
 
 
-def _named_input(drivetrain: Drivetrain, name: Any) -> Input:
+def _named_input(drivetrain: AssembledModel, name: Any) -> Input:
     if isinstance(name, Input):
         return _given(drivetrain, name)
     if name in drivetrain.inputs:
@@ -206,7 +206,7 @@ def _named_input(drivetrain: Drivetrain, name: Any) -> Input:
     raise UsageError(msg)
 
 
-def _given(drivetrain: Drivetrain, channel: Input) -> Input:
+def _given(drivetrain: AssembledModel, channel: Input) -> Input:
     """An excitation given as an object: a torque anywhere, an imposed angle only where the model declares it."""
     if channel.quantity == "torque" and channel.of in drivetrain.nodes:
         return _torque_on(drivetrain, channel.of)
@@ -227,14 +227,14 @@ def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:
     return entries
 
 
-def as_sensor(drivetrain: Drivetrain, entry: str | Sensor) -> Sensor | None:
+def as_sensor(drivetrain: AssembledModel, entry: str | Sensor) -> Sensor | None:
     """The sensor meant: an object, a declared name, or text such as ``torque(gearbox)``."""
     if isinstance(entry, Sensor):
         return entry
     return drivetrain.sensors[entry] if entry in drivetrain.sensors else parse_sensor(entry)
 
 
-def _output(drivetrain: Drivetrain, entry: str | Sensor) -> Functional:
+def _output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:
     sensor = as_sensor(drivetrain, entry)
     if sensor is None and entry in drivetrain.nodes:
         sensor = Sensor("angle", str(entry))
@@ -249,7 +249,7 @@ def _output(drivetrain: Drivetrain, entry: str | Sensor) -> Functional:
     raise UsageError(msg)
 
 
-def usable(drivetrain: Drivetrain) -> tuple[list[str], list[str]]:
+def usable(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
     """Names of the inputs and of the sensors that can be used: on what is there, and not locked.
 
     >>> import torsionnet as tn
@@ -268,7 +268,7 @@ def usable(drivetrain: Drivetrain) -> tuple[list[str], list[str]]:
     return inputs, sensors
 
 
-def _require_moving(drivetrain: Drivetrain, sensor: Sensor, name: str) -> None:
+def _require_moving(drivetrain: AssembledModel, sensor: Sensor, name: str) -> None:
     """Refuse a sensor of the model on a node that this configuration locks; a node asked for by name is zero there."""
     of_node = name in drivetrain.sensors and sensor.quantity not in ELEMENT_QUANTITIES
     if of_node and sensor.of in drivetrain.nodes and drivetrain.assembly.kinematics.holds(sensor.of):
@@ -276,7 +276,7 @@ def _require_moving(drivetrain: Drivetrain, sensor: Sensor, name: str) -> None:
         raise UsageError(msg)
 
 
-def _input(drivetrain: Drivetrain, entry: str | Sensor | Input) -> Input | Functional:
+def _input(drivetrain: AssembledModel, entry: str | Sensor | Input) -> Input | Functional:
     if isinstance(entry, Input):
         return _given(drivetrain, entry)
     if isinstance(entry, str) and entry in drivetrain.inputs:

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import linalg
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import Functional
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.channels import Input, Sensor
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.signals.recording import Recording, Signal
 from torsionnet.solve.by_spectrum import by_spectrum
@@ -30,7 +30,7 @@ QUANTITIES = {"N*m": "torque", "rad": "angle", "rad/s": "velocity", "rad/s^2": "
 
 
 def simulate(
-    drivetrain: Drivetrain,
+    drivetrain: AssembledModel,
     outputs: str | Sensor | Sequence[str | Sensor],
     inputs: Mapping[str, ArrayLike],
     sampling_rate: float,
@@ -65,7 +65,7 @@ def _torques(inputs: Mapping[str, ArrayLike]) -> FloatArray:
 
 
 def respond(
-    drivetrain: Drivetrain,
+    drivetrain: AssembledModel,
     readings: Sequence[Functional],
     excitations: Sequence[Input],
     torques: FloatArray,

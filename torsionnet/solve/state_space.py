@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import Functional, functional
 from torsionnet.assembly.rows import FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
 from torsionnet.channels import Input, Sensor
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.solve.question import usable
 from torsionnet.solve.reduction import null_basis, orthogonal_complement
@@ -41,7 +41,7 @@ class FirstOrder:
     states: tuple[str, ...]
 
 
-def to_control(drivetrain: Drivetrain) -> control.StateSpace:
+def to_control(drivetrain: AssembledModel) -> control.StateSpace:
     """See :meth:`torsionnet.Drivetrain.to_control`.
 
     Raises
@@ -82,7 +82,7 @@ class Channels:
     sensors: dict[str, Sensor]
 
 
-def active_channels(drivetrain: Drivetrain) -> Channels:
+def active_channels(drivetrain: AssembledModel) -> Channels:
     """Inputs and sensors without those on parts that are switched off or locked."""
     inputs, sensors = usable(drivetrain)
     return Channels(

@@ -13,15 +13,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.law_stiffness import law_stiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.channels import Sensor
 from torsionnet.checks.structure import rigid_motions
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import TorsionnetWarning, UsageError
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.solve.grid import Adaptive
+from torsionnet.solve.modes import modes
 from torsionnet.solve.question import Question, remembered
 from torsionnet.solve.quotient import METHODS, transfer_functions
 from torsionnet.solve.uncertain import settled
@@ -32,7 +33,7 @@ POOR = 1e-10
 
 
 def frequency_response(
-    drivetrain: Drivetrain,
+    drivetrain: AssembledModel,
     output: str | Sensor | Sequence[str | Sensor],
     input: str | Sensor | Sequence[str | Sensor],
     frequencies: ArrayLike | Adaptive,
@@ -64,7 +65,7 @@ def known_method(method: str) -> None:
         raise UsageError(msg)
 
 
-def chosen_frequencies(drivetrain: Drivetrain, frequencies: ArrayLike | Adaptive, question: Question) -> FloatArray:
+def chosen_frequencies(drivetrain: AssembledModel, frequencies: ArrayLike | Adaptive, question: Question) -> FloatArray:
     """The frequencies asked for, Hz."""
     return _resolving(drivetrain, frequencies, question) if isinstance(frequencies, Adaptive) else _checked(frequencies)
 
@@ -76,7 +77,7 @@ class Evaluated(NamedTuple):
     conditioning: FloatArray
 
 
-def responses(drivetrains: Sequence[Drivetrain], question: Question, f: FloatArray, method: str) -> Evaluated:
+def responses(drivetrains: Sequence[AssembledModel], question: Question, f: FloatArray, method: str) -> Evaluated:
     """Transfer functions of drivetrains with the same rows at frequencies >= 0."""
     assemblies, moving = [drivetrain.assembly for drivetrain in drivetrains], f > 0
     if moving.all():
@@ -90,7 +91,7 @@ def responses(drivetrains: Sequence[Drivetrain], question: Question, f: FloatArr
     return found
 
 
-def _static(drivetrain: Drivetrain, question: Question, method: str) -> ComplexArray:
+def _static(drivetrain: AssembledModel, question: Question, method: str) -> ComplexArray:
     """Values at zero frequency: the static solution where it is finite and beyond doubt, else the limit."""
     if not rigid_motions(drivetrain.assembly.kinematics):
         found = transfer_functions(question, law_stiffness([drivetrain.assembly.system], np.zeros(1)), method)
@@ -99,16 +100,16 @@ def _static(drivetrain: Drivetrain, question: Question, method: str) -> ComplexA
     return at_zero(drivetrain, question)
 
 
-def _resolving(drivetrain: Drivetrain, wanted: Adaptive, question: Question) -> FloatArray:
+def _resolving(drivetrain: AssembledModel, wanted: Adaptive, question: Question) -> FloatArray:
     """Frequencies that resolve the peaks of the drivetrain and, where inputs are measured, those of their poles."""
-    modes = [drivetrain.modes()]
+    found = [modes(drivetrain)]
     if question.is_measured and len(question.measured) == 1:
         sensor = question.measured[0].name
-        modes.append(drivetrain.modes(measured_input=sensor, excitation=_excitation_node(drivetrain, question)))
-    return wanted.frequencies(*modes)
+        found.append(modes(drivetrain, measured_input=sensor, excitation=_excitation_node(drivetrain, question)))
+    return wanted.frequencies(*found)
 
 
-def _excitation_node(drivetrain: Drivetrain, question: Question) -> str:
+def _excitation_node(drivetrain: AssembledModel, question: Question) -> str:
     names = [name for name, channel in drivetrain.inputs.items() if channel == question.excitations[0]]
     return names[0] if names else question.excitations[0].of
 

@@ -8,9 +8,9 @@ from itertools import groupby
 import numpy as np
 from numpy.typing import ArrayLike
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.channels import Sensor
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.response import Channel, FrequencyResponses
 from torsionnet.solve.grid import Adaptive
@@ -19,7 +19,7 @@ from torsionnet.solve.transfer import Evaluated, chosen_frequencies, known_metho
 
 
 def frequency_responses(
-    drivetrain: Drivetrain,
+    drivetrain: AssembledModel,
     output: str | Sensor | Sequence[str | Sensor],
     input: str | Sensor | Sequence[str | Sensor],
     frequencies: ArrayLike | Adaptive,

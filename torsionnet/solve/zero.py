@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.assembly.system import smallest_rate
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.solve.many_digits import ManyDigits
 from torsionnet.solve.question import Question
 
@@ -21,7 +21,7 @@ SMALL = 25
 """s is 10^-25 of the slowest rate of the system; several measured inputs may differ by its fifth power and more."""
 
 
-def at_zero(drivetrain: Drivetrain, question: Question) -> ComplexArray:
+def at_zero(drivetrain: AssembledModel, question: Question) -> ComplexArray:
     """Limit (n_out, n_in) for s -> 0; inf where it grows without bound.
 
     Raises

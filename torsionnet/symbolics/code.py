@@ -11,17 +11,17 @@ import sympy
 
 from torsionnet.errors import UsageError
 from torsionnet.symbolics.algebras import S
-from torsionnet.symbolics.where import WhereTable, continued_table
+from torsionnet.symbolics.where import WhereTable, continued_table, where_table
 
 if TYPE_CHECKING:
-    from torsionnet.symbolics.transfer_function import TransferFunction
+    from torsionnet.symbolics.fraction import SymbolicFraction
 
 IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 MOST_FACTORS = 25
 """With more coordinates the products of numerator and denominator may leave the range of floats."""
 
 
-def python_code(function: TransferFunction, name: str) -> str:
+def python_code(function: SymbolicFraction, name: str) -> str:
     """See :meth:`TransferFunction.python_code`.
 
     Own names of the function begin with an underscore, parameters never do.
@@ -48,10 +48,10 @@ def python_code(function: TransferFunction, name: str) -> str:
     )
 
 
-def _table(function: TransferFunction) -> WhereTable:
+def _table(function: SymbolicFraction) -> WhereTable:
     if len(function.values) > 3 * MOST_FACTORS or len(function.steps.steps) > 20 * MOST_FACTORS:
-        return continued_table(function) or function.program
-    return function.program
+        return continued_table(function) or where_table(function)
+    return where_table(function)
 
 
 def checked(name: str) -> str:
@@ -82,7 +82,7 @@ def _tables(table: WhereTable) -> set[Any]:
     return {leaf for leaf in _leaves(table) if isinstance(leaf, sympy.core.function.AppliedUndef)}
 
 
-def _signature(function: TransferFunction, arguments: dict[Any, str], tables: dict[Any, str]) -> str:
+def _signature(function: SymbolicFraction, arguments: dict[Any, str], tables: dict[Any, str]) -> str:
     ordered = sorted(arguments, key=str)
     named = [arguments[symbol] + _default(function.values.get(symbol)) for symbol in ordered]
     named = [*tables.values(), *named]
@@ -93,7 +93,7 @@ def _default(value: Any) -> str:
     return "" if value is None else f"={float(value)!r}"
 
 
-def _docstring(function: TransferFunction, has_tables: bool) -> list[str]:
+def _docstring(function: SymbolicFraction, has_tables: bool) -> list[str]:
     above, below = function.channels
     names = re.sub(r"[^\w ()+,.*/^-]", "", f"{above.name} / {below.name}", flags=re.ASCII)
     extra = " Each _kappa is the tabulated complex stiffness at these frequencies." if has_tables else ""

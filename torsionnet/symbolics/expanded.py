@@ -17,7 +17,7 @@ MOST_PRINTED = 100
 """Terms of a quotient that is printed."""
 
 if TYPE_CHECKING:
-    from torsionnet.symbolics.transfer_function import TransferFunction
+    from torsionnet.symbolics.fraction import SymbolicFraction
 
 
 @dataclass(frozen=True, repr=False)
@@ -61,12 +61,12 @@ class Expanded:
         return ring(self.algebra.as_dict(self.numerator)), ring(self.algebra.as_dict(self.denominator))
 
 
-def predicted_terms(function: TransferFunction) -> int:
+def predicted_terms(function: SymbolicFraction) -> int:
     """Terms of numerator and denominator, at most; exact where every parameter appears once."""
     return int(sum(function.steps.run(Terms(), [function.numerator, function.denominator])))
 
 
-def expanded(function: TransferFunction, cap: int) -> Expanded:
+def expanded(function: SymbolicFraction, cap: int) -> Expanded:
     """See :meth:`TransferFunction.expanded`."""
     predicted = predicted_terms(function)
     if predicted > cap:

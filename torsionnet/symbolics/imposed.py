@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.channels import Input, Sensor
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import Element, Lock
 from torsionnet.errors import UsageError
 from torsionnet.response import Channel
@@ -25,18 +25,18 @@ class Posed:
     ``channel`` is the input as the user knows it, where that is an imposed angle.
     """
 
-    drivetrain: Drivetrain
+    drivetrain: AssembledModel
     input: str | Sensor
     excitation: str | None
     channel: Channel | None = None
 
 
-def is_imposed(drivetrain: Drivetrain) -> bool:
+def is_imposed(drivetrain: AssembledModel) -> bool:
     """Whether any input imposes an angle."""
     return any(channel.quantity == "angle" for channel in drivetrain.inputs.values())
 
 
-def at_rest(drivetrain: Drivetrain, driven: str = "") -> Drivetrain:
+def at_rest(drivetrain: AssembledModel, driven: str = "") -> AssembledModel:
     """The drivetrain with its imposed angles held at zero, but for the node ``driven``, which turns freely."""
     definition = drivetrain.definition
     imposed = [channel.of for channel in definition.inputs.values() if channel.quantity == "angle"]
@@ -44,7 +44,7 @@ def at_rest(drivetrain: Drivetrain, driven: str = "") -> Drivetrain:
     nodes = set(drivetrain.nodes)
     elements = {**definition.elements, **{lock.name: lock for lock in locks if lock.node in nodes}}
     inputs = {name: channel for name, channel in definition.inputs.items() if channel.quantity != "angle"}
-    return Drivetrain.from_definition(replace(definition, elements=elements, inputs=inputs))
+    return drivetrain.with_definition(replace(definition, elements=elements, inputs=inputs))
 
 
 def _unused(name: str, elements: Mapping[str, Element]) -> str:
@@ -53,7 +53,7 @@ def _unused(name: str, elements: Mapping[str, Element]) -> str:
     return name
 
 
-def posed(drivetrain: Drivetrain, output: str | Sensor, input: str | Sensor, excitation: str | None) -> Posed:
+def posed(drivetrain: AssembledModel, output: str | Sensor, input: str | Sensor, excitation: str | None) -> Posed:
     """The question without imposed angles.
 
     Raises

@@ -12,10 +12,10 @@ from torsionnet.symbolics.program import Node, Program
 from torsionnet.symbolics.rational import factored, tidy
 
 if TYPE_CHECKING:
-    from torsionnet.symbolics.transfer_function import TransferFunction
+    from torsionnet.symbolics.fraction import SymbolicFraction
 
 
-def static_gain(function: TransferFunction) -> Any:
+def static_gain(function: SymbolicFraction) -> Any:
     """The limit for s -> 0."""
     above, below = lowest(function, Program().leaf, surely_zero)
     if above is None or above[0] > below[0]:
@@ -23,13 +23,13 @@ def static_gain(function: TransferFunction) -> Any:
     return sympy.oo if above[0] < below[0] else _quotient(above[1], below[1])
 
 
-def low_frequency(function: TransferFunction) -> Any:
+def low_frequency(function: SymbolicFraction) -> Any:
     """The leading term for s -> 0."""
     above, below = lowest(function, Program().leaf, surely_zero)
     return sympy.Integer(0) if above is None else _quotient(above[1], below[1]) * S ** (above[0] - below[0])
 
 
-def high_frequency(function: TransferFunction) -> Any:
+def high_frequency(function: SymbolicFraction) -> Any:
     """The leading term for s -> oo."""
     algebra = InPowersOfS(Program().leaf)
     above, below = (

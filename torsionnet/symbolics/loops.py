@@ -67,12 +67,12 @@ class Split:
 
     @cached_property
     def deleted(self) -> Recursion:
-        return Recursion(self.network.without(self.member), self.program, self.block.top)
+        return Recursion(self.network.without(self.member), self.program, self.block.top, tied)
 
     @cached_property
     def contracted(self) -> Recursion:
         network = added_up(self.contraction.network, lambda laws: sum_of_quotients(laws, self.program))
-        return Recursion(network, self.program, self.block.top)
+        return Recursion(network, self.program, self.block.top, tied)
 
     @cached_property
     def weight(self) -> Node:

@@ -16,7 +16,7 @@ from torsionnet.symbolics.rational import factored, tidy
 from torsionnet.symbolics.shown import latex, polynomial_text, shown
 
 if TYPE_CHECKING:
-    from torsionnet.symbolics.transfer_function import TransferFunction
+    from torsionnet.symbolics.fraction import SymbolicFraction
 
 MOST_TERMS = 30
 """Polynomials of more terms are not searched for factors that the recursion did not give."""
@@ -143,14 +143,14 @@ class Normalised:
         return f"$\\displaystyle {self.to_latex()}$"
 
 
-def normalised(function: TransferFunction) -> Normalised:
+def normalised(function: SymbolicFraction) -> Normalised:
     """Factors as the recursion gives them, and those sympy finds in short polynomials."""
     above, below = (_factors(function, node) for node in (function.numerator, function.denominator))
     gain, power = factored(above[0] / below[0]), above[1] - below[1]
     return Normalised(gain, power, above[2], below[2], function.values)
 
 
-def _factors(function: TransferFunction, node: Node) -> tuple[Any, int, tuple[Factor, ...]]:
+def _factors(function: SymbolicFraction, node: Node) -> tuple[Any, int, tuple[Factor, ...]]:
     """(Gain, power of s, factors) of a numerator or denominator."""
     gain, power = sympy.Integer(1), 0
     factors: list[Factor] = []
@@ -167,7 +167,7 @@ def _factors(function: TransferFunction, node: Node) -> tuple[Any, int, tuple[Fa
     return gain, power, tuple(factors)
 
 
-def _irreducible(function: TransferFunction, index: int) -> list[tuple[list[Any], int]]:
+def _irreducible(function: SymbolicFraction, index: int) -> list[tuple[list[Any], int]]:
     """(Coefficients, power) of the factors of one step."""
     (polynomial,) = function.steps.run(InPowersOfS(Program().leaf), [function.steps.at(index)])
     coefficients = [sympy.Integer(0) if surely_zero(value) else tidy(value) for value in polynomial.coefficients]

@@ -21,14 +21,14 @@ from torsionnet.symbolics.program import Node
 from torsionnet.symbolics.scaled import Scaled
 
 if TYPE_CHECKING:
-    from torsionnet.symbolics.transfer_function import TransferFunction
+    from torsionnet.symbolics.fraction import SymbolicFraction
 
 ACCURATE = 1e-10
 """Relative error by rounding that is left."""
 DIGITS = (40, 80, 160, 320)
 
 
-def evaluate(function: TransferFunction, frequencies: ArrayLike, given: Mapping[Any, Any]) -> FrequencyResponse:
+def evaluate(function: SymbolicFraction, frequencies: ArrayLike, given: Mapping[Any, Any]) -> FrequencyResponse:
     """See :meth:`TransferFunction.evaluate`."""
     f = np.atleast_1d(np.asarray(frequencies, dtype=float))
     if f.ndim != 1 or not np.isfinite(f).all() or (f < 0).any():
@@ -47,7 +47,7 @@ def evaluate(function: TransferFunction, frequencies: ArrayLike, given: Mapping[
     return FrequencyResponse(f, result[:, None, None], (above,), (below,), function.title, notes=function.notes)
 
 
-def _complete(function: TransferFunction, given: Mapping[Any, Any]) -> dict[Any, Any]:
+def _complete(function: SymbolicFraction, given: Mapping[Any, Any]) -> dict[Any, Any]:
     values = {name: exact_fraction(value) for name, value in function.values.items()}
     values |= {name: exact(value) for name, value in given.items()}
     missing = sorted(str(name) for name in function.free_symbols - set(values))
@@ -62,7 +62,7 @@ def exact_fraction(value: Any) -> Fraction:
     return Fraction(int(value.p), int(value.q))
 
 
-def _at(function: TransferFunction, frequencies: FloatArray, values: Mapping[Any, Any]) -> ComplexArray:
+def _at(function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any, Any]) -> ComplexArray:
     """In double precision, and in as many digits as it takes where rounding may show."""
     omega = 2 * np.pi * frequencies
     known = {name: Scaled.rational(value) for name, value in values.items()}
@@ -77,7 +77,7 @@ def _at(function: TransferFunction, frequencies: FloatArray, values: Mapping[Any
     return found
 
 
-def _in_many_digits(function: TransferFunction, omega: float, values: Mapping[Any, Any]) -> complex:
+def _in_many_digits(function: SymbolicFraction, omega: float, values: Mapping[Any, Any]) -> complex:
     """At one frequency, in so many digits that twice as many change nothing."""
     import mpmath
 
@@ -98,7 +98,7 @@ def _in_many_digits(function: TransferFunction, omega: float, values: Mapping[An
     return last
 
 
-def static_value(function: TransferFunction, values: Mapping[Any, Any]) -> complex:
+def static_value(function: SymbolicFraction, values: Mapping[Any, Any]) -> complex:
     """The limit at zero frequency for exact values."""
     known = dict(values)
     for name, kappa in function.tables.items():
@@ -117,7 +117,7 @@ def static_value(function: TransferFunction, values: Mapping[Any, Any]) -> compl
     return complex(np.inf) if above[0] < below[0] else complex(above[1] / below[1])
 
 
-def lowest(function: TransferFunction, coefficient: Any, vanishes: Any) -> tuple[Any, Any]:
+def lowest(function: SymbolicFraction, coefficient: Any, vanishes: Any) -> tuple[Any, Any]:
     """(power, coefficient) of the lowest terms of numerator and denominator; None for a numerator of zero."""
     limit = 4
     while True:

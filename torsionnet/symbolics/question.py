@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import Functional, port_of
 from torsionnet.channels import ELEMENT_QUANTITIES, Input, Sensor
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError
 from torsionnet.response import Channel
 from torsionnet.solve.cut import Cut, cut_definition, find_cut
@@ -53,7 +53,7 @@ class Asked:
 
 
 def resolve(
-    drivetrain: Drivetrain,
+    drivetrain: AssembledModel,
     output: str | Sensor,
     input: str | Sensor,
     excitation: str | None,
@@ -92,7 +92,7 @@ def channel(reading: Functional) -> Channel:
 
 
 def _mechanism(
-    drivetrain: Drivetrain,
+    drivetrain: AssembledModel,
     sensors: Sequence[Sensor],
     referred_to: Sequence[str],
     memory: dict[tuple[int, ...], Mechanism] | None = None,
@@ -119,7 +119,7 @@ def _require_reached(asked: Asked, name: str, excitation: Input) -> None:
         raise UsageError(msg)
 
 
-def _is_kept(drivetrain: Drivetrain, cut: Cut, reading: Sensor) -> bool:
+def _is_kept(drivetrain: AssembledModel, cut: Cut, reading: Sensor) -> bool:
     if reading.quantity in ELEMENT_QUANTITIES:
         return reading.of in cut.kept
     elements = [drivetrain.elements[name] for name in cut.kept]
@@ -127,11 +127,11 @@ def _is_kept(drivetrain: Drivetrain, cut: Cut, reading: Sensor) -> bool:
 
 
 def _of_cut(
-    drivetrain: Drivetrain, cut: Cut, output: Sensor, sensor: Sensor, whole: Asked, referred_to: Sequence[str]
+    drivetrain: AssembledModel, cut: Cut, output: Sensor, sensor: Sensor, whole: Asked, referred_to: Sequence[str]
 ) -> Asked:
     """What is left downstream of the cut; the measured torque is an excitation there."""
     node, sign = port_of(drivetrain.elements[sensor.of], sensor.at)
-    rest = Drivetrain.from_definition(cut_definition(drivetrain.definition, cut.kept))
+    rest = drivetrain.with_definition(cut_definition(drivetrain.definition, cut.kept))
     mechanism = _mechanism(rest, [output], referred_to)
     removed = ", ".join(name for name in drivetrain.elements if name not in cut.kept)
     notes = (*whole.notes, f"cut at {whole.channels[1].name}: independent of {removed}") if removed else whole.notes

@@ -16,7 +16,7 @@ from torsionnet.symbolics.shown import polynomial_latex, polynomial_text, where_
 from torsionnet.symbolics.sparse import Monomials, Sparse, monomials_for
 
 if TYPE_CHECKING:
-    from torsionnet.symbolics.transfer_function import TransferFunction
+    from torsionnet.symbolics.fraction import SymbolicFraction
 
 SHORT = 60
 """Coefficients of at most so many terms are written expanded, longer ones nested."""
@@ -115,7 +115,7 @@ def _trimmed(coefficients: Sequence[Any]) -> tuple[Any, ...]:
     return tuple(result)
 
 
-def rational(function: TransferFunction) -> Rational:
+def rational(function: SymbolicFraction) -> Rational:
     """Coefficients in s: expanded where they are short, else as a program of their own."""
     program, outputs = function.steps, [function.numerator, function.denominator]
     if sum(program.run(Terms(), outputs)) <= FEW or len(function.free_symbols) <= 6:  # noqa: PLR2004

@@ -16,17 +16,17 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import port_of
 from torsionnet.assembly.symbolic import law_parts, twin_kinematics
 from torsionnet.assembly.twin import TWINS, twin, twin_parameters
 from torsionnet.channels import Sensor
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import Values
 from torsionnet.elimination import substitute
 from torsionnet.kinematics import Kinematics
+from torsionnet.symbolics.adjugate import bilinear, determinant
 from torsionnet.symbolics.network import ONE, Member, Network, Stiffness, SymbolRow
 from torsionnet.symbolics.program import Node, Program
-from torsionnet.symbolics.tree import bilinear, determinant
 
 PURE_S = Stiffness(damping=ONE)
 POWERS = {"angle": 0, "velocity": 1, "acceleration": 2}
@@ -65,7 +65,7 @@ class Mechanism:
         Constraints whose torque is wanted, by number.
     """
 
-    drivetrain: Drivetrain
+    drivetrain: AssembledModel
     referred_to: tuple[str, ...] = ()
     loose: tuple[int, ...] = ()
     program: Program = field(default_factory=Program)
@@ -147,7 +147,7 @@ def parts_of(mechanism: Mechanism, sensor: Sensor) -> list[Part]:
     return laws + rigid
 
 
-def loose_constraints(drivetrain: Drivetrain, sensors: Collection[Sensor]) -> tuple[int, ...]:
+def loose_constraints(drivetrain: AssembledModel, sensors: Collection[Sensor]) -> tuple[int, ...]:
     """Numbers of the constraints through which a torque is read."""
     owners = {sensor.of for sensor in sensors if sensor.quantity == "torque"}
     return tuple(

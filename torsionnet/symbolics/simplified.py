@@ -7,16 +7,16 @@ are kept move less than the tolerance.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.channels import Sensor
 from torsionnet.definition import Definition
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.elements import GROUND, Element
 from torsionnet.elements.gears import Gear
 from torsionnet.elements.rigid import RigidCoupling
@@ -80,7 +80,7 @@ class Simplified:
     """
 
     transfer_function: TransferFunction
-    drivetrain: Drivetrain
+    drivetrain: AssembledModel
     changes: tuple[str, ...]
     errors: Errors
     band: tuple[float, float]
@@ -92,11 +92,12 @@ class Simplified:
 
 
 def simplified(
-    drivetrain: Drivetrain,
+    drivetrain: AssembledModel,
     output: str | Sensor,
     input: str | Sensor,
     excitation: str | None = None,
     *,
+    written: Callable[[AssembledModel], TransferFunction],
     tolerance: float = 0.01,
     band: tuple[float, float] | None = None,
 ) -> Simplified:
@@ -106,6 +107,8 @@ def simplified(
     ----------
     drivetrain, output, input, excitation
         As for a frequency response.
+    written : callable
+        The transfer function of a drivetrain in symbols.
     tolerance : float
         Largest relative change of natural frequency and damping ratio of the modes in the band.
     band : (low, high), optional
@@ -137,13 +140,10 @@ def simplified(
         if shorter is not current and reference.cost(shorter) <= tolerance:
             current = shorter
             changes.append(change.text)
-    from torsionnet.symbolics.system import symbolic_system
-
-    written = symbolic_system(current).transfer_function(output, input, excitation)
-    return Simplified(written, current, tuple(changes), reference.errors(current), question.band)
+    return Simplified(written(current), current, tuple(changes), reference.errors(current), question.band)
 
 
-def _band(drivetrain: Drivetrain, band: tuple[float, float] | None) -> tuple[float, float]:
+def _band(drivetrain: AssembledModel, band: tuple[float, float] | None) -> tuple[float, float]:
     if band is None:
         moving = [f for f in modes(drivetrain).natural_frequencies if f > 0]
         lowest = min(moving, default=1.0)
@@ -178,7 +178,7 @@ def _candidates(definition: Definition, read: set[str]) -> Iterator[Change]:
             yield Change(element.name, replace(element, stiffness=None, damping=None), f"{element.name} rigid")
 
 
-def _apply(drivetrain: Drivetrain, change: Change) -> Drivetrain:
+def _apply(drivetrain: AssembledModel, change: Change) -> AssembledModel:
     elements = dict(drivetrain.definition.elements)
     present = elements.get(change.name)
     if isinstance(present, RigidCoupling) and change.replacement is not None:
@@ -187,13 +187,13 @@ def _apply(drivetrain: Drivetrain, change: Change) -> Drivetrain:
         elements.pop(change.name, None)
     else:
         elements[change.name] = change.replacement
-    return Drivetrain.from_definition(replace(drivetrain.definition, elements=elements))
+    return drivetrain.with_definition(replace(drivetrain.definition, elements=elements))
 
 
 class _Reference:
     """The whole drivetrain, against which shorter ones are held."""
 
-    def __init__(self, drivetrain: Drivetrain, question: Question) -> None:
+    def __init__(self, drivetrain: AssembledModel, question: Question) -> None:
         self.question = question
         low, high = question.band
         self.frequencies = np.geomspace(low, high, POINTS)
@@ -203,7 +203,7 @@ class _Reference:
             raise UsageError(msg)
         self.magnitude = self._magnitude(drivetrain)
 
-    def _poles(self, drivetrain: Drivetrain) -> list[complex]:
+    def _poles(self, drivetrain: AssembledModel) -> list[complex]:
         sensor = as_sensor(drivetrain, self.question.input)
         is_input = isinstance(self.question.input, str) and self.question.input in drivetrain.inputs
         measured = None if is_input or sensor is None else sensor
@@ -212,14 +212,14 @@ class _Reference:
         pairs = zip(found.eigenvalues, found.kinds, strict=True)
         return [complex(value) for value, kind in pairs if kind == "oscillatory"]
 
-    def _magnitude(self, drivetrain: Drivetrain) -> ComplexArray:
+    def _magnitude(self, drivetrain: AssembledModel) -> ComplexArray:
         asked = self.question
         response = frequency_response(
             drivetrain, asked.output, asked.input, self.frequencies, excitation=asked.excitation
         )
         return np.asarray(np.abs(response.values[:, 0, 0]))
 
-    def errors(self, drivetrain: Drivetrain) -> Errors:
+    def errors(self, drivetrain: AssembledModel) -> Errors:
         """How far a drivetrain is off."""
         found = self._poles(drivetrain)
         omega = zeta = 0.0
@@ -231,7 +231,7 @@ class _Reference:
             apart = np.abs(20 * np.log10(self._magnitude(drivetrain) / self.magnitude))
         return Errors(omega, zeta, float(np.nan_to_num(apart, nan=math.inf).max()))
 
-    def cost(self, drivetrain: Drivetrain) -> float:
+    def cost(self, drivetrain: AssembledModel) -> float:
         """The larger of the changes of the kept modes; inf for what cannot be calculated."""
         try:
             found = self.errors(drivetrain)

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.symbolic import OMEGA, SymbolicMatrices, symbolic_matrices
 from torsionnet.channels import Sensor
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.response import Channel
 from torsionnet.solve.question import ask
 from torsionnet.symbolics.imposed import at_rest, is_imposed, posed, single
@@ -40,7 +40,7 @@ class SymbolicSystem(SymbolicMatrices):
         What transfer functions before have left behind.
     """
 
-    drivetrain: Drivetrain | None = None
+    drivetrain: AssembledModel | None = None
     referred_to: tuple[str, ...] = ()
     mechanisms: dict[tuple[int, ...], Mechanism] = field(default_factory=dict, repr=False)
 
@@ -130,7 +130,10 @@ class SymbolicSystem(SymbolicMatrices):
         """
         from torsionnet.symbolics.simplified import simplified
 
-        return simplified(self._model, output, input, excitation, tolerance=tolerance, band=band)
+        def written(rig: AssembledModel) -> TransferFunction:
+            return symbolic_system(rig).transfer_function(output, input, excitation)
+
+        return simplified(self._model, output, input, excitation, written=written, tolerance=tolerance, band=band)
 
     def to_latex(self, part: str = "") -> str:
         r"""LaTeX of the equations of motion as a matrix equation, or of one part: M, C, K, H, q, B, u.
@@ -154,7 +157,7 @@ class SymbolicSystem(SymbolicMatrices):
         return f"$\\displaystyle {self.to_latex()}$" if len(self.coordinates) <= MOST_SHOWN else None
 
     @property
-    def _model(self) -> Drivetrain:
+    def _model(self) -> AssembledModel:
         if self.drivetrain is None:
             msg = "these matrices do not know their drivetrain"
             raise TypeError(msg)
@@ -172,13 +175,13 @@ def _fraction(asked: Asked) -> tuple[Node, Node]:
     return mechanism.program.reduced(numerator, denominator)
 
 
-def _tables(drivetrain: Drivetrain) -> Mapping[Any, Any]:
+def _tables(drivetrain: AssembledModel) -> Mapping[Any, Any]:
     """The functions kappa(omega) of tabulated elements by the symbols that stand for them."""
     laws = drivetrain.assembly.kinematics.laws
     return {sympy.Function(f"kappa_{owner}")(OMEGA): law.table.kappa for owner, law in laws if law.table is not None}
 
 
-def symbolic_system(drivetrain: Drivetrain, referred_to: Collection[str] = ()) -> SymbolicSystem:
+def symbolic_system(drivetrain: AssembledModel, referred_to: Collection[str] = ()) -> SymbolicSystem:
     """See :meth:`torsionnet.Drivetrain.symbolic`."""
     names: Sequence[str] = [referred_to] if isinstance(referred_to, str) else list(referred_to)
     matrices = symbolic_matrices(at_rest(drivetrain) if is_imposed(drivetrain) else drivetrain, names)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -11,12 +11,12 @@ import sympy
 from numpy.typing import ArrayLike
 
 from torsionnet.errors import UsageError, did_you_mean
-from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.symbolics.algebras import Changed, Derivatives, Expressions, Lengths
-from torsionnet.symbolics.network import Stiffness
-from torsionnet.symbolics.program import Node, Program
-from torsionnet.symbolics.question import Asked
-from torsionnet.symbolics.shown import shown
+from torsionnet.response import FrequencyResponse
+from torsionnet.symbolics.algebras import Changed, Derivatives
+from torsionnet.symbolics.fraction import SymbolicFraction
+from torsionnet.symbolics.program import Program
+from torsionnet.symbolics.readable import require_readable, require_short
+from torsionnet.symbolics.shown import latex, shown, with_where
 
 if TYPE_CHECKING:
     from torsionnet.symbolics.expanded import Expanded
@@ -33,25 +33,11 @@ FORMS = ("mechanical", "polynomial", "normalised", "program", "expanded")
 
 
 @dataclass(frozen=True, eq=False)
-class TransferFunction:
+class TransferFunction(SymbolicFraction):
     """One output over one input, exact, in the model's own symbols.
 
     Everything follows from one straight-line program for numerator and denominator, which has no subtraction and no
     division; the forms are worked out when they are asked for.
-
-    Attributes
-    ----------
-    channels : tuple of Channel
-        Output and input, with their units.
-    numerator, denominator : Node
-        Results of one program, common factors left out.
-    values : dict
-        Symbol -> exact rational value in the model.
-    asked : Asked or None
-        The mechanism behind, for the continued fraction.
-    tables : dict
-        Tabulated stiffness by its symbolic function: kappa(omega).
-    notes : tuple of str
 
     Examples
     --------
@@ -62,57 +48,6 @@ class TransferFunction:
     >>> H.static_gain
     (k_1 + k_2)/(k_1*k_2)
     """
-
-    channels: tuple[Channel, Channel]
-    numerator: Node
-    denominator: Node
-    values: Mapping[Any, Any]
-    asked: Asked | None = None
-    tables: Mapping[Any, Any] = field(default_factory=dict)
-    title: str = ""
-    notes: tuple[str, ...] = ()
-    conditions: tuple[Any, ...] = ()
-
-    @property
-    def steps(self) -> Program:
-        """The program of numerator and denominator."""
-        return self.numerator.program
-
-    @cached_property
-    def free_symbols(self) -> frozenset[Any]:
-        """Parameters that appear, as sympy symbols."""
-        found: set[Any] = set()
-        for index in self.steps.needed([self.numerator, self.denominator]):
-            step = self.steps.steps[index]
-            payload = step[1] if step[0] == "leaf" else None
-            for part in payload.parts if isinstance(payload, Stiffness) else (payload,):
-                if isinstance(part, sympy.Basic):
-                    found |= {part} if part.is_Symbol else part.free_symbols
-        return frozenset(found - {sympy.Symbol("omega")})
-
-    @cached_property
-    def nested(self) -> Any:
-        """Numerator over denominator as the recursion gives them, a sympy expression."""
-        above, below = self.steps.run(Expressions(), [self.numerator, self.denominator])
-        return above / below
-
-    @cached_property
-    def nested_leaves(self) -> int:
-        """Elements and numbers of the nested form, those that appear again counted again."""
-        above, below = self.steps.run(Lengths(), [self.numerator, self.denominator])
-        return int(above.leaves + below.leaves)
-
-    @cached_property
-    def continued(self) -> Any:
-        """Continued fraction, a sympy expression; None where there are closed loops."""
-        from torsionnet.symbolics.written import continued_expression
-
-        return None if self.asked is None else continued_expression(self.asked)
-
-    @property
-    def mechanical(self) -> Any:
-        """Continued fraction with the user's groups, a sympy expression; nested where there are closed loops."""
-        return self.nested if self.continued is None else self.continued
 
     @cached_property
     def polynomial(self) -> Rational:
@@ -247,10 +182,26 @@ class TransferFunction:
         return python_code(self, name)
 
     def to_latex(self, form: str = "mechanical") -> str:
-        """LaTeX of a form: mechanical, polynomial, normalised, program or expanded."""
-        from torsionnet.symbolics.latex import to_latex
+        """LaTeX of a form: mechanical, polynomial, normalised, program or expanded.
 
-        return to_latex(self, form)
+        Raises
+        ------
+        UsageError
+            No such form, or one that would fill pages.
+        """
+        if form == "mechanical":
+            require_short(self, MOST_LEAVES)
+            return latex(self.mechanical)
+        if form in ("polynomial", "normalised"):
+            require_readable(self)
+            return (self.polynomial if form == "polynomial" else self.normalised).to_latex()
+        if form == "program":
+            table, result = self.program.where()
+            return with_where(latex(result), table)
+        if form == "expanded":
+            return latex(self.expanded().expression)
+        msg = f'"{form}" is no form{did_you_mean(form, FORMS)}; choose {", ".join(FORMS)}'
+        raise UsageError(msg)
 
     def _repr_latex_(self) -> str | None:
         form = self._short_form

@@ -17,8 +17,8 @@ import numpy as np
 import sympy
 from numpy.typing import ArrayLike
 
+from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.channels import Sensor
-from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import UsageError, did_you_mean
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.solve.question import Question, as_sensor, ask
@@ -112,7 +112,7 @@ def _place(key: int | str, names: Sequence[str]) -> int:
 
 
 def over_measured(
-    drivetrain: Drivetrain,
+    drivetrain: AssembledModel,
     outputs: Sequence[str | Sensor],
     inputs: Sequence[str | Sensor],
     excitation: str | Sequence[str] | None,
@@ -142,7 +142,7 @@ def over_measured(
     return _by_cramer(program, [list(row) for row in zip(*columns, strict=True)], question, write)
 
 
-def _mechanism(drivetrain: Drivetrain, driven: str, sensors: Sequence[Sensor], program: Program) -> Mechanism:
+def _mechanism(drivetrain: AssembledModel, driven: str, sensors: Sequence[Sensor], program: Program) -> Mechanism:
     """The drivetrain with all imposed angles at rest, but that of ``driven``."""
     system = at_rest(drivetrain, driven) if is_imposed(drivetrain) else drivetrain
     return Mechanism(system, loose=loose_constraints(system, sensors), program=program)

@@ -15,14 +15,14 @@ positive where the ratios are.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from typing import Protocol, TypeAlias
 
 from torsionnet.symbolics.blocks import Block, Orientation, orient, roots_of
-from torsionnet.symbolics.bundle import Bundle, Quotient, quotient, sum_of_quotients
-from torsionnet.symbolics.network import Member, Network, Stiffness, SymbolRow, added_up, reflected
+from torsionnet.symbolics.bundle import Bundle, Quotient, sum_of_quotients
+from torsionnet.symbolics.network import Network, SymbolRow
 from torsionnet.symbolics.program import Node, Program
 
 
@@ -48,6 +48,10 @@ class Solved(Protocol):
         ...
 
 
+Tied: TypeAlias = Callable[[Block[Quotient], Mapping[str, Quotient], Program], Solved]
+"""Solves a block of more than two coordinates, with what hangs on it."""
+
+
 @dataclass
 class Recursion:
     """A and Q of every coordinate that is connected to the root, taken down in a program."""
@@ -55,6 +59,7 @@ class Recursion:
     network: Network[Quotient]
     program: Program
     root: str
+    tied: Tied
     A: dict[str, Node] = field(default_factory=dict)
     Q: dict[str, Node] = field(default_factory=dict)
     solved: dict[Block[Quotient], Solved] = field(default_factory=dict)
@@ -82,7 +87,7 @@ class Recursion:
         """The determinants of all that is not connected to the root."""
         result = self.program.leaf(1)
         for other in roots_of(self.network, self.root)[1:]:
-            result = result * Recursion(self.network, self.program, other).A[other]
+            result = result * Recursion(self.network, self.program, other, self.tied).A[other]
         return result
 
     def _eliminate(self, name: str) -> None:
@@ -101,9 +106,7 @@ class Recursion:
         hanging = {name: Quotient(self.A[name], self.Q[name]) for name in block.below}
         if block.is_bundle:
             return Bundle(block, hanging[block.below[0]], self.program)
-        from torsionnet.symbolics.loops import tied
-
-        return tied(block, hanging, self.program)
+        return self.tied(block, hanging, self.program)
 
     def _ground(self, name: str) -> Quotient:
         return sum_of_quotients([(law, 1) for law in self.network.grounds.get(name, ())], self.program)
@@ -153,35 +156,3 @@ class Recursion:
         """The block in which all of several coordinates are."""
         found = [self.tree.above[name] for name in row if name in self.tree.above] if len(row) > 1 else []
         return next((block for block in found if block.covers(row)), None)
-
-
-def seen_from(root: str, network: Network[Stiffness], program: Program) -> Recursion:
-    """The recursion from a root, taken down once."""
-    key = (network, root)
-    if key not in program.memory:
-        program.memory[key] = Recursion(quotients(network, program), program, root)
-    found: Recursion = program.memory[key]
-    return found
-
-
-def quotients(network: Network[Stiffness], program: Program) -> Network[Quotient]:
-    """The network with parallel laws added up, its laws as steps of a program."""
-    if network not in program.memory:
-        members = (Member(member.row, quotient(member.law, program)) for member in added_up(network, reflected).members)
-        program.memory[network] = Network(network.coordinates, tuple(members))
-    found: Network[Quotient] = program.memory[network]
-    return found
-
-
-def determinant(network: Network[Stiffness], program: Program, first: str = "") -> Node:
-    """Det D."""
-    root = first or next(iter(network.coordinates), "")
-    return seen_from(root, network, program).determinant if root else program.leaf(1)
-
-
-def bilinear(network: Network[Stiffness], program: Program, reading: SymbolRow, load: SymbolRow) -> Node:
-    """Reading^T adj(D) load."""
-    total = program.leaf(0)
-    for root, share in load.items():
-        total = total + program.leaf(share) * seen_from(root, network, program).reading(reading)
-    return total

@@ -16,7 +16,7 @@ from torsionnet.symbolics.program import ARITHMETIC, Node, Program
 from torsionnet.symbolics.shown import latex, where_text, with_where
 
 if TYPE_CHECKING:
-    from torsionnet.symbolics.transfer_function import TransferFunction
+    from torsionnet.symbolics.fraction import SymbolicFraction
 
 
 @dataclass(frozen=True)
@@ -126,14 +126,14 @@ def _expression(step: tuple[Any, ...], known: dict[int, Any]) -> Any:
     return left + right if operation == "+" else left * right if operation == "*" else left / right
 
 
-def where_table(function: TransferFunction) -> WhereTable:
+def where_table(function: SymbolicFraction) -> WhereTable:
     """The transfer function down to single operations, as short as numerator over denominator allows."""
     program = Program()
     above, below = function.steps.run(Lowered(program), [function.numerator, function.denominator])
     return WhereTable(program, above / below)
 
 
-def continued_table(function: TransferFunction) -> WhereTable | None:
+def continued_table(function: SymbolicFraction) -> WhereTable | None:
     """The continued fraction down to single operations; its intermediate results stay of ordinary size."""
     from torsionnet.symbolics.written import continued
 

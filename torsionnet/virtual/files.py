@@ -11,12 +11,13 @@ from torsionnet.bench.checking import check_plan
 from torsionnet.bench.plan import Plan, read_plan
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean, unknown_key
-from torsionnet.files import load, read_file
+from torsionnet.files import read_file
 from torsionnet.files.decoding import decode
 from torsionnet.files.library import library_benches
 from torsionnet.files.located import Document, compose
 from torsionnet.files.placing import placed, presentable
 from torsionnet.files.reader import find_model
+from torsionnet.loading import load
 from torsionnet.virtual.bench import Bench
 
 TEXTS = ("name", "source", "description")

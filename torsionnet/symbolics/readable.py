@@ -1,50 +1,22 @@
-"""LaTeX of the forms of a transfer function."""
+"""What of a transfer function is too long to be written, and how the rest is."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.errors import UsageError
 from torsionnet.symbolics.algebras import InPowersOfS, Lengths, Terms
 from torsionnet.symbolics.program import Node, Program
 from torsionnet.symbolics.rational import FEW
-from torsionnet.symbolics.shown import latex, with_where
-from torsionnet.symbolics.transfer_function import FORMS, MOST_LEAVES
 
 if TYPE_CHECKING:
-    from torsionnet.symbolics.transfer_function import TransferFunction
+    from torsionnet.symbolics.fraction import SymbolicFraction
 
 MOST_WRITTEN = 20_000
 """Elements and numbers in the coefficients of a formula; more fill pages, and take minutes."""
 
 
-def to_latex(function: TransferFunction, form: str) -> str:
-    """See :meth:`TransferFunction.to_latex`.
-
-    Raises
-    ------
-    UsageError
-        No such form, or one that would fill pages.
-    """
-    if form == "mechanical":
-        _require_short(function)
-        return latex(function.mechanical)
-    if form in ("polynomial", "normalised"):
-        _require_readable(function)
-    if form == "polynomial":
-        return function.polynomial.to_latex()
-    if form == "normalised":
-        return function.normalised.to_latex()
-    if form == "program":
-        table, result = function.program.where()
-        return with_where(latex(result), table)
-    if form == "expanded":
-        return latex(function.expanded().expression)
-    msg = f'"{form}" is no form{did_you_mean(form, FORMS)}; choose {", ".join(FORMS)}'
-    raise UsageError(msg)
-
-
-def _require_readable(function: TransferFunction) -> None:
+def require_readable(function: SymbolicFraction) -> None:
     """Coefficients that are written nested grow without measure with the number of coordinates."""
     outputs = [function.numerator, function.denominator]
     if sum(function.steps.run(Terms(), outputs)) <= FEW:
@@ -57,10 +29,10 @@ def _require_readable(function: TransferFunction) -> None:
         raise UsageError(msg)
 
 
-def _require_short(function: TransferFunction) -> None:
+def require_short(function: SymbolicFraction, most: int) -> None:
     """Nested expressions repeat themselves; a continued fraction does not."""
     leaves = function.nested_leaves if function.continued is None else 0
-    if leaves > MOST_LEAVES:
+    if leaves > most:
         msg = (
             f"with its closed loops written out, this transfer function is a fraction of {leaves:,} elements and "
             'numbers; ask for "program"'

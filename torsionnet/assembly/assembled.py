@@ -1,0 +1,28 @@
+"""A model with its numbers: what solvers work on."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Self
+
+from torsionnet.assembly.system import Assembly, assemble
+from torsionnet.configurations import Overlay
+from torsionnet.model import Model
+
+
+class AssembledModel(Model):
+    """A model whose coordinates, rows and coefficients are there when asked for."""
+
+    _like: Assembly | None = None
+
+    @cached_property
+    def assembly(self) -> Assembly:
+        """The drivetrain in numbers: coordinates, rows and coefficients."""
+        return assemble(self.definition, self.exact_values, like=self._like)
+
+    def _changed(self, choice: Mapping[str, str], changes: Overlay) -> Self:
+        """A changed copy, whose assembly may share what it has in common with this one."""
+        changed = super()._changed(choice, changes)
+        changed._like = self.__dict__.get("assembly", self._like)  # noqa: SLF001
+        return changed

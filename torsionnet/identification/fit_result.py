@@ -1,0 +1,133 @@
+"""What a fit found: values, what is known of their errors, and the curves of test and model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.errors import UsageError
+from torsionnet.identification.lack_of_fit import LackOfFit
+from torsionnet.identification.problem import Problem
+from torsionnet.response import Column, Table
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """Test and fitted model of one measurement, estimated alike.
+
+    Attributes
+    ----------
+    name : str
+    frequencies : (n,) array
+        Hz.
+    measured, fitted : (n,) complex array
+        SI.
+    deviation : (n,) array
+        Standard deviation of a line that its noise makes, SI.
+    misfit : float
+        RMS of the weighted residuals: 1 where the model explains all but noise.
+    unit : str
+    has_phase : bool
+        Whether the test has; else its values are magnitudes.
+    """
+
+    name: str
+    frequencies: FloatArray
+    measured: ComplexArray
+    fitted: ComplexArray
+    deviation: FloatArray
+    misfit: float
+    unit: str
+    has_phase: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class FitResult:
+    """Parameters found from measurements.
+
+    Attributes
+    ----------
+    values, standard_errors : mapping of str to float
+        SI; an infinite standard error says that the data do not determine the value, or that the model does not fit.
+    correlation : (n, n) array
+        In the order of ``values``.
+    chi_squared : float
+        Sum of the squared weighted residuals, priors included.
+    degrees_of_freedom : int
+        Independent values that the residuals are worth, less the parameters.
+    comparisons : tuple of Compared
+    verdicts : tuple of str
+        Which values can be trusted, in words.
+    notes : tuple of str
+    steps : mapping of str to tuple of tuples of float
+        By how much the steps of a sensor move a value from each place that it may rest at, for each test that has
+        them, SI. The errors contain it.
+    lack_of_fit : LackOfFit, optional
+        What the residuals hold beyond noise; none of a fit that was read from a file.
+    """
+
+    values: Mapping[str, float]
+    standard_errors: Mapping[str, float]
+    correlation: FloatArray
+    chi_squared: float
+    degrees_of_freedom: int
+    comparisons: tuple[Compared, ...]
+    verdicts: tuple[str, ...]
+    notes: tuple[str, ...] = ()
+    units: Mapping[str, str] = field(default_factory=dict)
+    title: str = ""
+    steps: Mapping[str, tuple[tuple[float, ...], ...]] = field(default_factory=dict)
+    lack_of_fit: LackOfFit | None = None
+    problem: Problem | None = field(default=None, repr=False)
+    loss: str = "linear"
+
+    def intervals(self, level: float = 0.95) -> dict[str, tuple[float, float]]:
+        """Confidence intervals from the standard errors, with Student's distribution; of an error by steps, its own."""
+        from torsionnet.identification.reach import reach
+
+        if not 0 < level < 1:
+            msg = f"a level is a share between 0 and 1, got {level}"
+            raise UsageError(msg)
+        freedom, found = max(self.degrees_of_freedom, 1), {}
+        for name, value in self.values.items():
+            half = reach(level, self.standard_errors[name], self.steps.get(name, ()), freedom)
+            found[name] = (value - half, value + half)
+        return found
+
+    def configured(self, model: Drivetrain) -> Drivetrain:
+        """The model with the shared parameters found; those per configuration are left to ``values``."""
+        shared = {name: value for name, value in self.values.items() if name in model.parameter_definitions}
+        return model.configured(**shared)
+
+    @property
+    def aicc(self) -> float:
+        """Akaike's criterion for few data, from the chi squared; lower is better among fits with the same noise."""
+        k, n = len(self.values), self.degrees_of_freedom + len(self.values)
+        return self.chi_squared + 2 * k + 2 * k * (k + 1) / max(n - k - 1, 1)
+
+    def table(self, level: float = 0.95, true: Mapping[str, float] | None = None) -> Table:
+        """Values with standard errors and intervals; ``true`` values beside them where they are known."""
+        intervals = self.intervals(level)
+        columns = [Column("parameter"), Column("value"), Column("standard error", "", 2)]
+        columns += [Column(f"{100 * level:g} % from"), Column("to"), Column("unit")]
+        columns += [Column("true"), Column("inside")] if true is not None else []
+        rows = []
+        for name, value in self.values.items():
+            row = [name, value, self.standard_errors[name], *intervals[name], self.units.get(name, "")]
+            if true is not None:
+                known = true.get(name)
+                low, high = intervals[name]
+                row += [known, "" if known is None or np.isinf(low) else "yes" if low <= known <= high else "no"]
+            rows.append(tuple(row))
+        return Table(self.title, tuple(columns), tuple(rows), (*self.verdicts, *self.notes))
+
+    def __repr__(self) -> str:
+        shown = ", ".join(f"{name} = {value:.4g}" for name, value in self.values.items())
+        return f"<Fit {shown}>"
+
+    def _repr_html_(self) -> str:
+        return self.table().to_html()
