@@ -19,8 +19,8 @@ import torsionnet as tn
 from benchmarks._sizes import ARGUMENTS, sized
 from torsionnet.assembly.law_stiffness import law_stiffness
 from torsionnet.assembly.rows import Rows, RowSystem
-from torsionnet.solve.problem import Excitation, Problem
 from torsionnet.solve.quotient import METHODS
+from torsionnet.solve.response_problem import Loading, ResponseProblem
 
 OPENTORSION = """
 import sys, time, numpy as np
@@ -55,7 +55,7 @@ def graph(system, omega, method="graph"):
     """All of it: dynamic stiffness and receptance between the ends."""
     n = system.n_coordinates
     if "ends" not in system.plans:  # as a drivetrain keeps it for all calls and configured copies
-        system.plans["ends"] = Problem(system.sparse_rows, n, (Excitation(load={0: 1.0}),), ({n - 1: 1.0},))
+        system.plans["ends"] = ResponseProblem(system.sparse_rows, n, (Loading(load={0: 1.0}),), ({n - 1: 1.0},))
     return METHODS[method](system.plans["ends"], law_stiffness([system], omega)).values[0, 0]
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from benchmarks._sizes import ARGUMENTS, sized
-from torsionnet.errors import SolveError
+from torsionnet.core.errors import SolveError
 from torsionnet.modal import Settings, identify_modes
 from torsionnet.response import Channel, FrequencyResponse
 

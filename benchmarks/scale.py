@@ -71,7 +71,7 @@ def stages(shape: str, n: int) -> dict[str, float]:
         _ = model.assembly
         done("assemble")
         from torsionnet.cli.terminal import print_table
-        from torsionnet.overview import tables
+        from torsionnet.model.overview import tables
 
         with contextlib.redirect_stdout(io.StringIO()):
             for one in tables(model):

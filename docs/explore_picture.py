@@ -17,7 +17,7 @@ sys.path.insert(0, str(DOCS.parent / "tests"))
 
 from explore_pages import chromium, serving, visit  # noqa: E402
 
-from torsionnet.explore.choices import Pair  # noqa: E402
+from torsionnet.explore.choices import ResponseChoice  # noqa: E402
 
 PICTURE = DOCS / "images" / "explore.png"
 SIZE = {"width": 1440, "height": 900}
@@ -53,7 +53,7 @@ def main() -> None:
         browser = playwright.chromium.launch(executable_path=chromium(), args=["--no-sandbox"])
         overlay = measured(Path(folder))
         with (
-            serving("amt_rig", configuration="V", pairs=[Pair("theta_1", "T_T")], overlay=overlay) as server,
+            serving("amt_rig", configuration="V", pairs=[ResponseChoice("theta_1", "T_T")], overlay=overlay) as server,
             visit(browser, server.address, viewport=SIZE) as found,
         ):
             arranged(found)

@@ -1,4 +1,4 @@
-"""Lets sphinx-gallery find figures that belong to no pyplot window, as torsionnet.report returns them."""
+"""Lets sphinx-gallery find figures that belong to no pyplot window, as torsionnet.plot returns them."""
 
 from __future__ import annotations
 

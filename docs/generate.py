@@ -18,16 +18,16 @@ from schema_pages import file_entries_page
 from validation_pages import bench_numbers_page, cases_page, paper_page
 
 import torsionnet as tn
-from torsionnet.bench import Acquisition, Encoder, Exciter, Transducer
-from torsionnet.bench.excitations import EXCITATIONS, specs_of
-from torsionnet.bench.fields import BenchPart, Reading
-from torsionnet.damping import MEASURES
-from torsionnet.elements import ELEMENT_TYPES, Constraint, Element, Law, Part, Values, make_element
-from torsionnet.elements import fields as spec
-from torsionnet.errors import ModelError
-from torsionnet.expressions import Algebra
-from torsionnet.outline import SECTIONS
-from torsionnet.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimension, expected_unit
+from torsionnet.core.damping import MEASURES
+from torsionnet.core.errors import ModelError
+from torsionnet.core.expressions import Algebra
+from torsionnet.core.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimension, expected_unit
+from torsionnet.model.bench import Acquisition, Encoder, Exciter, Transducer
+from torsionnet.model.bench.excitations import EXCITATIONS, specs_of
+from torsionnet.model.bench.fields import BenchEntries, BenchPart
+from torsionnet.model.elements import ELEMENT_TYPES, Constraint, Element, Law, Part, Values, make_element
+from torsionnet.model.elements import fields as spec
+from torsionnet.model.report import SECTIONS
 
 DOCS = Path(__file__).parent
 GENERATED = DOCS / "generated"
@@ -90,13 +90,13 @@ def physics(cls: type[Element]) -> str:
 def sample(cls: type[Element], *, full: bool, symbolic: bool = False) -> Element:
     """An element with what is required, or with everything that goes together; values are samples or symbols."""
     given = [d for d in own_fields(cls) if d.default is MISSING or (symbolic and isinstance(d.default, str))]
-    given = [d for d in given if d.default is MISSING or isinstance(spec.spec_of(d), spec.Quantity)]
+    given = [d for d in given if d.default is MISSING or isinstance(spec.spec_of(d), spec.PhysicalQuantity)]
     data = {declared.name: sample_value(declared, symbolic=symbolic) for declared in given}
     optional = [declared for declared in own_fields(cls) if declared.name not in data]
     for declared in optional:
         if not full and constructible(cls, data):
             break
-        if isinstance(spec.spec_of(declared), (spec.Count, spec.Choice)):
+        if isinstance(spec.spec_of(declared), (spec.Count, spec.OneOf)):
             continue
         trial = data | {declared.name: sample_value(declared, symbolic=symbolic)}
         if not constructible(cls, data) or constructible(cls, trial):
@@ -118,13 +118,13 @@ def sample_value(declared: Field[Any], *, symbolic: bool) -> Any:
         return ["a", "b"]
     if isinstance(kind, spec.NodeName):
         return declared.name
-    if isinstance(kind, spec.Quantity):
+    if isinstance(kind, spec.PhysicalQuantity):
         loss = 0.1 if isinstance(kind, spec.LossFactor) else SAMPLES[kind.dimension]
         return kind.symbol if symbolic else loss
     others = {spec.Teeth: [20, 61], spec.Flag: True, spec.Count: 1, spec.Text: "text"}
-    if isinstance(kind, spec.Table):
+    if isinstance(kind, spec.TableEntry):
         return [["1 Hz", "400 N*m/rad", "2 N*m*s/rad"], ["20 Hz", "500 N*m/rad", "1.2 N*m*s/rad"]]
-    return kind.options[0] if isinstance(kind, spec.Choice) else others[type(kind)]
+    return kind.options[0] if isinstance(kind, spec.OneOf) else others[type(kind)]
 
 
 def laws(cls: type[Element]) -> str:
@@ -136,7 +136,9 @@ def laws(cls: type[Element]) -> str:
 
 
 def described(element: Element) -> str:
-    names = {declared.symbol for declared, _ in element.scalars().values() if isinstance(declared, spec.Quantity)}
+    names = {
+        declared.symbol for declared, _ in element.scalars().values() if isinstance(declared, spec.PhysicalQuantity)
+    }
     algebra = Algebra(number=lambda x: sympy.Rational(x.numerator, x.denominator), sqrt=sympy.sqrt, pi=sympy.pi)
     value = Values({name: sympy.Symbol(name, positive=True) for name in names}, algebra)
     return "\n".join(f"$${row_text(part)},\\qquad {law_text(part)}$$\n" for part in element.parts(value))
@@ -187,7 +189,7 @@ def fields_table(cls: type[Element]) -> str:
 
 def field_row(declared: Field[Any]) -> list[str]:
     kind = spec.spec_of(declared)
-    is_quantity = isinstance(kind, spec.Quantity)
+    is_quantity = isinstance(kind, spec.PhysicalQuantity)
     symbol = f"${sympy.latex(sympy.Symbol(kind.symbol))}$" if is_quantity else ""
     unit = "" if not is_quantity else "-" if kind.dimension == "1" else code(expected_unit(kind.dimension))
     default = "required" if declared.default is MISSING else default_text(declared.default)
@@ -202,7 +204,7 @@ def default_text(default: Any) -> str:
 
 def bounds(kind: spec.Spec) -> str:
     match kind:
-        case spec.Choice():
+        case spec.OneOf():
             text = " or ".join(map(code, kind.options))
         case spec.Count():
             text = f"{kind.lower} to {kind.upper}"
@@ -210,9 +212,9 @@ def bounds(kind: spec.Spec) -> str:
             text = "`true` or `false`"
         case spec.Teeth():
             text = "whole, not 0"
-        case spec.Quantity(lower=None):
+        case spec.PhysicalQuantity(lower=None):
             text = "not 0" if kind.nonzero else ""
-        case spec.Quantity():
+        case spec.PhysicalQuantity():
             text = f"{'>' if kind.exclusive else '>='} {kind.lower:g}"
         case _:
             text = ""
@@ -320,7 +322,7 @@ def _entries_table(title: str, entries: dict[str, tuple[spec.Spec, bool]]) -> st
     rows = []
     for name, (kind, required) in entries.items():
         unit = getattr(kind, "dimension", "")
-        shown = "of what is measured" if isinstance(kind, Reading) else code(expected_unit(unit)) if unit else ""
+        shown = "of what is measured" if isinstance(kind, BenchEntries) else code(expected_unit(unit)) if unit else ""
         rows.append([code(name), "required" if required else "", prose(kind.description), shown])
     return f"**{title}**\n\n" + table(["entry", "", "meaning", "unit"], rows)
 

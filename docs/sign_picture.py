@@ -10,9 +10,9 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
-from torsionnet.report import emblems, outlines, style
-from torsionnet.report.blocks import Block, Stroke, Texts, arc, text_width
-from torsionnet.report.canvas import painted
+from torsionnet.plot import emblems, outlines, style
+from torsionnet.plot.canvas import painted
+from torsionnet.plot.pieces import Piece, Stroke, Texts, arc, text_width
 
 EDGE = 12.0
 RC = {"svg.hashsalt": "torsionnet", "svg.fonttype": "path"}
@@ -35,7 +35,7 @@ def save(figure: Figure, path: Path) -> None:
 # Pieces
 
 
-def turn(block: Block, x: float, texts: Texts, look: str, *, y: float = 0.0) -> None:
+def turn(block: Piece, x: float, texts: Texts, look: str, *, y: float = 0.0) -> None:
     """An arrow around the shaft in the positive sense, with its name above."""
     for stroke in outlines.torque_arrow(x):
         fill = look if stroke.fill else ""
@@ -44,26 +44,26 @@ def turn(block: Block, x: float, texts: Texts, look: str, *, y: float = 0.0) -> 
     block.write(x, y + 20, texts)
 
 
-def node(block: Block, x: float, name: str, *, y: float = 0.0) -> None:
+def node(block: Piece, x: float, name: str, *, y: float = 0.0) -> None:
     """A disc with the name of its node."""
     block.strokes += [stroke.shifted(0, y) for stroke in outlines.disc(x, 24)]
     block.boxes.append((x - 8, x + 8, y - 24, y + 24))
     block.write(x, y + 26, [(name, "node")])
 
 
-def cut(block: Block, x: float, *, y: float = 0.0) -> None:
+def cut(block: Piece, x: float, *, y: float = 0.0) -> None:
     """Where the shaft is cut in thought."""
     block.strokes.append(Stroke(((x, y - 26), (x, y + 14)), "housing"))
     block.boxes.append((x - 1, x + 1, y - 26, y + 14))
     block.write(x, y - 27, [("cut", "what")], upward=False)
 
 
-def below(block: Block, x: float, *lines: str) -> None:
+def below(block: Piece, x: float, *lines: str) -> None:
     """Sentences under everything else."""
     block.write(x, block.extent[2] - 6, [(line, "value") for line in lines], upward=False)
 
 
-def spin(block: Block, x: float, y: float, radius: float, start: float, end: float, look: str) -> None:
+def spin(block: Piece, x: float, y: float, radius: float, start: float, end: float, look: str) -> None:
     """An arc with an arrow head, seen along the axis; angles in degrees."""
     path = arc(x, y, radius, radius, start, end)
     block.strokes.append(Stroke(path, look))
@@ -79,7 +79,7 @@ def spin(block: Block, x: float, y: float, radius: float, start: float, end: flo
     block.boxes += [(u - 4, u + 4, v - 4, v + 4) for u, v in path]
 
 
-def wheel(block: Block, x: float, y: float, radius: float, name: str, *, inner: bool = False) -> None:
+def wheel(block: Piece, x: float, y: float, radius: float, name: str, *, inner: bool = False) -> None:
     """A gear seen along its axis; a ring has its teeth inside."""
     teeth = radius - 3 if not inner else radius + 3
     outer, within = ((teeth, "thin", ""), (radius, "part", "")), ((radius, "part", outlines.WHEEL), (teeth, "thin", ""))
@@ -94,8 +94,8 @@ def wheel(block: Block, x: float, y: float, radius: float, name: str, *, inner: 
 # Pictures
 
 
-def spring() -> Block:
-    block = Block()
+def spring() -> Piece:
+    block = Piece()
     block.line((-40, 0), (340, 0))
     node(block, 20, "first node a")
     node(block, 280, "second node b")
@@ -118,8 +118,8 @@ def spring() -> Block:
     return block
 
 
-def gears() -> Block:
-    block = Block()
+def gears() -> Piece:
+    block = Piece()
     wheel(block, 0, 0, 26, r"$z_{\mathrm{a}}$")
     wheel(block, 69, 0, 43, r"$z_{\mathrm{b}}$")
     spin(block, 0, 0, 34, 150, 60, "sensor")
@@ -140,8 +140,8 @@ def gears() -> Block:
     return block
 
 
-def planetary() -> Block:
-    block = Block()
+def planetary() -> Piece:
+    block = Piece()
     factor = 2.6
     for stroke in emblems.planetary(0, 0):
         points = tuple((factor * u, factor * v) for u, v in stroke.points)
@@ -167,8 +167,8 @@ def planetary() -> Block:
     return block
 
 
-def sensor() -> Block:
-    block = Block()
+def sensor() -> Piece:
+    block = Piece()
     block.line((-18, 0), (120, 0))
     block.strokes += [*outlines.wheel(120, 0, 24), *outlines.wheel(120, -64, 40)]
     block.line((120, -64), (260, -64))
@@ -189,8 +189,8 @@ def sensor() -> Block:
     return block
 
 
-def clamp() -> Block:
-    block = Block()
+def clamp() -> Piece:
+    block = Piece()
     block.line((-18, 0), (250, 0))
     node(block, 20, "a")
     block.strokes += [outlines.rectangle(80, 128, -8, 8, style.PAPER, look="blank"), outlines.zigzag(80, 128, 0)]
@@ -208,8 +208,8 @@ def clamp() -> Block:
     return block
 
 
-def imposed() -> Block:
-    block = Block()
+def imposed() -> Piece:
+    block = Piece()
     block.line((0, 0), (280, 0))
     turn(block, 6, [(r"$\theta_{\mathrm{E}}$", "input"), ("imposed angle", "what")], "input")
     block.strokes += [outlines.rectangle(100, 148, -8, 8, style.PAPER, look="blank"), outlines.zigzag(100, 148, 0)]
@@ -247,7 +247,7 @@ def lag() -> Figure:
     return figure
 
 
-PICTURES: dict[str, Callable[[], Block]] = {
+PICTURES: dict[str, Callable[[], Piece]] = {
     "spring": spring,
     "gears": gears,
     "planetary": planetary,

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from sign_picture import EDGE, save
 
-from torsionnet.elements import Element
-from torsionnet.report import emblems, glyphs, outlines
-from torsionnet.report.blocks import Block, Stroke
-from torsionnet.report.canvas import painted
-from torsionnet.report.drops import Drop, Stage
+from torsionnet.model.elements import Element
+from torsionnet.plot import emblems, glyphs, outlines
+from torsionnet.plot.branch_lines import Drop, Stage
+from torsionnet.plot.canvas import painted
+from torsionnet.plot.pieces import Piece, Stroke
 
 BETWEEN = 60.0
 INLINE = ("spring", "damper", "coupling", "shaft")
@@ -19,7 +19,7 @@ INLINE = ("spring", "damper", "coupling", "shaft")
 
 def write(folder: Path, kind: str, samples: Sequence[Element]) -> None:
     """One picture of the plainest element and, where it looks different, of one with everything given."""
-    whole = Block()
+    whole = Piece()
     drawn: list[tuple[Stroke, ...]] = []
     for element in samples:
         block = picture(element)
@@ -31,7 +31,7 @@ def write(folder: Path, kind: str, samples: Sequence[Element]) -> None:
     save(painted(whole, (x0 - EDGE, x1 + EDGE, y0 - EDGE, y1 + EDGE)), folder / f"symbol_{kind}.svg")
 
 
-def picture(element: Element) -> Block:
+def picture(element: Element) -> Piece:
     """By the kind of its symbol."""
     if element.glyph == "disc":
         return _disc(element)
@@ -42,8 +42,8 @@ def picture(element: Element) -> Block:
     return _inline(element) if element.glyph in INLINE else _box(element)
 
 
-def _disc(element: Element) -> Block:
-    block = Block()
+def _disc(element: Element) -> Piece:
+    block = Piece()
     block.line((0, 0), (60, 0))
     block.strokes += outlines.disc(30, 26)
     block.boxes.append((23, 37, -26, 26))
@@ -51,8 +51,8 @@ def _disc(element: Element) -> Block:
     return block
 
 
-def _clamp(element: Element) -> Block:
-    block = Block()
+def _clamp(element: Element) -> Piece:
+    block = Piece()
     block.line((0, 0), (50, 0))
     block.strokes += [stroke.shifted(50, 0) for stroke in outlines.wall(0)]
     block.boxes.append((50, 58, -18, 18))
@@ -60,10 +60,10 @@ def _clamp(element: Element) -> Block:
     return block
 
 
-def _inline(element: Element) -> Block:
+def _inline(element: Element) -> Piece:
     """Between two ends."""
     glyph = glyphs.inline_glyph(element, {})
-    block = Block(glyph.along(44, 0))
+    block = Piece(glyph.along(44, 0))
     block.boxes.append((44, 44 + glyph.length, -glyph.reach, glyph.reach))
     block.line((0, 0), (44, 0))
     block.line((44 + glyph.length, 0), (88 + glyph.length, 0))
@@ -72,12 +72,12 @@ def _inline(element: Element) -> Block:
     return block
 
 
-def _gear(element: Element) -> Block:
+def _gear(element: Element) -> Piece:
     """Two wheels; a moving housing is a dashed frame."""
-    block, distance = Block(), 70.0
+    block, distance = Piece(), 70.0
     block.line((0, 0), (70, 0))
     block.line((70, -distance), (150, -distance))
-    block.add(Drop(70, 0, Block(), (Stage(element, 0.0, (), 1.6),)).connector(distance))
+    block.add(Drop(70, 0, Piece(), (Stage(element, 0.0, (), 1.6),)).connector(distance))
     _port(block, 20, element, 0)
     _port(block, 126, element, 1, y=-distance)
     if "housing" in element.ports:
@@ -85,9 +85,9 @@ def _gear(element: Element) -> Block:
     return block
 
 
-def _box(element: Element) -> Block:
+def _box(element: Element) -> Piece:
     """Three ports at the edges of a box."""
-    block, half = Block(), 35.0
+    block, half = Piece(), 35.0
     block.line((-110, 0), (-60, 0))
     block.line((60, 0), (110, 0))
     block.line((0, -half), (0, -half - 22))
@@ -99,5 +99,5 @@ def _box(element: Element) -> Block:
     return block
 
 
-def _port(block: Block, x: float, element: Element, place: int, *, y: float = 0.0) -> None:
+def _port(block: Piece, x: float, element: Element, place: int, *, y: float = 0.0) -> None:
     block.write(x, y + 4, [(list(element.ports)[place], "port")])

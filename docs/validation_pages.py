@@ -185,7 +185,7 @@ def bench_numbers_page() -> str:
 def _agreement(bench: Any) -> list[str]:
     import numpy as np
 
-    from torsionnet.bench import Encoder
+    from torsionnet.model.bench import Encoder
     from torsionnet.signals import difference
 
     channels = {**bench.plan.channels, "theta_1": Encoder(lines=1024, quadrature=True)}

@@ -9,13 +9,13 @@ static angle. Gears are configurations of one model file.
 import numpy as np
 
 import torsionnet as tn
-from torsionnet import report
+from torsionnet import plot
 
 rig = tn.load("amt_rig")
 frequencies = np.geomspace(0.5, 30, 500)
 gears = [rig.configured(name) for name in ("II", "III", "IV", "V")]
 responses = [gear.frequency_response("theta_1", "T_T", frequencies) for gear in gears]
-figure = report.bode(responses, conventions=tn.Conventions(angle="deg"), title="AMT rig, angle over measured torque")
+figure = plot.bode(responses, conventions=tn.Conventions(angle="deg"), title="AMT rig, angle over measured torque")
 
 # %%
 # The static angle follows :math:`1/k_1 + \tau^2/k_2`, not the ratio alone.

@@ -12,9 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 import torsionnet as tn
-from torsionnet import report
-from torsionnet.bench import Encoder
+from torsionnet import plot
 from torsionnet.identification import Candidate, choose_model
+from torsionnet.model.bench import Encoder
 from torsionnet.signals import PAPER
 
 
@@ -53,8 +53,8 @@ print(choice.table().to_text())
 # %%
 # The residuals show what the viscous model lacks: at low frequency the test lags, and no viscous damper does there.
 deg = tn.Conventions(angle="deg")
-viscous = report.fit(choice.fits["viscous"], conventions=deg, title="viscous damper")
-hysteretic = report.fit(choice.fits["hysteretic"], conventions=deg, title="hysteretic spring")
+viscous = plot.fit(choice.fits["viscous"], conventions=deg, title="viscous damper")
+hysteretic = plot.fit(choice.fits["hysteretic"], conventions=deg, title="hysteretic spring")
 
 # %%
 one = choice.fits["viscous"].comparisons[0]

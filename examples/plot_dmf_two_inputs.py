@@ -9,16 +9,16 @@ applies, and over the torque the meter behind it reads.
 import numpy as np
 
 import torsionnet as tn
-from torsionnet import report
+from torsionnet import plot
 
 rig = tn.load("dmf_rig")
-drawing = report.schematic(rig)
+drawing = plot.schematic(rig)
 
 # %%
 # ``T_M`` is an input of the model, ``T_T`` a sensor. A sensor as input means: as measured.
 frequencies = np.geomspace(0.5, 40, 600)
 responses = [rig.frequency_response("theta_1", torque, frequencies) for torque in ("T_M", "T_T")]
-figure = report.bode(responses, conventions=tn.Conventions(angle="deg"), title="DMF rig")
+figure = plot.bode(responses, conventions=tn.Conventions(angle="deg"), title="DMF rig")
 
 # %%
 # The peaks are those of different systems: with the rotor, and without it.

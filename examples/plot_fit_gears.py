@@ -10,8 +10,8 @@ torque and estimates prediction and test alike, so the windows' leakage does not
 from dataclasses import replace
 
 import torsionnet as tn
-from torsionnet import report, sensitivity
-from torsionnet.bench import Encoder
+from torsionnet import plot, sensitivity
+from torsionnet.model.bench import Encoder
 from torsionnet.signals import PAPER
 
 bench = tn.load_bench("amt_bench")
@@ -23,12 +23,12 @@ tests = [
 rig = tn.load("amt_rig")
 fit = tn.identify(rig, tests, {"c_O": 80, "c_B": 4})
 print(fit.table(true={"c_O": 170, "c_B": 1.5}).to_text())
-figure = report.fit(fit, conventions=tn.Conventions(angle="deg"))
+figure = plot.fit(fit, conventions=tn.Conventions(angle="deg"))
 
 # %%
 # In one gear alone the two cannot be told apart, and the fit says so: only c_B + c_O/tau^2 acts on the response.
 print(*tn.identify(rig, tests[0], {"c_O": 80, "c_B": 4}).verdicts, sep="\n")
-matrix = report.correlation(fit)
+matrix = plot.correlation(fit)
 
 # %%
 # A test in gear V of a rig with twice the drag: fitted with the others it is named as the one that does not belong.
@@ -38,4 +38,4 @@ print(tn.identify(rig, odd, ["c_O"]).values)
 
 # %%
 # What else moves the first mode in gear V: the exact derivatives, as a tornado plot.
-tornado = report.tornado(sensitivity.mode_sensitivities(rig.configured("V")), modes=[1])
+tornado = plot.tornado(sensitivity.mode_sensitivities(rig.configured("V")), modes=[1])

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from scipy.io import loadmat
 
-from torsionnet import report, signals
+from torsionnet import plot, signals
 
 file = Path(find_spec("vibrationtesting").submodule_search_locations[0], "data", "case1.mat")
 names = {"Time_chan_1": "force", "Time_chan_2": "acceleration"}
@@ -32,7 +32,7 @@ contact = record.time < 8e-3
 force = record["force"].values
 blow = np.where(contact, force - force[~contact][:50].mean(), 0)
 record = record.with_signals(replace(record["force"], values=blow))
-histories = report.time_histories(record, title="One blow: force as a torque, acceleration")
+histories = plot.time_histories(record, title="One blow: force as a torque, acceleration")
 
 # %%
 settings = signals.Welch(window="boxcar", seconds=3.2, overlap=0, detrend="none")
@@ -48,7 +48,7 @@ stored = loadmat(file)
 theirs = stored["Hf_chan_2"].ravel()[np.isin(stored["Freq_domain"].ravel(), found.frequencies)]
 scale = np.median(np.abs(found.values[:, 0, 0] / theirs))
 analyser = replace(found, values=scale * theirs[:, None, None], coherence=None, notes=(), title="analyser")
-figure = report.bode(
+figure = plot.bode(
     [analyser, replace(found, coherence=None)],
     labels=[f"analyser, times {scale:.2f}", "estimated from the record"],
     title="Hammer test of a beam",

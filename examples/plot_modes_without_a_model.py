@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 import torsionnet as tn
-from torsionnet import modal, report
+from torsionnet import modal, plot
 
 engine = tn.load("six_cylinder_diesel")
 places = [engine.nodes[index] for index in (0, 2, 4, -1)]
@@ -23,7 +23,7 @@ test = replace(clean, values=clean.values + scatter[0] + 1j * scatter[1], title=
 
 diagram = modal.stabilisation(test, modal.Settings("lscf", highest_order=40))
 found = modal.identify_modes(diagram)
-figure = report.stabilisation(diagram, found)
+figure = plot.stabilisation(diagram, found)
 
 # %%
 # Against the modes of the model: natural frequency, damping ratio, and the likeness of the shapes (MAC). The mode at

@@ -9,7 +9,7 @@ place per torque at another is the same the other way round, across a gear stage
 import numpy as np
 
 import torsionnet as tn
-from torsionnet import report
+from torsionnet import plot
 
 line = tn.Drivetrain(
     "geared line",
@@ -25,7 +25,7 @@ line = tn.Drivetrain(
 nodes = ["motor", "wheel"]
 response = line.frequency_response(nodes, nodes, np.geomspace(3, 300, 600))
 print(abs(response.values[:, 0, 1] - response.values[:, 1, 0]).max() / response.magnitude.max())
-figure = report.bode(response, title="Receptances of a geared line")
+figure = plot.bode(response, title="Receptances of a geared line")
 
 # %%
 # Mobility and accelerance are the same data, and the dynamic stiffness is the inverse of the matrix.

@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 
 import torsionnet as tn
-from torsionnet import report, signals
+from torsionnet import plot, signals
 
 file = Path(tempfile.mkdtemp(), "gear_IV.tdms")
 bench = tn.load_bench("amt_bench").configured("IV")
@@ -29,9 +29,9 @@ for fault in signals.check_recording(record):
 # %%
 # The torque of the motor falls with frequency, and the torque meter shows twice and three times the frequency as well.
 deg = tn.Conventions(angle="deg")
-histories = report.time_histories(record, ["T_T", "theta_1"], conventions=deg)
+histories = plot.time_histories(record, ["T_T", "theta_1"], conventions=deg)
 torque = signals.spectrogram(record, "T_T", signals.Welch(decimation=50))
-spectrogram = report.spectrogram(torque)
+spectrogram = plot.spectrogram(torque)
 
 # %%
 # Estimate with the paper's settings: decimated to 200 Hz, Hamming windows of 2 s, 80 % overlap, H2. The notes say up to
@@ -44,7 +44,7 @@ for note in test.notes:
 # Ask the model for the same response at the same frequencies. A measured torque as input cuts the drivetrain there, so
 # the rotor before the torque meter plays no part.
 model = bench.drivetrain.frequency_response("theta_1", "T_T", test.frequencies)
-figure = report.comparison(test, model, conventions=deg)
+figure = plot.comparison(test, model, conventions=deg)
 
 # %%
 trusted = [response.between(0.5, test.usable_up_to) for response in (test, model)]

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 import torsionnet as tn
-from torsionnet import report, signals
+from torsionnet import plot, signals
 
 rig = tn.load("amt_rig").configured("III")
 rate, step = 10e3, 2 * np.pi / 4096  # 1024 lines in quadrature
@@ -34,7 +34,7 @@ amplitude = 15 * np.abs(rig.frequency_response("theta_1", "T_M", test.frequencie
 limit = signals.resolution_limit(test.frequencies, amplitude, step)
 
 deg = tn.Conventions(angle="deg")
-figure = report.bode([test, model], conventions=deg, labels=["estimated, H2", "model"], title="AMT rig, gear III")
+figure = plot.bode([test, model], conventions=deg, labels=["estimated, H2", "model"], title="AMT rig, gear III")
 for axes in figure.axes:
     axes.axvline(limit, color="#888888", linestyle=":")
 

@@ -10,7 +10,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import torsionnet as tn
-from torsionnet import report
+from torsionnet import plot
 
 rig = tn.load("dmf_rig")
 
@@ -33,7 +33,7 @@ models = {
 frequencies = np.geomspace(0.3, 30, 500)
 responses = [model.frequency_response("theta_1", "T_T", frequencies) for model in models.values()]
 deg = tn.Conventions(angle="deg")
-figure = report.bode(responses, conventions=deg, labels=list(models), title="DMF rig, angle over measured torque")
+figure = plot.bode(responses, conventions=deg, labels=list(models), title="DMF rig, angle over measured torque")
 
 # %%
 # On a linear scale of frequency the difference is plain: with hysteresis a lag remains down to 0 Hz.

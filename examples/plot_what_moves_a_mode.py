@@ -7,11 +7,11 @@ test can find, and in a design which one to change.
 """
 
 import torsionnet as tn
-from torsionnet import report
+from torsionnet import plot
 
 gear = tn.load("amt_rig").configured("V")
 found = tn.sensitivity.mode_sensitivities(gear)
-figure = report.tornado(found)
+figure = plot.tornado(found)
 
 # %%
 # In fifth gear the first mode is the motor's inertia on both springs, damped by the flywheel (c_1) and by the oil (c_O)

@@ -11,7 +11,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import torsionnet as tn
-from torsionnet.interchange import write_fmu
+from torsionnet.io import write_fmu
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")

@@ -3,9 +3,9 @@
 from dataclasses import dataclass
 from typing import Any
 
-from torsionnet.elements import ELEMENT_TYPES, GROUND, Element, Law
-from torsionnet.elements.fields import NodeName, NodePair, Quantity, entry
-from torsionnet.elements.laws import difference, make_row
+from torsionnet.model.elements import ELEMENT_TYPES, GROUND, Element, Law
+from torsionnet.model.elements.fields import NodeName, NodePair, PhysicalQuantity, entry
+from torsionnet.model.elements.laws import difference, make_row
 
 GLYPHS = sorted({cls.glyph for cls in ELEMENT_TYPES.values()} | {"", "a glyph nobody knows"})
 
@@ -15,7 +15,7 @@ class OnePort(Element):
     """Inertia and damping at a node."""
 
     node: Any = entry(NodeName("its node"))
-    mass: Any = entry(Quantity("mass moment of inertia", "inertia", "J"), 2)
+    mass: Any = entry(PhysicalQuantity("mass moment of inertia", "inertia", "J"), 2)
 
     def parts(self, value):
         return (Law(make_row([(self.node, 1)]), inertia=value(self.mass), damping=1),)
@@ -26,7 +26,7 @@ class TwoPorts(Element):
     """Stiffness between two nodes."""
 
     nodes: Any = entry(NodePair("its nodes"))
-    give: Any = entry(Quantity("stiffness", "stiffness", "k"), 300)
+    give: Any = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 300)
 
     def parts(self, value):
         return (Law(difference(*self.nodes), stiffness=value(self.give)),)
@@ -39,7 +39,7 @@ class ThreePorts(Element):
     left: Any = entry(NodeName("one end"))
     right: Any = entry(NodeName("other end"))
     middle: Any = entry(NodeName("middle"))
-    give: Any = entry(Quantity("stiffness", "stiffness", "k"), 300, kw_only=True)
+    give: Any = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 300, kw_only=True)
 
     def parts(self, value):
         row = make_row([(self.left, 1), (self.right, 1), (self.middle, -2)])
@@ -51,7 +51,7 @@ class FourPorts(ThreePorts):
     """One more."""
 
     fourth: Any = entry(NodeName("fourth end"))
-    other: Any = entry(Quantity("stiffness", "stiffness", "k"), 300, kw_only=True)
+    other: Any = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 300, kw_only=True)
 
     def parts(self, value):
         return (*super().parts(value), Law(difference(self.left, self.fourth), stiffness=value(self.other)))
@@ -63,8 +63,8 @@ class Maxwell(Element):
 
     glyph = "spring"
     nodes: Any = entry(NodePair("its nodes"))
-    stiffness: Any = entry(Quantity("stiffness", "stiffness", "k"), 300)
-    damping: Any = entry(Quantity("damping", "damping", "c"), 4)
+    stiffness: Any = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 300)
+    damping: Any = entry(PhysicalQuantity("damping", "damping", "c"), 4)
 
     @property
     def internal_nodes(self):
@@ -84,7 +84,7 @@ class Maxwell(Element):
 class Zener(Maxwell):
     """A spring beside a Maxwell element."""
 
-    beside: Any = entry(Quantity("stiffness", "stiffness", "k"), 100)
+    beside: Any = entry(PhysicalQuantity("stiffness", "stiffness", "k"), 100)
 
     def parts(self, value):
         return (*super().parts(value), Law(difference(*self.nodes), stiffness=value(self.beside)))

@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.bench import Acquisition, Encoder, Exciter, Plan, Transducer
-from torsionnet.errors import ModelError, UsageError
-from torsionnet.files import json_schema, library_benches
-from torsionnet.files.library import library_folder
+from torsionnet.bench.exciting import deliver
+from torsionnet.bench.sensing import sensed
+from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.model.bench import Acquisition, Encoder, Exciter, Plan, Transducer
+from torsionnet.model.files import json_schema, library_benches
+from torsionnet.model.files.library import library_folder
 from torsionnet.signals import (
     PAPER,
     BurstRandom,
@@ -26,8 +28,6 @@ from torsionnet.signals import (
 )
 from torsionnet.signals.harmonics import sweep_harmonics
 from torsionnet.signals.resolution import resolution, step_of
-from torsionnet.virtual.exciting import deliver
-from torsionnet.virtual.sensing import sensed
 
 RATE = 2000.0
 CHIRP = LinearChirp(start=1, stop=50, duration=40, amplitude=15)
@@ -319,7 +319,7 @@ def test_a_bench_in_a_model_file_comes_back(tmp_path):
 @pytest.mark.parametrize("name", list(library_benches()))
 def test_benches_of_the_library_fit_the_schema_and_run(name):
     jsonschema = pytest.importorskip("jsonschema")
-    from torsionnet.files.located import compose
+    from torsionnet.model.files.located import compose
 
     text = library_benches()[name].read_text(encoding="utf-8")
     assert text.splitlines()[0] == "# yaml-language-server: $schema=../torsionnet.schema.json"
@@ -336,7 +336,7 @@ def as_json(data):
 
 def test_the_bench_of_a_file_fits_the_schema():
     jsonschema = pytest.importorskip("jsonschema")
-    from torsionnet.files.located import compose
+    from torsionnet.model.files.located import compose
 
     schema = jsonschema.Draft202012Validator(json_schema())
     schema.validate(as_json(compose(BENCH, "x").data))
@@ -480,7 +480,7 @@ def test_a_model_without_a_bench_says_where_there_are_some():
     ],
 )
 def test_every_excitation_is_written_and_read(excitation):
-    from torsionnet.bench.plan import read_plan
+    from torsionnet.model.bench.plan import read_plan
 
     written = plan(excitation=excitation).to_data()
     again, faults = read_plan(written)
@@ -489,6 +489,6 @@ def test_every_excitation_is_written_and_read(excitation):
 
 
 def test_schema_file_is_up_to_date():
-    from torsionnet.files.schema import schema_text
+    from torsionnet.model.files.model_schema import schema_text
 
     assert (library_folder() / "torsionnet.schema.json").read_text(encoding="utf-8") == schema_text()

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import pytest
 
-from torsionnet.errors import ModelError, UsageError
-from torsionnet.files import read_file
-from torsionnet.files.located import PythonParser, compose
-from torsionnet.files.reader import read_text
+from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.loading import load, loads
+from torsionnet.model.files import read_file
+from torsionnet.model.files.located import PythonParser, compose
+from torsionnet.model.files.reader import read_text
 
 BASE = """\
 torsionnet: 1

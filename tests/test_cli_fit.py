@@ -58,7 +58,7 @@ def test_fit_in_json_with_profiles(folder):
 
 def test_fit_to_a_response_from_a_file(folder):
     response = tn.load("rig.yaml").configured("soft").frequency_response("phi", "T", np.linspace(1, 25, 60))
-    tn.interchange.write_frequency_response(response, folder / "frf.csv")
+    tn.io.write_frequency_response(response, folder / "frf.csv")
     text = FIT.replace("record: run_soft.npz", "response: frf.csv").replace("input: T_set, model_input: T", "input: T")
     (folder / "frf.yaml").write_text(text)
     data = json.loads(run("fit", "frf.yaml", "--json").stdout)

@@ -119,7 +119,7 @@ def test_estimate_writes_the_response_for_other_programs(record, ending):
         pytest.importorskip("pyuff")
     path = record.parent / f"frf.{ending}"
     run("estimate", record, "--input", "M", "--output", "phi", "--to", 30, "-o", path)
-    found = tn.interchange.read_frequency_response(path)
+    found = tn.io.read_frequency_response(path)
     expected = tn.signals.estimate(read_recording(record), "phi", "M").between(0, 30)
     assert np.allclose(found.values, expected.values, rtol=1e-12)
     assert np.allclose(found.coherence, expected.coherence, rtol=1e-12)

@@ -11,8 +11,8 @@ import pytest
 from test_cli import CLUTCH, run
 
 import torsionnet as tn
-from torsionnet.files import json_schema
-from torsionnet.outline import Outline, Pair, parse_band
+from torsionnet.model.files import json_schema
+from torsionnet.model.report import Pair, ReportPlan, parse_band
 
 MODEL = """\
 torsionnet: 1
@@ -201,7 +201,7 @@ class TestSection:
 
     def test_is_read(self):
         rig = tn.loads(MODEL + "report: {title: T, transfer_functions: [theta_1/T_S], band: 0.3..40 Hz, angle: deg}\n")
-        assert rig.definition.report == Outline(
+        assert rig.definition.report == ReportPlan(
             title="T", transfer_functions=(Pair("theta_1", "T_S"),), band=(0.3, 40.0), angle="deg"
         )
 

@@ -6,7 +6,7 @@ from models import geared_line
 
 import torsionnet as tn
 from torsionnet.solve.pencil import measured_poles
-from torsionnet.solve.question import ask
+from torsionnet.solve.transfer_request import ask
 
 
 def residue(model, output, measured, pole):

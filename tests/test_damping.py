@@ -8,8 +8,8 @@ import sympy
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from torsionnet.damping import MEASURES, DampingError, DampingMeasure, convert_damping
-from torsionnet.expressions import FLOAT, RATIONAL, Algebra, ExpressionError, parse_expression, scalar
+from torsionnet.core.damping import MEASURES, DampingError, DampingMeasure, convert_damping
+from torsionnet.core.expressions import FLOAT, RATIONAL, Algebra, ExpressionError, parse_expression, scalar
 
 SYMPY = Algebra(number=lambda x: sympy.Rational(x.numerator, x.denominator), sqrt=sympy.sqrt, pi=sympy.pi)
 K, F = 1300.0, 12.5

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.bench import Acquisition, Encoder, Plan, Transducer
+from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
 from torsionnet.signals import (
     BurstRandom,
     LinearChirp,
@@ -17,8 +17,8 @@ from torsionnet.signals import (
     SteppedSine,
     check_recording,
 )
-from torsionnet.signals.frozen import frozen
 from torsionnet.signals.spikes import spikes
+from torsionnet.signals.standstill import frozen
 
 RATE = 1000.0
 TIME = np.arange(20_000) / RATE

@@ -13,10 +13,10 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.cli import main
-from torsionnet.damping import MEASURES
-from torsionnet.elements import ELEMENT_TYPES
-from torsionnet.files.located import compose
-from torsionnet.units import _BASE
+from torsionnet.core.damping import MEASURES
+from torsionnet.core.units import _BASE
+from torsionnet.model.elements import ELEMENT_TYPES
+from torsionnet.model.files.located import compose
 
 os.environ["MPLBACKEND"] = "Agg"
 DOCS = Path(__file__).parents[1] / "docs"
@@ -250,7 +250,7 @@ def test_every_public_name_is_in_the_reference(package):
     home = importlib.import_module(f"torsionnet.{package}".rstrip("."))
     names = {name for name in home.__all__ if name != "__version__"} - {*PUBLIC, "units"}
     prefix = f"torsionnet.{package}.".replace("..", ".")
-    places = {name: {f"{prefix}{name}", f"torsionnet.{name}", f"torsionnet.errors.{name}"} for name in names}
+    places = {name: {f"{prefix}{name}", f"torsionnet.{name}", f"torsionnet.core.errors.{name}"} for name in names}
     assert sorted(name for name, known in places.items() if not known & documented()) == []
     for name in names:
         assert (getattr(home, name).__doc__ or "").strip(), name

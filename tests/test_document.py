@@ -8,23 +8,23 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.document import Measured, make_report
-from torsionnet.document.tree import (
+from torsionnet.model.report import SECTIONS
+from torsionnet.report import Measured, make_report
+from torsionnet.report.document_tree import (
+    DefinitionList,
     Details,
     Equations,
     Formula,
-    Number,
+    NumberText,
     Paragraph,
     Picture,
     Remark,
     Section,
-    Table,
-    Terms,
+    TableBlock,
     inlines,
 )
-from torsionnet.document.words import aligned
-from torsionnet.document.writers.html_text import plain_text
-from torsionnet.outline import SECTIONS
+from torsionnet.report.report_words import aligned
+from torsionnet.report.writers.html_text import plain_text
 
 
 def report(model="amt_rig", **options):
@@ -110,7 +110,7 @@ class TestTitle:
     def test_changed_parameters_are_told(self):
         found = report("dmf_rig", settings={"c_2": "8 N*m*s/rad"}, sections=["parameters"])
         assert ("Changed", ("c_2 = 8 N*m*s/rad",)) in found.facts.rows
-        row = next(row for row in rows(of(Table, blocks(found, "parameters"))[0]) if row[0] == "c_{2}")
+        row = next(row for row in rows(of(TableBlock, blocks(found, "parameters"))[0]) if row[0] == "c_{2}")
         assert row[2] == "8"
         assert row[-1].endswith("changed for this report")
 
@@ -138,12 +138,12 @@ class TestSections:
 
     def test_every_configuration_or_those_named(self):
         found = report(configurations=["V"], sections=["modes"])
-        assert [group.title for group in of(Table, blocks(found, "modes"))[0].groups] == [""]
+        assert [group.title for group in of(TableBlock, blocks(found, "modes"))[0].groups] == [""]
 
 
 class TestValues:
     def test_natural_frequencies_and_damping_are_those_of_the_modes(self, amt):
-        first, _, _, _, others, *_ = of(Table, blocks(amt, "modes"))
+        first, _, _, _, others, *_ = of(TableBlock, blocks(amt, "modes"))
         rig = tn.load("amt_rig")
         assert words(first.caption) == "Modes, configuration II"
         assert [words(group.title) for group in others.groups] == [f"Configuration {n}" for n in rig.configurations[1:]]
@@ -158,26 +158,26 @@ class TestValues:
 
     def test_summary_has_the_papers_peak(self):
         """8.116 Hz, 0.2519 deg/(N m), -72.6 deg: the validation page's numbers for theta_1/T_T of the DMF rig."""
-        table = of(Table, blocks(report("dmf_rig"), "summary"))[1]
+        table = of(TableBlock, blocks(report("dmf_rig"), "summary"))[1]
         static, peak, frequency, phase = rows(table)[0]
         assert (static, peak, frequency, phase) == ("0.1289", "0.2519", "8.116", "-72.6")
 
     def test_poles_of_the_cut_rig(self):
-        found = of(Table, blocks(report("dmf_rig"), "modes"))
+        found = of(TableBlock, blocks(report("dmf_rig"), "modes"))
         cut = next(table for table in found if "cut at" in words(table.caption))
         assert rows(cut)[0][2] == "8.7554"
 
     def test_elements(self, amt):
-        table = of(Table, blocks(amt, "elements"))[0]
+        table = of(TableBlock, blocks(amt, "elements"))[0]
         assert ("dmf", "spring", "primary – input shaft", "stiffness", "k_{1}", "460", "N·m/rad") in rows(table)
         assert ("", "", "", "damping", "c_{1}", "4", "N·m·s/rad") in rows(table)
 
     def test_configurations_differ_by(self, amt):
-        table = of(Table, blocks(amt, "parameters"))[1]
+        table = of(TableBlock, blocks(amt, "parameters"))[1]
         assert rows(table)[-1] == ("V_c_O_360", "360", "3.26")
 
     def test_kinematics(self, amt):
-        table = of(Table, blocks(amt, "kinematics"))[0]
+        table = of(TableBlock, blocks(amt, "kinematics"))[0]
         row = next(row for row in rows(table) if row[0] == "output shaft")
         assert row[1] == r"\theta_{\mathrm{output~shaft}} = \frac{1}{\tau} \theta_{\mathrm{input~shaft}}"
         assert row[2] == "gearbox"
@@ -189,11 +189,11 @@ class TestValues:
         found = blocks(amt, "equations")
         assert any(r"k_{1} + \frac{k_{2}}{\tau^{2}}" in formula.latex for formula in of(Formula, found))
         equation = of(Equations, found)[0].rows[1]
-        assert isinstance(equation, Terms)
+        assert isinstance(equation, DefinitionList)
         assert equation.parts[0] == r"I_{2} \ddot{\theta}_{\mathrm{input~shaft}}"
 
     def test_numeric_matrices(self, amt):
-        table = of(Table, blocks(amt, "equations"))[0]
+        table = of(TableBlock, blocks(amt, "equations"))[0]
         by = {(row[0], row[2]): row[3] for row in rows(table)}
         assert by[r"\mathbf{M}", "all"] == r"\begin{bmatrix} 0.23 &amp; 0 \\ 0 &amp; 0.13 \end{bmatrix}"
         assert "654.12" in by[r"\mathbf{K}", "II"]  # 460 + 12300/7.96^2
@@ -203,18 +203,18 @@ class TestValues:
         mechanical, polynomial = of(Formula, found)
         assert r"\frac{k_{2}}{\tau^{2}}" in mechanical.latex
         assert "a_{4} s^{4}" in polynomial.latex
-        limits = of(Table, found)[-1]
+        limits = of(TableBlock, found)[-1]
         assert rows(limits)[0] == ("Static value", r"\frac{k_{1} \tau^{2} + k_{2}}{k_{1} k_{2}}")
 
     def test_numbers_of_the_coefficients(self, amt):
-        table = of(Table, blocks(amt, "formulas"))[1]
+        table = of(TableBlock, blocks(amt, "formulas"))[1]
         first = table.groups[0].rows[0]
         assert [cell.value for cell in first[1:]] == pytest.approx(
             [460 + 12300 / tau**2 for tau in (7.96, 5.42, 4.14, 3.26, 3.26)]
         )
 
     def test_two_solutions_agree(self, amt):
-        table = of(Table, blocks(amt, "checks"))[0]
+        table = of(TableBlock, blocks(amt, "checks"))[0]
         assert table.groups[0].rows[0][1].value < 1e-9
 
     def test_findings_are_shown(self):
@@ -244,22 +244,22 @@ class TestValidity:
 
 class TestLarge:
     def test_no_large_matrix(self, large):
-        (table,) = of(Table, blocks(large, "equations"))
+        (table,) = of(TableBlock, blocks(large, "equations"))
         assert (len(rows(table)), table.more) == (200, 199)
         (folded,) = (block for one in large.sections for block in one.blocks if isinstance(block, Details))
         assert "export" in words(folded.instead)
 
     def test_tables_are_cut(self, large):
-        table = of(Table, blocks(large, "elements"))[0]
+        table = of(TableBlock, blocks(large, "elements"))[0]
         assert words(table.groups[0].rows[0][0]).endswith("and 160 more")
 
     def test_first_modes_only(self, large):
-        assert len(rows(of(Table, blocks(large, "modes"))[0])) == 10
+        assert len(rows(of(TableBlock, blocks(large, "modes"))[0])) == 10
         assert "the lowest 10 modes" in words(blocks(large, "modes")[0].text)
 
     def test_closed_form_of_the_first_vibration(self, large):
         """A free chain of n equal discs: omega_1 = 2 sqrt(k/J) sin(pi/(2n))."""
-        row = next(row for row in of(Table, blocks(large, "modes"))[0].groups[0].rows if row[1] == "vibration")
+        row = next(row for row in of(TableBlock, blocks(large, "modes"))[0].groups[0].rows if row[1] == "vibration")
         expected = 2 * np.sqrt(2e5 / 0.1) * np.sin(np.pi / 400) / (2 * np.pi)
         assert row[2].value == pytest.approx(expected, 1e-4)
 
@@ -287,9 +287,9 @@ configurations: {way: {dry: {off: [d]}, wet: {on: [d]}}}
         assert "Configuration wet" in heads
 
     def test_long_formulas_are_not_written_unasked(self):
-        assert of(Table, blocks(report("planetary_set", sections=["formulas"]), "formulas")) == []
+        assert of(TableBlock, blocks(report("planetary_set", sections=["formulas"]), "formulas")) == []
         asked = report("planetary_set", sections=["formulas"], transfer_functions=["theta_S/T_S"])
-        steps = of(Table, blocks(asked, "formulas"))[0]
+        steps = of(TableBlock, blocks(asked, "formulas"))[0]
         assert rows(steps)[-1][0] == "D"
 
     def test_steps_give_the_transfer_function(self):
@@ -310,7 +310,7 @@ configurations: {way: {dry: {off: [d]}, wet: {on: [d]}}}
 class TestGiven:
     def test_test_over_model(self, measured):
         found = report("dmf_rig", sections=["test"], tests=[measured])
-        table = of(Table, blocks(found, "test"))[0]
+        table = of(TableBlock, blocks(found, "test"))[0]
         values = {row[0]: row[2] for row in rows(table)}
         model = tn.load("dmf_rig").frequency_response("theta_1", "T_T", measured.frequencies)
         decibels = 20 * np.log10(np.abs(measured.values / model.values)).ravel()
@@ -326,7 +326,7 @@ class TestGiven:
     def test_fit(self, measured):
         fit = tn.identify(tn.load("dmf_rig"), tn.Measurement(measured, "theta_1", "T_T"), ["c_2"])
         found = report("dmf_rig", sections=["fit"], fits=[fit])
-        (row,) = rows(of(Table, blocks(found, "fit"))[0])
+        (row,) = rows(of(TableBlock, blocks(found, "fit"))[0])
         assert row[:3] == ("c_{2}", "4", "5")
 
     def test_without_data_there_is_no_section(self):
@@ -339,10 +339,10 @@ class TestNumbers:
         [(0.0, "0"), (-0.00004, "-4"), (123456.0, "123500"), (None, "–"), (float("inf"), "∞"), (0.1 + 0.2, "0.3")],
     )
     def test_mantissa(self, value, shown):
-        assert Number(value).mantissa == shown
+        assert NumberText(value).mantissa == shown
 
     def test_exponent_after_rounding(self):
-        assert (Number(9.99996e6).mantissa, Number(9.99996e6).exponent) == ("1", 7)
+        assert (NumberText(9.99996e6).mantissa, NumberText(9.99996e6).exponent) == ("1", 7)
 
     def test_column(self):
         assert [number.mantissa for number in aligned([3.6909, 40.535, 0.0])] == ["3.691", "40.535", "0"]
@@ -353,7 +353,7 @@ class TestNumbers:
         shown = " ".join(
             cell
             for section in amt.sections
-            for table in of(Table, blocks(amt, section.name))
+            for table in of(TableBlock, blocks(amt, section.name))
             for row in rows(table)
             for cell in row
             if "\\" not in cell and "{" not in cell

@@ -9,14 +9,14 @@ from itertools import pairwise
 import pytest
 
 import torsionnet as tn
-from torsionnet.document import make_report
-from torsionnet.document.tables import alike, table
-from torsionnet.document.tree import Details, Heading, Math, Number, Paragraph, Report, Section, Table
-from torsionnet.document.writers.html import html_page
-from torsionnet.document.writers.latex import latex_document
-from torsionnet.document.writers.latex_columns import GAP, PAGE, heading_lines, natural, pieces
-from torsionnet.document.writers.latex_room import needed
-from torsionnet.document.writers.latex_table import table_latex
+from torsionnet.report import make_report
+from torsionnet.report.document_tree import Details, Heading, Math, NumberText, Paragraph, Report, Section, TableBlock
+from torsionnet.report.report_tables import alike, table
+from torsionnet.report.writers.html import html_page
+from torsionnet.report.writers.latex import latex_document
+from torsionnet.report.writers.latex_columns import GAP, PAGE, heading_lines, natural, pieces
+from torsionnet.report.writers.latex_room import needed
+from torsionnet.report.writers.latex_table import table_latex
 
 needs_latex = pytest.mark.skipif(
     shutil.which("pdflatex") is None or shutil.which("pdftotext") is None, reason="pdflatex is not installed"
@@ -65,29 +65,31 @@ def wide_table(columns=14, letters=14):
         Heading("Configuration"),
         *(Heading(f"Value of quantity {n}", "N·m/rad", numeric=True) for n in range(columns)),
     ]
-    row = tuple(Number(float(f"1.{'23456789' * 3}"[:letters]) * 1e5, letters) for _ in range(columns))
+    row = tuple(NumberText(float(f"1.{'23456789' * 3}"[:letters]) * 1e5, letters) for _ in range(columns))
     return table(
-        "Wide", heads, [("gear=first,clutch=open", *row), ("gear=second,clutch=open", *(Number(2.0),) * columns)]
+        "Wide", heads, [("gear=first,clutch=open", *row), ("gear=second,clutch=open", *(NumberText(2.0),) * columns)]
     )
 
 
 class TestEqualRows:
     def test_equal_rows_that_follow_each_other_are_one(self):
-        rows = [("a", Number(1.0)), ("b", Number(1.0 + 1e-12)), ("c", Number(2.0)), ("d", Number(1.0))]
-        assert alike(rows) == (("a, b", Number(1.0)), ("c", Number(2.0)), ("d", Number(1.0)))
+        rows = [("a", NumberText(1.0)), ("b", NumberText(1.0 + 1e-12)), ("c", NumberText(2.0)), ("d", NumberText(1.0))]
+        assert alike(rows) == (("a, b", NumberText(1.0)), ("c", NumberText(2.0)), ("d", NumberText(1.0)))
 
     def test_rows_that_go_on_with_the_one_above_stay(self):
         rows = [("a", "1"), ("", "1"), ("", "1")]
         assert alike(rows) == tuple(rows)
 
     def test_six_throws_are_one_row_that_names_all(self, engine):
-        elements = next(blocks_of([section(engine, "elements")], Table))
+        elements = next(blocks_of([section(engine, "elements")], TableBlock))
         names = [row[0] for row in elements.groups[0].rows if row[0]]
         assert names == [", ".join(f"m{n}" for n in range(1, 15)), ", ".join(f"k{n}" for n in range(1, 14)), "water"]
         assert elements.groups[0].rows[0][2].split("; ") == [f"c{n}" for n in range(1, 15)]
 
     def test_nodes_of_one_speed_and_configurations_with_equal_results_are_one_row(self, engine):
-        (point,) = (one for one in blocks_of([section(engine, "parameters")], Table) if "Operating" in one.caption[0])
+        (point,) = (
+            one for one in blocks_of([section(engine, "parameters")], TableBlock) if "Operating" in one.caption[0]
+        )
         assert [row[0] for row in point.groups[0].rows] == [", ".join(f"c{n}" for n in range(1, 15))]
 
 
@@ -103,7 +105,7 @@ class TestTooLong:
         assert said[0] in paper
 
     def test_matrices_of_many_coordinates_are_given_by_their_entries(self, engine):
-        (found,) = blocks_of([section(engine, "equations")], Table)
+        (found,) = blocks_of([section(engine, "equations")], TableBlock)
         rows = {(row[0], row[1]): [cell.value if cell != "" else 0 for cell in row[2:]] for row in found.groups[0].rows}
         damping = 2 * 0.01 * 2e6 / (2 * math.pi * 20)
         assert len(rows) == 14 + 13
@@ -112,7 +114,7 @@ class TestTooLong:
         assert rows["c14", "c14"] == pytest.approx([50, damping + 4e4, 2e6])
 
     def test_modes_of_many_configurations_stand_beside_each_other(self, engine):
-        tables = [one for one in section(engine, "modes").blocks if isinstance(one, Table)]
+        tables = [one for one in section(engine, "modes").blocks if isinstance(one, TableBlock)]
         assert [len(one.groups) for one in tables] == [1, 1, 1, 1]
         soft, stiffer = tables[2].groups[0].rows[0], tables[2].groups[0].rows[-1]
         assert (soft[0], stiffer[0]) == ("soft", "stiffer")
@@ -129,7 +131,7 @@ class TestTooLong:
 
 class TestWidths:
     def test_a_table_that_fits_stays_in_one_piece(self):
-        (piece,) = pieces(table("Small", [Heading("A"), Heading("B", numeric=True)], [("a", Number(1.0))]))
+        (piece,) = pieces(table("Small", [Heading("A"), Heading("B", numeric=True)], [("a", NumberText(1.0))]))
         assert piece.widths == (None, None)
 
     def test_a_table_too_wide_goes_on_below_with_its_first_column(self):
@@ -142,7 +144,9 @@ class TestWidths:
         assert table_latex(block).count(r"\caption{") == 1
 
     def test_texts_share_the_page(self):
-        block = table("Texts", [Heading("A"), Heading("B"), Heading("C")], [("word " * 30, "word " * 60, Number(1.0))])
+        block = table(
+            "Texts", [Heading("A"), Heading("B"), Heading("C")], [("word " * 30, "word " * 60, NumberText(1.0))]
+        )
         (piece,) = pieces(block)
         assert sum(width or natural(block, 2) for width in piece.widths) + 3 * GAP <= PAGE + 1e-9
         assert piece.widths[0] < piece.widths[1]

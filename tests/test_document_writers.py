@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.document import make_report
-from torsionnet.document.tables import table
-from torsionnet.document.tree import Facts, Heading, Math, Number, Report, Section
-from torsionnet.document.writers import browser, markdown, mathml, pdf
-from torsionnet.document.writers.html import html_page
-from torsionnet.document.writers.latex import latex_document
-from torsionnet.document.writers.latex_text import escaped as latex_escaped
+from torsionnet.report import make_report
+from torsionnet.report.document_tree import Facts, Heading, Math, NumberText, Report, Section
+from torsionnet.report.report_tables import table
+from torsionnet.report.writers import browser, markdown, mathml, pdf
+from torsionnet.report.writers.html import html_page
+from torsionnet.report.writers.latex import latex_document
+from torsionnet.report.writers.latex_text import escaped as latex_escaped
 
 HOSTILE = '<b>A & "B"</b> $x_1$ 100% #~^\\{} <script>alert(1)</script> 中 Ω `c` *d* | é'
 DATE = "2025-03-31"
@@ -117,7 +117,7 @@ class TestHtml:
 
     def test_columns_are_aligned_at_the_decimal_point(self):
         columns = (Heading("x", numeric=True),)
-        found = table("t", columns, [(Number(13300.0),), (Number(0.078),), (Number(4.0),)])
+        found = table("t", columns, [(NumberText(13300.0),), (NumberText(0.078),), (NumberText(4.0),)])
         report = Report("r", "", Facts(()), (), (Section("s", ("s",), (found,)),))
         assert '13300<span class="pad" aria-hidden="true">.000</span>' in html_page(report)
 
@@ -304,10 +304,10 @@ def _runs(lines):
 
 
 def test_names_in_svg_are_unique_and_all_used():
-    from torsionnet.report.rendering import inline_svg
+    from torsionnet.plot.rendering import inline_svg
 
     rig = tn.load("dmf_rig")
-    figure = tn.report.bode(rig.frequency_response("theta_1", "T_T", np.linspace(1, 20, 30)))
+    figure = tn.plot.bode(rig.frequency_response("theta_1", "T_T", np.linspace(1, 20, 30)))
     first, second = inline_svg(figure, "a-"), inline_svg(figure, "b-")
     ids, used = (
         set(re.findall(r'\bid="([^"]+)"', first)),

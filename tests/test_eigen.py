@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from torsionnet.assembly.rows import Rows, RowSystem
-from torsionnet.errors import SolveError
+from torsionnet.core.errors import SolveError
 from torsionnet.solve import refine
 from torsionnet.solve import spectrum as spectrum_module
 from torsionnet.solve.eigen import complex_modes, undamped_modes

@@ -1,6 +1,6 @@
 from fractions import Fraction
 
-from torsionnet.elimination import reduce_rows, smallest_culprits, substitute
+from torsionnet.model.elimination import reduce_rows, smallest_culprits, substitute
 
 ORDER = {name: index for index, name in enumerate("abcdef")}
 

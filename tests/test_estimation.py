@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.response.recording import Recording, Signal
 from torsionnet.signals.advice import half_power_bandwidth, peaks, remarks, resolution_limit
-from torsionnet.signals.blocks import in_order
 from torsionnet.signals.comparison import difference, frac
 from torsionnet.signals.estimators import estimate, multiple_coherence
-from torsionnet.signals.recording import Recording, Signal
+from torsionnet.signals.record_blocks import in_order
 from torsionnet.signals.single_tests import Step, full_record, stepped_sine
 from torsionnet.signals.spectra import cross_spectra
 from torsionnet.signals.uncertainty import random_error, random_errors

@@ -19,13 +19,13 @@ from torsionnet.cli import main
 from torsionnet.explore import open_session
 from torsionnet.explore.answers import answer
 from torsionnet.explore.api import QUESTIONS, reply
-from torsionnet.explore.choices import Pair, choices, default_pair, read_pair
-from torsionnet.explore.lines import lines
+from torsionnet.explore.choices import ResponseChoice, choices, default_pair, read_pair
+from torsionnet.explore.page_frequencies import lines
 from torsionnet.explore.pages import STATIC, pages
 from torsionnet.explore.sliders import sliders
 from torsionnet.explore.state import RequestError, State, read_state
-from torsionnet.files.changing import changed_text, place_of
-from torsionnet.interchange import write_frequency_response
+from torsionnet.io import write_frequency_response
+from torsionnet.model.files.changing import changed_text, place_of
 
 V_360 = State({"gear": "V"}, {"c_O": "360 N*m*s/rad"}, "theta_1", "T_T", band=(0.5, 50.0))
 HALF_TURN = 180.0
@@ -33,7 +33,7 @@ HALF_TURN = 180.0
 
 @pytest.fixture(scope="module")
 def amt():
-    return open_session("amt_rig", pairs=[Pair("theta_1", "T_T")])
+    return open_session("amt_rig", pairs=[ResponseChoice("theta_1", "T_T")])
 
 
 class TestAnswers:
@@ -166,15 +166,15 @@ class TestSliders:
 
 class TestChoices:
     def test_first_response(self):
-        assert default_pair(tn.load("amt_rig")) == Pair("theta_1", "T_M")
+        assert default_pair(tn.load("amt_rig")) == ResponseChoice("theta_1", "T_M")
         bare = tn.Drivetrain(
             "x", [tn.Inertia("a", node="n", inertia=1), tn.Spring("k", nodes=("n", "ground"), stiffness=1)]
         )
-        assert default_pair(bare) == Pair("n", "n")
+        assert default_pair(bare) == ResponseChoice("n", "n")
         assert "refused" not in answer(open_text(bare.to_yaml()), State())
 
     def test_groups(self):
-        found = choices(tn.load("amt_rig"), [Pair("torque(half_shaft)", "T_M")])
+        found = choices(tn.load("amt_rig"), [ResponseChoice("torque(half_shaft)", "T_M")])
         assert [group["label"] for group in found["outputs"]] == ["sensors", "asked for", "angles of nodes"]
         assert [group["label"] for group in found["inputs"]] == ["inputs", "measured", "torques on nodes"]
         assert found["measured"] == ["theta_1", "T_T"]

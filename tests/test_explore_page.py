@@ -11,8 +11,8 @@ from explore_pages import browser_or_skip, serving, visit
 
 import torsionnet as tn
 from torsionnet.cli import main
-from torsionnet.explore.choices import Pair
-from torsionnet.interchange import write_frequency_response
+from torsionnet.explore.choices import ResponseChoice
+from torsionnet.io import write_frequency_response
 
 WIDE = {"width": 1440, "height": 900}
 SLOW = 500.0
@@ -41,7 +41,7 @@ def amt(tmp_path_factory):
     f = np.linspace(0.5, 40, 80)
     path = tmp_path_factory.mktemp("test") / "gear_V.csv"
     write_frequency_response(tn.load("amt_rig").configured("V").frequency_response("theta_1", "T_T", f), path)
-    with serving("amt_rig", configuration="V", pairs=[Pair("theta_1", "T_T")], overlay=path) as server:
+    with serving("amt_rig", configuration="V", pairs=[ResponseChoice("theta_1", "T_T")], overlay=path) as server:
         yield server
 
 

@@ -12,8 +12,8 @@ import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from torsionnet.errors import TorsionnetError
-from torsionnet.expressions import (
+from torsionnet.core.errors import TorsionnetError
+from torsionnet.core.expressions import (
     FLOAT,
     RATIONAL,
     RESERVED_NAMES,
@@ -31,7 +31,7 @@ from torsionnet.expressions import (
     parse_expression,
     scalar,
 )
-from torsionnet.units import DIMENSIONS, UnitError
+from torsionnet.core.units import DIMENSIONS, UnitError
 
 VALUES = {"k_1": Fraction(3), "J": Fraction(1, 2), "tau": Fraction(-2), "x": Fraction(9, 4)}
 SYMPY = Algebra(number=lambda x: sympy.Rational(x.numerator, x.denominator), sqrt=sympy.sqrt, pi=sympy.pi)

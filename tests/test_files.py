@@ -22,9 +22,10 @@ from hypothesis import strategies as st
 from models import EVERY_ELEMENT
 
 from torsionnet import atomic
-from torsionnet.channels import ELEMENT_QUANTITIES
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.elements import (
+from torsionnet.loading import load, loads
+from torsionnet.model.channels import ELEMENT_QUANTITIES
+from torsionnet.model.elements import (
     ELEMENT_TYPES,
     Damper,
     Differential,
@@ -38,13 +39,12 @@ from torsionnet.elements import (
     Spring,
     TabulatedSpring,
 )
-from torsionnet.files import dump, json_schema, library_entry, library_models, read_file
-from torsionnet.files.located import PythonParser, compose
-from torsionnet.files.quoting import written
-from torsionnet.files.reader import read_text
-from torsionnet.files.scalars import plain_value
-from torsionnet.files.schema import schema_text
-from torsionnet.loading import load, loads
+from torsionnet.model.files import dump, json_schema, library_entry, library_models, read_file
+from torsionnet.model.files.located import PythonParser, compose
+from torsionnet.model.files.model_schema import schema_text
+from torsionnet.model.files.quoting import written
+from torsionnet.model.files.reader import read_text
+from torsionnet.model.files.scalars import plain_value
 
 LIBRARY = Path(__file__).parents[1] / "library"
 HEAD = "torsionnet: 1\nname: m\n"
@@ -264,9 +264,21 @@ def test_what_only_follows_from_an_unreadable_entry_is_not_reported():
 
 
 def test_reading_imports_nothing_heavy():
-    program = "import sys; from torsionnet.files import read_file; assert read_file('amt_rig')[0]; print(*sys.modules)"
+    program = (
+        "import sys; from torsionnet.model.files import read_file; assert read_file('amt_rig')[0]; print(*sys.modules)"
+    )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, check=True, text=True)
-    heavy = {"numpy", "scipy", "sympy", "networkx", "matplotlib", "pint", "pydantic", "json", "torsionnet.files.schema"}
+    heavy = {
+        "numpy",
+        "scipy",
+        "sympy",
+        "networkx",
+        "matplotlib",
+        "pint",
+        "pydantic",
+        "json",
+        "torsionnet.model.files.model_schema",
+    }
     assert not heavy & set(done.stdout.split())
 
 
@@ -439,7 +451,7 @@ def test_a_pipe_gets_the_bytes_and_stays_a_pipe(tmp_path, through_link):
 def test_told_to_end_it_leaves_no_temporary_file(tmp_path):
     path = tmp_path / "out.csv"
     program = (
-        "import sys, time\nfrom torsionnet.atomic import replacing\n"
+        "import sys, time\nfrom torsionnet.core.atomic import replacing\n"
         "with replacing(sys.argv[1]) as temporary:\n"
         "    temporary.write_text('half')\n    print('writing', flush=True)\n    time.sleep(60)\n"
     )

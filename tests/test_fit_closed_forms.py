@@ -12,10 +12,10 @@ import pytest
 from scipy import stats
 
 import torsionnet as tn
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.identification import Candidate, choose_model
-from torsionnet.identification.block import Block
-from torsionnet.identification.problem import Problem
+from torsionnet.identification.fit_problem import FitProblem
+from torsionnet.identification.measurement_block import MeasurementBlock
 from torsionnet.response import Channel, FrequencyResponse
 
 F = np.array([1.0, 2.1, 3.4, 5.3, 8.2])
@@ -240,7 +240,7 @@ class Stub:
     correlation: np.ndarray | None
     shared: np.ndarray | None
 
-    under_noise, squares = Block.under_noise, Block.squares
+    under_noise, squares = MeasurementBlock.under_noise, MeasurementBlock.squares
 
     @property
     def count(self):
@@ -260,7 +260,7 @@ class TestUncertainty:
     def problem(self, priors):
         blocks = Stub(np.ones(1), None, None), Stub(np.ones(2), self.NOISE, self.STEPS)
         none = np.zeros(1)
-        return Problem(("a",), none, none, none, priors, blocks, (np.array([0]),) * 2)
+        return FitProblem(("a",), none, none, none, priors, blocks, (np.array([0]),) * 2)
 
     def whole(self, *parts):
         found = np.zeros((7, 7))

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.errors import ModelError, UsageError
-from torsionnet.identification.files import load_fit_plan
+from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.signals import Recording, Signal, Welch, write_recording
 

@@ -8,8 +8,8 @@ import pytest
 from test_cli import run
 
 import torsionnet as tn
-from torsionnet.bench import Acquisition, Plan, Transducer
 from torsionnet.identification.natures import nature
+from torsionnet.model.bench import Acquisition, Plan, Transducer
 from torsionnet.signals import LinearChirp, Welch
 
 BAND = (1.5, 30.0)
@@ -106,7 +106,7 @@ def test_units_in_table_and_command(tmp_path, monkeypatch):
     response = rig(c=0.2).frequency_response("n", "T", np.linspace(2, 30, 40))
     fit = tn.identify(rig(c=0.2), tn.Measurement(response, "n", "T", delay=True), {"k": 500.0, "c": 0.1, "J_2": 0.04})
     assert fit.units == {"k": "N*m/rad", "c": "N*m*s/rad", "J_2": "kg*m^2", "delay[measurement]": "s"}
-    tn.interchange.write_frequency_response(response, "frf.csv")
+    tn.io.write_frequency_response(response, "frf.csv")
     rig(c=0.2).to_yaml("rig.yaml")
     (tmp_path / "fit.yaml").write_text(
         "torsionnet: 1\nmodel: rig.yaml\nparameters: {k: 500 N*m/rad}\n"

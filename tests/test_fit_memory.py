@@ -11,10 +11,10 @@ from test_cli import run
 from test_cli_records import RIG
 
 import torsionnet as tn
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.identification import segments
-from torsionnet.identification.blocks import make_block
-from torsionnet.identification.files import load_fit_plan
+from torsionnet.identification.fit_file import load_fit_plan
+from torsionnet.identification.measurement_blocks import make_block
 from torsionnet.identification.operator import windowed_estimate
 from torsionnet.signals import Recording, Signal, Welch, write_recording
 from torsionnet.signals.decimation import usable_up_to
@@ -106,7 +106,7 @@ PROGRAM = """
 from pathlib import Path
 import numpy as np
 import torsionnet as tn
-from torsionnet.bench import Acquisition, Plan, Transducer
+from torsionnet.model.bench import Acquisition, Plan, Transducer
 from torsionnet.identification.memory import demand
 from torsionnet.signals import LinearChirp, Welch
 
@@ -199,7 +199,7 @@ def test_a_fit_file_decimates_as_the_bands_allow(folder, settings, factors):
 
 
 def test_the_command_tells_decimation_and_memory(folder, monkeypatch):
-    monkeypatch.setattr("torsionnet.cli.memory.WORTH_TELLING", 1e6)
+    monkeypatch.setattr("torsionnet.cli.memory_note.WORTH_TELLING", 1e6)
     (folder / "fit.yaml").write_text(FIT)
     told = run("fit", "fit.yaml").stderr
     assert "note: soft: decimated by 20 to 200 Hz\n" in told

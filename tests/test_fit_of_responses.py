@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.bench import Encoder, Transducer
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.identification.line_noise import line_correlation
 from torsionnet.identification.smoothing import smoothing
-from torsionnet.interchange import read_frequency_response, write_frequency_response
+from torsionnet.io import read_frequency_response, write_frequency_response
+from torsionnet.model.bench import Encoder, Transducer
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.estimation import Estimation
 from torsionnet.signals import Recording, Signal, Welch, estimate

@@ -15,10 +15,10 @@ from foreign_files import COUNT, EXTRAS, damaged, mat_file, mat_variable, matlab
 
 import torsionnet as tn
 from torsionnet.cli.app import app
-from torsionnet.errors import ModelError
-from torsionnet.foreign import ForeignFileError, limits, process
-from torsionnet.foreign.__main__ import said
-from torsionnet.foreign.uff import check_end
+from torsionnet.core.errors import ModelError
+from torsionnet.io.foreign import ForeignFileError, process, resource_limits
+from torsionnet.io.foreign.__main__ import said
+from torsionnet.io.foreign.uff_content import check_end
 from torsionnet.signals import iter_blocks, read_recording, write_recording
 
 CHILD_ENDINGS = (".h5", ".mat", ".tdms", ".parquet", ".uff")
@@ -49,7 +49,7 @@ def library(tmp_path, monkeypatch):
         )
         process.end_all()
         monkeypatch.syspath_prepend(str(folder))
-        monkeypatch.setattr("torsionnet.signals.files.extras.require", lambda _: None)
+        monkeypatch.setattr("torsionnet.io.records.extras.require", lambda _: None)
         path = tmp_path / "plant.h5"
         path.write_bytes(b"anything")
         return path
@@ -300,7 +300,7 @@ class TestClaims:
         path = self.npz(tmp_path / "r.npz", x=np.zeros(2**25 + 1))
         assert "the file would take 268.436 MB when unpacked; a file of 261.1 kB may take 256 MB" in message(path)
 
-    @pytest.mark.parametrize("read", [read_recording, tn.interchange.read_frequency_response])
+    @pytest.mark.parametrize("read", [read_recording, tn.io.read_frequency_response])
     def test_npz_pickle(self, tmp_path, read):
         path = self.npz(tmp_path / "r.npz", x=np.array([{"a": 1}], dtype=object), y=np.zeros(3))
         with pytest.raises(ModelError, match="x holds Python objects, which are not unpacked"):
@@ -366,7 +366,7 @@ class TestClaims:
 
     def test_a_large_file_may_take_more(self, tmp_path):
         (tmp_path / "large").write_bytes(b"\0" * 10_000_000)
-        assert limits.allowed(tmp_path / "large") == 10**9
+        assert resource_limits.allowed(tmp_path / "large") == 10**9
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="a limit to the size of files is one of POSIX")
@@ -423,14 +423,14 @@ class TestEarlyEnds:
     def test_response_cut_anywhere(self, tmp_path):
         needs(".uff")
         response = tn.load("dmf_rig").frequency_response(["theta_1", "T_T"], "T_M", [1.0, 2.0, 5.0])
-        tn.interchange.write_frequency_response(response, tmp_path / "r.uff")
+        tn.io.write_frequency_response(response, tmp_path / "r.uff")
         raw = (tmp_path / "r.uff").read_bytes()
         for length in range(raw.index(b"    -1\n    58b") + 6, len(raw) - 1):
             with pytest.raises(ForeignFileError, match="ends early"):
                 check_end(raw[:length])
         (tmp_path / "cut.uff").write_bytes(raw[: raw.index(b"    -1\n    58b")])
         with pytest.raises(ModelError, match="there is no frequency response"):
-            tn.interchange.read_frequency_response(tmp_path / "cut.uff")
+            tn.io.read_frequency_response(tmp_path / "cut.uff")
 
     @pytest.mark.parametrize(
         ("text", "expected"),
@@ -486,11 +486,11 @@ class TestEarlyEnds:
     @pytest.mark.parametrize("length", [1, 4, 30])
     def test_text_of_a_response(self, tmp_path, length):
         response = tn.load("dmf_rig").frequency_response("theta_1", "T_M", [1.0, 2.0, 5.0])
-        tn.interchange.write_frequency_response(response, tmp_path / "r.csv")
+        tn.io.write_frequency_response(response, tmp_path / "r.csv")
         path = tmp_path / "cut.csv"
         path.write_text((tmp_path / "r.csv").read_text()[:-length])
         with pytest.raises(ModelError, match="the file ends early"):
-            tn.interchange.read_frequency_response(path)
+            tn.io.read_frequency_response(path)
 
 
 class TestTimes:

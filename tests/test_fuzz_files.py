@@ -6,11 +6,11 @@ import random
 import pytest
 from fuzz.mutating import mutated
 
-from torsionnet.errors import ModelError
-from torsionnet.files import dump, library_models
-from torsionnet.files.decoding import decode
-from torsionnet.files.reader import read_text
+from torsionnet.core.errors import ModelError
 from torsionnet.loading import loads
+from torsionnet.model.files import dump, library_models
+from torsionnet.model.files.decoding import decode
+from torsionnet.model.files.reader import read_text
 
 NAMES = ("amt_rig", "six_cylinder_diesel", "planetary_set", "drill_string")  # configurations, tables of many shapes
 TEXTS = [library_models()[name].read_text(encoding="utf-8") for name in NAMES]

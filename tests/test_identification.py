@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.bench import Acquisition, Encoder, Plan, Transducer
-from torsionnet.errors import ModelError, UsageError
+from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.identification import Candidate, choose_model, load_fit
+from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
 from torsionnet.signals import LinearChirp, Recording, Signal, Welch, estimate
 
 F = np.linspace(0.5, 25, 120)

@@ -9,8 +9,8 @@ from test_cli import run
 from tors_models import THRUSTER
 
 import torsionnet as tn
-from torsionnet.interchange.fmu.platforms import this_machine
-from torsionnet.signals.files import extras
+from torsionnet.io.fmu.platforms import this_machine
+from torsionnet.io.records import extras
 
 
 @pytest.mark.parametrize(

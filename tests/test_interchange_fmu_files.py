@@ -12,11 +12,11 @@ import pytest
 from fmu_hosts import VERSIONS, Host, fmpy, library_model, unpacked
 
 import torsionnet as tn
-from torsionnet.errors import MissingExtraError, UsageError
-from torsionnet.interchange import write_fmu
-from torsionnet.interchange.fmu import compiling
-from torsionnet.interchange.fmu.platforms import for_all_macs
-from torsionnet.signals.files import extras
+from torsionnet.core.errors import MissingExtraError, UsageError
+from torsionnet.io import write_fmu
+from torsionnet.io.fmu import compiling
+from torsionnet.io.fmu.platforms import for_all_macs
+from torsionnet.io.records import extras
 
 validation = pytest.importorskip("fmpy.validation")
 compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")

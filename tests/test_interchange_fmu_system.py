@@ -8,11 +8,11 @@ import pytest
 from random_drivetrains import draw
 
 import torsionnet as tn
-from torsionnet.errors import UsageError
-from torsionnet.interchange.fmu.dependencies import dependencies
-from torsionnet.interchange.fmu.step_size import suggested_step
-from torsionnet.interchange.fmu.traced_matrices import trace_system
-from torsionnet.interchange.fmu.traced_numbers import Tape, Traced
+from torsionnet.core.errors import UsageError
+from torsionnet.io.fmu.dependencies import dependencies
+from torsionnet.io.fmu.step_size import suggested_step
+from torsionnet.io.fmu.traced_matrices import trace_system
+from torsionnet.io.fmu.traced_numbers import NumberTape, Traced
 
 F = np.array([0.3, 2.0, 9.0, 40.0])
 
@@ -127,14 +127,14 @@ def test_what_moves_as_one_body_meets_no_stiffness():
     ],
 )
 def test_decisions_that_rest_on_values_are_noted(value, decided):
-    tape = Tape()
+    tape = NumberTape()
     a, b = tape.parameter("a", 6), tape.parameter("b", 3)
     assert value(a, b) == 0
     assert tape.settled == ({"a", "b"} if decided else set())
 
 
 def test_numbers_are_calculated_again():
-    tape = Tape()
+    tape = NumberTape()
     a = tape.parameter("a", 4)
     result = tape.sqrt(a + 5) * 3 - 1 / (2 - a) + tape.sqrt(9)
     assert isinstance(result, Traced)

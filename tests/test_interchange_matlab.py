@@ -10,8 +10,8 @@ from models import geared_line
 from scipy.io import loadmat
 
 import torsionnet as tn
-from torsionnet.errors import TorsionnetWarning, UsageError
-from torsionnet.interchange import to_matlab, write_matlab
+from torsionnet.core.errors import TorsionnetWarning, UsageError
+from torsionnet.io import to_matlab, write_matlab
 
 FREQUENCIES = np.array([1.3, 7.7, 33.0])
 MODELS = ["amt_rig", "dmf_rig", "drill_string", "oil_engine", "planetary_set", "wind_turbine_5mw"]

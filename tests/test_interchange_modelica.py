@@ -10,8 +10,8 @@ from modelica_reader import Model
 from models import EVERY_ELEMENT, geared_line
 
 import torsionnet as tn
-from torsionnet.errors import UsageError
-from torsionnet.interchange import to_modelica, write_modelica
+from torsionnet.core.errors import UsageError
+from torsionnet.io import to_modelica, write_modelica
 
 FREQUENCIES = [0.7, 5.3, 21.0]
 NO_COUNTERPART = {"hysteretic_spring", "tabulated_spring"}

@@ -9,10 +9,10 @@ from hypothesis import strategies as st
 
 import torsionnet as tn
 from torsionnet.cli import main
-from torsionnet.errors import MissingExtraError, ModelError, UsageError
-from torsionnet.interchange import read_frequency_response, write_frequency_response
+from torsionnet.core.errors import MissingExtraError, ModelError, UsageError
+from torsionnet.io import read_frequency_response, write_frequency_response
+from torsionnet.io.records import extras
 from torsionnet.response.frequency_response import Channel, FrequencyResponse
-from torsionnet.signals.files import extras
 
 ENDINGS = [".csv", ".npz", ".mat", ".uff", ".unv"]
 UNITS = ["rad", "rad/s", "rad/s^2", "N*m"]

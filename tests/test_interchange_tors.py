@@ -11,8 +11,8 @@ import pytest
 from tors_models import THRUSTER, random_tree
 
 import torsionnet as tn
-from torsionnet.errors import ModelError, TorsionnetWarning, UsageError
-from torsionnet.interchange import from_tors, read_tors, to_tors, write_tors
+from torsionnet.core.errors import ModelError, TorsionnetWarning, UsageError
+from torsionnet.io import from_tors, read_tors, to_tors, write_tors
 
 # Assembly.from_tors(THRUSTER): sqrt(eigh(K, M)) / 2 pi; eigenvalues of its state matrix with positive imaginary part;
 # first row of T inv(K - w^2 M + j w C) T^T with the gear transformation T = assembly.T(assembly.E()).

@@ -10,12 +10,12 @@ import pytest
 from scipy.linalg import toeplitz
 
 import torsionnet as tn
-from torsionnet.bench import Acquisition, Encoder, Plan, Transducer
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.identification import Unknown
+from torsionnet.identification.fit_problem import make_problem
 from torsionnet.identification.instrument import without_background
 from torsionnet.identification.noise import noise_between_lines
-from torsionnet.identification.problem import make_problem
+from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
 from torsionnet.signals import BurstRandom, LinearChirp, Signal, Welch, estimate
 
 FINE = Encoder(lines=1024, quadrature=True)

@@ -7,7 +7,7 @@ import pytest
 from validation.build import read_case
 
 import torsionnet as tn
-from torsionnet.files.library import library_folder
+from torsionnet.model.files.library import library_folder
 
 CASES = {
     "direct_drive_wind_turbine": "sopanen_windmill_3mass",

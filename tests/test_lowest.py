@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import torsionnet as tn
 from torsionnet.assembly.rows import Rows, RowSystem
-from torsionnet.errors import SolveError
+from torsionnet.core.errors import SolveError
 from torsionnet.solve import eigen
 from torsionnet.solve.eigen import complex_modes, undamped_modes
 from torsionnet.solve.reduction import null_basis

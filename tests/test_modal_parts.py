@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 from modal_cases import chain_residues, pole, response_of
 
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.modal import Criteria, Settings, fit_poles, identify_modes
 from torsionnet.modal.information import Judge, alike, worth_keeping
-from torsionnet.modal.lines import Lines, lines_of
 from torsionnet.modal.polynomials import orthogonal, powers, roots
 from torsionnet.modal.projection import Projection
 from torsionnet.modal.refinement import factors_of
 from torsionnet.modal.remarks import line_spacing
 from torsionnet.modal.residues import expand
+from torsionnet.modal.spectral_lines import Lines, lines_of
 from torsionnet.modal.stabilisation import Order, _same
 
 LINES = np.arange(1.0, 20.01, 0.5)

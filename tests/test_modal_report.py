@@ -5,11 +5,11 @@ import pytest
 from modal_cases import chain_residues, pole, response_of
 
 import torsionnet as tn
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.modal import Settings, circle_fit, cmif, identify_modes, stabilisation
-from torsionnet.report import circle, mac_matrix, save
-from torsionnet.report import stabilisation as stabilisation_picture
-from torsionnet.report.stabilisation import _apart
+from torsionnet.plot import circle, mac_matrix, save
+from torsionnet.plot import stabilisation as stabilisation_picture
+from torsionnet.plot.stabilisation import _apart
 
 LINES = np.arange(0.5, 30.01, 0.1)
 POLES = [pole(5, 0.02), pole(9, 0.05), pole(9.2, 0.04)]

@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 from modal_cases import chain_residues, pole, response_of
 
 import torsionnet as tn
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.modal import cmif, identify_modes, mac, match, mpc, msf
 from torsionnet.response import Channel
 from torsionnet.signals import frac

@@ -7,7 +7,7 @@ import pytest
 from modal_cases import chain_residues, pole, response_of
 
 import torsionnet as tn
-from torsionnet.errors import SolveError, UsageError
+from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.modal import circle_fit, peak_picking
 from torsionnet.response import Channel, FrequencyResponse
 

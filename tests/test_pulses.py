@@ -7,8 +7,8 @@ import pytest
 from test_cli import run
 from test_cli_records import RIG
 
-from torsionnet.errors import ModelError, SolveError, TorsionnetWarning, UsageError
-from torsionnet.identification.files import load_fit_plan
+from torsionnet.core.errors import ModelError, SolveError, TorsionnetWarning, UsageError
+from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.signals import (
     Recording,
     Signal,

@@ -9,9 +9,9 @@ import pytest
 from test_cli import run
 
 import torsionnet as tn
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.identification import load_fit, rank_causes
-from torsionnet.interchange import read_frequency_response
+from torsionnet.io import read_frequency_response
 
 F = np.array([6.0, 14.0, 24.0])
 YAML = """\

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import torsionnet as tn
-from torsionnet.elements import ELEMENT_TYPES
+from torsionnet.model.elements import ELEMENT_TYPES
 
 README = (Path(__file__).parents[1] / "README.md").read_text(encoding="utf-8")
 
@@ -62,7 +62,7 @@ def test_symbolic_forms_are_those_that_come_out():
 def test_element_of_the_contributing_guide_works(monkeypatch):
     """The example becomes an element type: two inertias on an inerter act as one."""
     guide = (Path(__file__).parents[1] / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    monkeypatch.setattr("torsionnet.elements.base.ELEMENT_TYPES", dict(ELEMENT_TYPES))
+    monkeypatch.setattr("torsionnet.model.elements.element.ELEMENT_TYPES", dict(ELEMENT_TYPES))
     names = {"__name__": __name__}
     exec(compile(re.search(r"```python\n(.*?)```", guide, re.DOTALL)[1], "CONTRIBUTING.md", "exec"), names)
     parts = [

@@ -8,12 +8,12 @@ import pytest
 from scipy import stats
 
 import torsionnet as tn
-from torsionnet.bench import Acquisition, Encoder, Plan, Transducer
 from torsionnet.identification.fit import load_fit
 from torsionnet.identification.quiet import quiet_windows
 from torsionnet.identification.reach import reach
 from torsionnet.identification.sources import together, two_sources
-from torsionnet.identification.steps import PLACES, Steps
+from torsionnet.identification.steps import PLACES, SensorSteps
+from torsionnet.model.bench import Acquisition, Encoder, Plan, Transducer
 from torsionnet.signals import LinearChirp, Multisine, Welch, decimate
 
 SETTINGS = Welch("hamming", 2.0, 0.8, decimation=10)
@@ -106,7 +106,7 @@ def test_steps_change_a_sine_as_the_describing_function_says(amplitude):
     f = block.windowed.frequencies[line]
     rate = block.windowed.record.sampling_rate
     motion = amplitude * step * np.sin(2 * np.pi * f * np.arange(rows.count) / rate)
-    found = (Steps(step, 10).errors(motion, rows) / rows.apply(motion))[:, line]
+    found = (SensorSteps(step, 10).errors(motion, rows) / rows.apply(motion))[:, line]
     k, o = np.arange(1, 200)[:, None], (np.arange(PLACES) + 0.5) / PLACES
     terms = 2 * (-1.0) ** k * j1(2 * np.pi * k * amplitude) / (np.pi * k * amplitude) * np.cos(2 * np.pi * k * o)
     assert found.real == pytest.approx(terms.sum(axis=0), abs=0.03 / amplitude)
@@ -123,7 +123,7 @@ def test_steps_are_read_at_the_rate_of_the_sensor():
     template = block.windowed.record.select(["theta_1"])
     signal = replace(template["theta_1"], values=read)
     exact = decimate(replace(template, signals=(signal,), sampling_rate=rate), 10)["theta_1"].values
-    found = Steps(step, 10).errors(fine[::10], rows)[0]
+    found = SensorSteps(step, 10).errors(fine[::10], rows)[0]
     expected = rows.apply(exact[: rows.count])
     assert np.linalg.norm(found - expected) < 0.05 * np.linalg.norm(expected)
 

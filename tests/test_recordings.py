@@ -7,12 +7,12 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from torsionnet.errors import MissingExtraError, ModelError, TorsionnetWarning, UsageError
-from torsionnet.signals.checks import check_recording
+from torsionnet.core.errors import MissingExtraError, ModelError, TorsionnetWarning, UsageError
+from torsionnet.io.records import extras, iter_blocks, read_recording, write_recording
+from torsionnet.response.recording import Recording, Signal
 from torsionnet.signals.encoder import angle_from_counts, angle_from_pulses, unwrapped
-from torsionnet.signals.files import extras, iter_blocks, read_recording, write_recording
 from torsionnet.signals.pulses import missing_pulses
-from torsionnet.signals.recording import Recording, Signal
+from torsionnet.signals.recording_checks import check_recording
 from torsionnet.signals.resampling import resampled
 
 EXTRAS = {".tdms": "nptdms", ".uff": "pyuff", ".h5": "h5py", ".parquet": "pyarrow", ".mf4": "asammdf"}
@@ -94,7 +94,7 @@ class TestRoundTrip:
 
         path = tmp_path / f"r{ending}"
         path.write_text("old")
-        monkeypatch.setattr("torsionnet.atomic._permissions", full)
+        monkeypatch.setattr("torsionnet.core.atomic._permissions", full)
         with pytest.raises(OSError, match="no space left"):
             write_recording(recording(), path)
         assert path.read_text() == "old"

@@ -11,11 +11,11 @@ from pictures import EXAMPLES, collisions, crossed, drawable, is_round, on_paper
 from validation.build import build, read_case
 
 import torsionnet as tn
-from torsionnet.report import bode, mode_shapes, save, schematic
-from torsionnet.report.blocks import ROLES
-from torsionnet.report.labels import number, quantity, symbol
-from torsionnet.report.shapes import view_of
-from torsionnet.report.stations import axis_of, idle_nodes
+from torsionnet.plot import bode, mode_shapes, save, schematic
+from torsionnet.plot.labels import number, quantity, symbol
+from torsionnet.plot.pieces import ROLES
+from torsionnet.plot.shapes import view_of
+from torsionnet.plot.stations import axis_of, idle_nodes
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.phase import unwrapped
 

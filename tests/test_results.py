@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.response import Channel, Column, Conventions, FrequencyResponse, Modes, Table
 from torsionnet.response.family import FrequencyResponses
 from torsionnet.response.phase import unwrapped

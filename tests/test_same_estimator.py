@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.identification.operator import windowed_estimate
 from torsionnet.signals import Recording, Signal, Welch, estimate
 

@@ -10,9 +10,9 @@ from made_up_elements import GLYPHS, SHAPES, Maxwell, OnePort, Zener, with_glyph
 from pictures import EXAMPLES, collisions, crossed, drawable, is_round, outside, texts
 
 import torsionnet as tn
-from torsionnet.report import schematic, style
-from torsionnet.report.labels import symbol
-from torsionnet.report.outlines import BODY
+from torsionnet.plot import schematic, style
+from torsionnet.plot.labels import symbol
+from torsionnet.plot.outlines import BODY
 
 
 def between(*elements, **more):

@@ -8,8 +8,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import torsionnet as tn
-from torsionnet.errors import SolveError, UsageError
-from torsionnet.sensitivity import mode_sensitivities, parametric_response
+from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.solve.sensitivity import mode_sensitivities, parametric_response
 
 F = np.array([0.4, 3.0, 5.6, 8.1, 20.0, 80.0])
 mp.mp.dps = 40
@@ -233,10 +233,10 @@ def test_words_say_which_parameter_moves_which_mode():
 
 @pytest.mark.parametrize("modes", [[1], [1, 2]])
 def test_tornado_shows_the_strongest_first(modes):
-    from torsionnet import report
+    from torsionnet import plot
 
     found = mode_sensitivities(tn.load("dmf_rig"))
-    figure = report.tornado(found, modes=modes)
+    figure = plot.tornado(found, modes=modes)
     bottom, top = figure.axes[0].get_ylim()
     assert bottom > top
     if modes == [1, 2]:
@@ -244,7 +244,7 @@ def test_tornado_shows_the_strongest_first(modes):
     labels = [text.get_text() for text in figure.axes[0].get_yticklabels()]
     assert set(labels[:3]) == {"k_2", "c_2", "I_2"}
     with pytest.raises(UsageError, match="there is no mode 3"):
-        report.tornado(found, modes=[3])
+        plot.tornado(found, modes=[3])
 
 
 def one_mass(**parameters):
@@ -324,7 +324,7 @@ def test_values_at_which_the_drivetrain_cannot_be_calculated():
 
 def test_modes_have_the_numbers_of_their_table():
     """Rigid-body modes count, though they have no derivative."""
-    from torsionnet import report
+    from torsionnet import plot
 
     ship = tn.load("marine_steam_turbine").configured("undamped")
     table, found = ship.modes(), mode_sensitivities(ship)
@@ -332,20 +332,20 @@ def test_modes_have_the_numbers_of_their_table():
         assert found.natural_frequencies[index] == pytest.approx(table.natural_frequencies[number - 1])
     assert found.numbers[0] == 2
     assert found.words()[0].startswith("mode 2 (")
-    assert "mode 3: 3.67 Hz" in report.tornado(found, modes=[3]).axes[0].get_title()
+    assert "mode 3: 3.67 Hz" in plot.tornado(found, modes=[3]).axes[0].get_title()
     with pytest.raises(UsageError, match="there is no mode 1; there are 2, 3"):
-        report.tornado(found, modes=[1])
+        plot.tornado(found, modes=[1])
 
 
 def test_tornado_has_no_empty_panels():
     undamped = mode_sensitivities(tn.load("geared_branch"))
-    from torsionnet import report
+    from torsionnet import plot
 
-    figure = report.tornado(undamped)
+    figure = plot.tornado(undamped)
     assert [axes.get_title() for axes in figure.axes] == [
         f"mode {undamped.number(mode)}: {undamped.natural_frequencies[mode]:.4g} Hz" for mode in range(3)
     ]
-    overdamped = report.tornado(mode_sensitivities(tn.load("marine_steam_turbine")), modes=[2, 3])
+    overdamped = plot.tornado(mode_sensitivities(tn.load("marine_steam_turbine")), modes=[2, 3])
     assert [axes.get_title() for axes in overdamped.axes] == [
         "mode 2: real pole, 0.02097 Hz",
         "mode 3: 2.961 Hz",

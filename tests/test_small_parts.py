@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
-from torsionnet.errors import ModelError, UsageError
-from torsionnet.identification.files import load_fit_plan
+from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.response import Channel, Conventions, FrequencyResponse
 from torsionnet.signals import Recording, Signal, Welch, angle_from_counts, angle_from_pulses, estimate
 from torsionnet.signals.agreement import agreement
@@ -127,7 +127,7 @@ class TestFiles:
         file = tmp_path / "fit.yaml"
         file.write_text("torsionnet: 1\nmodel: {rig\n")
         with pytest.raises(ModelError, match=r"fit.yaml") as caught:
-            load_fit_plan(file, tn.interchange.read_frequency_response)
+            load_fit_plan(file, tn.io.read_frequency_response)
         assert caught.value.faults[0].position.line == 2
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.response import Channel, FrequencyResponse, Modes
 from torsionnet.solve.grid import Adaptive, rounded, vibration_range
 from torsionnet.solve.peaks import inner_maxima, peaks, static_value

@@ -11,9 +11,9 @@ from hypothesis import strategies as st
 import torsionnet as tn
 from torsionnet.assembly.law_stiffness import LawStiffness, sampled_stiffness
 from torsionnet.assembly.rows import Rows, RowSystem
-from torsionnet.solve import dense, starmesh, taping
+from torsionnet.solve import dense, starmesh, tape_writing
 from torsionnet.solve.graph_plan import make_plan
-from torsionnet.solve.problem import Excitation, Problem
+from torsionnet.solve.response_problem import Loading, ResponseProblem
 from torsionnet.solve.row_algebra import clique, combined, common_motion, normalised
 
 DIGITS = 60
@@ -44,8 +44,8 @@ def unit_load(n, at=0):
 
 def problem_of(system, loads, rows):
     """Motion of rows (n_rows, n_q) under loads (n_q, n_exc)."""
-    excitations = tuple(Excitation(load=load) for load in Rows.of(loads.T).maps)
-    return Problem(system.sparse_rows, system.n_coordinates, excitations, Rows.of(rows).maps)
+    excitations = tuple(Loading(load=load) for load in Rows.of(loads.T).maps)
+    return ResponseProblem(system.sparse_rows, system.n_coordinates, excitations, Rows.of(rows).maps)
 
 
 def solved(respond, system, kappa, loads, rows):
@@ -266,7 +266,7 @@ def test_lanes_that_lose_digits_are_in_doubt(respond):
 
 @both_ways
 def test_a_law_whose_stiffness_and_inertia_all_but_cancel_is_in_doubt(respond):
-    problem = Problem([{0: 1.0}], 1, (Excitation(load={0: 1.0}),), ({0: 1.0},))
+    problem = ResponseProblem([{0: 1.0}], 1, (Loading(load={0: 1.0}),), ({0: 1.0},))
     omega = np.array([1.0, 2.0, 2.0 * (1 + 1e-6)])
     kappa = LawStiffness(*(np.array([[value]]) for value in (1.0, 0.0, 4.0)), omega=omega)
     found = respond(problem, kappa)
@@ -347,7 +347,7 @@ def test_few_readings_go_forward_and_give_the_same_as_those_that_come_back(monke
     kappa = sampled_stiffness(stiffness(system, np.linspace(1, 300, 50)))
     forward = problem_of(system, unit_load(12, 2), np.eye(12)[[0, 7]])
     found = starmesh.respond_in_numpy(forward, kappa).values
-    monkeypatch.setattr(taping, "FEW", 0)
+    monkeypatch.setattr(tape_writing, "FEW", 0)
     back = problem_of(system, unit_load(12, 2), np.eye(12)[[0, 7]])
     assert len(back.tape) != len(forward.tape)
     assert starmesh.respond_in_numpy(back, kappa).values == pytest.approx(found, rel=1e-12)
@@ -356,7 +356,7 @@ def test_few_readings_go_forward_and_give_the_same_as_those_that_come_back(monke
 def test_registers_of_a_walk_forward_do_not_grow_with_the_drivetrain():
     def registers(n):
         rows = [{i: 1.0} for i in range(n)] + [{i: 1.0, i + 1: -1.0} for i in range(n - 1)]
-        return taping.make_tape(plan_of(rows, [{n - 1: 1.0}], [{0: 1.0}])).n_registers
+        return tape_writing.make_tape(plan_of(rows, [{n - 1: 1.0}], [{0: 1.0}])).n_registers
 
     assert registers(400) == registers(20) < 6
 

@@ -11,14 +11,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import torsionnet as tn
-from torsionnet.symbolics import loops
-from torsionnet.symbolics.adjugate import bilinear, determinant, seen_from
-from torsionnet.symbolics.algebras import Values
-from torsionnet.symbolics.blocks import is_forest, orient, roots_of
-from torsionnet.symbolics.loops import Split
-from torsionnet.symbolics.mechanical import single_edges
-from torsionnet.symbolics.network import Member, Network, Stiffness
-from torsionnet.symbolics.program import Program
+from torsionnet.symbolic import loops
+from torsionnet.symbolic.adjugate import bilinear, determinant, seen_from
+from torsionnet.symbolic.algebras import NumericValues
+from torsionnet.symbolic.block_tree import is_forest, orient, roots_of
+from torsionnet.symbolic.loops import Split
+from torsionnet.symbolic.mechanical import single_edges
+from torsionnet.symbolic.network import Network, NetworkMember, Stiffness
+from torsionnet.symbolic.program import Program
 
 EXAMPLES = settings(max_examples=30, deadline=None)
 COEFFICIENTS = [-3, -2, -1, 1, 1, 2, sympy.Rational(1, 3)]
@@ -36,7 +36,7 @@ class Draw:
         self.values[k] = Fraction(self.random.randint(1, 20), self.random.randint(1, 5))
         chosen = coefficients or self.random.choices(COEFFICIENTS, k=len(names))
         row = {name: sympy.sympify(value) for name, value in zip(names, chosen, strict=True)}
-        self.members.append(Member(row, Stiffness(k)))
+        self.members.append(NetworkMember(row, Stiffness(k)))
 
     def grounds(self, share):
         for name in self.names:
@@ -81,7 +81,7 @@ class Draw:
         return sympy.Matrix([row.get(name, 0) for name in self.names])
 
     def run(self, node):
-        return node.program.run(Values(self.values, lambda value: value, Fraction(0)), [node])[0]
+        return node.program.run(NumericValues(self.values, lambda value: value, Fraction(0)), [node])[0]
 
 
 def assert_exact(drawn):
@@ -198,7 +198,7 @@ def test_single_edges_are_the_same_stiffness(source, count):
     expected, again = drawn.matrix, Draw(source, count)
     for member in single.members:
         value = sympy.sympify(member.law.stiffness).xreplace({k: drawn.number(k) for k in drawn.values})
-        again.members.append(Member(member.row, Stiffness(sympy.Symbol(f"y_{len(again.members)}"))))
+        again.members.append(NetworkMember(member.row, Stiffness(sympy.Symbol(f"y_{len(again.members)}"))))
         again.values[again.members[-1].law.stiffness] = Fraction(int(value.p), int(value.q))
     assert again.matrix == expected
 

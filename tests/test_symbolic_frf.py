@@ -15,10 +15,10 @@ from random_drivetrains import draw
 from sympy import Rational, Symbol, simplify
 
 import torsionnet as tn
-from torsionnet.symbolics.blocks import orient
-from torsionnet.symbolics.charpoly import ExpandedBlock
-from torsionnet.symbolics.loops import tied
-from torsionnet.symbolics.program import Program
+from torsionnet.symbolic.block_tree import orient
+from torsionnet.symbolic.charpoly import ExpandedBlock
+from torsionnet.symbolic.loops import tied
+from torsionnet.symbolic.program import Program
 
 F = np.array([0.31, 3.3, 17.0, 61.0])
 s = Symbol("s")

@@ -7,8 +7,8 @@ import pytest
 import sympy
 
 import torsionnet as tn
-from torsionnet.symbolics.normalised import Factor
-from torsionnet.symbolics.shown import shown
+from torsionnet.symbolic.normalised import Factor
+from torsionnet.symbolic.shown import shown
 
 F = np.array([0.3, 2.0, 7.0, 19.0])
 STEEL = {"shear_modulus": "G", "density": "rho"}

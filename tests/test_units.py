@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from torsionnet.units import (
+from torsionnet.core.units import (
     DIMENSIONS,
     Dimension,
     UnitError,

@@ -12,7 +12,7 @@ import pytest
 pytestmark = pytest.mark.slow
 
 FIND_LIBRARY = """
-import json, torsionnet.files.library as library
+import json, torsionnet.model.files.library as library
 print(json.dumps({"module": library.__file__, "models": {name: str(path) for name, path in library.library_models().items()}}))
 """
 
@@ -48,7 +48,7 @@ def test_wheel_holds_models_and_type_marker(wheel, library_names):
     page = ("index.html", "main.js", "style.css", "vendor/uPlot.iife.min.js", "vendor/LICENSE-uPlot.txt")
     assert files >= {f"torsionnet/explore/static/{name}" for name in page}
     sources = Path(__file__).parents[1] / "torsionnet" / "interchange" / "fmu" / "c"
-    assert files >= {f"torsionnet/interchange/fmu/c/{source.name}" for source in sources.iterdir()}
+    assert files >= {f"torsionnet/io/fmu/c/{source.name}" for source in sources.iterdir()}
     assert {name.split("/")[0].split("-")[0] for name in files} == {"torsionnet"}
 
 

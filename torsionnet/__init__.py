@@ -11,67 +11,93 @@ mode shapes and transfer functions between any two sensors, also against a measu
 
 from __future__ import annotations
 
-import importlib
+import warnings
 from typing import TYPE_CHECKING
 
-__version__ = "0.1.0"
+from torsionnet.core.lazy import names_on_demand
+from torsionnet.core.version import __version__
 
 _HOMES = {
-    "Adaptive": "solve.grid",
-    "Bench": "virtual",
-    "Channel": "response",
-    "Conventions": "response",
-    "Damper": "elements",
-    "Differential": "elements",
-    "Drivetrain": "drivetrain",
-    "Element": "elements",
-    "Fault": "errors",
-    "Fit": "identification",
-    "FrequencyResponse": "response",
-    "FrequencyResponses": "response",
-    "Gear": "elements",
-    "HystereticSpring": "elements",
-    "Inertia": "elements",
-    "Input": "channels",
-    "Lock": "elements",
-    "Measurement": "identification",
-    "MissingExtraError": "errors",
-    "ModelError": "errors",
-    "Modes": "response",
-    "OperatingPoint": "operating_point",
-    "Parameter": "parameters",
-    "Planetary": "elements",
-    "RigidCoupling": "elements",
-    "Sensor": "channels",
-    "Shaft": "elements",
-    "SolveError": "errors",
-    "Spring": "elements",
-    "TabulatedSpring": "elements",
-    "TorsionnetError": "errors",
-    "TorsionnetWarning": "errors",
-    "Unknown": "identification",
-    "UsageError": "errors",
-    "convert_damping": "damping",
-    "library_models": "files",
-    "identify": "identification",
-    "library_benches": "files",
-    "load": "loading",
-    "load_bench": "virtual",
-    "loads": "loading",
-    "write_report": "document",
+    "Adaptive": "torsionnet.solve.grid",
+    "Bench": "torsionnet.bench",
+    "Channel": "torsionnet.response",
+    "Conventions": "torsionnet.response",
+    "Damper": "torsionnet.model.elements",
+    "Differential": "torsionnet.model.elements",
+    "Drivetrain": "torsionnet.drivetrain",
+    "Element": "torsionnet.model.elements",
+    "Fault": "torsionnet.core.errors",
+    "Fit": "torsionnet.identification",
+    "FrequencyResponse": "torsionnet.response",
+    "FrequencyResponses": "torsionnet.response",
+    "Gear": "torsionnet.model.elements",
+    "HystereticSpring": "torsionnet.model.elements",
+    "Inertia": "torsionnet.model.elements",
+    "Input": "torsionnet.model.channels",
+    "Lock": "torsionnet.model.elements",
+    "Measurement": "torsionnet.identification",
+    "MissingExtraError": "torsionnet.core.errors",
+    "ModelError": "torsionnet.core.errors",
+    "Modes": "torsionnet.response",
+    "OperatingPoint": "torsionnet.model.operating_point",
+    "Parameter": "torsionnet.model.parameters",
+    "Planetary": "torsionnet.model.elements",
+    "RigidCoupling": "torsionnet.model.elements",
+    "Sensor": "torsionnet.model.channels",
+    "Shaft": "torsionnet.model.elements",
+    "SolveError": "torsionnet.core.errors",
+    "Spring": "torsionnet.model.elements",
+    "TabulatedSpring": "torsionnet.model.elements",
+    "TorsionnetError": "torsionnet.core.errors",
+    "TorsionnetWarning": "torsionnet.core.errors",
+    "Unknown": "torsionnet.identification",
+    "UsageError": "torsionnet.core.errors",
+    "convert_damping": "torsionnet.core.damping",
+    "library_models": "torsionnet.model.files",
+    "identify": "torsionnet.identification",
+    "library_benches": "torsionnet.model.files",
+    "load": "torsionnet.loading",
+    "load_bench": "torsionnet.bench",
+    "loads": "torsionnet.loading",
+    "write_report": "torsionnet.report",
 }
 
-_PACKAGES = ("bench", "document", "identification", "interchange", "modal", "report", "sensitivity", "signals", "units")
+_PACKAGES = {
+    "bench": "torsionnet.bench",
+    "identification": "torsionnet.identification",
+    "io": "torsionnet.io",
+    "modal": "torsionnet.modal",
+    "plot": "torsionnet.plot",
+    "report": "torsionnet.report",
+    "sensitivity": "torsionnet.solve.sensitivity",
+    "signals": "torsionnet.signals",
+    "units": "torsionnet.core.units",
+}
+_RENAMED = {"document": "report", "interchange": "io"}
 
-__all__ = ["__version__", *_HOMES, *_PACKAGES]  # noqa: PLE0604
+__all__ = ["__version__", *_HOMES, *_PACKAGES, *_RENAMED]  # noqa: PLE0604
 
 if TYPE_CHECKING:
-    from torsionnet import bench, document, identification, interchange, modal, report, sensitivity, signals, units
-    from torsionnet.channels import Input, Sensor
-    from torsionnet.damping import convert_damping
-    from torsionnet.document import write_report
+    from torsionnet import bench, identification, io, modal, plot, report, signals
+    from torsionnet import io as interchange
+    from torsionnet import report as document
+    from torsionnet.bench import Bench, load_bench
+    from torsionnet.core import units
+    from torsionnet.core.damping import convert_damping
+    from torsionnet.core.errors import (
+        Fault,
+        MissingExtraError,
+        ModelError,
+        SolveError,
+        TorsionnetError,
+        TorsionnetWarning,
+        UsageError,
+    )
     from torsionnet.drivetrain import Drivetrain
-    from torsionnet.elements import (
+    from torsionnet.identification import Fit, Measurement, Unknown, identify
+    from torsionnet.loading import load, loads
+    from torsionnet.model.channels import Input, Sensor
+    from torsionnet.model.elements import (
         Damper,
         Differential,
         Element,
@@ -85,33 +111,24 @@ if TYPE_CHECKING:
         Spring,
         TabulatedSpring,
     )
-    from torsionnet.errors import (
-        Fault,
-        MissingExtraError,
-        ModelError,
-        SolveError,
-        TorsionnetError,
-        TorsionnetWarning,
-        UsageError,
-    )
-    from torsionnet.files import library_benches, library_models
-    from torsionnet.identification import Fit, Measurement, Unknown, identify
-    from torsionnet.loading import load, loads
-    from torsionnet.operating_point import OperatingPoint
-    from torsionnet.parameters import Parameter
+    from torsionnet.model.files import library_benches, library_models
+    from torsionnet.model.operating_point import OperatingPoint
+    from torsionnet.model.parameters import Parameter
+    from torsionnet.report import write_report
     from torsionnet.response import Channel, Conventions, FrequencyResponse, FrequencyResponses, Modes
+    from torsionnet.solve import sensitivity
     from torsionnet.solve.grid import Adaptive
-    from torsionnet.virtual import Bench, load_bench
+
+
+_offered = names_on_demand(__name__, {**_HOMES, **_PACKAGES})
 
 
 def __getattr__(name: str) -> object:
-    """Import a public name where it is first used: starting up stays quick."""
-    if name in _PACKAGES:
-        return importlib.import_module(f"torsionnet.{name}")
-    if name not in _HOMES:
-        msg = f"module {__name__!r} has no attribute {name!r}"
-        raise AttributeError(msg)
-    value = globals()[name] = getattr(importlib.import_module(f"torsionnet.{_HOMES[name]}"), name)
+    if name in _RENAMED:
+        instead = _RENAMED[name]
+        warnings.warn(f"torsionnet.{name} is called torsionnet.{instead} now", DeprecationWarning, stacklevel=2)
+        return _offered(instead)
+    value = globals()[name] = _offered(name)
     return value
 
 

@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     import networkx as nx
     from numpy.typing import ArrayLike
 
-    from torsionnet.channels import Sensor
+    from torsionnet.model.channels import Sensor
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
-    from torsionnet.signals.recording import Recording
+    from torsionnet.response.recording import Recording
     from torsionnet.solve.grid import Adaptive
-    from torsionnet.symbolics.system import SymbolicSystem
+    from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
     Channels: TypeAlias = str | Sensor | Sequence[str | Sensor]
 
@@ -66,7 +66,7 @@ class Drivetrain(AssembledModel):
         Node ``ground`` is there if an element is attached to it. Elements with one port are in the node attribute
         ``elements``; edges carry ``element`` and ``kind``.
         """
-        from torsionnet.graph import build_graph
+        from torsionnet.model.graph import build_graph
 
         return build_graph(self)
 
@@ -221,7 +221,7 @@ class Drivetrain(AssembledModel):
         >>> tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T").mechanical
         1/(I_2*s**2 + k_2 + s*(c_2 + c_B)) + 1/(c_1*s + k_1)
         """
-        from torsionnet.symbolics.system import symbolic_system
+        from torsionnet.symbolic.symbolic_system import symbolic_system
 
         return symbolic_system(self, referred_to)
 
@@ -233,11 +233,11 @@ class Drivetrain(AssembledModel):
 
     def to_yaml(self, path: str | Path | None = None) -> str:
         """The model as text of a model file, also written to ``path`` if given."""
-        from torsionnet.files import dump
+        from torsionnet.model.files import dump
 
         return dump(self.definition, path)
 
     def _repr_html_(self) -> str:
-        from torsionnet.overview import page
+        from torsionnet.model.overview import page
 
         return page(self)

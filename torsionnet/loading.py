@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 
-from torsionnet.definition import Definition
+from torsionnet.core.errors import Fault, ModelError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.errors import Fault, ModelError
-from torsionnet.files.reader import find_model, read_file, read_text
+from torsionnet.model.definition import Definition
+from torsionnet.model.files.reader import find_model, read_file, read_text
 
 
 def load(model: str | os.PathLike[str]) -> Drivetrain:

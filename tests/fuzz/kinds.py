@@ -13,11 +13,11 @@ import numpy as np
 import torsionnet as tn
 from fuzz import drawing, sources
 from fuzz.mutating import Chance, mutated, mutated_bytes
-from torsionnet.document import make_report
-from torsionnet.expressions import ExpressionError, scalar
-from torsionnet.files import dump
-from torsionnet.identification.files import load_fit_plan
-from torsionnet.interchange import read_frequency_response, read_tors
+from torsionnet.core.expressions import ExpressionError, scalar
+from torsionnet.identification.fit_file import load_fit_plan
+from torsionnet.io import read_frequency_response, read_tors
+from torsionnet.model.files import dump
+from torsionnet.report import make_report
 from torsionnet.signals import check_recording, read_recording
 
 LIBRARIES = {".tdms": "nptdms", ".uff": "pyuff", ".h5": "h5py", ".parquet": "pyarrow", ".mf4": "asammdf"}

@@ -11,8 +11,8 @@ from foreign_files import matlab_73, record, written
 from tors_models import THRUSTER
 
 import torsionnet as tn
-from torsionnet.files import library_models
-from torsionnet.interchange import to_tors, write_frequency_response
+from torsionnet.io import to_tors, write_frequency_response
+from torsionnet.model.files import library_models
 from torsionnet.signals import write_recording
 
 RIG = """\

@@ -17,8 +17,8 @@ from types import FrameType
 
 import torsionnet as tn
 from fuzz.kinds import EXPECTED, Kind
-from torsionnet.errors import visible
-from torsionnet.foreign import process
+from torsionnet.core.errors import visible
+from torsionnet.io.foreign import process
 
 SMALL = 10_000
 """Bytes of a file whose time is limited."""

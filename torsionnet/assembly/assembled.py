@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import Self
 
 from torsionnet.assembly.system import Assembly, assemble
-from torsionnet.configurations import Overlay
-from torsionnet.model import Model
+from torsionnet.model.configurations import Overlay
+from torsionnet.model.model import Model
 
 
 class AssembledModel(Model):

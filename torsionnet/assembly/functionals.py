@@ -20,12 +20,12 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
-from torsionnet.channels import SENSOR_QUANTITIES, UNITS, Sensor, port_fault
-from torsionnet.definition import all_nodes
-from torsionnet.elements import GROUND, Element, Values
-from torsionnet.elimination import exact
-from torsionnet.errors import UsageError, did_you_mean
-from torsionnet.kinematics import exact_row, virtual_motion
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.model.channels import SENSOR_QUANTITIES, UNITS, Sensor, port_fault
+from torsionnet.model.definition import all_nodes
+from torsionnet.model.elements import GROUND, Element, Values
+from torsionnet.model.elimination import exact
+from torsionnet.model.kinematics import exact_row, virtual_motion
 
 
 @dataclass(frozen=True)

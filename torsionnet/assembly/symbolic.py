@@ -15,9 +15,9 @@ import sympy
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.twin import TWINS, Twin, rational, twin, twin_parameters
-from torsionnet.elements import Law, Row, Values
-from torsionnet.errors import UsageError
-from torsionnet.kinematics import Kinematics, pseudo_node, solve_kinematics
+from torsionnet.core.errors import UsageError
+from torsionnet.model.elements import Law, Row, Values
+from torsionnet.model.kinematics import Kinematics, pseudo_node, solve_kinematics
 
 OMEGA = sympy.Symbol("omega")
 
@@ -161,8 +161,8 @@ def twin_kinematics(
     plain: Kinematics, values: Values, definition: Any, names: Sequence[str] = (), loose: Sequence[int] = ()
 ) -> Kinematics:
     """The kinematics again with twins; constraints whose number is in ``loose`` are left out of the solution."""
-    from torsionnet.elimination import reduce_rows
-    from torsionnet.kinematics import constraints_of, in_order_given, owned_parts
+    from torsionnet.model.elimination import reduce_rows
+    from torsionnet.model.kinematics import constraints_of, in_order_given, owned_parts
 
     parts = owned_parts(definition, values)
     rows = [

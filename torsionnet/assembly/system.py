@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 
 from torsionnet.assembly.rows import DynamicStiffness, FloatArray, Rows, RowSystem
-from torsionnet.collecting import collector_paused
-from torsionnet.definition import Definition
-from torsionnet.elements import Law, Values
-from torsionnet.kinematics import Kinematics, exact_row, pseudo_node, solve_kinematics
+from torsionnet.core.collecting import collector_paused
+from torsionnet.model.definition import Definition
+from torsionnet.model.elements import Law, Values
+from torsionnet.model.kinematics import Kinematics, exact_row, pseudo_node, solve_kinematics
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from typing import Any
 
 import sympy
 
-from torsionnet.elimination import exact
-from torsionnet.expressions import Algebra
+from torsionnet.core.expressions import Algebra
+from torsionnet.model.elimination import exact
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,6 +1,7 @@
-"""What a test bench is made of: excitation, exciter, sensors, data acquisition. The rig itself is a drivetrain."""
+"""Virtual test benches: what they are made of, and tests that run on a model instead of a rig."""
 
-from torsionnet.bench.parts import Acquisition, Encoder, Exciter, Transducer
-from torsionnet.bench.plan import Plan
+from torsionnet.bench.bench import Bench
+from torsionnet.bench.bench_file import load_bench
+from torsionnet.model.bench import Acquisition, Encoder, Exciter, Plan, Transducer
 
-__all__ = ["Acquisition", "Encoder", "Exciter", "Plan", "Transducer"]
+__all__ = ["Acquisition", "Bench", "Encoder", "Exciter", "Plan", "Transducer", "load_bench"]

@@ -12,6 +12,7 @@ from typing import Any, TextIO, cast
 import click
 
 from torsionnet.cli.failures import Printed, guarded
+from torsionnet.core.version import __version__
 
 COMMANDS = {  # in the order of use; the texts stand here so that the list of commands imports none of them
     "library": "The models that come with the package.",
@@ -32,7 +33,6 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "import": "A model file out of a model of another program.",
     "schema": "JSON Schema of model files, for editors.",
 }
-VERSION = str(importlib.import_module("torsionnet").__version__)  # the package itself is above every layer
 
 
 class LazyGroup(click.Group):
@@ -52,7 +52,7 @@ class LazyGroup(click.Group):
 
     def resolve_command(self, ctx: click.Context, args: list[str]) -> Any:
         if args and not args[0].startswith("-") and args[0] not in COMMANDS:
-            from torsionnet.errors import did_you_mean
+            from torsionnet.core.errors import did_you_mean
 
             hint = did_you_mean(args[0], COMMANDS) or f"; there are {', '.join(COMMANDS)}"
             msg = f'no command is named "{args[0]}"{hint}'
@@ -76,7 +76,7 @@ class LazyGroup(click.Group):
     "Results go to stdout, messages to stderr. "
     "Exit codes: 1 wrong model, 2 wrong usage, 3 no numerical answer, 4 missing package.",
 )
-@click.version_option(VERSION, prog_name="torsionnet")
+@click.version_option(__version__, prog_name="torsionnet")
 def app() -> None:
     """Torsional models of drivetrains: check, equations, modes, frequency responses."""
 

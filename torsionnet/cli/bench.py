@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.cli.options import Settings, json_option, output_file_option, plot_option
+from torsionnet.cli.options import CommandSettings, json_option, output_file_option, plot_option
 from torsionnet.cli.terminal import message, print_json, print_table, say, wrote
 
 if TYPE_CHECKING:
+    from torsionnet.bench import Bench
     from torsionnet.response import Table
-    from torsionnet.signals.recording import Recording
-    from torsionnet.virtual import Bench
+    from torsionnet.response.recording import Recording
 
 ALL = "all"
 
@@ -28,7 +28,9 @@ ALL = "all"
     multiple=True,
     help='Of the model, instead of that in the file; or "all". Repeatable.',
 )
-@click.option("--set", "settings", type=Settings(), multiple=True, help="Change a parameter of the model. Repeatable.")
+@click.option(
+    "--set", "settings", type=CommandSettings(), multiple=True, help="Change a parameter of the model. Repeatable."
+)
 @click.option("--seed", type=click.IntRange(0), help="Another run of the same test.")
 @output_file_option("The record; default: RIG.npz here. The ending tells the format.")
 @click.option("--truth", is_flag=True, help="Write torque and motion as they are, without errors of measurement.")
@@ -52,10 +54,10 @@ def command(
     torsionnet bench amt_bench -c II -o gear_II.tdms
     torsionnet bench dmf_bench --seed 7 --plot signals.png
     """  # noqa: D301
+    from torsionnet.bench import load_bench
     from torsionnet.cli.progress import progress
-    from torsionnet.signals.files import write_recording
-    from torsionnet.signals.files.formats import format_of
-    from torsionnet.virtual import load_bench
+    from torsionnet.io.records import write_recording
+    from torsionnet.io.records.formats import format_of
 
     bench = load_bench(rig)
     target = Path(output_file or f"{Path(rig).stem}.npz")
@@ -83,10 +85,10 @@ def _benches(bench: Bench, configurations: tuple[str, ...], settings: dict[str, 
 
 
 def _plot(record: Recording, path: Path) -> None:
-    from torsionnet import report
+    from torsionnet import plot
     from torsionnet.response import Conventions
 
-    report.save(report.time_histories(record, conventions=Conventions(angle="deg")), path)
+    plot.save(plot.time_histories(record, conventions=Conventions(angle="deg")), path)
     wrote(str(path))
 
 

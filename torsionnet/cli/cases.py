@@ -9,23 +9,23 @@ from typing import TYPE_CHECKING
 
 from torsionnet.cli.models import load_model
 from torsionnet.cli.terminal import message, tell
-from torsionnet.configurations import EVERY
+from torsionnet.model.configurations import EVERY
 
 if TYPE_CHECKING:
+    from torsionnet.core.errors import Fault
     from torsionnet.drivetrain import Drivetrain
-    from torsionnet.errors import Fault
     from torsionnet.response.table import Table
 
 
 @dataclass(frozen=True)
-class Case:
+class ConfiguredCase:
     """A drivetrain and the name of its configuration, empty for the model as written."""
 
     configuration: str
     drivetrain: Drivetrain
 
 
-def load_cases(model: str, configurations: Sequence[str], settings: Sequence[tuple[str, str]]) -> list[Case]:
+def load_cases(model: str, configurations: Sequence[str], settings: Sequence[tuple[str, str]]) -> list[ConfiguredCase]:
     """The model in every configuration asked for; what is worth knowing about it goes to stderr."""
     rig = load_model(model)
     found = list(rig.check())
@@ -35,7 +35,7 @@ def load_cases(model: str, configurations: Sequence[str], settings: Sequence[tup
         changed = rig.configured(name, **dict(settings)) if name or settings else rig
         known = {fault.message for fault in found}
         found += [_of(fault, changed) for fault in changed.check() if fault.message not in known]
-        cases.append(Case(changed.configuration, changed))
+        cases.append(ConfiguredCase(changed.configuration, changed))
     tell(found)
     return cases
 
@@ -61,7 +61,7 @@ def _listed(names: Sequence[str], most: int = 12) -> str:
     return ", ".join(names[:most]) + (", ..." if len(names) > most else "")
 
 
-def joined(cases: Sequence[Case], tables: Sequence[Table], *, named: bool) -> Table:
+def joined(cases: Sequence[ConfiguredCase], tables: Sequence[Table], *, named: bool) -> Table:
     """One table out of one per case, with the configuration in the first column if ``named``."""
     from torsionnet.response.table import Column
 
@@ -85,7 +85,7 @@ def joined(cases: Sequence[Case], tables: Sequence[Table], *, named: bool) -> Ta
     )
 
 
-def file_of(file: str, case: Case, cases: Sequence[Case]) -> str:
+def file_of(file: str, case: ConfiguredCase, cases: Sequence[ConfiguredCase]) -> str:
     """The file itself for a single case, else one per case: ``shapes.png`` -> ``shapes_gear_V_clutch_open.png``."""
     if len(cases) == 1:
         return file

@@ -11,7 +11,7 @@ import click
 from torsionnet.cli.models import read_model
 from torsionnet.cli.options import json_option
 from torsionnet.cli.terminal import message, print_json, say
-from torsionnet.errors import Fault, UsageError
+from torsionnet.core.errors import Fault, UsageError
 
 WRONG_MODEL, WRONG_USAGE = 1, 2
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.cli.options import csv_option, json_option, model_options, plot_option
-from torsionnet.cli.record_options import Averaging, Reading, estimator_options, record_options
+from torsionnet.cli.record_options import Averaging, RecordReading, estimator_options, record_options
 from torsionnet.cli.terminal import print_json, print_table, wrote
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 @plot_option("test over model, with their differences")
 def command(
     record: str,
-    reading: Reading,
+    reading: RecordReading,
     model: str,
     configurations: tuple[str, ...],
     settings: tuple[tuple[str, str], ...],
@@ -71,9 +71,9 @@ def command(
         _full(test, calculated, conventions).to_csv(csv_file)
         wrote(csv_file)
     if plot_file:
-        from torsionnet import report
+        from torsionnet import plot
 
-        report.save(report.comparison(test, calculated, conventions=conventions), plot_file)
+        plot.save(plot.comparison(test, calculated, conventions=conventions), plot_file)
         wrote(plot_file)
     if as_json:
         print_json(_as_data(test, calculated, conventions))

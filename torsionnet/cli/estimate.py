@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.cli.options import csv_option, json_option, output_file_option, plot_option
-from torsionnet.cli.record_options import Averaging, Reading, estimator_options, record_options
+from torsionnet.cli.record_options import Averaging, RecordReading, estimator_options, record_options
 from torsionnet.cli.terminal import message, print_json, print_table, wrote
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ RESPONSE_ENDINGS = (".uff", ".unv", ".mat", ".npz", ".csv")
 @plot_option("magnitude, phase and coherence")
 def command(
     record: str,
-    reading: Reading,
+    reading: RecordReading,
     outputs: tuple[str, ...],
     inputs: tuple[str, ...],
     averaging: Averaging,
@@ -59,14 +59,14 @@ def command(
         response.to_csv(csv_file, conventions)
         wrote(csv_file)
     if output_file:
-        from torsionnet.interchange import write_frequency_response
+        from torsionnet.io import write_frequency_response
 
         write_frequency_response(response, output_file)
         wrote(output_file)
     if plot_file:
-        from torsionnet import report
+        from torsionnet import plot
 
-        report.save(report.bode(response, conventions=conventions), plot_file)
+        plot.save(plot.bode(response, conventions=conventions), plot_file)
         wrote(plot_file)
     if as_json:
         print_json(as_data(response, conventions))
@@ -76,7 +76,7 @@ def command(
 
 def estimated(
     record: str,
-    reading: Reading,
+    reading: RecordReading,
     outputs: tuple[str, ...],
     inputs: tuple[str, ...],
     averaging: Averaging,

@@ -55,14 +55,14 @@ def command(
         msg = f"{'--step' if step is not None else '--fmi'} belongs to an FMU"
         raise click.UsageError(msg)
     cases = load_cases(model, configurations, settings)
-    from torsionnet import interchange
+    from torsionnet import io
 
     writers: dict[str, Callable[..., tuple[str, ...] | None]] = {
-        "tors": interchange.write_tors,
-        "matlab": interchange.write_matlab,
-        "mat": interchange.write_matlab,
-        "modelica": interchange.write_modelica,
-        "fmu": interchange.write_fmu,
+        "tors": io.write_tors,
+        "matlab": io.write_matlab,
+        "mat": io.write_matlab,
+        "modelica": io.write_modelica,
+        "fmu": io.write_fmu,
     }
     for case in cases:
         target = file_of(output_file, case, cases)

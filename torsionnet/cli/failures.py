@@ -21,7 +21,7 @@ DEBUG = "TORSIONNET_DEBUG"
 @contextlib.contextmanager
 def guarded() -> Iterator[None]:
     """Run a command: whatever it raises becomes a message and an exit code."""
-    from torsionnet.errors import TorsionnetWarning
+    from torsionnet.core.errors import TorsionnetWarning
 
     with warnings.catch_warnings():
         warnings.simplefilter("always", TorsionnetWarning)
@@ -43,7 +43,7 @@ def guarded() -> Iterator[None]:
 
 def _explain(error: Exception) -> int:
     """Print what went wrong and return the exit code."""
-    from torsionnet.errors import TorsionnetError
+    from torsionnet.core.errors import TorsionnetError
 
     if isinstance(error, TorsionnetError):
         text = str(error)
@@ -76,7 +76,7 @@ class _Warnings:
         file: TextIO | None = None,
         line: str | None = None,
     ) -> None:
-        from torsionnet.errors import TorsionnetWarning
+        from torsionnet.core.errors import TorsionnetWarning
 
         del filename, lineno, file, line
         shown = str(message) if issubclass(category, TorsionnetWarning) else f"{category.__name__}: {message}"

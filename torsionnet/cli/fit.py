@@ -11,7 +11,7 @@ from torsionnet.cli.terminal import message, print_json, print_table, say, wrote
 
 if TYPE_CHECKING:
     from torsionnet.identification import Fit, Ranking
-    from torsionnet.identification.files import FitPlan
+    from torsionnet.identification.fit_file import FitPlan
 
 
 @click.command("fit")
@@ -47,8 +47,8 @@ def command(
     """  # noqa: D301
     from torsionnet.cli.progress import progress
     from torsionnet.identification import identify, rank_causes
-    from torsionnet.identification.files import load_fit_plan
-    from torsionnet.interchange import read_frequency_response
+    from torsionnet.identification.fit_file import load_fit_plan
+    from torsionnet.io import read_frequency_response
 
     with progress("fitting", None):
         plan = load_fit_plan(file, read_frequency_response)
@@ -68,10 +68,10 @@ def command(
         found.configured(plan.model).to_yaml(model_file)
         wrote(model_file)
     if plot_file:
-        from torsionnet import report
+        from torsionnet import plot
         from torsionnet.response import Conventions
 
-        report.save(report.fit(found, conventions=Conventions(angle="deg")), plot_file)
+        plot.save(plot.fit(found, conventions=Conventions(angle="deg")), plot_file)
         wrote(plot_file)
     if as_json:
         print_json({**_as_data(found, profiles, plan.true), **_ranking(ranking)})
@@ -98,10 +98,10 @@ def _lack(found: Fit) -> dict[str, Any] | None:
 
 def _announce(plan: FitPlan) -> None:
     """How records are decimated, and the memory that the fit takes if that is much."""
-    from torsionnet.cli.memory import announce
+    from torsionnet.cli.memory_note import announce
     from torsionnet.identification.memory import demand, total
+    from torsionnet.response.recording import Recording
     from torsionnet.signals.decimation import usable_up_to
-    from torsionnet.signals.recording import Recording
 
     demands = []
     for one in plan.measurements:

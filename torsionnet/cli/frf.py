@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import click
 
-from torsionnet.cli.cases import Case, joined, load_cases
+from torsionnet.cli.cases import ConfiguredCase, joined, load_cases
 from torsionnet.cli.options import csv_option, frequency_unit_option, json_option, model_options, plot_option
 from torsionnet.cli.terminal import message, print_json, print_table, wrote
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,7 +24,7 @@ QUANTITIES = ("receptance", "mobility", "accelerance", "dynamic_stiffness")
 
 
 @dataclass(frozen=True)
-class Question:
+class FrfRequest:
     """What is asked of every case."""
 
     outputs: tuple[str, ...]
@@ -32,7 +32,7 @@ class Question:
     excitations: tuple[str, ...]
     quantity: str | None
 
-    def solver(self, case: Case) -> Solver:
+    def solver(self, case: ConfiguredCase) -> Solver:
         def solve(frequencies: FloatArray) -> FrequencyResponse:
             response = case.drivetrain.frequency_response(
                 list(self.outputs), list(self.inputs), frequencies, excitation=list(self.excitations) or None
@@ -117,7 +117,7 @@ def command(
     shown = Shown(Conventions(angle=angle, frequency=frequency_unit), decibels)
     sampling = Sampling(start, stop, points, logarithmic, listed)
     frequencies = sampling.frequencies(cases, shown.conventions.frequency_scale)
-    question = Question(outputs, inputs, excitations, quantity)
+    question = FrfRequest(outputs, inputs, excitations, quantity)
     cases, solvers, responses = _answered(question, cases, frequencies)
     picture = _picture(responses, shown) if plot_file else None  # refuses unlike units before anything is printed
     if csv_file:
@@ -125,9 +125,9 @@ def command(
         joined(cases, tables, named=bool(configurations)).to_csv(csv_file)
         wrote(csv_file)
     if plot_file and picture:
-        from torsionnet import report
+        from torsionnet import plot
 
-        report.save(picture, plot_file)
+        plot.save(picture, plot_file)
         wrote(plot_file)
     if as_json:
         print_json([as_data(*trio, shown.conventions) for trio in zip(cases, responses, solvers, strict=True)])
@@ -140,10 +140,10 @@ def command(
 
 
 def _answered(
-    question: Question, cases: list[Case], frequencies: FloatArray
-) -> tuple[list[Case], list[Solver], list[FrequencyResponse]]:
+    question: FrfRequest, cases: list[ConfiguredCase], frequencies: FloatArray
+) -> tuple[list[ConfiguredCase], list[Solver], list[FrequencyResponse]]:
     """The cases that have what is asked for; the others are named, unless there is none."""
-    found: list[tuple[Case, Solver, FrequencyResponse]] = []
+    found: list[tuple[ConfiguredCase, Solver, FrequencyResponse]] = []
     refusals: dict[str, UsageError] = {}
     for case in cases:
         solve = question.solver(case)
@@ -160,6 +160,6 @@ def _answered(
 
 
 def _picture(responses: list[FrequencyResponse], shown: Shown) -> Figure:
-    from torsionnet import report
+    from torsionnet import plot
 
-    return report.bode(responses, conventions=shown.conventions, decibels=shown.decibels)
+    return plot.bode(responses, conventions=shown.conventions, decibels=shown.decibels)

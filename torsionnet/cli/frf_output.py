@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from torsionnet.cli.cases import Case
+from torsionnet.cli.cases import ConfiguredCase
 from torsionnet.response import Column, Conventions, FrequencyResponse, Table
 from torsionnet.response.frequency_response import SIGN_NOTE
 from torsionnet.response.phase import phase_at_rest
@@ -85,7 +85,9 @@ def full_table(response: FrequencyResponse, shown: Shown) -> Table:
     return Table(table.title, tuple(columns), tuple(map(tuple, rows)), table.notes)
 
 
-def as_data(case: Case, response: FrequencyResponse, solve: Solver, conventions: Conventions) -> dict[str, Any]:
+def as_data(
+    case: ConfiguredCase, response: FrequencyResponse, solve: Solver, conventions: Conventions
+) -> dict[str, Any]:
     """Everything for a program: complex values in the angle unit chosen, frequencies in Hz and rad/s aside."""
     return {
         "title": response.title,

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.cli.options import csv_option, json_option, plot_option
-from torsionnet.cli.record_options import Averaging, Reading, estimator_options, record_options
+from torsionnet.cli.record_options import Averaging, RecordReading, estimator_options, record_options
 from torsionnet.cli.terminal import message, print_json, print_table, say, wrote
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ METHODS = ("auto", "rational", "lscf", "peaks")
 @plot_option("the stabilisation diagram")
 def command(
     record: str,
-    reading: Reading,
+    reading: RecordReading,
     outputs: tuple[str, ...],
     inputs: tuple[str, ...],
     averaging: Averaging,
@@ -79,9 +79,9 @@ def command(
         found.table().to_csv(csv_file)
         wrote(csv_file)
     if plot_file:
-        from torsionnet import report
+        from torsionnet import plot
 
-        report.save(report.stabilisation(diagram, found), plot_file)
+        plot.save(plot.stabilisation(diagram, found), plot_file)
         wrote(plot_file)
     if as_json:
         print_json(_as_data(found, compared))

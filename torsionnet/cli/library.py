@@ -6,7 +6,7 @@ import click
 
 from torsionnet.cli.options import json_option
 from torsionnet.cli.terminal import print_json, print_table
-from torsionnet.files import library_entry, library_models
+from torsionnet.model.files import library_entry, library_models
 
 
 @click.command("library")

@@ -5,15 +5,15 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from torsionnet.files import read_file
-from torsionnet.files.decoding import decode
-from torsionnet.files.reader import read_text
 from torsionnet.loading import load, loads
+from torsionnet.model.files import read_file
+from torsionnet.model.files.decoding import decode
+from torsionnet.model.files.reader import read_text
 
 if TYPE_CHECKING:
-    from torsionnet.definition import Definition
+    from torsionnet.core.errors import Fault
     from torsionnet.drivetrain import Drivetrain
-    from torsionnet.errors import Fault
+    from torsionnet.model.definition import Definition
 
 STANDARD_INPUT = "-"
 SHOWN = "<stdin>"
@@ -25,7 +25,7 @@ def load_model(model: str) -> Drivetrain:
 
 
 def read_model(model: str) -> tuple[Definition | None, list[Fault]]:
-    """As :func:`torsionnet.files.read_file`, also for ``-``."""
+    """As :func:`torsionnet.model.files.read_file`, also for ``-``."""
     return read_text(piped(), SHOWN) if model == STANDARD_INPUT else read_file(model)
 
 

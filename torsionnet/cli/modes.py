@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.cli.blocks import in_blocks, shares_on_screen
-from torsionnet.cli.cases import Case, file_of, joined, load_cases
+from torsionnet.cli.cases import ConfiguredCase, file_of, joined, load_cases
 from torsionnet.cli.options import csv_option, frequency_unit_option, json_option, model_options, plot_option
 from torsionnet.cli.terminal import print_json, print_table, say, wrote
+from torsionnet.cli.wide_tables import in_blocks, shares_on_screen
 
 if TYPE_CHECKING:
     from torsionnet.response import Conventions, Modes, Table
@@ -82,17 +82,17 @@ def on_screen(table: Table) -> Table:
     return replace(table, columns=tuple(table.columns[index] for index in kept), rows=rows)
 
 
-def _plot(file: str, cases: list[Case], results: list[Modes], conventions: Conventions) -> None:
+def _plot(file: str, cases: list[ConfiguredCase], results: list[Modes], conventions: Conventions) -> None:
     """The shapes of each configuration in a file of its own: overlaid they could not be told apart."""
-    from torsionnet import report
+    from torsionnet import plot
 
     for case, modes in zip(cases, results, strict=True):
         path = file_of(file, case, cases)
-        report.save(report.mode_shapes(modes, case.drivetrain, conventions=conventions), path)
+        plot.save(plot.mode_shapes(modes, case.drivetrain, conventions=conventions), path)
         wrote(path)
 
 
-def _as_data(case: Case, modes: Modes) -> dict[str, Any]:
+def _as_data(case: ConfiguredCase, modes: Modes) -> dict[str, Any]:
     return {
         "title": modes.title,
         "configuration": case.configuration,

@@ -19,14 +19,14 @@ F = TypeVar("F", bound=Callable[..., Any])
 PLOT_ENDINGS = (".svg", ".png", ".pdf")
 
 
-class Settings(SettingType):
+class CommandSettings(SettingType):
     """``NAME=VALUE``, with a value that can be read."""
 
     name = "NAME=VALUE"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        from torsionnet.elements.fields import FieldError
-        from torsionnet.parameters import read_value
+        from torsionnet.model.elements.fields import FieldError
+        from torsionnet.model.parameters import read_value
 
         name, equals, text = (part.strip() for part in value.partition("="))
         if not (name and equals and text):
@@ -62,7 +62,7 @@ def model_options(command: F) -> F:
     command = click.option(
         "--set",
         "settings",
-        type=Settings(),
+        type=CommandSettings(),
         multiple=True,
         help='Change a parameter: "c_O=360 N*m*s/rad", a bare number is SI. Repeatable.',
     )(command)

@@ -20,7 +20,7 @@ PRESETS = ("paper",)
 ESTIMATORS = ("H1", "H2", "Hv", "Hs", "Hr")
 
 
-class Pair(PairType):
+class RecordPair(PairType):
     """``CHANNEL=WORD``."""
 
     def __init__(self, word: str, example: str) -> None:
@@ -33,7 +33,7 @@ class Pair(PairType):
         return channel, word
 
 
-class Steps(Pair):
+class StepsOption(RecordPair):
     """``CHANNEL=STEPS``, a number above 0."""
 
     def __init__(self) -> None:
@@ -51,7 +51,7 @@ class Steps(Pair):
 
 
 @dataclass(frozen=True)
-class Reading:
+class RecordReading:
     """How a file of signals is read."""
 
     quantities: tuple[tuple[str, str], ...] = ()
@@ -104,12 +104,16 @@ def record_options(command: F) -> F:
         click.option(
             "--quantity",
             "quantities",
-            type=Pair("QUANTITY", "M1=torque"),
+            type=RecordPair("QUANTITY", "M1=torque"),
             multiple=True,
             help="What a channel is: torque, angle, velocity or acceleration. Repeatable.",
         ),
         click.option(
-            "--unit", "units", type=Pair("UNIT", "M1=kNm"), multiple=True, help="Its unit in the file. Repeatable."
+            "--unit",
+            "units",
+            type=RecordPair("UNIT", "M1=kNm"),
+            multiple=True,
+            help="Its unit in the file. Repeatable.",
         ),
         click.option(
             "--rate", type=click.FloatRange(0, min_open=True), help="Sampling rate in Hz, if the file has none."
@@ -118,14 +122,14 @@ def record_options(command: F) -> F:
         click.option("--decimal", type=click.Choice([".", ","]), help="Decimal sign of a text file."),
         click.option(
             "--pulses",
-            type=Steps(),
+            type=StepsOption(),
             multiple=True,
             help="A channel of encoder pulses, or of their times, and its steps per revolution: it becomes an angle. "
             "Repeatable.",
         ),
         click.option("--resample", is_flag=True, help="Make uneven time stamps even by splines."),
     ]
-    return _gathered(command, options, "reading", Reading)
+    return _gathered(command, options, "reading", RecordReading)
 
 
 def estimator_options(command: F) -> F:

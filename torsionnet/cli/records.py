@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from torsionnet.cli.record_options import Reading
+from torsionnet.cli.record_options import RecordReading
 from torsionnet.cli.terminal import message, tell
-from torsionnet.errors import Fault, ModelError
-from torsionnet.signals.blocks import Recordings
-from torsionnet.signals.checks import check_recording
-from torsionnet.signals.files import iter_blocks, read_recording
-from torsionnet.signals.recording import Recording
+from torsionnet.core.errors import Fault, ModelError
+from torsionnet.io.records import iter_blocks, read_recording
+from torsionnet.response.recording import Recording
+from torsionnet.signals.record_blocks import Recordings
+from torsionnet.signals.recording_checks import check_recording
 from torsionnet.signals.resampling import resampled
 
 LARGE = 300_000_000
@@ -21,7 +21,7 @@ BLOCK = 60.0
 
 
 def load_record(
-    path: str, reading: Reading, names: Sequence[str] | None, window: float, advance: Callable[[float], None]
+    path: str, reading: RecordReading, names: Sequence[str] | None, window: float, advance: Callable[[float], None]
 ) -> Recordings:
     """The channels named of a record that is fit to be processed; what is doubtful goes to stderr.
 
@@ -44,7 +44,7 @@ def load_record(
 
 
 def _checked_blocks(
-    path: str, reading: Reading, names: Sequence[str] | None, window: float, advance: Callable[[float], None]
+    path: str, reading: RecordReading, names: Sequence[str] | None, window: float, advance: Callable[[float], None]
 ) -> Iterator[Recording]:
     """A large record block by block; that a block is short is no fault of the record."""
     message("note", f"{path} is large: read in blocks of {BLOCK:g} s")
@@ -55,7 +55,7 @@ def _checked_blocks(
         advance(even.duration)
 
 
-def _even(record: Recording, reading: Reading, path: str) -> Recording:
+def _even(record: Recording, reading: RecordReading, path: str) -> Recording:
     if reading.resample:
         return resampled(record)
     if record.times is not None:

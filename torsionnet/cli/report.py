@@ -9,13 +9,13 @@ import click
 
 from torsionnet.cli.models import STANDARD_INPUT, load_model
 from torsionnet.cli.options import model_options, output_file_option
-from torsionnet.cli.record_options import PRESETS, Averaging, Reading
+from torsionnet.cli.record_options import PRESETS, Averaging, RecordReading
 from torsionnet.cli.terminal import wrote
 
 if TYPE_CHECKING:
-    from torsionnet.document.request import Measured
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.identification import Fit
+    from torsionnet.report.request import Measured
     from torsionnet.response import FrequencyResponse
 
 ENDINGS = (".html", ".pdf", ".tex", ".md", ".htm")
@@ -83,8 +83,8 @@ def command(
     torsionnet report amt_rig -c V --record test.npz --output theta_1 --input T_T --seconds 4 --record-band 0.5 40
     cat model.yaml | torsionnet report - -o model.pdf
     """  # noqa: D301
-    from torsionnet.configurations import EVERY
-    from torsionnet.document.report import make_report, writer_for
+    from torsionnet.model.configurations import EVERY
+    from torsionnet.report.report import make_report, writer_for
 
     target = Path(output_file or f"{'model' if model == STANDARD_INPUT else Path(model).stem}.html")
     write = writer_for(target)
@@ -132,8 +132,8 @@ def _measured(
     band: tuple[float, float] | None,
 ) -> Measured:
     """A test in the band where it is compared."""
-    from torsionnet.document.request import Measured
-    from torsionnet.errors import UsageError
+    from torsionnet.core.errors import UsageError
+    from torsionnet.report.request import Measured
 
     configuration, file = split(name, rig)
     whole = _response(file, output, into, averaging)
@@ -148,7 +148,7 @@ def _measured(
 
 def split(name: str, rig: Drivetrain) -> tuple[str, str]:
     """Configuration and file: ``V=test.npz``, or the file alone."""
-    from torsionnet.errors import ModelError, UsageError
+    from torsionnet.core.errors import ModelError, UsageError
 
     before, equals, after = name.rpartition("=")
     if not equals or Path(name).exists():
@@ -162,10 +162,10 @@ def split(name: str, rig: Drivetrain) -> tuple[str, str]:
 
 def _response(file: str, output: str | None, into: str | None, averaging: Averaging) -> FrequencyResponse:
     """A measured response as it is in its file, or estimated from a record."""
-    from torsionnet.errors import ModelError, UsageError
+    from torsionnet.core.errors import ModelError, UsageError
 
     try:
-        from torsionnet.interchange import read_frequency_response
+        from torsionnet.io import read_frequency_response
 
         found = read_frequency_response(file)
         return found.select(output, into)
@@ -174,4 +174,4 @@ def _response(file: str, output: str | None, into: str | None, averaging: Averag
             raise
     from torsionnet.cli.estimate import estimated
 
-    return estimated(file, Reading(), (str(output),), (str(into),), averaging, 0.0, None)
+    return estimated(file, RecordReading(), (str(output),), (str(into),), averaging, 0.0, None)

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.solve.grid import BELOW, vibration_range
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from torsionnet.cli.cases import Case
+    from torsionnet.cli.cases import ConfiguredCase
     from torsionnet.response.frequency_response import FloatArray
 
 POINTS, MOST_POINTS = 500, 1_000_000
@@ -30,7 +30,7 @@ class Sampling:
     logarithmic: bool | None = None
     listed: str | None = None
 
-    def frequencies(self, cases: Sequence[Case], scale: float) -> FloatArray:
+    def frequencies(self, cases: Sequence[ConfiguredCase], scale: float) -> FloatArray:
         """In Hz; ``scale`` is the unit chosen over Hz."""
         if self.listed is not None:
             if any(given is not None for given in (self.start, self.stop, self.points, self.logarithmic)):

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import click
 
-from torsionnet.atomic import write_text
 from torsionnet.cli.options import output_file_option
 from torsionnet.cli.output_schema import OUTPUTS, output_schema_text
 from torsionnet.cli.terminal import wrote
+from torsionnet.core.atomic import write_text
 
 
 @click.command("schema")
@@ -24,7 +24,7 @@ def command(of: str | None, output_file: str | None) -> None:
 
     First line of a model file: # yaml-language-server: $schema=torsionnet.schema.json
     """
-    from torsionnet.files.schema import schema_text
+    from torsionnet.model.files.model_schema import schema_text
 
     text = output_schema_text(of) if of else schema_text()
     if output_file is None:

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.cli.cases import Case, file_of, joined, load_cases
+from torsionnet.cli.cases import ConfiguredCase, file_of, joined, load_cases
 from torsionnet.cli.options import csv_option, json_option, model_options, plot_option
 from torsionnet.cli.terminal import print_json, print_table, wrote
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 
 if TYPE_CHECKING:
     from torsionnet.response import Table
-    from torsionnet.sensitivity import ModeSensitivities
+    from torsionnet.solve.sensitivity import ModeSensitivities
 
 ROUNDING = 1e-9
 MOST = 10
@@ -52,7 +52,7 @@ def command(
     torsionnet sensitivity amt_rig -c V --mode 1 --plot tornado.png
     """  # noqa: D301
     cases = load_cases(model, configurations, settings)
-    from torsionnet.sensitivity import mode_sensitivities
+    from torsionnet.solve.sensitivity import mode_sensitivities
 
     results = [
         mode_sensitivities(
@@ -66,11 +66,11 @@ def command(
         joined(cases, tables, named=bool(configurations)).to_csv(csv_file)
         wrote(csv_file)
     if plot_file:
-        from torsionnet import report
+        from torsionnet import plot
 
         for case, one in zip(cases, results, strict=True):
             path = file_of(plot_file, case, cases)
-            report.save(report.tornado(one, modes=list(modes) or None), path)
+            plot.save(plot.tornado(one, modes=list(modes) or None), path)
             wrote(path)
     if as_json:
         print_json([_as_data(case, one, modes) for case, one in zip(cases, results, strict=True)])
@@ -112,7 +112,7 @@ def _largest(table: Table) -> Table:
     return replace(table, rows=tuple(rows), notes=(*notes, rest))
 
 
-def _as_data(case: Case, found: ModeSensitivities, modes: tuple[int, ...]) -> dict[str, Any]:
+def _as_data(case: ConfiguredCase, found: ModeSensitivities, modes: tuple[int, ...]) -> dict[str, Any]:
     every = range(len(found.poles))
     chosen = [mode for mode in every if found.number(mode) in modes] or every
     return {

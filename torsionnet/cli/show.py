@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.cli.cases import Case, file_of, joined, load_cases
+from torsionnet.cli.cases import ConfiguredCase, file_of, joined, load_cases
 from torsionnet.cli.options import csv_option, json_option, model_options, plot_option
 from torsionnet.cli.terminal import print_json, print_table, say, wrapped, wrote
 
@@ -37,7 +37,7 @@ def command(
     """
     cases = load_cases(model, configurations, settings)
     if csv_file:
-        from torsionnet.overview import elements_table
+        from torsionnet.model.overview import elements_table
 
         joined(cases, [elements_table(case.drivetrain) for case in cases], named=bool(configurations)).to_csv(csv_file)
         wrote(csv_file)
@@ -69,7 +69,7 @@ def _show(rig: Drivetrain, equations: bool, matrices: bool) -> None:
 
 
 def _describe(rig: Drivetrain) -> None:
-    from torsionnet.overview import tables
+    from torsionnet.model.overview import tables
 
     say(rig.title)
     for text in (rig.description, rig.source and f"Source: {rig.source}"):
@@ -81,18 +81,18 @@ def _describe(rig: Drivetrain) -> None:
             print_table(table)
 
 
-def _plot(file: str, cases: list[Case]) -> None:
-    from torsionnet import report
+def _plot(file: str, cases: list[ConfiguredCase]) -> None:
+    from torsionnet import plot
 
     for case in cases:
         path = file_of(file, case, cases)
-        report.save(report.schematic(case.drivetrain), path)
+        plot.save(plot.schematic(case.drivetrain), path)
         wrote(path)
 
 
-def _as_data(case: Case, equations: bool, matrices: bool) -> dict[str, Any]:
+def _as_data(case: ConfiguredCase, equations: bool, matrices: bool) -> dict[str, Any]:
     from torsionnet.cli.equations import equations_data, matrices_data
-    from torsionnet.overview import as_data
+    from torsionnet.model.overview import as_data
 
     data = as_data(case.drivetrain)
     if equations:

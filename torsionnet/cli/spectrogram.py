@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.cli.options import csv_option, json_option, plot_option
-from torsionnet.cli.record_options import Averaging, Reading, averaging_options, record_options
+from torsionnet.cli.record_options import Averaging, RecordReading, averaging_options, record_options
 from torsionnet.cli.terminal import print_json, print_table, wrote
 
 if TYPE_CHECKING:
     from torsionnet.response import Table
-    from torsionnet.signals.recording import Recording
+    from torsionnet.response.recording import Recording
     from torsionnet.signals.spectrogram import Spectrogram
 
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 @plot_option("the level over time and frequency")
 def command(
     record: str,
-    reading: Reading,
+    reading: RecordReading,
     channels: tuple[str, ...],
     averaging: Averaging,
     highest: float | None,
@@ -47,8 +47,8 @@ def command(
     """  # noqa: D301
     from torsionnet.cli.progress import progress
     from torsionnet.cli.records import load_record
+    from torsionnet.response.recording import Recording
     from torsionnet.signals.decimation import decimated
-    from torsionnet.signals.recording import Recording
     from torsionnet.signals.spectrogram import spectrogram
 
     settings = averaging.settings()
@@ -88,10 +88,10 @@ def _file(file: str, name: str, count: int) -> str:
 
 
 def _plot(seen: Spectrogram, file: str, highest: float | None, span: float, angle: str) -> None:
-    from torsionnet import report
+    from torsionnet import plot
     from torsionnet.response import Conventions
 
-    report.save(report.spectrogram(seen, highest=highest, span=span, conventions=Conventions(angle=angle)), file)
+    plot.save(plot.spectrogram(seen, highest=highest, span=span, conventions=Conventions(angle=angle)), file)
     wrote(file)
 
 

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.errors import visible
+from torsionnet.core.errors import visible
 
 if TYPE_CHECKING:
-    from torsionnet.errors import Fault
+    from torsionnet.core.errors import Fault
     from torsionnet.response.table import Table
 
 COLOURS = {"error": "red", "warning": "yellow", "note": "blue"}

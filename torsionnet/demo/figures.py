@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from torsionnet import report
+from torsionnet import plot
+from torsionnet.bench import Bench, load_bench
 from torsionnet.cli.terminal import print_table
 from torsionnet.response import Column, Conventions, FrequencyResponse, Table
 from torsionnet.signals import PAPER, Recording, decimate, estimate, spectrogram
 from torsionnet.signals.agreement import agreement
-from torsionnet.virtual import Bench, load_bench
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -62,20 +62,20 @@ def figures(dmf: Run, gears: list[Run]) -> Iterator[tuple[str, Figure]]:
     """Name of the file and figure."""
     labels = [test.case.removeprefix("AMT ") for test in gears]
     slow, amt = decimate(dmf.record, PAPER.decimation), [test.estimated for test in gears]
-    yield "fig_02_time_histories", report.time_histories(dmf.record, ["T_T", "theta_1"], conventions=DEGREES)
-    yield "fig_03_spectrogram_torque", report.spectrogram(spectrogram(slow, "T_T", PAPER_AT_ONCE))
+    yield "fig_02_time_histories", plot.time_histories(dmf.record, ["T_T", "theta_1"], conventions=DEGREES)
+    yield "fig_03_spectrogram_torque", plot.spectrogram(spectrogram(slow, "T_T", PAPER_AT_ONCE))
     yield (
         "fig_04_spectrogram_angle",
-        report.spectrogram(spectrogram(slow, "theta_1", PAPER_AT_ONCE), conventions=DEGREES),
+        plot.spectrogram(spectrogram(slow, "theta_1", PAPER_AT_ONCE), conventions=DEGREES),
     )
-    yield "fig_05_dmf_estimate", report.bode(dmf.estimated, conventions=DEGREES)
+    yield "fig_05_dmf_estimate", plot.bode(dmf.estimated, conventions=DEGREES)
     yield (
         "fig_06_amt_estimates",
-        report.bode(amt, labels=labels, conventions=DEGREES, coherence=False, title="AMT test rig, by gear"),
+        plot.bode(amt, labels=labels, conventions=DEGREES, coherence=False, title="AMT test rig, by gear"),
     )
-    yield "fig_07_amt_coherence", report.coherence(amt, labels=labels, title="AMT test rig, by gear")
-    yield "fig_11_dmf_test_and_model", report.comparison(dmf.estimated, dmf.model, conventions=DEGREES)
-    yield "fig_12_amt_II_test_and_model", report.comparison(gears[0].estimated, gears[0].model, conventions=DEGREES)
+    yield "fig_07_amt_coherence", plot.coherence(amt, labels=labels, title="AMT test rig, by gear")
+    yield "fig_11_dmf_test_and_model", plot.comparison(dmf.estimated, dmf.model, conventions=DEGREES)
+    yield "fig_12_amt_II_test_and_model", plot.comparison(gears[0].estimated, gears[0].model, conventions=DEGREES)
 
 
 PAPER_AT_ONCE = type(PAPER)(PAPER.window, PAPER.seconds, PAPER.overlap)
@@ -115,7 +115,7 @@ def show(folder: Path) -> list[Run]:
     print()
     print("Wrote")
     for name, figure in figures(dmf, gears):
-        report.save(figure, folder / f"{name}.png")
+        plot.save(figure, folder / f"{name}.png")
         print(f"  {folder / name}.png")
     return [dmf, *gears]
 

@@ -10,14 +10,14 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from torsionnet import report
-from torsionnet.bench import Encoder
+from torsionnet import plot
+from torsionnet.bench import Bench, load_bench
 from torsionnet.cli.terminal import print_table
 from torsionnet.identification import Fit, Measurement, identify
 from torsionnet.loading import load
+from torsionnet.model.bench import Encoder
 from torsionnet.response import Conventions
 from torsionnet.signals import PAPER
-from torsionnet.virtual import Bench, load_bench
 
 TRUE = {"c_2": 4.0, "c_O": 170.0, "c_B": 1.5}
 BEGIN = {"c_2": 8.0, "c_O": 80.0, "c_B": 4.0}
@@ -62,7 +62,7 @@ def show(folder: Path) -> dict[str, Fit]:
     print("Wrote")
     for name, fit in fits.items():
         path = folder / f"{name}.png"
-        report.save(report.fit(fit, conventions=Conventions(angle="deg")), path)
+        plot.save(plot.fit(fit, conventions=Conventions(angle="deg")), path)
         print(f"  {path}")
     return fits
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from torsionnet.demo.figures import Run
-from torsionnet.document import write_report
+from torsionnet.report import write_report
 
 if TYPE_CHECKING:
     from torsionnet.identification import Fit

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet import report
+from torsionnet import plot
 from torsionnet.cli.modes import on_screen
 from torsionnet.cli.terminal import print_table
 from torsionnet.loading import load
@@ -136,12 +136,12 @@ def cut_poles(cases: list[Rig]) -> Table:
 def write_files(cases: list[Rig], folder: Path) -> Iterator[Path]:
     """The paper's Figs 10 and 13, the curves in them, and the schematics."""
     dmf, *gears = cases
-    fig_10 = report.bode(
+    fig_10 = plot.bode(
         [dmf.response("T_M"), dmf.response("T_T")],
         conventions=DEGREES,
         title="DMF rig: against the motor's torque and against the measured torque",
     )
-    fig_13 = report.bode(
+    fig_13 = plot.bode(
         [rig.response("T_T") for rig in gears],
         conventions=DEGREES,
         labels=[rig.case.removeprefix("AMT ") for rig in gears],
@@ -149,7 +149,7 @@ def write_files(cases: list[Rig], folder: Path) -> Iterator[Path]:
     )
     for name, figure in (("dmf_theta1_TM_and_TT", fig_10), ("amt_gears", fig_13)):
         path = folder / f"{name}.png"
-        report.save(figure, path)
+        plot.save(figure, path)
         yield path
     for rig in cases:
         for against in ("T_T", "T_M"):
@@ -158,7 +158,7 @@ def write_files(cases: list[Rig], folder: Path) -> Iterator[Path]:
             yield path
     for name, rig in (("dmf", dmf), ("amt", gears[0])):
         path = folder / f"{name}_schematic.svg"
-        report.save(report.schematic(rig.drivetrain), path)
+        plot.save(plot.schematic(rig.drivetrain), path)
         yield path
 
 

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.core.errors import ModelError, TorsionnetError, TorsionnetWarning
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.errors import ModelError, TorsionnetError, TorsionnetWarning
 from torsionnet.explore.command_text import command_text
-from torsionnet.explore.lines import NEAREST, lines, undamped
 from torsionnet.explore.overlay import misfit
+from torsionnet.explore.page_frequencies import NEAREST, lines, undamped
 from torsionnet.explore.session import Session
 from torsionnet.explore.sliders import sliders
 from torsionnet.explore.state import State

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from torsionnet.errors import TorsionnetError
+from torsionnet.core.errors import TorsionnetError
 from torsionnet.explore.answers import answer, reasons
 from torsionnet.explore.session import Session
 from torsionnet.explore.state import RequestError, State, read_state

@@ -6,17 +6,17 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from torsionnet.channels import UNITS, Sensor
+from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.errors import UsageError
+from torsionnet.model.channels import UNITS, Sensor
 from torsionnet.response import FrequencyResponse
-from torsionnet.solve.question import usable
+from torsionnet.solve.transfer_request import usable
 
 MOTIONS = ("angle", "velocity", "acceleration", "twist")
 
 
 @dataclass(frozen=True)
-class Pair:
+class ResponseChoice:
     """A response by the names of its output and input.
 
     Examples
@@ -32,16 +32,16 @@ class Pair:
         return f"{self.output}/{self.input}"
 
 
-def read_pair(text: str) -> Pair:
+def read_pair(text: str) -> ResponseChoice:
     """``OUTPUT/INPUT``; UsageError where it is something else."""
     output, slash, into = (part.strip() for part in text.partition("/"))
     if not (slash and output and into) or "/" in into:
         msg = f'a transfer function is written OUTPUT/INPUT, as in theta_1/T_M; got "{text}"'
         raise UsageError(msg)
-    return Pair(output, into)
+    return ResponseChoice(output, into)
 
 
-def default_pair(rig: Drivetrain, overlay: FrequencyResponse | None = None) -> Pair:
+def default_pair(rig: Drivetrain, overlay: FrequencyResponse | None = None) -> ResponseChoice:
     """The measured response if the model knows its names, else the first motion measured over the first input.
 
     Examples
@@ -51,16 +51,16 @@ def default_pair(rig: Drivetrain, overlay: FrequencyResponse | None = None) -> P
     theta_1/T_M
     """
     if overlay is not None:
-        measured = Pair(overlay.outputs[0].name, overlay.inputs[0].name)
+        measured = ResponseChoice(overlay.outputs[0].name, overlay.inputs[0].name)
         if measured.output in {*rig.sensors, *rig.nodes} and measured.input in {*rig.inputs, *rig.sensors, *rig.nodes}:
             return measured
     inputs, sensors = usable(rig)
     motions = [name for name in sensors if rig.sensors[name].quantity in MOTIONS]
     moving = rig.assembly.kinematics.coordinates or rig.nodes
-    return Pair([*motions, *sensors, *moving][0], [*inputs, *moving][0])
+    return ResponseChoice([*motions, *sensors, *moving][0], [*inputs, *moving][0])
 
 
-def choices(rig: Drivetrain, pairs: Sequence[Pair]) -> dict[str, Any]:
+def choices(rig: Drivetrain, pairs: Sequence[ResponseChoice]) -> dict[str, Any]:
     """Groups of outputs and of inputs for the page, and which inputs are measured."""
     sensors = [(name, _what(sensor)) for name, sensor in rig.sensors.items()]
     nodes = [(node, f"angle of {node}") for node in rig.nodes if node not in rig.sensors]

@@ -7,8 +7,8 @@ import shlex
 import subprocess
 from typing import TYPE_CHECKING
 
-from torsionnet.configurations import label
 from torsionnet.explore.state import State
+from torsionnet.model.configurations import label
 
 if TYPE_CHECKING:
     from torsionnet.explore.session import Session

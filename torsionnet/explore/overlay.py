@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.explore.state import State
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.frequency_response import ORDERS, FloatArray

@@ -9,7 +9,7 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from threading import BoundedSemaphore
 from typing import Any
 
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.explore.api import QUESTIONS, reply
 from torsionnet.explore.guard import HEADERS, HOST, Guard, RefusedError
 from torsionnet.explore.pages import pages

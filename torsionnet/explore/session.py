@@ -8,16 +8,16 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from torsionnet.configurations import parse_choice
+from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.errors import UsageError
-from torsionnet.explore.choices import Pair, choices, default_pair
+from torsionnet.explore.choices import ResponseChoice, choices, default_pair
 from torsionnet.explore.overlay import overlay_data
 from torsionnet.explore.state import State
-from torsionnet.files.changing import changed_text, place_of
-from torsionnet.files.decoding import decode
-from torsionnet.files.reader import find_model
 from torsionnet.loading import loads
+from torsionnet.model.configurations import parse_choice
+from torsionnet.model.files.changing import changed_text, place_of
+from torsionnet.model.files.decoding import decode
+from torsionnet.model.files.reader import find_model
 from torsionnet.response import FrequencyResponse
 from torsionnet.solve.grid import opening_range
 
@@ -39,7 +39,7 @@ class Session:
         The text of that file.
     base : Drivetrain
     start : State
-    pairs : tuple of Pair
+    pairs : tuple of ResponseChoice
         Responses asked for by name.
     overlay : FrequencyResponse, optional
         A test.
@@ -51,7 +51,7 @@ class Session:
     text: str
     base: Drivetrain
     start: State
-    pairs: tuple[Pair, ...] = ()
+    pairs: tuple[ResponseChoice, ...] = ()
     overlay: FrequencyResponse | None = None
     overlay_name: str = ""
     _chosen: dict[str, Drivetrain] = field(default_factory=dict, repr=False)
@@ -124,7 +124,7 @@ def open_session(
     model: str | os.PathLike[str],
     configuration: str = "",
     settings: Mapping[str, str] | None = None,
-    pairs: Sequence[Pair] = (),
+    pairs: Sequence[ResponseChoice] = (),
     band: tuple[float, float] | None = None,
     overlay: str | os.PathLike[str] | None = None,
     text: str | None = None,
@@ -138,7 +138,7 @@ def open_session(
     configuration : str
     settings : mapping, optional
         Parameter -> value that the page begins with.
-    pairs : sequence of Pair
+    pairs : sequence of ResponseChoice
         Responses to offer; the first one is shown.
     band : (float, float), optional
         Hz; default: what suits the modes of all configurations.
@@ -181,6 +181,6 @@ def _band(base: Drivetrain) -> tuple[float, float]:
 
 
 def _read_test(path: str | os.PathLike[str]) -> FrequencyResponse:
-    from torsionnet.interchange import read_frequency_response  # loads what most pages do without
+    from torsionnet.io import read_frequency_response  # loads what most pages do without
 
     return read_frequency_response(path)

@@ -8,10 +8,10 @@ from dataclasses import asdict, dataclass
 from fractions import Fraction
 from typing import Any
 
-from torsionnet.checks.units_in_use import parameter_units
+from torsionnet.core.expressions import Expression, Number
+from torsionnet.core.units import NUMERAL, UnitError, parse_unit
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.expressions import Expression, Number
-from torsionnet.units import NUMERAL, UnitError, parse_unit
+from torsionnet.model.checks.units_in_use import parameter_units
 
 AROUND = 10.0
 """Without bounds, a slider goes from a tenth of a value to ten times it."""
@@ -110,7 +110,7 @@ def _slider(name: str, plain: Drivetrain, changed: Drivetrain, units: Mapping[st
 def written_unit(value: Expression) -> str:
     """The unit behind a number as its author wrote it, or an empty string.
 
-    >>> from torsionnet.expressions import scalar
+    >>> from torsionnet.core.expressions import scalar
     >>> written_unit(scalar("0.46 kN*m/rad")), written_unit(scalar(3))
     ('kN*m/rad', '')
     """

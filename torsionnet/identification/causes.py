@@ -10,10 +10,10 @@ import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.elements import Damper, Element, Gear, HystereticSpring, Spring
-from torsionnet.expressions import Expression, Number
-from torsionnet.identification.problem import Problem, laid_out
+from torsionnet.core.expressions import Expression, Number
+from torsionnet.identification.fit_problem import FitProblem, laid_out
 from torsionnet.identification.unknown import Unknown
+from torsionnet.model.elements import Damper, Element, Gear, HystereticSpring, Spring
 
 AnySpring: TypeAlias = Spring | HystereticSpring
 Change: TypeAlias = Callable[[AssembledModel], AssembledModel]
@@ -50,7 +50,7 @@ class Cause:
         return self.kind in ("value", "ratio")
 
 
-def causes_of(problem: Problem) -> tuple[Cause, ...]:
+def causes_of(problem: FitProblem) -> tuple[Cause, ...]:
     """All that can be tried with the models and measurements of a fit."""
     free = {extra for block in problem.blocks for extra in block.extra}
     channel = [Cause(name, name) for name in ("delay", "gain") if name not in free]
@@ -118,12 +118,12 @@ def _beside(element: AnySpring, rig: AssembledModel) -> list[Damper]:
     return [one for one in rig.definition.active if isinstance(one, Damper) and set(one.ports.values()) == ends]
 
 
-def with_causes(problem: Problem, causes: Sequence[Cause], values: FloatArray, *, instead: bool) -> Problem:
+def with_causes(problem: FitProblem, causes: Sequence[Cause], values: FloatArray, *, instead: bool) -> FitProblem:
     """The problem with freedoms more, beginning where it stands.
 
     Parameters
     ----------
-    problem : Problem
+    problem : FitProblem
     causes : sequence of Cause
     values : (n,) array
         Where it stands.
@@ -159,7 +159,7 @@ def with_causes(problem: Problem, causes: Sequence[Cause], values: FloatArray, *
     return laid_out(problem.blocks[0].response.drivetrain, blocks, kept, known)
 
 
-def _acts(problem: Problem, name: str) -> bool:
+def _acts(problem: FitProblem, name: str) -> bool:
     columns = [index for index, entry in enumerate(problem.names) if entry.partition("[")[0] == name]
     return bool(np.any(problem.jacobian(problem.start)[:, columns]))
 

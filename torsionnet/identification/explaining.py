@@ -8,12 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.errors import TorsionnetError
+from torsionnet.core.errors import TorsionnetError
 from torsionnet.identification.causes import Cause, causes_of, with_causes
+from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.lack_of_fit import Explanation, misfits
-from torsionnet.identification.problem import Problem
-from torsionnet.identification.search import Solution
-from torsionnet.signals.recording import Recording
+from torsionnet.identification.search import LeastSquaresSolution
+from torsionnet.response.recording import Recording
 from torsionnet.signals.resolution import ENOUGH, resolution
 
 TRIED = 6
@@ -27,13 +27,13 @@ SEEN = 1e-6
 ALIKE = 1.5
 """Sums of squares that are left, of causes that explain a misfit about as well."""
 
-Solve = Callable[[Problem, FloatArray], Solution]
+Solve = Callable[[FitProblem, FloatArray], LeastSquaresSolution]
 """A local optimum from a start."""
-Errors = Callable[[Problem, Solution], Mapping[str, float]]
+Errors = Callable[[FitProblem, LeastSquaresSolution], Mapping[str, float]]
 """Standard errors at an optimum, by name."""
 
 
-def explanations(problem: Problem, values: FloatArray, solve: Solve, errors: Errors) -> tuple[Explanation, ...]:
+def explanations(problem: FitProblem, values: FloatArray, solve: Solve, errors: Errors) -> tuple[Explanation, ...]:
     """The best of them first, and others that do about as well; empty if none takes away most of the misfit."""
     whole = squares(problem, values)
     tried = [
@@ -56,7 +56,7 @@ class Tried:
     """A cause, the problem with it, and the optimum of that."""
 
     cause: Cause
-    problem: Problem
+    problem: FitProblem
     values: FloatArray
     squares: float
 
@@ -66,7 +66,7 @@ class Tried:
         return self.squares + 2 * len(self.values)
 
 
-def tried_with(problem: Problem, cause: Cause, start: FloatArray, solve: Solve, factor: float = 1.0) -> Tried | None:
+def tried_with(problem: FitProblem, cause: Cause, start: FloatArray, solve: Solve, factor: float = 1.0) -> Tried | None:
     """The fit with a cause from a start, the cause from a multiple of its own; None where that cannot be calculated."""
     try:
         with_it = with_causes(problem, [cause], start, instead=True)
@@ -78,12 +78,12 @@ def tried_with(problem: Problem, cause: Cause, start: FloatArray, solve: Solve, 
         return None  # what cannot be calculated explains nothing
 
 
-def squares(problem: Problem, values: FloatArray) -> float:
+def squares(problem: FitProblem, values: FloatArray) -> float:
     """Sum of the squared weighted residuals."""
     return float(np.sum(problem.residuals(values) ** 2))
 
 
-def _promising(problem: Problem, values: FloatArray) -> list[Cause]:
+def _promising(problem: FitProblem, values: FloatArray) -> list[Cause]:
     """Causes by what a linear step would take away, those that do nothing left out."""
     causes = list(causes_of(problem))
     wide = with_causes(problem, causes, values, instead=False)
@@ -125,7 +125,7 @@ def _explained(one: Tried, left: float, solve: Solve, errors: Errors) -> Explana
     )
 
 
-def too_coarse(problem: Problem) -> tuple[str, ...]:
+def too_coarse(problem: FitProblem) -> tuple[str, ...]:
     """Records that are compared beyond where the steps of their sensor are small against its motion."""
     found = []
     for block in problem.blocks:

@@ -9,18 +9,18 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.fit_result import Compared, FitResult
 from torsionnet.identification.lack_of_fit import LackOfFit
 from torsionnet.identification.lack_words import lacking
 from torsionnet.identification.natures import nature
 from torsionnet.identification.noise_bias import noise_bias
-from torsionnet.identification.problem import Problem
 from torsionnet.identification.profile import profile_interval
 from torsionnet.identification.run_to_limits import at_limits
 from torsionnet.identification.saving import dump_fit, read_fit
-from torsionnet.identification.search import Solution, variance
-from torsionnet.identification.words import verdicts
-from torsionnet.signals.recording import Recording
+from torsionnet.identification.search import LeastSquaresSolution, variance
+from torsionnet.identification.verdict_words import verdicts
+from torsionnet.response.recording import Recording
 
 SINGULAR = 1e-9
 EXTRA_UNITS = {"delay": "s", "gain": ""}
@@ -65,7 +65,9 @@ class Fit(FitResult):
         return dump_fit(self, path)
 
 
-def make_fit(model: Drivetrain, problem: Problem, found: Solution, loss: str, lack: LackOfFit | None = None) -> Fit:
+def make_fit(
+    model: Drivetrain, problem: FitProblem, found: LeastSquaresSolution, loss: str, lack: LackOfFit | None = None
+) -> Fit:
     """Uncertainties and comparisons at the optimum.
 
     The covariance is that of weighted least squares under correlated noise, A J^T R J A with A = (J^T J)^-1 and the
@@ -118,12 +120,12 @@ def _correlation(inverse: FloatArray, lost: FloatArray) -> FloatArray:
     return np.asarray(heavy / np.outer(size, size))
 
 
-def _steps(problem: Problem, backward: FloatArray) -> dict[str, tuple[tuple[float, ...], ...]]:
+def _steps(problem: FitProblem, backward: FloatArray) -> dict[str, tuple[tuple[float, ...], ...]]:
     tests = [moved.tolist() for moved in problem.under_steps(backward)]
     return {name: tuple(map(tuple, found)) for name, *found in zip(problem.names, *tests, strict=True) if found}
 
 
-def _compared(problem: Problem, number: int, values: FloatArray) -> Compared:
+def _compared(problem: FitProblem, number: int, values: FloatArray) -> Compared:
     block, place = problem.blocks[number], problem.places[number]
     predicted, _ = block.predicted(values[place])
     residual, _ = block.residuals(values[place])
@@ -144,7 +146,7 @@ def _response_unit(output: str, into: str) -> str:
     return "1" if output == into else f"{output}/({into})" if "*" in into else f"{output}/{into}"
 
 
-def _notes(problem: Problem, loss: str, factor: float, *, scaled: bool) -> tuple[str, ...]:
+def _notes(problem: FitProblem, loss: str, factor: float, *, scaled: bool) -> tuple[str, ...]:
     labels = [f"{block.measurement.label} ({block.described})" for block in problem.blocks]
     by = ", by which the errors are scaled" if scaled else ""
     robust = "" if loss == "linear" else f", robust loss {loss}"

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.errors import UsageError
+from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.lack_of_fit import LackOfFit
-from torsionnet.identification.problem import Problem
 from torsionnet.response import Column, Table
 
 
@@ -82,7 +82,7 @@ class FitResult:
     title: str = ""
     steps: Mapping[str, tuple[tuple[float, ...], ...]] = field(default_factory=dict)
     lack_of_fit: LackOfFit | None = None
-    problem: Problem | None = field(default=None, repr=False)
+    problem: FitProblem | None = field(default=None, repr=False)
     loss: str = "linear"
 
     def intervals(self, level: float = 0.95) -> dict[str, tuple[float, float]]:

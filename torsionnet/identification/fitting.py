@@ -9,17 +9,17 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.errors import SolveError, UsageError, did_you_mean
+from torsionnet.core.threads import one_thread
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.errors import SolveError, UsageError, did_you_mean
 from torsionnet.identification.explaining import explanations, too_coarse
 from torsionnet.identification.fit import Fit, make_fit
+from torsionnet.identification.fit_problem import FitProblem, make_problem
 from torsionnet.identification.lack_of_fit import LackOfFit, misfits
 from torsionnet.identification.measurement import Measurement
-from torsionnet.identification.problem import Problem, make_problem
 from torsionnet.identification.residual_forms import FORMS
-from torsionnet.identification.search import Solution, solved, steps, weights
+from torsionnet.identification.search import LeastSquaresSolution, solved, steps, weights
 from torsionnet.identification.unknown import Unknown, read_unknowns
-from torsionnet.threads import one_thread
 
 Loss: TypeAlias = Literal["linear", "soft_l1", "huber", "cauchy"]
 LOSSES = ("linear", "soft_l1", "huber", "cauchy")
@@ -105,7 +105,7 @@ def identify(
     return _judged(model, problem, best, loss)
 
 
-def _judged(model: Drivetrain, problem: Problem, best: Solution, loss: Loss) -> Fit:
+def _judged(model: Drivetrain, problem: FitProblem, best: LeastSquaresSolution, loss: Loss) -> Fit:
     """The fit; of a model that does not, by the noise there is instead of the misfit, with what would explain it."""
     lack = LackOfFit(misfits(problem, best.x, weights(problem.residuals(best.x), loss, best.scale)))
     if not lack.rejected:
@@ -113,10 +113,10 @@ def _judged(model: Drivetrain, problem: Problem, best: Solution, loss: Loss) -> 
     problem.take_measured_noise(best.x)
     best = solved(problem, best.x, loss)
 
-    def solve(tried: Problem, start: FloatArray) -> Solution:
+    def solve(tried: FitProblem, start: FloatArray) -> LeastSquaresSolution:
         return solved(tried, start, loss)
 
-    def errors(tried: Problem, at: Solution) -> Mapping[str, float]:
+    def errors(tried: FitProblem, at: LeastSquaresSolution) -> Mapping[str, float]:
         return make_fit(model, tried, at, loss).standard_errors
 
     found = explanations(problem, best.x, solve, errors)
@@ -127,7 +127,7 @@ def _moved(before: FloatArray, after: FloatArray) -> float:
     return float(np.max(np.abs(after - before) / np.maximum(np.abs(before), 1e-300)))
 
 
-def _starts(problem: Problem, count: int, seed: int) -> list[FloatArray]:
+def _starts(problem: FitProblem, count: int, seed: int) -> list[FloatArray]:
     rng = np.random.default_rng(seed)
     found = [problem.start]
     lower = np.where(np.isfinite(problem.lower) & (problem.lower > 0), problem.lower, np.abs(problem.start) / 10)
@@ -141,7 +141,7 @@ def _starts(problem: Problem, count: int, seed: int) -> list[FloatArray]:
     return found
 
 
-def _check_information(problem: Problem) -> None:
+def _check_information(problem: FitProblem) -> None:
     residuals, slopes = problem.both(problem.start)
     if len(residuals) < len(problem.names):
         msg = (

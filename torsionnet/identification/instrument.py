@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.identification.measurement import Measurement
+from torsionnet.response.recording import Recording
 from torsionnet.signals.estimators import LEAST_DRIVEN
-from torsionnet.signals.recording import Recording
 from torsionnet.signals.welch import Welch
 
 LOUD = 0.1

@@ -9,10 +9,10 @@ import numpy as np
 from scipy import stats
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.identification.block import Block
+from torsionnet.identification.fit_problem import FitProblem
+from torsionnet.identification.measurement_block import MeasurementBlock
 from torsionnet.identification.noise import Noise
 from torsionnet.identification.noise_bias import noise_shift
-from torsionnet.identification.problem import Problem
 
 LEVEL = 1e-3
 """Probability, for every measurement of a fit, of calling noise a misfit."""
@@ -104,7 +104,7 @@ class LackOfFit:
         return any(one.rejected for one in self.measurements)
 
 
-def misfits(problem: Problem, values: FloatArray, weights: FloatArray | None = None) -> tuple[Misfit, ...]:
+def misfits(problem: FitProblem, values: FloatArray, weights: FloatArray | None = None) -> tuple[Misfit, ...]:
     """Every measurement whose noise is known apart from the model; a robust loss gives residuals its ``weights``.
 
     The residuals of the optimum, r = (1 - P) e with the projection P on what the parameters can do, have the covariance
@@ -133,13 +133,13 @@ def misfits(problem: Problem, values: FloatArray, weights: FloatArray | None = N
     return tuple(result)
 
 
-def _covariance(block: Block, noise: Noise, values: FloatArray) -> FloatArray:
+def _covariance(block: MeasurementBlock, noise: Noise, values: FloatArray) -> FloatArray:
     """Of the weighted residuals, under noise as it was found."""
     size = np.sqrt(np.tile(noise.ratio, block.parts))
     return np.asarray(block.likeness * np.outer(size, size) + block.beyond_noise(values))
 
 
-def _judged(block: Block, residual: FloatArray, covariance: FloatArray, noise: Noise) -> Misfit:
+def _judged(block: MeasurementBlock, residual: FloatArray, covariance: FloatArray, noise: Noise) -> Misfit:
     count = len(noise.ratio)
     scale = 1 / np.sqrt(np.tile(noise.ratio, len(residual) // count))
     r, R = residual * scale, covariance * np.outer(scale, scale)

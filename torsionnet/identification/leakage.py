@@ -7,14 +7,14 @@ from collections.abc import Iterator
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.identification.problem import Problem
+from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.response_block import ResponseBlock
 from torsionnet.signals.advice import LEAST_BINS, half_power_bandwidth, peaks
 
 FIX = "fit the record itself, which has no such error, or use longer windows"
 
 
-def narrow_peaks(problem: Problem, values: FloatArray) -> Iterator[str]:
+def narrow_peaks(problem: FitProblem, values: FloatArray) -> Iterator[str]:
     """A sentence for each response in which windows may pass for damping."""
     for block, place in zip(problem.blocks, problem.places, strict=True):
         if isinstance(block, ResponseBlock) and block.data.coherence is not None:

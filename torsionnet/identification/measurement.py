@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.response import FrequencyResponse
-from torsionnet.signals.recording import Recording
+from torsionnet.response.recording import Recording
 from torsionnet.signals.welch import Welch
 
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.identification.segments import BATCH, HELD
-from torsionnet.signals.recording import Recording
+from torsionnet.response.recording import Recording
 from torsionnet.signals.welch import Welch
 
 MOST = 2e9

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.identification.problem import Problem
+from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.record_block import RecordBlock
 from torsionnet.identification.residual_forms import of_errors, parts
 
@@ -15,7 +15,7 @@ MATERIAL = 0.5
 """Standard errors; a smaller bias is not worth a word."""
 
 
-def noise_shift(problem: Problem, values: FloatArray) -> FloatArray:
+def noise_shift(problem: FitProblem, values: FloatArray) -> FloatArray:
     """Mean of the weighted residuals that squared noise makes, by the noise the fit has laid to its sensors."""
     shifts = np.zeros(len(problem.residuals(values)))
     for block, span, place in zip(problem.blocks, problem.spans, problem.places, strict=True):
@@ -25,7 +25,7 @@ def noise_shift(problem: Problem, values: FloatArray) -> FloatArray:
     return shifts
 
 
-def noise_bias(problem: Problem, values: FloatArray) -> FloatArray:
+def noise_bias(problem: FitProblem, values: FloatArray) -> FloatArray:
     """By how much that moves the values, (n,)."""
     shift = noise_shift(problem, values)
     if not shift.any():
@@ -45,7 +45,7 @@ def _shift(block: RecordBlock, values: FloatArray) -> ComplexArray:
     return np.asarray(on_input * own * block.predicted(values)[0])
 
 
-def biased(problem: Problem, values: FloatArray, errors: FloatArray, moved: FloatArray) -> Iterator[str]:
+def biased(problem: FitProblem, values: FloatArray, errors: FloatArray, moved: FloatArray) -> Iterator[str]:
     """Which values noise moves, and by how much."""
     told = [
         f"{name} reads about {100 * abs(change / value):.2g} % {'high' if change * value > 0 else 'low'}"

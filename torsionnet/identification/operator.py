@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.identification.instrument import Instrument, without_background
 from torsionnet.identification.segments import SegmentRows, Segments
-from torsionnet.signals.blocks import check_processable
+from torsionnet.response.recording import Recording
 from torsionnet.signals.decimation import decimate
-from torsionnet.signals.recording import Recording
+from torsionnet.signals.record_blocks import check_processable
 from torsionnet.signals.welch import Welch
 
 REACH = 2.0

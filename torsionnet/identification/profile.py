@@ -9,8 +9,8 @@ from scipy import stats
 from scipy.optimize import brentq, least_squares
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.errors import UsageError, did_you_mean
-from torsionnet.threads import one_thread
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.threads import one_thread
 
 if TYPE_CHECKING:
     from torsionnet.identification.fit_result import FitResult

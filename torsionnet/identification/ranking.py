@@ -9,18 +9,18 @@ import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
+from torsionnet.core.threads import one_thread
 from torsionnet.identification.causes import Cause, causes_of
 from torsionnet.identification.explaining import FACTORS, MOST, Tried, squares, tried_with
 from torsionnet.identification.fit import Fit
+from torsionnet.identification.fit_problem import FitProblem, make_problem
 from torsionnet.identification.lack_words import cause_in_words
 from torsionnet.identification.measurement import Measurement
-from torsionnet.identification.problem import Problem, make_problem
-from torsionnet.identification.search import RANGE, Solution, solved
+from torsionnet.identification.search import RANGE, LeastSquaresSolution, solved
 from torsionnet.identification.unknown import Unknown, read_unknowns
-from torsionnet.identification.words import relative_misfits
+from torsionnet.identification.verdict_words import relative_misfits
 from torsionnet.response import Column, Table
-from torsionnet.threads import one_thread
 
 AS_GOOD = 4.0
 """Sums of squares left, over the least, of causes that count as explanations beside the best one."""
@@ -165,7 +165,7 @@ def _prepared(
     measurements: Measurement | Sequence[Measurement],
     parameters: str | Sequence[str] | Mapping[str, Unknown | float | None],
     residual: str,
-) -> tuple[Problem, FloatArray]:
+) -> tuple[FitProblem, FloatArray]:
     if isinstance(model, Fit):
         if model.problem is None:
             msg = "a fit read from a file has no data to compare with; fit again"
@@ -179,11 +179,13 @@ def _prepared(
     return problem, _solve(problem, problem.start).x
 
 
-def _solve(problem: Problem, start: FloatArray) -> Solution:
-    return solved(problem, start, "linear") if len(start) else Solution(start, 0.0, converged=True, message="")
+def _solve(problem: FitProblem, start: FloatArray) -> LeastSquaresSolution:
+    return (
+        solved(problem, start, "linear") if len(start) else LeastSquaresSolution(start, 0.0, converged=True, message="")
+    )
 
 
-def _best(problem: Problem, cause: Cause, values: FloatArray) -> Tried | None:
+def _best(problem: FitProblem, cause: Cause, values: FloatArray) -> Tried | None:
     factors = FACTORS if cause.is_value else FACTORS[:1]
     found = [tried_with(problem, cause, values, _solve, factor) for factor in factors]
     return min((one for one in found if one is not None), key=lambda one: one.squares, default=None)
@@ -207,5 +209,5 @@ def _ranked(one: Tried, whole: float, enough: float) -> RankedCause:
     )
 
 
-def _relative(problem: Problem, values: FloatArray) -> float:
+def _relative(problem: FitProblem, values: FloatArray) -> float:
     return float(np.sqrt(np.mean(relative_misfits(problem, values) ** 2)))

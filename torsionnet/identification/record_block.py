@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.identification.block import Block
+from torsionnet.identification.measurement_block import MeasurementBlock
 from torsionnet.identification.noise import Noise, noise_between_windows
 from torsionnet.identification.operator import WindowedEstimate
 from torsionnet.identification.quiet import quiet_windows
 from torsionnet.identification.residual_forms import of_covariance, of_errors
-from torsionnet.identification.steps import PLACES, Steps
+from torsionnet.identification.steps import PLACES, SensorSteps
 
 LOUDER = 100.0
 """Times the power of what is seen where the excitation is elsewhere that noise may have where it is not; what is more,
@@ -21,12 +21,12 @@ and does not follow the input from one window to the next, is what a model of ot
 
 
 @dataclass(eq=False)
-class RecordBlock(Block):
+class RecordBlock(MeasurementBlock):
     """A record, or a response that remembers its own, by the same-estimator route.
 
     Attributes
     ----------
-    sensor : Steps
+    sensor : SensorSteps
         Of the output.
     given : (n_b,) complex array, optional
         Lines of a response estimated before, in the place of those that are estimated of the record.
@@ -36,7 +36,7 @@ class RecordBlock(Block):
 
     windowed: WindowedEstimate
     kept: NDArray[np.bool_]
-    sensor: Steps
+    sensor: SensorSteps
     given: ComplexArray | None = field(default=None, kw_only=True)
     covariance: FloatArray = field(init=False)
     sources: tuple[float, float] = field(init=False, default=(0.0, 0.0))
@@ -131,7 +131,7 @@ class RecordBlock(Block):
         size = np.sqrt(np.tile(noise.ratio, 2))
         self.covariance = self.covariance * np.outer(size, size)
 
-    def take_noise(self, other: Block, left: float) -> None:
+    def take_noise(self, other: MeasurementBlock, left: float) -> None:
         del left
         assert isinstance(other, RecordBlock)
         self.covariance, self.moved = other.covariance, other.moved

@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from torsionnet.identification.instrument import Instrument
 from torsionnet.identification.memory import MOST, demand
 from torsionnet.identification.operator import WindowedEstimate, windowed_estimate
-from torsionnet.identification.steps import Steps
+from torsionnet.identification.steps import SensorSteps
 from torsionnet.response import FrequencyResponse
 from torsionnet.signals.welch import Welch
 
 
 def remembered_estimate(
     chosen: FrequencyResponse,
-) -> tuple[WindowedEstimate, NDArray[np.bool_], Steps] | None:
+) -> tuple[WindowedEstimate, NDArray[np.bool_], SensorSteps] | None:
     """How lines of one pair follow from a transfer function, which of them are compared, and the sensor's steps.
 
     None without a record, where it was not swept (an average over a stationary input is smoothed alike wherever the
@@ -42,4 +42,4 @@ def remembered_estimate(
     kept = np.asarray(np.isclose(windowed.frequencies[:, None], f, rtol=1e-9).any(axis=1), dtype=np.bool_)
     if np.count_nonzero(kept) != len(f):
         return None
-    return windowed, kept, Steps(origin.steps.get(output, 0.0), origin.decimation)
+    return windowed, kept, SensorSteps(origin.steps.get(output, 0.0), origin.decimation)

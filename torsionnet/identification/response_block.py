@@ -8,7 +8,6 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.identification.block import Block
 from torsionnet.identification.line_noise import (
     USUAL_OVERLAP,
     USUAL_WINDOW,
@@ -16,6 +15,7 @@ from torsionnet.identification.line_noise import (
     line_correlation,
     line_noise,
 )
+from torsionnet.identification.measurement_block import MeasurementBlock
 from torsionnet.identification.noise import Noise
 from torsionnet.identification.residual_forms import of_covariance, of_errors, parts
 from torsionnet.identification.smoothing import UNCERTAIN, Smoothing
@@ -26,7 +26,7 @@ STATED = 1e6
 
 
 @dataclass(eq=False)
-class ResponseBlock(Block):
+class ResponseBlock(MeasurementBlock):
     """A response without its record. Windows are taken to act on the model as they do under a stationary input."""
 
     data: FrequencyResponse
@@ -123,7 +123,7 @@ class ResponseBlock(Block):
     def take_measured_noise(self, noise: Noise) -> None:
         self.noise = self.noise * noise.ratio
 
-    def take_noise(self, other: Block, left: float) -> None:
+    def take_noise(self, other: MeasurementBlock, left: float) -> None:
         assert isinstance(other, ResponseBlock)
         self.noise = other.noise * left
 

@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
+from torsionnet.identification.fit_problem import FitProblem
 from torsionnet.identification.natures import Nature
-from torsionnet.identification.problem import Problem
 from torsionnet.identification.search import cannot_be_negative
 
 FAR = 1e3
@@ -22,7 +22,9 @@ ENDLESS = {
 }
 
 
-def at_limits(problem: Problem, values: FloatArray, natures: Mapping[str, Nature]) -> tuple[FloatArray, dict[str, str]]:
+def at_limits(
+    problem: FitProblem, values: FloatArray, natures: Mapping[str, Nature]
+) -> tuple[FloatArray, dict[str, str]]:
     """The values, 0 instead of what is as good as 0, and by name a sentence for what ran to zero or without end."""
     residuals, slopes = problem.both(values)
     spread = np.sqrt(float(residuals @ residuals) / max(len(residuals) - len(values), 1))

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.atomic import write_text
-from torsionnet.errors import Fault, ModelError, UsageError
-from torsionnet.files.decoding import decode
-from torsionnet.files.located import compose
-from torsionnet.files.quoting import written
+from torsionnet.core.atomic import write_text
+from torsionnet.core.errors import Fault, ModelError, UsageError
 from torsionnet.identification.fit_result import Compared, FitResult
+from torsionnet.model.files.decoding import decode
+from torsionnet.model.files.located import compose
+from torsionnet.model.files.quoting import written
 
 VERSION = 1
 

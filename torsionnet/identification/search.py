@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.errors import SolveError
-from torsionnet.identification.problem import Problem
+from torsionnet.core.errors import SolveError
+from torsionnet.identification.fit_problem import FitProblem
 
 TOLERANCE = 1e-12
 MOST_CALLS = 500
@@ -25,7 +25,7 @@ ROUNDS, SETTLED = 30, 1e-4
 
 
 @dataclass(frozen=True)
-class Solution:
+class LeastSquaresSolution:
     """Where a search ended; ``scale`` is the standard deviation of the residuals that a robust loss went by."""
 
     x: FloatArray
@@ -35,7 +35,7 @@ class Solution:
     scale: float = 1.0
 
 
-def solved(problem: Problem, start: FloatArray, loss: str) -> Solution:
+def solved(problem: FitProblem, start: FloatArray, loss: str) -> LeastSquaresSolution:
     """A local optimum; one that cannot be calculated has an infinite cost.
 
     A robust loss needs to know how large residuals are that are not outliers. That is the median of their absolute
@@ -55,12 +55,12 @@ def solved(problem: Problem, start: FloatArray, loss: str) -> Solution:
     return replace(found, scale=scale)
 
 
-def typical(problem: Problem, x: FloatArray) -> float:
+def typical(problem: FitProblem, x: FloatArray) -> float:
     """Standard deviation of the residuals that are not outliers."""
     return NORMAL * float(np.median(np.abs(problem.residuals(x))))
 
 
-def _local(problem: Problem, start: FloatArray, loss: str, scale: float) -> Solution:
+def _local(problem: FitProblem, start: FloatArray, loss: str, scale: float) -> LeastSquaresSolution:
     lower, upper = search_bounds(problem)
     chosen: Any = loss
     try:
@@ -78,19 +78,21 @@ def _local(problem: Problem, start: FloatArray, loss: str, scale: float) -> Solu
             max_nfev=MOST_CALLS,
         )
     except SolveError as error:
-        return Solution(start, np.inf, converged=False, message=str(error))
+        return LeastSquaresSolution(start, np.inf, converged=False, message=str(error))
     except (ValueError, np.linalg.LinAlgError):
         where = ", ".join(f"{name} = {x:.3g}" for name, x in zip(problem.names, start, strict=True))
-        return Solution(start, np.inf, converged=False, message=f"numbers beyond all range from {where}")
-    return Solution(np.asarray(found.x), float(found.cost), converged=bool(found.success), message=str(found.message))
+        return LeastSquaresSolution(start, np.inf, converged=False, message=f"numbers beyond all range from {where}")
+    return LeastSquaresSolution(
+        np.asarray(found.x), float(found.cost), converged=bool(found.success), message=str(found.message)
+    )
 
 
-def cannot_be_negative(problem: Problem) -> NDArray[np.bool_]:
+def cannot_be_negative(problem: FitProblem) -> NDArray[np.bool_]:
     """Of each value; one that begins at 0 has no size to go by and does not count."""
     return np.asarray((problem.start > 0) & (problem.lower >= 0))
 
 
-def search_bounds(problem: Problem) -> tuple[FloatArray, FloatArray]:
+def search_bounds(problem: FitProblem) -> tuple[FloatArray, FloatArray]:
     """Lower and upper (n,): on the way to zero or infinity numbers leave the range in which anything is calculated."""
     positive = cannot_be_negative(problem)
     lower = np.where(positive, np.maximum(problem.lower, problem.start / RANGE), problem.lower)
@@ -98,7 +100,7 @@ def search_bounds(problem: Problem) -> tuple[FloatArray, FloatArray]:
     return lower, upper
 
 
-def steps(problem: Problem, start: FloatArray) -> FloatArray:
+def steps(problem: FitProblem, start: FloatArray) -> FloatArray:
     """In proportion to the values, and those of a delay to a tenth of the shortest period."""
     top = max(float(block.frequencies[-1]) for block in problem.blocks)
     extra = [0.1 / top if name.startswith("delay[") else 1.0 for name in problem.names]

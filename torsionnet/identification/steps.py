@@ -14,15 +14,15 @@ from scipy.signal import upfirdn
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.identification.segments import SegmentRows
+from torsionnet.response.recording import Recording
 from torsionnet.signals.decimation import HALF_LENGTH, anti_alias_taps
-from torsionnet.signals.recording import Recording
 from torsionnet.signals.resolution import step_of, swept
 
 PLACES = 16
 
 
 @dataclass(frozen=True)
-class Steps:
+class SensorSteps:
     """How a sensor reads.
 
     Attributes
@@ -51,13 +51,13 @@ class Steps:
         return upfirdn(anti_alias_taps(self.decimation), error, 1, self.decimation)[HALF_LENGTH : HALF_LENGTH + count]
 
 
-def steps_in(record: Recording, output: str, input: str, decimation: int) -> Steps:
+def steps_in(record: Recording, output: str, input: str, decimation: int) -> SensorSteps:
     """Those of a sensor, before decimation; none where the input is no sine that is swept.
 
     Under other inputs, and in rigs that turn, a reading falls on all places of a step: its errors are noise.
     """
     is_swept = len(swept(record, output, input)[0]) > 1
-    return Steps(step_of(record[output].values) if is_swept else 0.0, decimation)
+    return SensorSteps(step_of(record[output].values) if is_swept else 0.0, decimation)
 
 
 def _finer(motion: FloatArray, factor: int) -> FloatArray:

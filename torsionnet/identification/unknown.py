@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 
 LARGEST = 1e20
 """In SI; a value in a model may be larger, one that is to be found is between others."""

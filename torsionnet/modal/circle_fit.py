@@ -8,10 +8,10 @@ from typing import Literal
 
 import numpy as np
 
-from torsionnet.errors import SolveError, UsageError
-from torsionnet.modal.lines import ORDERS, ComplexArray, FloatArray, lines_of
+from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.modal.remarks import LEAST_LINES
 from torsionnet.modal.settings import Settings
+from torsionnet.modal.spectral_lines import ORDERS, ComplexArray, FloatArray, lines_of
 from torsionnet.response import Channel, FrequencyResponse
 
 LEAST_POINTS = 5

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from torsionnet.errors import UsageError
-from torsionnet.modal.lines import ComplexArray, FloatArray, powers_of
+from torsionnet.core.errors import UsageError
+from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, powers_of
 from torsionnet.response import FrequencyResponse
 
 

@@ -11,10 +11,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.modal.lines import ComplexArray, FloatArray, Lines
 from torsionnet.modal.poles import cleaned, upper_half
 from torsionnet.modal.polynomials import Family, orthogonal, powers, roots
 from torsionnet.modal.settings import Settings
+from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
 
 MOST_ROUNDS = 20
 SETTLED = 1e-9

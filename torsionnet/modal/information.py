@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.modal.lines import ComplexArray, Lines
 from torsionnet.modal.residues import expand
 from torsionnet.modal.settings import Settings
+from torsionnet.modal.spectral_lines import ComplexArray, Lines
 
 ROUND_OFF = 1e-9
 MOST_ALIKE = 0.95

@@ -9,11 +9,11 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.modal.criteria import mac
-from torsionnet.modal.estimate import ModalEstimate
-from torsionnet.modal.lines import ComplexArray, FloatArray
+from torsionnet.modal.modal_estimate import ModalEstimate
 from torsionnet.modal.poles import as_poles, cleaned, damping_ratios, natural_frequencies, upper_half
+from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 from torsionnet.response import SI, Column, Conventions, Modes, Table
 
 IntArray: TypeAlias = NDArray[np.int_]

@@ -8,12 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.errors import SolveError
-from torsionnet.modal.estimate import ModalEstimate, assembled
-from torsionnet.modal.lines import FloatArray, Lines, left_out, lines_of
+from torsionnet.core.errors import SolveError
+from torsionnet.modal.modal_estimate import ModalEstimate, assembled
 from torsionnet.modal.remarks import LEAST_LINES, line_spacing
 from torsionnet.modal.residues import Expansion
 from torsionnet.modal.settings import Settings
+from torsionnet.modal.spectral_lines import FloatArray, Lines, left_out, lines_of
 from torsionnet.response import FrequencyResponse
 
 TOO_DAMPED = 0.10
@@ -25,7 +25,7 @@ RISE = 1.1
 
 
 @dataclass(frozen=True)
-class Peak:
+class PickedPeak:
     """A peak and its edges at half power.
 
     Attributes
@@ -121,11 +121,11 @@ def _highest(curve: FloatArray, prominence: float) -> list[int]:
     return [int(line) for line in find_peaks(level, prominence=prominence)[0]]
 
 
-def _read(frequencies: FloatArray, curve: FloatArray, line: int) -> Peak:
+def _read(frequencies: FloatArray, curve: FloatArray, line: int) -> PickedPeak:
     level = curve[line] / np.sqrt(2)
     low, shared_low = _edge(frequencies[line::-1], curve[line::-1], level)
     high, shared_high = _edge(frequencies[line:], curve[line:], level)
-    return Peak(line, _summit(frequencies, curve, line), (low, high), shared_low or shared_high)
+    return PickedPeak(line, _summit(frequencies, curve, line), (low, high), shared_low or shared_high)
 
 
 def _edge(frequencies: FloatArray, curve: FloatArray, level: float) -> tuple[float, bool]:
@@ -151,7 +151,7 @@ def _summit(frequencies: FloatArray, curve: FloatArray, line: int) -> float:
     return float(np.clip(f[1] - slope / (2 * bend), f[0], f[2]))
 
 
-def _remarks(peak: Peak, frequencies: FloatArray) -> Iterator[str]:
+def _remarks(peak: PickedPeak, frequencies: FloatArray) -> Iterator[str]:
     f, zeta = peak.frequency, peak.damping_ratio
     if zeta > TOO_DAMPED:
         yield (
@@ -172,7 +172,7 @@ def _remarks(peak: Peak, frequencies: FloatArray) -> Iterator[str]:
         yield f"warning: the peak at {f:.4g} Hz is not that of one mode alone: neighbours falsify its damping"
 
 
-def _lopsided(peak: Peak) -> bool:
+def _lopsided(peak: PickedPeak) -> bool:
     """Whether the halves of the width are not those of the single mode that has this width."""
     from scipy.optimize import brentq
 
@@ -195,7 +195,7 @@ def _halves(zeta: float) -> tuple[float, float]:
     return 1 - math.sqrt(max(1 - reach / top, 0)), math.sqrt(1 + reach / top) - 1
 
 
-def _one_by_one(lines: Lines, peaks: list[Peak]) -> Expansion:
+def _one_by_one(lines: Lines, peaks: list[PickedPeak]) -> Expansion:
     omega = 2 * np.pi * np.array([peak.frequency for peak in peaks])
     zeta = np.array([peak.damping_ratio for peak in peaks])
     poles = omega * (-zeta + 1j * np.sqrt(1 - zeta**2))

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.errors import UsageError
-from torsionnet.modal.lines import ComplexArray, FloatArray
+from torsionnet.core.errors import UsageError
+from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 from torsionnet.response.modes import OSCILLATORY, REAL
 
 ROUND_OFF = 1e-9

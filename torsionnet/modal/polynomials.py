@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.modal.lines import ComplexArray, FloatArray
+from torsionnet.modal.spectral_lines import ComplexArray, FloatArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.modal.lines import ComplexArray, FloatArray, Lines
 from torsionnet.modal.settings import Settings
+from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
 
 FARTHEST = 30.0
 """Logarithm of a coefficient, for lines up to 1 rad/s, beyond which nothing changes any more."""

@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from torsionnet.modal.lines import ComplexArray, FloatArray, Lines
 from torsionnet.modal.projection import Projection, coefficients_of
 from torsionnet.modal.settings import Settings
+from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
 
 EXACT = 1e-12
 MOST_CORRELATED = 0.95

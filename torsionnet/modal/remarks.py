@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet.modal.lines import FloatArray
+from torsionnet.modal.spectral_lines import FloatArray
 
 if TYPE_CHECKING:
-    from torsionnet.modal.estimate import ModalEstimate
+    from torsionnet.modal.modal_estimate import ModalEstimate
 
 LEAST_LINES = 3
 BEYOND = 2.0

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.modal.lines import ComplexArray, FloatArray, Lines
 from torsionnet.modal.settings import Settings
+from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines
 
 
 @dataclass(frozen=True, eq=False)

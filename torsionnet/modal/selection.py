@@ -8,10 +8,10 @@ from typing import Literal, TypeAlias
 
 import numpy as np
 
-from torsionnet.errors import SolveError, UsageError
+from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.modal.information import best_order, worth_keeping
-from torsionnet.modal.lines import ComplexArray
 from torsionnet.modal.poles import damping_ratios, natural_frequencies
+from torsionnet.modal.spectral_lines import ComplexArray
 from torsionnet.modal.stabilisation import Stabilisation
 
 Selection: TypeAlias = Literal["order", "clusters"] | int | Sequence[tuple[int, float]]

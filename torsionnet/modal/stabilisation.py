@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.errors import SolveError
+from torsionnet.core.errors import SolveError
 from torsionnet.modal.fraction import largest_order, poles_of_orders
-from torsionnet.modal.lines import ComplexArray, Lines, lines_of
 from torsionnet.modal.poles import damping_ratios, natural_frequencies
 from torsionnet.modal.residues import expand
 from torsionnet.modal.settings import Criteria, Settings
+from torsionnet.modal.spectral_lines import ComplexArray, Lines, lines_of
 from torsionnet.response import SI, Column, Conventions, FrequencyResponse, Table
 
 

@@ -1,34 +1,27 @@
-"""Pictures of drivetrains and results. Each function returns a matplotlib figure and shows or writes nothing."""
+"""The report on a model: what it says as a tree, and the writers that make HTML, LaTeX, Markdown or PDF of it.
 
-from torsionnet.report.bode import bode
-from torsionnet.report.circle import circle
-from torsionnet.report.coherence import coherence
-from torsionnet.report.comparison import comparison
-from torsionnet.report.fits import correlation, fit
-from torsionnet.report.histories import time_histories
-from torsionnet.report.mac import mac_matrix
-from torsionnet.report.save import save
-from torsionnet.report.schematic import schematic
-from torsionnet.report.shapes import mode_shapes
-from torsionnet.report.spectra import order_map, spectrogram, sweep_harmonics
-from torsionnet.report.stabilisation import stabilisation
-from torsionnet.report.tornado import tornado
+>>> from torsionnet.report import make_report
+>>> report = make_report("dmf_rig", sections=["modes", "validity"], date=None)
+>>> [section.name for section in report.sections]
+['modes', 'validity']
+"""
 
-__all__ = [
-    "bode",
-    "circle",
-    "coherence",
-    "comparison",
-    "correlation",
-    "fit",
-    "mac_matrix",
-    "mode_shapes",
-    "order_map",
-    "save",
-    "schematic",
-    "spectrogram",
-    "stabilisation",
-    "sweep_harmonics",
-    "time_histories",
-    "tornado",
-]
+from __future__ import annotations
+
+import warnings
+
+from torsionnet import plot
+from torsionnet.report.document_tree import Report
+from torsionnet.report.report import make_report, write_report
+from torsionnet.report.request import Measured
+
+__all__ = ["Measured", "Report", "make_report", "write_report"]
+
+
+def __getattr__(name: str) -> object:
+    """Pictures, which had their place here before they got a package of their own."""
+    if name not in plot.__all__:
+        msg = f"module {__name__!r} has no attribute {name!r}"
+        raise AttributeError(msg, name=name)
+    warnings.warn(f"torsionnet.report.{name} is torsionnet.plot.{name} now", DeprecationWarning, stacklevel=2)
+    return getattr(plot, name)

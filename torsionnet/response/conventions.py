@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.core.errors import UsageError, did_you_mean
 
 ANGLES = {"rad": 1.0, "deg": 180 / math.pi}
 FREQUENCIES = {"Hz": 1.0, "cpm": 60.0, "rpm": 60.0, "rad/s": 2 * math.pi}

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.estimation import Estimation
 from torsionnet.response.table import Column, Table

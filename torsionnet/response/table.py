@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from torsionnet.atomic import write_text
+from torsionnet.core.atomic import write_text
 
 
 @dataclass(frozen=True)

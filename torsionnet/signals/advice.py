@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.response import FrequencyResponse
-from torsionnet.signals.recording import FloatArray
+from torsionnet.response.recording import FloatArray
 
 LEAST_BINS = 3
 LEAST_COHERENCE = 0.8

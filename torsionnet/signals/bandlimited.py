@@ -18,8 +18,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.errors import SolveError
-from torsionnet.signals.recording import FloatArray
+from torsionnet.core.errors import SolveError
+from torsionnet.response.recording import FloatArray
 
 HALF_LENGTH = 40
 """Pulses on either side that a value between pulses rests on."""

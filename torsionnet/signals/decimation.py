@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.errors import UsageError
-from torsionnet.signals.blocks import Recordings, in_order, stacked
-from torsionnet.signals.recording import FloatArray, Recording
+from torsionnet.core.errors import UsageError
+from torsionnet.response.recording import FloatArray, Recording
+from torsionnet.signals.record_blocks import Recordings, in_order, stacked
 
 HALF_LENGTH = 10
 """Samples *after* decimation on either side of the filter's centre."""
@@ -28,7 +28,7 @@ def decimate(recording: Recording, factor: int) -> Recording:
 
     Examples
     --------
-    >>> from torsionnet.signals.recording import Signal
+    >>> from torsionnet.response.recording import Signal
     >>> record = Recording((Signal("T", "torque", np.ones(20_000)),), sampling_rate=10e3)
     >>> short = decimate(record, 50)
     >>> len(short), short.sampling_rate

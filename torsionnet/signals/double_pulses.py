@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.signals.recording import FloatArray
+from torsionnet.response.recording import FloatArray
 
 NEIGHBOURS = 5
 WIDE = 9

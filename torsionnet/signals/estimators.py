@@ -9,15 +9,15 @@ from typing import Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.estimation import Estimation
+from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals import transfer_matrices
 from torsionnet.signals.advice import remarks
-from torsionnet.signals.blocks import Recordings
 from torsionnet.signals.decimation import decimate
 from torsionnet.signals.origin import averaging, remembering
-from torsionnet.signals.recording import FloatArray, Recording
+from torsionnet.signals.record_blocks import Recordings
 from torsionnet.signals.resolution import Watch, limited
 from torsionnet.signals.spectra import cross_spectra
 from torsionnet.signals.spectral_matrix import ComplexArray, CrossSpectra
@@ -71,7 +71,7 @@ def estimate(
 
     Examples
     --------
-    >>> from torsionnet.signals.recording import Recording, Signal
+    >>> from torsionnet.response.recording import Recording, Signal
     >>> torque = np.random.default_rng(1).normal(size=5000)
     >>> record = Recording((Signal("T", "torque", torque), Signal("theta", "angle", 0.01 * torque)), 100)
     >>> response = estimate(record, "theta", "T")

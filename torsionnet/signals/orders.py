@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.errors import UsageError
-from torsionnet.signals.blocks import check_processable
+from torsionnet.core.errors import UsageError
+from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.harmonics import sweep_cycles
-from torsionnet.signals.recording import FloatArray, Recording
+from torsionnet.signals.record_blocks import check_processable
 
 LARGEST_SIZE = 20_000_000
 
@@ -77,7 +77,7 @@ def order_map(
 
     Examples
     --------
-    >>> from torsionnet.signals.recording import Signal
+    >>> from torsionnet.response.recording import Signal
     >>> time = np.arange(20_000) / 1000
     >>> turns = 10 * time + time**2
     >>> record = Recording((Signal("T", "torque", 3 * np.sin(2 * np.pi * 2 * turns)),), sampling_rate=1000)

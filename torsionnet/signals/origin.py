@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from torsionnet.response.estimation import Estimation
-from torsionnet.signals.recording import Recording
+from torsionnet.response.recording import Recording
 from torsionnet.signals.resolution import step_of, swept
 from torsionnet.signals.spectral_matrix import CrossSpectra
 

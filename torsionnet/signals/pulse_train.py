@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from torsionnet.errors import UsageError
-from torsionnet.signals.recording import FloatArray
+from torsionnet.core.errors import UsageError
+from torsionnet.response.recording import FloatArray
 
 LOW, HIGH = 1.0, 99.0
 """Percentiles that are taken for the two levels."""

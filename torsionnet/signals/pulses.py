@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
+from torsionnet.response.recording import FloatArray
 from torsionnet.signals.double_pulses import NEIGHBOURS, around, without_double
-from torsionnet.signals.recording import FloatArray
 
 MOST_CHANGE = 1.5
 """Ratio of neighbouring intervals that a change of speed may explain."""

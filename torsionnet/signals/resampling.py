@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from torsionnet.errors import UsageError
-from torsionnet.signals.recording import FloatArray, Recording, Signal
+from torsionnet.core.errors import UsageError
+from torsionnet.response.recording import FloatArray, Recording, Signal
 from torsionnet.signals.timing import gaps
 
 SLOWER = 0.99

@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.advice import resolution_limit
 from torsionnet.signals.decimation import USABLE
-from torsionnet.signals.recording import FloatArray, Recording
 
 ENOUGH, LOST = 4.0, 0.5
 """Steps per amplitude at which the quantiser's error is a few percent, and below which a change may go unseen."""
@@ -88,7 +88,7 @@ def resolution(recording: Recording, output: str, input: str, seconds: float = 2
 
     Examples
     --------
-    >>> from torsionnet.signals.recording import Signal
+    >>> from torsionnet.response.recording import Signal
     >>> time = np.arange(40_000) / 1000
     >>> sine = np.sin(2 * np.pi * (1 + 0.25 * time) * time)
     >>> angle = 0.1 * np.round(sine / (1 + 0.25 * time) ** 2 / 0.1)

@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.signals.blocks import check_processable, stacked
+from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.detrending import Trend, without_trend
-from torsionnet.signals.recording import FloatArray, Recording
+from torsionnet.signals.record_blocks import check_processable, stacked
 
 ComplexArray = NDArray[np.complex128]
 Names = str | Sequence[str]

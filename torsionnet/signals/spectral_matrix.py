@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.errors import UsageError, did_you_mean
+from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response import Channel
-from torsionnet.signals.recording import FloatArray
+from torsionnet.response.recording import FloatArray
 from torsionnet.signals.welch import Welch
 
 ComplexArray = NDArray[np.complex128]

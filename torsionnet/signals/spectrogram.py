@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.errors import UsageError
-from torsionnet.signals.blocks import check_processable
+from torsionnet.core.errors import UsageError
+from torsionnet.response.recording import FloatArray, Recording
 from torsionnet.signals.decimation import decimate
 from torsionnet.signals.detrending import without_trend
-from torsionnet.signals.recording import FloatArray, Recording
+from torsionnet.signals.record_blocks import check_processable
 from torsionnet.signals.welch import Welch
 
 
@@ -63,7 +63,7 @@ def spectrogram(recording: Recording, name: str, settings: Welch | None = None) 
 
     Examples
     --------
-    >>> from torsionnet.signals.recording import Signal
+    >>> from torsionnet.response.recording import Signal
     >>> time = np.arange(2000) / 200
     >>> record = Recording((Signal("T", "torque", 10 * np.sin(2 * np.pi * 30 * time)),), sampling_rate=200)
     >>> seen = spectrogram(record, "T")

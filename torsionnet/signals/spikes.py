@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.signals.recording import FloatArray
+from torsionnet.response.recording import FloatArray
 
 REACH = 50
 """Samples on either side that say how much the signal usually turns and changes from one to the next."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.signals.recording import FloatArray
+from torsionnet.response.recording import FloatArray
 
 GAP = 1.9  # of the usual interval: one sample is missing
 

@@ -18,12 +18,12 @@ from itertools import islice
 from typing import TypeAlias
 
 from torsionnet.assembly.system import Assembly
-from torsionnet.elements import Law
-from torsionnet.elimination import exact
-from torsionnet.kinematics import exact_row
+from torsionnet.model.elements import Law
+from torsionnet.model.elimination import exact
+from torsionnet.model.kinematics import exact_row
 from torsionnet.solve.modular import Coefficients, determinant, interpolated, primes, rational, residue, square_free
-from torsionnet.solve.question import Question
 from torsionnet.solve.refine import least_fill
+from torsionnet.solve.transfer_request import TransferRequest
 
 MAX_PRIMES = 40
 """Coefficients of repeated factors up to some 700 digits."""
@@ -39,7 +39,7 @@ class Bordered:
     n_coordinates: int
 
     @classmethod
-    def of(cls, assembly: Assembly, question: Question) -> Bordered:
+    def of(cls, assembly: Assembly, question: TransferRequest) -> Bordered:
         index = {name: number for number, name in enumerate(assembly.kinematics.coordinates)}
         n, m = len(index), len(question.excitations)
         powers: tuple[list[ExactRow], ...] = tuple([{} for _ in range(n + m)] for _ in range(3))

@@ -11,10 +11,10 @@ from scipy.fft import next_fast_len
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import Functional
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.channels import Input
-from torsionnet.errors import UsageError
-from torsionnet.solve.question import Question, ask
+from torsionnet.core.errors import UsageError
+from torsionnet.model.channels import Input
 from torsionnet.solve.transfer import responses
+from torsionnet.solve.transfer_request import TransferRequest, ask
 
 
 def by_spectrum(
@@ -49,7 +49,9 @@ def by_spectrum(
     return np.asarray(motion[:, :count])
 
 
-def _question(drivetrain: AssembledModel, readings: Sequence[Functional], excitations: Sequence[Input]) -> Question:
+def _question(
+    drivetrain: AssembledModel, readings: Sequence[Functional], excitations: Sequence[Input]
+) -> TransferRequest:
     node = next(iter(drivetrain.nodes))
     nodes = [load.of for load in excitations]
     return replace(ask(drivetrain, [node], nodes, None), outputs=tuple(readings))

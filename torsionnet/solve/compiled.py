@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray
-from torsionnet.errors import MissingExtraError
+from torsionnet.core.errors import MissingExtraError
 from torsionnet.solve import tape as ops
 from torsionnet.solve.doubt import LARGE, SHARE
 from torsionnet.solve.tape import Tape

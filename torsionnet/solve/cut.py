@@ -16,13 +16,13 @@ import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import port_of
-from torsionnet.channels import ELEMENT_QUANTITIES, Input, Sensor
-from torsionnet.definition import Definition, all_nodes
-from torsionnet.elements import GROUND, Element
-from torsionnet.errors import SolveError, UsageError
+from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.model.channels import ELEMENT_QUANTITIES, Input, Sensor
+from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.elements import GROUND, Element
 from torsionnet.response import Modes
-from torsionnet.solve.question import as_sensor, ask
 from torsionnet.solve.reduction import require_resistance
+from torsionnet.solve.transfer_request import as_sensor, ask
 
 Found: TypeAlias = tuple[Modes, tuple[str, ...]]
 

@@ -6,13 +6,13 @@ import numpy as np
 
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray
-from torsionnet.solve.problem import Problem
+from torsionnet.solve.response_problem import ResponseProblem
 from torsionnet.solve.sweep import Sweep
 
 BLOCK_BYTES = 32 * 2**20
 
 
-def respond(problem: Problem, kappa: LawStiffness) -> Sweep:
+def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
     """As :func:`torsionnet.solve.starmesh.respond`, without a word on digits lost."""
     by_law, n_lanes = kappa.by_law, kappa.n_lanes
     values = np.zeros((problem.n_read, len(problem.excitations), n_lanes), dtype=complex)
@@ -24,13 +24,13 @@ def respond(problem: Problem, kappa: LawStiffness) -> Sweep:
     return Sweep(values, np.zeros(n_lanes, dtype=bool))
 
 
-def _columns(problem: Problem) -> int:
+def _columns(problem: ResponseProblem) -> int:
     given = [j for row in problem.laws for j in row]
     given += [j for one in problem.excitations for j in (*one.load, *one.motion)]
     return max([problem.n_free, *(j + 1 for j in given), *(j + 1 for j in problem.reactions)])
 
 
-def _respond(problem: Problem, kappa: ComplexArray) -> ComplexArray:
+def _respond(problem: ResponseProblem, kappa: ComplexArray) -> ComplexArray:
     """Outputs and reactions (n_f, n_read, n_exc)."""
     n, free = _columns(problem), slice(0, problem.n_free)
     given, n_exc = slice(problem.n_free, n), len(problem.excitations)
@@ -47,7 +47,7 @@ def _respond(problem: Problem, kappa: ComplexArray) -> ComplexArray:
     return np.concatenate([rows @ motion, load[reacted] - D[:, reacted] @ motion], axis=1)
 
 
-def _assembled(problem: Problem, kappa: ComplexArray, n: int) -> ComplexArray:
+def _assembled(problem: ResponseProblem, kappa: ComplexArray, n: int) -> ComplexArray:
     """D (n_f, n, n): each law adds kappa a a^T, which touches the few entries where its row is not zero."""
     stiffness = np.zeros((len(kappa), n, n), dtype=complex)
     for law, row in enumerate(problem.laws):

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
-from torsionnet.solve import frozen
+from torsionnet.solve import frozen_stiffness
 from torsionnet.solve.lowest import Motions, lowest_vibrations
 from torsionnet.solve.reduction import LARGE, AnyArray, acting, resisting, restricted, stiff_laws, subspaces
 from torsionnet.solve.spectrum import physical, refined, solve
@@ -91,12 +91,12 @@ def complex_modes(
     if system.dynamic:
         omega, shapes = undamped_modes(system) if undamped is None else undamped
         starts = [(float(omega[i]), shapes[:, i].astype(complex)) for i in np.flatnonzero(omega)]
-        found = frozen.modes(system, spaces, starts)
+        found = frozen_stiffness.modes(system, spaces, starts)
         passive = is_passive(system, found.values)
     else:
         spectrum = refined(solve(system, spaces, system.stiffness, undamped=not np.any(system.damping > 0)))
         kept, real = physical(spectrum)
-        found = frozen.Found.all_converged(spectrum, kept, real)
+        found = frozen_stiffness.Found.all_converged(spectrum, kept, real)
         passive = True
     return _sorted_solution(spaces.rigid, found, passive=passive).first(lowest)
 
@@ -117,7 +117,7 @@ def is_passive(system: RowSystem, eigenvalues: ComplexArray) -> bool:
     return all(bool(np.all(law(omega).imag >= 0)) for _, law in system.dynamic)
 
 
-def _sorted_solution(rigid: FloatArray, found: frozen.Found, *, passive: bool) -> EigenSolution:
+def _sorted_solution(rigid: FloatArray, found: frozen_stiffness.Found, *, passive: bool) -> EigenSolution:
     order = np.argsort(np.abs(found.values), kind="stable")
     n_rigid, real = rigid.shape[1], found.real[order]
     values = np.where(real, found.values[order].real, found.values[order])
@@ -183,14 +183,16 @@ def _undamped_modes(system: RowSystem, lowest: int | None) -> tuple[FloatArray, 
             return _sorted_undamped(motions.rigid, few, lowest)
     spaces = subspaces(system, stiff, undamped)
     if system.dynamic:
-        found = frozen.modes(system, spaces, undamped=True)
+        found = frozen_stiffness.modes(system, spaces, undamped=True)
     else:
         spectrum = refined(solve(system, spaces, system.stiffness, undamped=True))
-        found = frozen.Found.all_converged(spectrum, *physical(spectrum))
+        found = frozen_stiffness.Found.all_converged(spectrum, *physical(spectrum))
     return _sorted_undamped(spaces.rigid, found, lowest)
 
 
-def _sorted_undamped(rigid: FloatArray, found: frozen.Found, lowest: int | None) -> tuple[FloatArray, FloatArray]:
+def _sorted_undamped(
+    rigid: FloatArray, found: frozen_stiffness.Found, lowest: int | None
+) -> tuple[FloatArray, FloatArray]:
     order = np.argsort(found.values.imag, kind="stable")
     omega = np.concatenate([np.zeros(rigid.shape[1]), found.values.imag[order]])
     shapes = np.hstack([rigid, found.shapes[:, order].real])

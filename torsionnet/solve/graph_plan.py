@@ -25,8 +25,15 @@ import collections
 import heapq
 from collections.abc import Iterable, Sequence
 
-from torsionnet.solve.plan import Motion, Pair, Passed, Plan, Reaction, Step
-from torsionnet.solve.row_algebra import Row, Table, clique, combined, common_motion
+from torsionnet.solve.elimination_plan import (
+    EliminatedPair,
+    EliminationPlan,
+    EliminationStep,
+    MotionStep,
+    Passed,
+    ReactionStep,
+)
+from torsionnet.solve.row_algebra import Row, RowTable, clique, combined, common_motion
 
 MOST_ROWS = 2
 """Rows on one coordinate, as a multiple of what links and grounds would be, from which on they become such."""
@@ -43,7 +50,7 @@ def make_plan(
     reactions: Sequence[int],
     *,
     turned: bool = False,
-) -> Plan:
+) -> EliminationPlan:
     """Plan for the motion of ``outputs`` and the torque on given columns.
 
     Parameters
@@ -78,8 +85,8 @@ class _Planner:
         self.n_free = n_free
         self.driving, self.driven = motions, {j for motion in motions for j in motion}
         self.reactions, self.open = reactions, set(reactions)
-        self.taken: dict[int, Reaction] = {}
-        self.laws, self.loads, self.motions = Table(), Table(), Table()
+        self.taken: dict[int, ReactionStep] = {}
+        self.laws, self.loads, self.motions = RowTable(), RowTable(), RowTable()
         self.scale: dict[int, float] | None = None
         self.sources = self._sources(laws)
         self.weights = [(e, self._load(row)) for e, row in enumerate(loads)]
@@ -91,12 +98,12 @@ class _Planner:
         free = (j for table in (self.motions, self.laws) for row in table.rows for j in row if j < self.n_free)
         self.last = next(free, None) if self.last is None else None
 
-    def plan(self) -> Plan:
+    def plan(self) -> EliminationPlan:
         steps = tuple(self._step(coordinate) for coordinate in self._order())
         for column in self.open:
             self.taken[column] = self._reaction(column)
         weights = [(found[0], e, found[1]) for e, found in self.weights if found]
-        return Plan(
+        return EliminationPlan(
             sources=self.sources,
             n_slots=len(self.laws.rows),
             n_loads=len(self.loads.rows),
@@ -183,7 +190,7 @@ class _Planner:
 
     # --- steps ------------------------------------------------------------------------------------------------------
 
-    def _step(self, v: int) -> Step:
+    def _step(self, v: int) -> EliminationStep:
         handed_on = (*self._settled(), *self._split(v))
         slots, loads = self.laws.take(v), self.loads.take(v)
         rows = [self.laws.rows[slot] for slot in slots]
@@ -192,7 +199,7 @@ class _Planner:
         motions = tuple(self._read(v, number, rows, bool(loads)) for number in self.motions.take(v))
         shared = {*(pair.i for pair in pairs), *(part.i for part in passed)}
         shared |= {i for motion in motions for i, _, _ in motion.parts}
-        return Step(
+        return EliminationStep(
             coordinate=v,
             handed_on=handed_on,
             terms=tuple((slot, row[v] * row[v]) for slot, row in zip(slots, rows, strict=True)),
@@ -203,12 +210,12 @@ class _Planner:
             shared=tuple(sorted(shared)),
         )
 
-    def _pairs(self, v: int, rows: Sequence[Row]) -> Iterable[Pair]:
+    def _pairs(self, v: int, rows: Sequence[Row]) -> Iterable[EliminatedPair]:
         for i, first in enumerate(rows):
             for j in range(i + 1, len(rows)):
                 found = self._law(combined(first, rows[j], v))
                 if found:
-                    yield Pair(i, j, found[1] * found[1], found[0])
+                    yield EliminatedPair(i, j, found[1] * found[1], found[0])
 
     def _passed(self, v: int, slot: int, rows: Sequence[Row]) -> Iterable[Passed]:
         row = self.loads.rows[slot]
@@ -217,13 +224,13 @@ class _Planner:
             if found:
                 yield Passed(slot, i, law[v] * found[1], found[0])
 
-    def _read(self, v: int, number: int, rows: Sequence[Row], loaded: bool) -> Motion:
+    def _read(self, v: int, number: int, rows: Sequence[Row], loaded: bool) -> MotionStep:
         row, parts = self.motions.rows[number], []
         for i, law in enumerate(rows):
             found = self._motion(combined(row, law, v))
             if found:
                 parts.append((i, law[v] * found[1], found[0]))
-        return Motion(number, row[v] if loaded else 0.0, tuple(parts))
+        return MotionStep(number, row[v] if loaded else 0.0, tuple(parts))
 
     def _split(self, v: int) -> Iterable[tuple[int, tuple[tuple[int, float], ...]]]:
         """Where rows on v would multiply, hand those that are not along the common motion to links and grounds."""
@@ -256,7 +263,7 @@ class _Planner:
                 self.open.discard(column)
                 yield self._handed_on(slot, [(self.laws.rows[slot], 1.0)])
 
-    def _reaction(self, column: int) -> Reaction:
+    def _reaction(self, column: int) -> ReactionStep:
         laws = []
         for slot in sorted(self.laws.touching.get(column, ())):
             row = self.laws.rows[slot]
@@ -264,4 +271,4 @@ class _Planner:
             if found:
                 laws.append((slot, -row[column] * found[1], found[0]))
         loads = [(slot, self.loads.rows[slot][column]) for slot in sorted(self.loads.touching.get(column, ()))]
-        return Reaction(tuple(laws), tuple(loads))
+        return ReactionStep(tuple(laws), tuple(loads))

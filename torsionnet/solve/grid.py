@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.response import Modes
 
 STEEPEST = 85.0

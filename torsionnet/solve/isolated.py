@@ -16,7 +16,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve.reduction import AnyArray
-from torsionnet.solve.refine import CONVERGED, DIGITS, Polynomial, eliminate, size_of
+from torsionnet.solve.refine import CONVERGED, DIGITS, MatrixPolynomial, eliminate, size_of
 
 APART = 1e3
 """Distance from every other root, zero included, in uncertainties of either."""
@@ -41,7 +41,7 @@ def free_space(roots: AnyArray, errors: FloatArray) -> FloatArray:
     return np.where(space > blur, space, 0.0)
 
 
-def settle(p: Polynomial, start: complex, shape: ComplexArray, space: float) -> tuple[Any, ComplexArray] | None:
+def settle(p: MatrixPolynomial, start: complex, shape: ComplexArray, space: float) -> tuple[Any, ComplexArray] | None:
     """The root of the symmetric P that lies alone around the start, and its shape; None where it is not reached."""
     import mpmath
 
@@ -62,7 +62,7 @@ def settle(p: Polynomial, start: complex, shape: ComplexArray, space: float) -> 
     return None
 
 
-def _quotient(p: Polynomial, vector: list[Any], z: Any) -> Any:
+def _quotient(p: MatrixPolynomial, vector: list[Any], z: Any) -> Any:
     """The root of q^T P(z) q next to z by Newton's iteration, or None."""
     powers: list[Any] = [0] * max(len(coefficients) for _, _, coefficients in p.entries)
     for i, j, coefficients in p.entries:

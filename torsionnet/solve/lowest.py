@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
-from torsionnet.errors import SolveError
-from torsionnet.solve.frozen import Found
+from torsionnet.core.errors import SolveError
+from torsionnet.solve.frozen_stiffness import Found
 from torsionnet.solve.nullspace import null_space, rows_of
 from torsionnet.solve.reduction import AnyArray, acting, echelon, require_resistance, resisting, restricted
 from torsionnet.solve.spectrum import MAX_OPERATIONS

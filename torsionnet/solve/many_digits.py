@@ -15,12 +15,12 @@ import numpy as np
 
 from torsionnet.assembly.functionals import Functional, Term
 from torsionnet.assembly.system import Assembly
-from torsionnet.channels import Input
-from torsionnet.elimination import exact
-from torsionnet.errors import SolveError
-from torsionnet.kinematics import exact_row, pseudo_node
-from torsionnet.solve.question import Question
+from torsionnet.core.errors import SolveError
+from torsionnet.model.channels import Input
+from torsionnet.model.elimination import exact
+from torsionnet.model.kinematics import exact_row, pseudo_node
 from torsionnet.solve.refine import eliminate
+from torsionnet.solve.transfer_request import TransferRequest
 
 DIGITS = 200
 TRUSTED = 0.55
@@ -54,7 +54,7 @@ class _Law:
 class ManyDigits:
     """A question to an assembly, in as many digits as ``mpmath.workdps`` says, within which it is to be used."""
 
-    def __init__(self, assembly: Assembly, question: Question) -> None:
+    def __init__(self, assembly: Assembly, question: TransferRequest) -> None:
         self.question = question
         self.place = {name: index for index, name in enumerate(assembly.kinematics.coordinates)}
         self.imposed = [pseudo_node(name) for name in assembly.kinematics.imposed]

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray, Rows, RowSystem
 from torsionnet.assembly.system import Assembly
-from torsionnet.channels import Sensor
-from torsionnet.errors import TorsionnetWarning, UsageError
+from torsionnet.core.errors import TorsionnetWarning, UsageError
+from torsionnet.model.channels import Sensor
 from torsionnet.response import Modes
 from torsionnet.solve.cut import poles_of_measured
 from torsionnet.solve.eigen import EigenSolution, complex_modes, scaled, undamped_modes
+from torsionnet.solve.mode_words import describe, uncertain, unsettled
 from torsionnet.solve.reduction import LARGE
 from torsionnet.solve.repeated import with_chosen_shapes
-from torsionnet.solve.words import describe, uncertain, unsettled
 
 
 def modes(

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray, RowSystem
-from torsionnet.elimination import reduce_rows
+from torsionnet.model.elimination import reduce_rows
 
 SparseRow: TypeAlias = Mapping[int, float]
 

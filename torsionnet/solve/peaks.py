@@ -9,7 +9,7 @@ from typing import TypeAlias
 
 import numpy as np
 
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.frequency_response import FloatArray
 

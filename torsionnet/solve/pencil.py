@@ -16,17 +16,17 @@ from numpy.typing import NDArray
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
-from torsionnet.elimination import reduce_rows
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
+from torsionnet.model.elimination import reduce_rows
 from torsionnet.response import Modes
 from torsionnet.response.modes import OSCILLATORY, REAL, RIGID
 from torsionnet.solve import refine
 from torsionnet.solve.bordered import Bordered
 from torsionnet.solve.eigen import scaled
-from torsionnet.solve.question import Question
+from torsionnet.solve.mode_words import uncertain
 from torsionnet.solve.reduction import acting
 from torsionnet.solve.spectrum import MAX_OPERATIONS, REFINE_ABOVE, affordable, in_pairs, on_real_axis
-from torsionnet.solve.words import uncertain
+from torsionnet.solve.transfer_request import TransferRequest
 
 BALANCING = 10
 SAFETY = 10.0
@@ -43,7 +43,7 @@ class Roots:
     errors: FloatArray
 
 
-def measured_poles(drivetrain: AssembledModel, question: Question) -> tuple[Modes, tuple[str, ...]]:
+def measured_poles(drivetrain: AssembledModel, question: TransferRequest) -> tuple[Modes, tuple[str, ...]]:
     """Poles against measured inputs that do not cut the drivetrain in two, and what is doubtful about them.
 
     Raises

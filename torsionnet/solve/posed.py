@@ -14,14 +14,14 @@ from torsionnet.assembly.functionals import Functional, Term, coefficient
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
-from torsionnet.channels import Input
-from torsionnet.kinematics import exact_row
-from torsionnet.solve.plan import felt
-from torsionnet.solve.problem import Excitation, Problem
+from torsionnet.model.channels import Input
+from torsionnet.model.kinematics import exact_row
+from torsionnet.solve.elimination_plan import felt
+from torsionnet.solve.response_problem import Loading, ResponseProblem
 from torsionnet.solve.row_algebra import Row
 
 
-class Part(NamedTuple):
+class ReadingPart(NamedTuple):
     """A share of a reading: coefficient of ``term``, or else ``factor``, times number ``solved`` of what is solved."""
 
     solved: int
@@ -44,13 +44,13 @@ class Gap:
 
 
 @dataclass(frozen=True, eq=False)
-class Posed:
+class PosedProblem:
     """A problem, and what its solution says about every reading.
 
     Attributes
     ----------
-    problem : Problem
-    parts : tuple of Part
+    problem : ResponseProblem
+    parts : tuple of ReadingPart
         What every reading is.
     terms : tuple of (Part, ...)
         Of measured inputs, what their size is compared with: the reading written out as terms of motion.
@@ -58,9 +58,9 @@ class Posed:
         The share of applied torques in that.
     """
 
-    problem: Problem
-    parts: tuple[Part, ...]
-    terms: tuple[tuple[Part, ...], ...]
+    problem: ResponseProblem
+    parts: tuple[ReadingPart, ...]
+    terms: tuple[tuple[ReadingPart, ...], ...]
     applied: FloatArray
 
     def felt_by(self, reading: int) -> frozenset[int]:
@@ -72,14 +72,14 @@ class Posed:
         return frozenset(found)
 
     @cached_property
-    def turned(self) -> Posed:
+    def turned(self) -> PosedProblem:
         """The same, but for another order of elimination."""
         return replace(self, problem=self.problem.otherwise)
 
 
 def pose(
     assembly: Assembly, outputs: Sequence[Functional], measured: Sequence[Functional], excitations: Sequence[Input]
-) -> Posed:
+) -> PosedProblem:
     """The problem behind outputs and measured inputs."""
     readings = [*outputs, *measured]
     rows, gaps = _Rows(), _Gaps()
@@ -87,11 +87,11 @@ def pose(
         gaps.part(reading) if reading.reactions or len(reading.own) != 1 else rows.part(reading.own[0])
         for reading in readings
     ]
-    terms: list[tuple[Part, ...]] = [() for _ in outputs]
+    terms: list[tuple[ReadingPart, ...]] = [() for _ in outputs]
     terms += [tuple(rows.part(term) for term in reading.terms) for reading in measured]
     n_given = assembly.system.n_coordinates + len(assembly.kinematics.imposed)
     columns = dict(enumerate(gaps.found, n_given))
-    problem = Problem(
+    problem = ResponseProblem(
         _laws(assembly, columns),
         assembly.system.n_coordinates,
         tuple(_excitation(assembly, one, columns) for one in excitations),
@@ -103,7 +103,7 @@ def pose(
         for column, one in enumerate(excitations):
             applied[number, column] = float(reading.applied(one.of)) if one.quantity == "torque" else 0.0
     parts = (part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in found)
-    return Posed(problem, tuple(parts), tuple(terms), applied)
+    return PosedProblem(problem, tuple(parts), tuple(terms), applied)
 
 
 def _laws(assembly: Assembly, gaps: Mapping[int, Gap]) -> Sequence[Row]:
@@ -115,12 +115,12 @@ def _laws(assembly: Assembly, gaps: Mapping[int, Gap]) -> Sequence[Row]:
     return laws
 
 
-def _excitation(assembly: Assembly, excitation: Input, gaps: Mapping[int, Gap]) -> Excitation:
+def _excitation(assembly: Assembly, excitation: Input, gaps: Mapping[int, Gap]) -> Loading:
     effect = assembly.columns_of(exact_row(assembly.kinematics.reduced({excitation.of: 1})))
     if excitation.quantity == "angle":
-        return Excitation(motion=effect)
+        return Loading(motion=effect)
     at_gaps = {j: float(gap.nodes[excitation.of]) for j, gap in gaps.items() if excitation.of in gap.nodes}
-    return Excitation(load={**effect, **at_gaps})
+    return Loading(load={**effect, **at_gaps})
 
 
 @dataclass
@@ -130,11 +130,11 @@ class _Rows:
     rows: list[Row] = field(default_factory=list)
     numbers: dict[frozenset[tuple[int, float]], int] = field(default_factory=dict)
 
-    def part(self, term: Term) -> Part:
+    def part(self, term: Term) -> ReadingPart:
         number = self.numbers.setdefault(frozenset(term.columns.items()), len(self.rows))
         if number == len(self.rows):
             self.rows.append(dict(term.columns))
-        return Part(number, term)
+        return ReadingPart(number, term)
 
 
 @dataclass
@@ -144,7 +144,7 @@ class _Gaps:
     found: list[Gap] = field(default_factory=list)
     numbers: dict[tuple[frozenset[tuple[Any, Fraction]], ...], int] = field(default_factory=dict)
 
-    def part(self, reading: Functional) -> Part:
+    def part(self, reading: Functional) -> ReadingPart:
         """All terms of the torque as one: where they cancel, their exact coefficients do so beforehand."""
         laws: dict[int, Fraction] = {}
         for term in reading.terms:
@@ -158,4 +158,4 @@ class _Gaps:
         number = self.numbers.setdefault((frozenset(laws.items()), frozenset(nodes.items())), len(self.found))
         if number == len(self.found):
             self.found.append(Gap(laws, nodes))
-        return Part(number, None, float(factor))
+        return ReadingPart(number, None, float(factor))

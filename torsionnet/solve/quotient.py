@@ -13,12 +13,12 @@ from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve import dense, starmesh
 from torsionnet.solve.doubt import SHARE
-from torsionnet.solve.posed import Posed
-from torsionnet.solve.problem import Problem
-from torsionnet.solve.question import Question
+from torsionnet.solve.posed import PosedProblem
+from torsionnet.solve.response_problem import ResponseProblem
 from torsionnet.solve.sweep import Sweep
+from torsionnet.solve.transfer_request import TransferRequest
 
-Respond: TypeAlias = Callable[[Problem, LawStiffness], Sweep]
+Respond: TypeAlias = Callable[[ResponseProblem, LawStiffness], Sweep]
 METHODS: dict[str, Respond] = {
     "auto": starmesh.respond,
     "graph": starmesh.respond_in_numpy,
@@ -36,7 +36,9 @@ class Lanes:
     doubtful: NDArray[np.bool_]
 
 
-def transfer_functions(question: Question, kappa: LawStiffness, method: str = "auto", *, turned: bool = False) -> Lanes:
+def transfer_functions(
+    question: TransferRequest, kappa: LawStiffness, method: str = "auto", *, turned: bool = False
+) -> Lanes:
     """Outputs over inputs; ``turned``: by another order of elimination."""
     posed, n_out = question.posed.turned if turned else question.posed, len(question.outputs)
     found = METHODS[method](posed.problem, kappa)
@@ -51,7 +53,7 @@ def transfer_functions(question: Question, kappa: LawStiffness, method: str = "a
     return Lanes(values, conditioning, doubtful)
 
 
-def _readings(posed: Posed, kappa: LawStiffness, solved: ComplexArray) -> ComplexArray:
+def _readings(posed: PosedProblem, kappa: LawStiffness, solved: ComplexArray) -> ComplexArray:
     """Readings (n_lanes, n_readings, n_exc)."""
     values = np.empty((kappa.n_lanes, len(posed.parts), solved.shape[1]), dtype=complex)
     for number, part in enumerate(posed.parts):
@@ -59,7 +61,7 @@ def _readings(posed: Posed, kappa: LawStiffness, solved: ComplexArray) -> Comple
     return values
 
 
-def _shares(posed: Posed, kappa: LawStiffness, solved: ComplexArray, measured: ComplexArray) -> FloatArray:
+def _shares(posed: PosedProblem, kappa: LawStiffness, solved: ComplexArray, measured: ComplexArray) -> FloatArray:
     """How large measured inputs (n_lanes, n_in, n_exc) are against the sums of their terms' magnitudes."""
     sizes = np.zeros(measured.shape)
     first = len(posed.parts) - measured.shape[1]

@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray, Rows, RowSystem
-from torsionnet.errors import SolveError
+from torsionnet.core.errors import SolveError
 from torsionnet.solve.nullspace import null_space, rows_of
 
 AnyArray: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]

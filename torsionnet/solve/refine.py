@@ -36,7 +36,7 @@ Entry = tuple[int, int, tuple[Any, ...]]
 
 
 @dataclass(frozen=True)
-class Polynomial:
+class MatrixPolynomial:
     """sum_d rows^T diag(coefficients[d]) rows z^d, entry by entry in mpmath numbers; nonzero entries only.
 
     The coordinates are renumbered in the order of elimination; `place[j]` is the new number of coordinate j.
@@ -67,7 +67,7 @@ class Polynomial:
         return result
 
 
-def polynomial(rows: Rows, coefficients: Sequence[NDArray[np.generic]]) -> Polynomial:
+def polynomial(rows: Rows, coefficients: Sequence[NDArray[np.generic]]) -> MatrixPolynomial:
     """Assemble sum_d rows^T diag(coefficients[d]) rows z^d at `DIGITS` digits from exact doubles."""
     import mpmath
 
@@ -85,7 +85,7 @@ def polynomial(rows: Rows, coefficients: Sequence[NDArray[np.generic]]) -> Polyn
     return _renumbered(rows.n_columns, {ij: tuple(total) for ij, total in sums.items() if any(total)})
 
 
-def exact_polynomial(size: int, entries: Mapping[tuple[int, int], Sequence[Fraction]]) -> Polynomial:
+def exact_polynomial(size: int, entries: Mapping[tuple[int, int], Sequence[Fraction]]) -> MatrixPolynomial:
     """A matrix polynomial from the rational coefficients of its entries, which need not be symmetric."""
     import mpmath
 
@@ -94,10 +94,10 @@ def exact_polynomial(size: int, entries: Mapping[tuple[int, int], Sequence[Fract
     return _renumbered(size, kept)
 
 
-def _renumbered(size: int, entries: Mapping[tuple[int, int], tuple[Any, ...]]) -> Polynomial:
+def _renumbered(size: int, entries: Mapping[tuple[int, int], tuple[Any, ...]]) -> MatrixPolynomial:
     place, operations = least_fill(size, entries)
     moved = tuple((place[i], place[j], total) for (i, j), total in entries.items())
-    return Polynomial(size, moved, place, operations)
+    return MatrixPolynomial(size, moved, place, operations)
 
 
 def least_fill(size: int, pattern: Iterable[tuple[int, int]]) -> tuple[tuple[int, ...], int]:
@@ -201,7 +201,7 @@ def _substitute(matrix: list[dict[int, Any]], right: list[Any], order: list[int]
     return [solution[j] for j in range(len(matrix))]
 
 
-def _inverse_newton(p: Polynomial, z: Any) -> Any:
+def _inverse_newton(p: MatrixPolynomial, z: Any) -> Any:
     """p'(z)/p(z), or None exactly on a root."""
     here, _ = eliminate(p.at(z))
     if here == 0:
@@ -212,7 +212,7 @@ def _inverse_newton(p: Polynomial, z: Any) -> Any:
 
 
 def refine_roots(
-    p: Polynomial,
+    p: MatrixPolynomial,
     roots: NDArray[np.float64] | ComplexArray,
     uncertain: NDArray[np.bool_],
     zeros: int,
@@ -222,7 +222,7 @@ def refine_roots(
 
     Parameters
     ----------
-    p : Polynomial
+    p : MatrixPolynomial
         P(z); det P has exactly the given roots and `zeros` zero roots.
     roots : (n,) array
         All nonzero finite roots with multiplicity, approximately.
@@ -252,7 +252,7 @@ def refine_roots(
     return z, not moving
 
 
-def _move(p: Polynomial, z: list[Any], j: int, zeros: int) -> bool:
+def _move(p: MatrixPolynomial, z: list[Any], j: int, zeros: int) -> bool:
     """Move root j by one Ehrlich-Aberth step; True when it stood still."""
     newton = _inverse_newton(p, z[j])
     if newton is None:
@@ -263,7 +263,7 @@ def _move(p: Polynomial, z: list[Any], j: int, zeros: int) -> bool:
     return bool(size_of(step) <= CONVERGED * size_of(z[j]))
 
 
-def newton(p: Polynomial, start: complex) -> Any:
+def newton(p: MatrixPolynomial, start: complex) -> Any:
     """The simple root of det P next to a good approximation, or None where it is not found."""
     import mpmath
 
@@ -289,7 +289,7 @@ def _set_apart(
     return np.where(uncertain, nonzero * (1 + turn * np.clip(spread, 1e-13, 1e-2)), roots)
 
 
-def refine_vector(p: Polynomial, z: Any, vector: ComplexArray) -> ComplexArray:
+def refine_vector(p: MatrixPolynomial, z: Any, vector: ComplexArray) -> ComplexArray:
     """One step of inverse iteration P(z (1 + tiny)) q' = P'(z) q, scaled to max |q'| = 1."""
     import mpmath
 

@@ -85,7 +85,7 @@ def common_motion(rows: Iterable[Mapping[int, float]]) -> dict[int, float]:
 
 
 @dataclass
-class Table:
+class RowTable:
     """Rows up to a factor, each with a number, found by the columns they touch."""
 
     numbers: dict[Key, int] = field(default_factory=dict)

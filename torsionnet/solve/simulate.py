@@ -18,13 +18,13 @@ from scipy import linalg
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import Functional
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.channels import Input, Sensor
-from torsionnet.errors import UsageError
-from torsionnet.signals.recording import Recording, Signal
+from torsionnet.core.errors import UsageError
+from torsionnet.model.channels import Input, Sensor
+from torsionnet.response.recording import Recording, Signal
 from torsionnet.solve.by_spectrum import by_spectrum
-from torsionnet.solve.question import ask
 from torsionnet.solve.state_space import first_order, output_rows
-from torsionnet.solve.triangular import Block, blocks
+from torsionnet.solve.transfer_request import ask
+from torsionnet.solve.triangular import DiagonalBlock, blocks
 
 QUANTITIES = {"N*m": "torque", "rad": "angle", "rad/s": "velocity", "rad/s^2": "acceleration"}
 
@@ -83,7 +83,7 @@ def respond(
     return np.asarray(motion)
 
 
-def _stepped(block: Block, torques: FloatArray, h: float) -> FloatArray:
+def _stepped(block: DiagonalBlock, torques: FloatArray, h: float) -> FloatArray:
     """What one block adds to the outputs."""
     from scipy.signal import lfilter
 
@@ -103,7 +103,7 @@ def _stepped(block: Block, torques: FloatArray, h: float) -> FloatArray:
     return outputs
 
 
-def _first_order_hold(block: Block, h: float) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+def _first_order_hold(block: DiagonalBlock, h: float) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
     """exp(T h), G_0 and G_1 for a torque that runs straight from one sample to the next."""
     n, n_in = block.B.shape
     whole = np.zeros((n + 2 * n_in, n + 2 * n_in), dtype=complex)

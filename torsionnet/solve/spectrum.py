@@ -12,7 +12,7 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.solve.reduction import AnyArray, FirstOrder, Subspaces, first_order
 
 if TYPE_CHECKING:
-    from torsionnet.solve.refine import Polynomial
+    from torsionnet.solve.refine import MatrixPolynomial
 
 REFINE_ABOVE = 1e-10
 """Eigenvalues whose estimated relative error is larger are refined in mpmath."""
@@ -115,7 +115,9 @@ def refined(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spec
     return replace(spectrum, values=values, shapes=shapes, errors=errors)
 
 
-def _isolated_settled(spectrum: Spectrum, p: Polynomial, some: NDArray[np.intp]) -> tuple[Spectrum, NDArray[np.bool_]]:
+def _isolated_settled(
+    spectrum: Spectrum, p: MatrixPolynomial, some: NDArray[np.intp]
+) -> tuple[Spectrum, NDArray[np.bool_]]:
     """Those of ``some`` eigenvalues that cannot be taken for another exact to double precision, and which these are."""
     from torsionnet.solve.isolated import free_space, settle
     from torsionnet.solve.refine import CONVERGED, to_complex

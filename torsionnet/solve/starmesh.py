@@ -2,7 +2,7 @@
 
 >>> import numpy as np
 >>> from torsionnet.assembly.law_stiffness import LawStiffness
->>> from torsionnet.solve.problem import Excitation, Problem
+>>> from torsionnet.solve.response_problem import Excitation, Problem
 >>> rows = [{0: 1.0}, {1: 1.0}, {0: 1.0, 1: -1.0}]
 >>> free = Problem(rows, 2, (Excitation(load={0: 1.0}),), ({1: 1.0}, {0: 1.0, 1: -1.0}))
 >>> J, c, k = (np.array([values]) for values in ([1.0, 3.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1e9]))
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.solve.doubt import Array
-from torsionnet.solve.problem import Problem
+from torsionnet.solve.response_problem import ResponseProblem
 from torsionnet.solve.sweep import Sweep, sweep
 from torsionnet.solve.tape import Tape
 
@@ -33,7 +33,7 @@ WORTH = 1e9
 """Operations times lanes from which on the compiled loop saves more than the second or two that its start takes."""
 
 
-def respond(problem: Problem, kappa: LawStiffness) -> Sweep:
+def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
     """Outputs and reactions of a problem for dynamic stiffnesses of its laws in n_lanes lanes.
 
     Large problems take the compiled loop where it works. Only their size decides, so that a result does not depend on
@@ -45,12 +45,12 @@ def respond(problem: Problem, kappa: LawStiffness) -> Sweep:
     return respond_in_numpy(problem, kappa)
 
 
-def respond_in_numpy(problem: Problem, kappa: LawStiffness) -> Sweep:
+def respond_in_numpy(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
     """The same in numpy, however large."""
     return _respond(problem, kappa, sweep)
 
 
-def respond_compiled(problem: Problem, kappa: LawStiffness) -> Sweep:
+def respond_compiled(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
     """The same in the compiled loop, however small.
 
     Raises
@@ -63,7 +63,7 @@ def respond_compiled(problem: Problem, kappa: LawStiffness) -> Sweep:
     return _respond(problem, kappa, compiled.sweep)
 
 
-def _respond(problem: Problem, kappa: LawStiffness, walk: Walk) -> Sweep:
+def _respond(problem: ResponseProblem, kappa: LawStiffness, walk: Walk) -> Sweep:
     values = np.zeros((problem.n_read, len(problem.excitations), kappa.n_lanes), dtype=complex)
     doubtful = np.zeros(kappa.n_lanes, dtype=bool)
     with np.errstate(all="ignore"):

@@ -19,10 +19,10 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import Functional, functional
 from torsionnet.assembly.rows import FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
-from torsionnet.channels import Input, Sensor
-from torsionnet.errors import UsageError
-from torsionnet.solve.question import usable
+from torsionnet.core.errors import UsageError
+from torsionnet.model.channels import Input, Sensor
 from torsionnet.solve.reduction import null_basis, orthogonal_complement
+from torsionnet.solve.transfer_request import usable
 
 if TYPE_CHECKING:
     import control
@@ -31,7 +31,7 @@ NEGLIGIBLE = 1e-9
 
 
 @dataclass(frozen=True)
-class FirstOrder:
+class StateSpaceForm:
     """x' = A x + B u, and the coordinates q = X x + U u; ``states`` are the names of x."""
 
     A: FloatArray
@@ -90,7 +90,7 @@ def active_channels(drivetrain: AssembledModel) -> Channels:
     )
 
 
-def first_order(assembly: Assembly, inputs: Sequence[Input]) -> FirstOrder:
+def first_order(assembly: Assembly, inputs: Sequence[Input]) -> StateSpaceForm:
     """States of an assembly under torques on nodes.
 
     Raises
@@ -146,7 +146,7 @@ def _upright(basis: FloatArray) -> FloatArray:
 def _condensed(
     system: RowSystem, heavy: FloatArray, damped: FloatArray, static: FloatArray, loads: FloatArray,
     names: tuple[str, ...],
-) -> FirstOrder:  # fmt: skip
+) -> StateSpaceForm:  # fmt: skip
     M, C, K = system.M, system.C, system.K
     hold = np.linalg.solve(static.T @ K @ static, static.T) if static.shape[1] else np.zeros((0, len(K)))
     n_a, n_b = heavy.shape[1], damped.shape[1]
@@ -166,11 +166,11 @@ def _condensed(
     A[v] = -weight @ (heavy.T @ K @ X + drag @ damped @ A[b])
     A[v, v] -= weight @ drag @ heavy
     B[v] = weight @ (heavy.T @ (loads - K @ U) - drag @ damped @ B[b])
-    return FirstOrder(A, B, X, U, names)
+    return StateSpaceForm(A, B, X, U, names)
 
 
 def output_rows(
-    assembly: Assembly, reading: Functional, inputs: Sequence[Input], system: FirstOrder
+    assembly: Assembly, reading: Functional, inputs: Sequence[Input], system: StateSpaceForm
 ) -> tuple[FloatArray, FloatArray]:
     """Rows of C and D of a reading; the coefficients of u' and u'' have to vanish.
 

@@ -60,7 +60,7 @@ class Tape:
         return len(self.operations)
 
 
-class Quantity(NamedTuple):
+class TapeQuantity(NamedTuple):
     """``factor`` times what an operation gave; times one where ``name`` is negative."""
 
     name: int
@@ -80,34 +80,34 @@ class Writer:
         self.n_names += 1
         return self.n_names - 1
 
-    def name(self, quantity: Quantity) -> int:
+    def name(self, quantity: TapeQuantity) -> int:
         return quantity.name if quantity.name >= 0 else self.new(CONSTANT)
 
-    def plus(self, known: Quantity | None, term: Quantity, code: int = SUM) -> Quantity:
+    def plus(self, known: TapeQuantity | None, term: TapeQuantity, code: int = SUM) -> TapeQuantity:
         """The sum; ``known`` is None where there is nothing yet."""
         if known is None or not known.factor:
             return term
         if known.name < 0 and term.name < 0:
-            return Quantity(-1, known.factor + term.factor)
+            return TapeQuantity(-1, known.factor + term.factor)
         first, second = self.name(known), self.name(term)
-        return Quantity(self.new(code, first, second, term.factor / known.factor), known.factor)
+        return TapeQuantity(self.new(code, first, second, term.factor / known.factor), known.factor)
 
-    def times(self, first: Quantity, second: Quantity) -> Quantity:
+    def times(self, first: TapeQuantity, second: TapeQuantity) -> TapeQuantity:
         factor = first.factor * second.factor
         if first.name < 0 or second.name < 0:
-            return Quantity(max(first.name, second.name), factor)
-        return Quantity(self.new(PRODUCT, first.name, second.name), factor)
+            return TapeQuantity(max(first.name, second.name), factor)
+        return TapeQuantity(self.new(PRODUCT, first.name, second.name), factor)
 
-    def over(self, above: Quantity, below: Quantity) -> Quantity:
+    def over(self, above: TapeQuantity, below: TapeQuantity) -> TapeQuantity:
         factor = above.factor / below.factor
         if above.name < 0:
-            return Quantity(self.new(INVERSE, self.name(below)), factor)
-        return Quantity(self.new(QUOTIENT, above.name, self.name(below)), factor)
+            return TapeQuantity(self.new(INVERSE, self.name(below)), factor)
+        return TapeQuantity(self.new(QUOTIENT, above.name, self.name(below)), factor)
 
-    def watch(self, share: Quantity) -> None:
+    def watch(self, share: TapeQuantity) -> None:
         self.operations.append(Operation(WATCH, 0, share.name, 0, abs(share.factor)))
 
-    def output(self, number: int, value: Quantity) -> None:
+    def output(self, number: int, value: TapeQuantity) -> None:
         self.operations.append(Operation(OUTPUT, number, self.name(value), 0, value.factor))
 
     def tape(self, n_values: int) -> Tape:

@@ -17,14 +17,14 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.law_stiffness import law_stiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
-from torsionnet.channels import Sensor
-from torsionnet.checks.structure import rigid_motions
-from torsionnet.errors import TorsionnetWarning, UsageError
+from torsionnet.core.errors import TorsionnetWarning, UsageError
+from torsionnet.model.channels import Sensor
+from torsionnet.model.checks.structure import rigid_motions
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.solve.grid import Adaptive
 from torsionnet.solve.modes import modes
-from torsionnet.solve.question import Question, remembered
 from torsionnet.solve.quotient import METHODS, transfer_functions
+from torsionnet.solve.transfer_request import TransferRequest, remembered
 from torsionnet.solve.uncertain import settled
 from torsionnet.solve.zero import at_zero
 
@@ -65,7 +65,9 @@ def known_method(method: str) -> None:
         raise UsageError(msg)
 
 
-def chosen_frequencies(drivetrain: AssembledModel, frequencies: ArrayLike | Adaptive, question: Question) -> FloatArray:
+def chosen_frequencies(
+    drivetrain: AssembledModel, frequencies: ArrayLike | Adaptive, question: TransferRequest
+) -> FloatArray:
     """The frequencies asked for, Hz."""
     return _resolving(drivetrain, frequencies, question) if isinstance(frequencies, Adaptive) else _checked(frequencies)
 
@@ -77,7 +79,9 @@ class Evaluated(NamedTuple):
     conditioning: FloatArray
 
 
-def responses(drivetrains: Sequence[AssembledModel], question: Question, f: FloatArray, method: str) -> Evaluated:
+def responses(
+    drivetrains: Sequence[AssembledModel], question: TransferRequest, f: FloatArray, method: str
+) -> Evaluated:
     """Transfer functions of drivetrains with the same rows at frequencies >= 0."""
     assemblies, moving = [drivetrain.assembly for drivetrain in drivetrains], f > 0
     if moving.all():
@@ -91,7 +95,7 @@ def responses(drivetrains: Sequence[AssembledModel], question: Question, f: Floa
     return found
 
 
-def _static(drivetrain: AssembledModel, question: Question, method: str) -> ComplexArray:
+def _static(drivetrain: AssembledModel, question: TransferRequest, method: str) -> ComplexArray:
     """Values at zero frequency: the static solution where it is finite and beyond doubt, else the limit."""
     if not rigid_motions(drivetrain.assembly.kinematics):
         found = transfer_functions(question, law_stiffness([drivetrain.assembly.system], np.zeros(1)), method)
@@ -100,7 +104,7 @@ def _static(drivetrain: AssembledModel, question: Question, method: str) -> Comp
     return at_zero(drivetrain, question)
 
 
-def _resolving(drivetrain: AssembledModel, wanted: Adaptive, question: Question) -> FloatArray:
+def _resolving(drivetrain: AssembledModel, wanted: Adaptive, question: TransferRequest) -> FloatArray:
     """Frequencies that resolve the peaks of the drivetrain and, where inputs are measured, those of their poles."""
     found = [modes(drivetrain)]
     if question.is_measured and len(question.measured) == 1:
@@ -109,7 +113,7 @@ def _resolving(drivetrain: AssembledModel, wanted: Adaptive, question: Question)
     return wanted.frequencies(*found)
 
 
-def _excitation_node(drivetrain: AssembledModel, question: Question) -> str:
+def _excitation_node(drivetrain: AssembledModel, question: TransferRequest) -> str:
     names = [name for name, channel in drivetrain.inputs.items() if channel == question.excitations[0]]
     return names[0] if names else question.excitations[0].of
 
@@ -126,7 +130,7 @@ def _checked(frequencies: ArrayLike) -> FloatArray:
 
 
 def evaluate(
-    assemblies: Sequence[Assembly], question: Question, frequencies: FloatArray, method: str = "auto"
+    assemblies: Sequence[Assembly], question: TransferRequest, frequencies: FloatArray, method: str = "auto"
 ) -> Evaluated:
     """Transfer functions at frequencies > 0, and the conditioning of the measured inputs.
 
@@ -134,7 +138,7 @@ def evaluate(
     ----------
     assemblies : sequence of Assembly
         Variants with the same rows.
-    question : Question
+    question : TransferRequest
     frequencies : (n_f,) array
         Hz.
     method : str
@@ -149,7 +153,7 @@ def evaluate(
     return Evaluated(found.values.reshape(*shape, *found.values.shape[1:]), found.conditioning.reshape(shape))
 
 
-def _warn_poor(conditioning: FloatArray, question: Question, frequencies: FloatArray) -> None:
+def _warn_poor(conditioning: FloatArray, question: TransferRequest, frequencies: FloatArray) -> None:
     poor = np.flatnonzero(conditioning < POOR)
     if len(poor):
         names = ", ".join(reading.name for reading in question.measured)

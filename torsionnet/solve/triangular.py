@@ -22,7 +22,7 @@ CONDITION = 1e7
 
 
 @dataclass(frozen=True)
-class Block:
+class DiagonalBlock:
     """z' = T z + B u with T upper triangular, and its share Re(C z) of the outputs."""
 
     T: ComplexArray
@@ -34,7 +34,7 @@ class Block:
         return not np.triu(self.T, 1).any()
 
 
-def blocks(A: FloatArray, B: FloatArray, C: FloatArray) -> list[Block]:
+def blocks(A: FloatArray, B: FloatArray, C: FloatArray) -> list[DiagonalBlock]:
     """Blocks whose outputs add up to those of the system (A (n, n), B (n, n_in), C (n_out, n))."""
     if not len(A):
         return []
@@ -48,11 +48,11 @@ def blocks(A: FloatArray, B: FloatArray, C: FloatArray) -> list[Block]:
         across = linalg.solve_sylvester(T[rest[0], rest[0]], -T[rest[1], rest[1]], -T[rest[0], rest[1]])
         inputs[rest[0]] -= across @ inputs[rest[1]]
         outputs[:, rest[1]] += outputs[:, rest[0]] @ across
-    parts = [Block(T[part, part], inputs[part], outputs[:, part]) for part in rest if len(T[part])]
+    parts = [DiagonalBlock(T[part, part], inputs[part], outputs[:, part]) for part in rest if len(T[part])]
     return [_diagonal(part) if number == len(parts) - 1 else part for number, part in enumerate(parts)]
 
 
-def _diagonal(block: Block) -> Block:
+def _diagonal(block: DiagonalBlock) -> DiagonalBlock:
     """The block in its eigenvectors, if these can be trusted."""
     poles, vectors = np.linalg.eig(block.T)
     if np.linalg.cond(vectors) > CONDITION:
@@ -62,7 +62,7 @@ def _diagonal(block: Block) -> Block:
     upper = poles.imag > AT_REST * np.abs(poles)
     real = np.abs(poles.imag) <= AT_REST * np.abs(poles)
     if 2 * upper.sum() + real.sum() != len(poles):
-        return Block(np.diag(poles).astype(complex), inputs, outputs)
+        return DiagonalBlock(np.diag(poles).astype(complex), inputs, outputs)
     kept = upper | real
     weight = np.where(upper, 2.0, 1.0)[kept]
-    return Block(np.diag(poles[kept]).astype(complex), inputs[kept], outputs[:, kept] * weight)
+    return DiagonalBlock(np.diag(poles[kept]).astype(complex), inputs[kept], outputs[:, kept] * weight)

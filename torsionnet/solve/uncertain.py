@@ -11,10 +11,10 @@ import numpy as np
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
-from torsionnet.errors import SolveError, TorsionnetWarning
+from torsionnet.core.errors import SolveError, TorsionnetWarning
 from torsionnet.solve.many_digits import DIGITS, ManyDigits
-from torsionnet.solve.question import Question
 from torsionnet.solve.quotient import Lanes, transfer_functions
+from torsionnet.solve.transfer_request import TransferRequest
 
 PROMISED = 1e-9
 """Relative error of every value that is returned without a warning."""
@@ -25,7 +25,11 @@ MOST_WORK = 20_000
 
 
 def settled(
-    assemblies: Sequence[Assembly], question: Question, frequencies: FloatArray, kappa: LawStiffness, found: Lanes
+    assemblies: Sequence[Assembly],
+    question: TransferRequest,
+    frequencies: FloatArray,
+    kappa: LawStiffness,
+    found: Lanes,
 ) -> Lanes:
     """The same with lanes in doubt estimated, and solved in many digits where rounding would show.
 
@@ -33,7 +37,7 @@ def settled(
     ----------
     assemblies : sequence of Assembly
         One for each variant.
-    question : Question
+    question : TransferRequest
     frequencies : (n_f,) array
         Hz.
     kappa : LawStiffness
@@ -95,7 +99,7 @@ def expected_errors(
 class _ManyLanes:
     """Lanes in many digits."""
 
-    def __init__(self, assemblies: Sequence[Assembly], question: Question, frequencies: FloatArray) -> None:
+    def __init__(self, assemblies: Sequence[Assembly], question: TransferRequest, frequencies: FloatArray) -> None:
         self.assemblies, self.question, self.frequencies = assemblies, question, frequencies
         self.asked: dict[int, ManyDigits] = {}
 

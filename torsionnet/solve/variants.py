@@ -10,12 +10,12 @@ from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.channels import Sensor
-from torsionnet.errors import UsageError
+from torsionnet.core.errors import UsageError
+from torsionnet.model.channels import Sensor
 from torsionnet.response import Channel, FrequencyResponses
 from torsionnet.solve.grid import Adaptive
-from torsionnet.solve.question import remembered
 from torsionnet.solve.transfer import Evaluated, chosen_frequencies, known_method, responses, warn_infinite
+from torsionnet.solve.transfer_request import remembered
 
 
 def frequency_responses(

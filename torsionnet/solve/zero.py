@@ -14,14 +14,14 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.assembly.system import smallest_rate
 from torsionnet.solve.many_digits import ManyDigits
-from torsionnet.solve.question import Question
+from torsionnet.solve.transfer_request import TransferRequest
 
 DIGITS = 400
 SMALL = 25
 """s is 10^-25 of the slowest rate of the system; several measured inputs may differ by its fifth power and more."""
 
 
-def at_zero(drivetrain: AssembledModel, question: Question) -> ComplexArray:
+def at_zero(drivetrain: AssembledModel, question: TransferRequest) -> ComplexArray:
     """Limit (n_out, n_in) for s -> 0; inf where it grows without bound.
 
     Raises

@@ -9,8 +9,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from torsionnet.errors import UsageError
-from torsionnet.signals.excitation.base import Excitation, FloatArray
+from torsionnet.core.errors import UsageError
+from torsionnet.signals.excitation.excitation import Excitation, FloatArray
 
 ComplexArray = NDArray[np.complex128]
 

@@ -7,8 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from torsionnet.errors import UsageError
-from torsionnet.signals.excitation.base import Excitation, FloatArray
+from torsionnet.core.errors import UsageError
+from torsionnet.signals.excitation.excitation import Excitation, FloatArray
 
 TURN = 2 * np.pi
 

@@ -1,0 +1,42 @@
+"""``python -m structure [COMMIT ...]``: the counts of commits beside those of the checkout, as a Markdown table."""
+
+from __future__ import annotations
+
+import io
+import subprocess
+import sys
+import tarfile
+import tempfile
+from pathlib import Path
+
+from structure.measures import circles, doubled_classes, doubled_files, measures
+from structure.modules import modules_below
+
+ROOT = Path(__file__).parents[2]
+
+
+def of_commit(commit: str) -> dict[str, str]:
+    """The counts of a commit."""
+    packed = subprocess.run(["git", "archive", commit, "torsionnet"], cwd=ROOT, check=True, capture_output=True).stdout
+    with tempfile.TemporaryDirectory() as folder:
+        with tarfile.open(fileobj=io.BytesIO(packed)) as archive:
+            archive.extractall(folder, filter="data")
+        return measures(Path(folder) / "torsionnet")
+
+
+def main(commits: list[str]) -> None:
+    columns = {commit: of_commit(commit) for commit in commits} | {"now": measures(ROOT / "torsionnet")}
+    print(f"| | {' | '.join(columns)} |\n|---|{'---|' * len(columns)}")
+    for name in columns["now"]:
+        print(f"| {name} | {' | '.join(column[name] for column in columns.values())} |")
+    modules = modules_below(ROOT / "torsionnet")
+    for title, found in (
+        ("in a circle", [", ".join(part) for part in circles(modules)]),
+        ("file names twice", doubled_files(modules)),
+        ("class names twice", doubled_classes(modules)),
+    ):
+        print(f"\n{title}: {'; '.join(found) or 'none'}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

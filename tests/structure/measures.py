@@ -1,0 +1,54 @@
+"""Circles, doubled names and counts of a package."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from pathlib import Path
+
+import networkx as nx
+
+from structure.modules import Module, modules_below
+
+
+def circles(modules: Iterable[Module]) -> list[list[str]]:
+    """Modules that import each other, the largest circle first; every import counts, wherever it stands."""
+    graph: nx.DiGraph[str] = nx.DiGraph()
+    known = {module.name for module in modules}
+    for module in modules:
+        graph.add_edges_from(
+            (module.name, found.name) for found in module.imports if found.name in known - {module.name}
+        )
+    found = [sorted(part) for part in nx.strongly_connected_components(graph) if len(part) > 1]
+    return sorted(found, key=len, reverse=True)
+
+
+def doubled_files(modules: Iterable[Module]) -> list[str]:
+    """File names that occur twice or more, ``__init__`` and ``__main__`` aside."""
+    return _doubled(module.path.stem for module in modules if not module.path.stem.startswith("__"))
+
+
+def doubled_classes(modules: Iterable[Module]) -> list[str]:
+    """Public class names that occur twice or more."""
+    return _doubled(name for module in modules for name in module.public_classes)
+
+
+def _doubled(names: Iterable[str]) -> list[str]:
+    return sorted(name for name, count in Counter(names).items() if count > 1)
+
+
+def measures(package: Path) -> dict[str, str]:
+    """What ``make structure`` prints."""
+    modules = modules_below(package)
+    around = circles(modules)
+    numbers = {
+        "code lines": sum(module.code_lines for module in modules),
+        "files": len(modules),
+        "files in import circles": sum(map(len, around)),
+        "largest circle": max(map(len, around), default=0),
+        "file names twice": len(doubled_files(modules)),
+        "class names twice": len(doubled_classes(modules)),
+        "noqa": sum(module.text.count("# noqa") for module in modules),
+        "lines with Any": sum(module.lines_with_any for module in modules),
+    }
+    return {name: f"{number:,}".replace(",", " ") for name, number in numbers.items()}

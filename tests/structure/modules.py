@@ -1,0 +1,133 @@
+"""The modules of the package as they stand in a folder, read without importing them."""
+
+from __future__ import annotations
+
+import ast
+import io
+import tokenize
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import NamedTuple
+
+
+class Import(NamedTuple):
+    """One import: the absolute name, its line, and whether only type checkers see it."""
+
+    name: str
+    line: int
+    for_types: bool
+
+
+@dataclass(frozen=True)
+class Module:
+    """One file below ``root``, the folder of the package."""
+
+    path: Path
+    root: Path
+
+    @property
+    def relative(self) -> str:
+        return self.path.relative_to(self.root.parent).as_posix()
+
+    @property
+    def name(self) -> str:
+        """Dotted, a package under its own name."""
+        parts = self.path.relative_to(self.root.parent).with_suffix("").parts
+        return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+    @property
+    def layer_name(self) -> str:
+        """First name below the package; empty for its ``__init__``."""
+        first = self.path.relative_to(self.root).parts[0].removesuffix(".py")
+        return "" if first == "__init__" else first
+
+    @cached_property
+    def text(self) -> str:
+        return self.path.read_text(encoding="utf-8")
+
+    @cached_property
+    def tree(self) -> ast.Module:
+        return ast.parse(self.text, filename=self.relative)
+
+    @cached_property
+    def imports(self) -> list[Import]:
+        """All imports, in functions and for type checkers too."""
+        package = self.path.relative_to(self.root.parent).parts[:-1]
+        for_types = self._lines_for_types
+        found = []
+        for node in ast.walk(self.tree):
+            names: list[str] = []
+            if isinstance(node, ast.Import):
+                names = [alias.name for alias in node.names]
+            elif isinstance(node, ast.ImportFrom):
+                base = package[: len(package) - node.level + 1] if node.level else ()
+                module = ".".join([*base, *([node.module] if node.module else [])])
+                names = [self._meant(module, alias.name) for alias in node.names]
+            found += [Import(name, node.lineno, node.lineno in for_types) for name in names]
+        return found
+
+    @property
+    def _lines_for_types(self) -> set[int]:
+        return {
+            line
+            for node in ast.walk(self.tree)
+            if isinstance(node, ast.If) and ast.unparse(node.test) in {"TYPE_CHECKING", "typing.TYPE_CHECKING"}
+            for statement in node.body
+            for line in range(statement.lineno, (statement.end_lineno or statement.lineno) + 1)
+        }
+
+    def _meant(self, module: str, name: str) -> str:
+        """``from a import b`` takes the module a.b where there is one, else something out of a."""
+        place = self.root.parent / module.replace(".", "/") / name
+        is_module = place.is_dir() or place.with_suffix(".py").is_file()
+        return f"{module}.{name}" if is_module else module
+
+    @property
+    def calls(self) -> Iterator[tuple[str, int]]:
+        """Each call with a plain dotted name: ("click.echo", line)."""
+        for node in ast.walk(self.tree):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name | ast.Attribute):
+                yield ast.unparse(node.func), node.lineno
+
+    @property
+    def public_classes(self) -> list[str]:
+        return [
+            node.name for node in self.tree.body if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+        ]
+
+    @property
+    def code_lines(self) -> int:
+        """Lines that are neither blank, nor docstring, nor comment, nor import."""
+        lines = {
+            number
+            for token in tokenize.generate_tokens(io.StringIO(self.text).readline)
+            if token.type not in _NO_CODE
+            for number in range(token.start[0], token.end[0] + 1)
+        }
+        for node in ast.walk(self.tree):
+            is_text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+            if is_text or isinstance(node, ast.Import | ast.ImportFrom):
+                lines -= set(range(node.lineno, (node.end_lineno or node.lineno) + 1))
+        return len(lines)
+
+    @property
+    def lines_with_any(self) -> int:
+        """Lines of annotations in which ``Any`` stands."""
+        return len({node.lineno for node in ast.walk(self.tree) if isinstance(node, ast.Name) and node.id == "Any"})
+
+
+_NO_CODE = {
+    tokenize.COMMENT,
+    tokenize.NL,
+    tokenize.NEWLINE,
+    tokenize.INDENT,
+    tokenize.DEDENT,
+    tokenize.ENDMARKER,
+}
+
+
+def modules_below(root: Path) -> list[Module]:
+    """All modules of the package in ``root``."""
+    return [Module(path, root) for path in sorted(root.rglob("*.py"))]

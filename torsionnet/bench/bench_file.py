@@ -1,0 +1,132 @@
+"""Test benches from files: a model file with a ``bench:`` section, or a file of its own that names the model."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from torsionnet.bench.bench import Bench
+from torsionnet.core.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean, unknown_key
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.loading import load
+from torsionnet.model.bench.bench_checks import check_plan
+from torsionnet.model.bench.plan import Plan, read_plan
+from torsionnet.model.files import read_file
+from torsionnet.model.files.decoding import decode
+from torsionnet.model.files.library import library_benches
+from torsionnet.model.files.located import LocatedDocument, compose
+from torsionnet.model.files.placing import placed, presentable
+from torsionnet.model.files.reader import find_model
+
+TEXTS = ("name", "source", "description")
+KEYS = ("torsionnet", *TEXTS, "model", "configuration", "bench")
+
+
+def load_bench(bench: str | os.PathLike[str]) -> Bench:
+    """The test bench in a file, or in the library under a name.
+
+    Parameters
+    ----------
+    bench : str or path
+        A model file with a ``bench:`` section; a file with ``model:`` (a library model, or a path from this file),
+        perhaps ``configuration:``, and ``bench:``; or a name out of :func:`library_benches`.
+
+    Raises
+    ------
+    ModelError
+        With every fault of the file and its place.
+    UsageError
+        There is no such file or bench.
+
+    Examples
+    --------
+    >>> bench = load_bench("amt_bench")
+    >>> bench.drivetrain.title, bench.plan.channels["theta_1"].steps
+    ('AMT test rig (II)', 1024)
+    """
+    path = _find(bench)
+    document = _document(path)
+    if isinstance(document.data, dict) and "model" in document.data and "elements" not in document.data:
+        return _of_its_own(document, path)
+    definition, faults = read_file(path)
+    if definition is None:
+        raise ModelError([fault for fault in faults if fault.severity == "error"], path.name)
+    if definition.bench is None:
+        msg = f"{path.name} describes no test bench: add bench:, or take one of {', '.join(library_benches())}"
+        raise UsageError(msg)
+    return Bench(Drivetrain.from_definition(definition, faults), definition.bench)
+
+
+def _find(bench: str | os.PathLike[str]) -> Path:
+    known = library_benches()
+    if isinstance(bench, str):
+        if bench in known:
+            return known[bench]
+        if not Path(bench).suffix and not Path(bench).exists() and (hint := did_you_mean(bench, known)):
+            msg = f'no bench is named "{bench}"{hint}'
+            raise UsageError(msg)
+    return find_model(bench)
+
+
+def _document(path: Path) -> LocatedDocument:
+    try:
+        return compose(decode(path.read_bytes(), str(path)).removeprefix("\ufeff"), str(path))
+    except ModelError as error:
+        raise ModelError(presentable(error.faults), path.name) from None
+    except OSError as error:
+        msg = f"{path} cannot be read: {error.strerror or error}"
+        raise UsageError(msg) from None
+
+
+def _of_its_own(document: LocatedDocument, path: Path) -> Bench:
+    data: Mapping[Any, Any] = document.data
+    rest = f"a bench file has {', '.join(KEYS)}"
+    faults = [unknown_key(key, KEYS, (key,), rest) for key in data if key not in KEYS]
+    faults += [Fault(f"expected text, got {data[key]!r}", (key,)) for key in TEXTS if not _is_text(data.get(key, ""))]
+    if data.get("torsionnet") != 1:
+        faults.append(Fault("the first entry of the file is torsionnet: 1, the version of the format", ("torsionnet",)))
+    drivetrain, found = _model(data, path)
+    faults += found
+    plan, found = _plan(data)
+    faults += found
+    if plan is not None and drivetrain is not None:
+        faults += check_plan(plan, drivetrain.definition)
+    faults += document.faults
+    if faults or plan is None or drivetrain is None:
+        raise ModelError(placed(faults, document), path.name)
+    return Bench(drivetrain, plan)
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str)
+
+
+def _plan(data: Mapping[Any, Any]) -> tuple[Plan | None, list[Fault]]:
+    if "bench" not in data:
+        text = "a file that names a model needs bench:, the test it is put to"
+        return None, [Fault(text, kind="missing key", about="bench")]
+    return read_plan(data["bench"])
+
+
+def _model(data: Mapping[Any, Any], path: Path) -> tuple[Drivetrain | None, list[Fault]]:
+    """The model named, in its configuration; what is wrong with its file keeps its own places."""
+    name = data["model"]
+    if not isinstance(name, str):
+        return None, [
+            Fault(f"expected the name of a library model or the path of a model file, got {name!r}", ("model",))
+        ]
+    try:
+        drivetrain = load(path.parent / name if Path(name).suffix else name)
+    except UsageError as error:
+        return None, [Fault(str(error), ("model",))]
+    except ModelError as error:
+        return None, [Fault(f"{name} has {len(error.faults)} errors", ("model",)), *error.faults]
+    configuration = data.get("configuration")
+    if configuration is None:
+        return drivetrain, []
+    try:
+        return drivetrain.configured(str(configuration)), []
+    except TorsionnetError as error:
+        return None, [Fault(str(error), ("configuration",))]

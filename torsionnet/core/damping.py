@@ -1,0 +1,166 @@
+r"""Measures of damping, converted through the loss factor eta.
+
+For a spring of stiffness k with hysteresis, eta is the energy lost per cycle over 2*pi times the largest elastic
+energy. A viscous damper c has the loss factor c*omega/k, so a measure fixes c only at one stated frequency:
+
+    eta = 2*zeta = 1/Q = psi/(2*pi) = c*omega/k,     omega = 2*pi*f
+    zeta = delta/sqrt(4*pi^2 + delta^2)
+
+``eta = 2*zeta`` and ``eta = 1/Q`` take k as the stiffness of the oscillator at its own resonance.
+
+>>> convert_damping(0.01, "zeta", "Q")
+50.0
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.core.errors import TorsionnetError, did_you_mean
+from torsionnet.core.expressions import FLOAT, Algebra, Expression, Number
+from torsionnet.core.units import DIMENSIONS
+
+
+class DampingError(TorsionnetError, ValueError):
+    """A measure of damping that does not exist, or cannot be converted with what is given."""
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One measure; both functions take the value, the algebra, and omega/k, which only ``c`` needs."""
+
+    symbol: str
+    description: str
+    to_loss_factor: Callable[[Any, Algebra, Any], Any]
+    from_loss_factor: Callable[[Any, Algebra, Any], Any]
+    dimension: str = "1"
+
+
+def _from_decrement(delta: Any, algebra: Algebra, _: Any) -> Any:
+    return 2 * delta / algebra.sqrt(4 * algebra.pi**2 + delta**2)
+
+
+def _to_decrement(eta: Any, algebra: Algebra, _: Any) -> Any:
+    return 2 * algebra.pi * eta / algebra.sqrt(4 - eta**2)
+
+
+MEASURES: dict[str, Measure] = {
+    "zeta": Measure("zeta", "damping ratio, eta = 2*zeta", lambda x, *_: 2 * x, lambda eta, *_: eta / 2),
+    "Q": Measure("Q", "quality factor, eta = 1/Q", lambda x, *_: 1 / x, lambda eta, *_: 1 / eta),
+    "magnifier": Measure("M", "dynamic magnifier, eta = 1/M", lambda x, *_: 1 / x, lambda eta, *_: 1 / eta),
+    "eta": Measure("eta", "loss factor", lambda x, *_: x, lambda eta, *_: eta),
+    "psi": Measure(
+        "psi",
+        "relative damping: energy lost per cycle over k*phi^2/2, psi = 2*pi*eta",
+        lambda x, algebra, _: x / (2 * algebra.pi),
+        lambda eta, algebra, _: 2 * algebra.pi * eta,
+    ),
+    "log_decrement": Measure(
+        "delta",
+        "logarithmic decrement of free decay, zeta = delta/sqrt(4*pi^2 + delta^2)",
+        _from_decrement,
+        _to_decrement,
+    ),
+    "c": Measure(
+        "c",
+        "viscous damping in N*m*s/rad, eta = c*omega/k",
+        lambda x, _, ratio: x * ratio,
+        lambda eta, _, ratio: eta / ratio,
+        "damping",
+    ),
+}
+
+
+def _measure(name: str) -> Measure:
+    if name not in MEASURES:
+        known = ", ".join(MEASURES)
+        raise DampingError(f'no measure of damping is named "{name}"{did_you_mean(name, MEASURES)} (known: {known})')
+    return MEASURES[name]
+
+
+def convert_damping(
+    value: float, measure: str, to: str, *, stiffness: float | None = None, frequency: float | None = None
+) -> float:
+    """Convert between measures of damping; ``c`` needs the stiffness in N*m/rad and the frequency in Hz.
+
+    >>> round(convert_damping(0.05, "eta", "c", stiffness=1000.0, frequency=10.0), 6)
+    0.795775
+    >>> convert_damping(0.02, "zta", "eta")  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    torsionnet.core.damping.DampingError: no measure of damping is named "zta"; did you mean "zeta"? (known: ...
+    """
+    source, target = _measure(measure), _measure(to)
+    if not math.isfinite(value):
+        raise DampingError(f"expected a finite number for {measure}, got {value}")
+    if source == target:
+        return float(value)
+    ratio = _omega_over_stiffness(stiffness, frequency) if "c" in (measure, to) else None
+    try:
+        eta = source.to_loss_factor(float(value), FLOAT, ratio)
+        if to == "log_decrement" and abs(eta) >= 2:  # noqa: PLR2004
+            raise DampingError(f"{measure} = {value:g} is zeta = {eta / 2:g}; from 1 on there is no decrement")
+        return float(target.from_loss_factor(eta, FLOAT, ratio))
+    except ZeroDivisionError:
+        raise DampingError(f"{measure} = {value:g} has no finite {to}") from None
+
+
+def _omega_over_stiffness(stiffness: float | None, frequency: float | None) -> float:
+    for name, given in (("stiffness in N*m/rad", stiffness), ("frequency in Hz", frequency)):
+        if given is None or not (math.isfinite(given) and given > 0):
+            got = "" if given is None else f", got {given}"
+            raise DampingError(f"c and a measure without dimension are related by a positive {name}{got}")
+    return 2 * math.pi * (frequency or 0.0) / (stiffness or 1.0)
+
+
+def _is_zero(value: Any) -> bool:
+    # sympy and numpy divide by zero without an exception; an array is left to its owner.
+    zero = value == 0
+    return getattr(zero, "ndim", 0) == 0 and bool(zero)
+
+
+@dataclass(frozen=True)
+class DampingMeasure:
+    """What a spring's damping may be instead of c: a measure, its value, and the frequency in Hz where it holds.
+
+    >>> quality = DampingMeasure("Q", Number(20), Number(50))
+    >>> round(quality.viscous(1000.0, {}, FLOAT), 6)
+    0.159155
+    """
+
+    measure: str
+    value: Expression
+    at: Expression | None = None
+
+    def __post_init__(self) -> None:
+        _measure(self.measure)
+        given = self.at.unit_dimension if isinstance(self.at, Number) else None
+        if given not in (None, DIMENSIONS["frequency"]):
+            raise DampingError(f"the frequency where {self.measure} holds is in Hz, not in {given}")
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Give the names of the parameters in the value and in the frequency."""
+        return self.value.names | (self.at.names if self.at else frozenset())
+
+    def loss_factor(self, values: Mapping[str, Any], algebra: Algebra) -> Any:
+        """Calculate eta; ``c`` has none without a stiffness and a frequency."""
+        if self.measure == "c":
+            raise DampingError("c has a loss factor only at a stiffness and a frequency; use convert_damping")
+        value = self.value.evaluate(values, algebra)
+        if self.measure in ("Q", "magnifier") and _is_zero(value):
+            raise DampingError(f'{self.measure} = "{self.value}" is 0, the damping would be infinite')
+        return MEASURES[self.measure].to_loss_factor(value, algebra, None)
+
+    def viscous(self, stiffness: Any, values: Mapping[str, Any], algebra: Algebra) -> Any:
+        """Calculate c = eta*k/(2*pi*f) in any algebra; the value itself for the measure ``c``."""
+        if self.measure == "c":
+            return self.value.evaluate(values, algebra)
+        if self.at is None:
+            raise DampingError(f"{self.measure} is a viscous damping only at a frequency; add for example at: 50 Hz")
+        frequency = self.at.evaluate(values, algebra)
+        if _is_zero(frequency):
+            raise DampingError(f'the frequency "{self.at}" where {self.measure} holds is 0')
+        return self.loss_factor(values, algebra) * stiffness / (2 * algebra.pi * frequency)

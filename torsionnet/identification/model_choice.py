@@ -1,0 +1,108 @@
+"""Which of several models explains the data best: viscous, hysteretic, or both."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.core.errors import UsageError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.identification.fit import Fit
+from torsionnet.identification.fitting import identify, refit_with_noise_of
+from torsionnet.identification.measurement import Measurement
+from torsionnet.identification.unknown import Unknown
+from torsionnet.response import Column, Table
+
+CLEAR, SLIGHT = 10.0, 4.0
+"""Differences of the criterion that leave next to no support, or little, to the worse model (Burnham and Anderson)."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A model and the parameters of it that are found."""
+
+    model: Drivetrain
+    parameters: Sequence[str] | Mapping[str, Unknown | float | None]
+
+
+@dataclass(frozen=True, eq=False)
+class Choice:
+    """Fits of several models to the same data, weighed by the same noise.
+
+    Attributes
+    ----------
+    fits : mapping of str to Fit
+        In the order of the criterion, the best first.
+    """
+
+    fits: Mapping[str, Fit]
+
+    @property
+    def best(self) -> str:
+        return next(iter(self.fits))
+
+    @property
+    def differences(self) -> dict[str, float]:
+        """AICc above that of the best."""
+        least = self.fits[self.best].aicc
+        return {name: fit.aicc - least for name, fit in self.fits.items()}
+
+    @property
+    def verdict(self) -> str:
+        others = [f"{name} is {rise:.3g} worse in AICc ({_how(rise)})" for name, rise in self.differences.items()][1:]
+        return f"{self.best} is preferred: {', '.join(others)}" if others else f"only {self.best} was tried"
+
+    def table(self) -> Table:
+        """A row for each model."""
+        columns = (Column("model"), Column("parameters"), Column("AICc above best", "", 4), Column("misfit", "", 3))
+        rows = []
+        for name, fit in self.fits.items():
+            values = ", ".join(f"{key} = {value:.4g}" for key, value in fit.values.items())
+            misfit = float(np.sqrt(np.mean([one.misfit**2 for one in fit.comparisons])))
+            rows.append((name, values, self.differences[name], misfit))
+        return Table("Models by AICc", columns, tuple(rows), (self.verdict,))
+
+
+def _how(rise: float) -> str:
+    return "clearly" if rise > CLEAR else "somewhat" if rise > SLIGHT else "hardly"
+
+
+def choose_model(candidates: Mapping[str, Candidate], measurements: Measurement | Sequence[Measurement]) -> Choice:
+    """Fit several models to the same measurements and rank them by Akaike's criterion for few data.
+
+    All are weighed by the noise that the most successful one leaves unexplained: a model that explains little cannot
+    call the rest noise.
+
+    Parameters
+    ----------
+    candidates : mapping of str to Candidate
+        Such as a viscous damper, a hysteretic spring, and both.
+    measurements : Measurement or sequence of these
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.load("dmf_rig")
+    >>> test = tn.Measurement(rig.frequency_response("theta_1", "T_T", np.linspace(1, 20, 40)), "theta_1", "T_T")
+    >>> candidates = {"damped": Candidate(rig.configured(c_2=9), ["c_2"]), "stiff": Candidate(rig, ["k_1"])}
+    >>> choose_model(candidates, test).best
+    'damped'
+    """
+    if not candidates:
+        msg = "name at least one model to choose"
+        raise UsageError(msg)
+    listed = [measurements] if isinstance(measurements, Measurement) else list(measurements)
+    fits = {name: identify(one.model, listed, one.parameters) for name, one in candidates.items()}
+    closest = min(fits.values(), key=_distance)
+    again = {name: refit_with_noise_of(closest, candidates[name].model, fit) for name, fit in fits.items()}
+    return Choice(dict(sorted(again.items(), key=lambda item: item[1].aicc)))
+
+
+def _distance(fit: Fit) -> float:
+    """Sum of squares of model minus test over test."""
+    ratios = [
+        one.fitted / one.measured if one.has_phase else np.abs(one.fitted / one.measured) for one in fit.comparisons
+    ]
+    return sum(float(np.sum(np.abs(ratio - 1) ** 2)) for ratio in ratios)

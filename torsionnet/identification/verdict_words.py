@@ -1,0 +1,107 @@
+"""What a fit does and does not say, in words."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+from itertools import combinations
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.identification.fit_problem import FitProblem
+from torsionnet.identification.leakage import narrow_peaks
+from torsionnet.identification.noise_bias import biased
+
+ALIKE = 0.95
+VAGUE = 0.3
+"""Relative standard error above which a value is hardly known."""
+ODD = 2.0
+"""Misfit of one measurement over that of the others above which it does not belong to them."""
+AT_BOUND = 1e-6
+
+
+def verdicts(
+    problem: FitProblem,
+    values: FloatArray,
+    errors: FloatArray,
+    correlation: FloatArray,
+    lost: FloatArray,
+    moved: FloatArray,
+    ended: Collection[str] = (),
+) -> tuple[str, ...]:
+    """Everything a reader of the values should know; of those that have ``ended`` at a limit that is said elsewhere."""
+    return (
+        *_combinations(problem, lost),
+        *_alike(problem, errors, correlation),
+        *_vague(problem, values, errors, ended),
+        *_bounds(problem, values, ended),
+        *_odd(problem, values),
+        *biased(problem, values, errors, moved),
+        *narrow_peaks(problem, values),
+    )
+
+
+def _where(problem: FitProblem) -> str:
+    labels = [block.measurement.label for block in problem.blocks]
+    return f"in {labels[0]} alone" if len(labels) == 1 else f"in {', '.join(labels)}"
+
+
+def _combinations(problem: FitProblem, lost: FloatArray) -> Iterator[str]:
+    """Directions, scaled by what each parameter does to the data, in which nothing changes."""
+    for direction in lost:
+        members = np.flatnonzero(np.abs(direction) > 1e-3 * np.abs(direction).max())
+        names = " and ".join(problem.names[index] for index in members)
+        yield (
+            f"{names} cannot be told apart {_where(problem)}: the data fix only a combination of them. "
+            "Fix one, or add a measurement in which they act differently"
+        )
+
+
+def _alike(problem: FitProblem, errors: FloatArray, correlation: FloatArray) -> Iterator[str]:
+    for first, second in combinations(range(len(problem.names)), 2):
+        both = abs(float(correlation[first, second]))
+        if both > ALIKE and np.isfinite(errors[[first, second]]).all():
+            pair = f"{problem.names[first]} and {problem.names[second]}"
+            yield f"{pair} are indistinguishable {_where(problem)}: correlation {correlation[first, second]:.2f}"
+
+
+def _vague(problem: FitProblem, values: FloatArray, errors: FloatArray, ended: Collection[str]) -> Iterator[str]:
+    for name, value, error in zip(problem.names, values, errors, strict=True):
+        if name not in ended and np.isfinite(error) and error > VAGUE * abs(value) and not name.startswith("delay["):
+            yield f"{name} is hardly determined: {value:.3g} with a standard error of {error:.2g}"
+
+
+def _bounds(problem: FitProblem, values: FloatArray, ended: Collection[str]) -> Iterator[str]:
+    for name, value, low, high in zip(problem.names, values, problem.lower, problem.upper, strict=True):
+        for bound in (low, high):
+            if (
+                name not in ended
+                and np.isfinite(bound)
+                and abs(value - bound) <= AT_BOUND * max(abs(value), abs(bound), 1e-300)
+            ):
+                yield f"{name} stands at its bound {bound:g}: its standard error means nothing there"
+
+
+def _odd(problem: FitProblem, values: FloatArray) -> Iterator[str]:
+    """Measurements that the common parameters do not fit, judged with each one's own noise."""
+    misfits = relative_misfits(problem, values)
+    if len(misfits) < 2:  # noqa: PLR2004
+        return
+    for number, misfit in enumerate(misfits):
+        others = np.delete(misfits, number)
+        if misfit > ODD * np.median(others):
+            label = problem.blocks[number].measurement.label
+            yield (
+                f"{label} does not fit the others: its response is off by {100 * misfit:.2g} % (RMS), theirs by "
+                f"{100 * float(np.median(others)):.2g} %; free a parameter per configuration, or fit it alone"
+            )
+
+
+def relative_misfits(problem: FitProblem, values: FloatArray) -> FloatArray:
+    """RMS of model minus test over RMS of test, of every measurement."""
+    found = []
+    for block, place in zip(problem.blocks, problem.places, strict=True):
+        predicted, measured = block.predicted(values[place])[0], block.measured
+        apart = np.abs(predicted) - np.abs(measured) if block.form == "magnitude" else predicted - measured
+        found.append(np.sqrt(np.sum(np.abs(apart) ** 2) / np.sum(np.abs(block.measured) ** 2)))
+    return np.array(found)

@@ -1,5 +1,0 @@
-"""Functional mock-up units (FMI 2.0 and 3.0) of generated C."""
-
-from torsionnet.interchange.fmu.archive import write_fmu
-
-__all__ = ["write_fmu"]

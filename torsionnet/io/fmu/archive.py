@@ -1,0 +1,153 @@
+"""Drivetrains as functional mock-up units that need nothing but themselves where they run."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import math
+import os
+import tempfile
+import zipfile
+from collections.abc import Mapping
+from importlib import resources
+from pathlib import Path
+
+from torsionnet.core.atomic import write_bytes
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.version import __version__
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.fmu import description2, description3
+from torsionnet.io.fmu.c_source import header, model
+from torsionnet.io.fmu.common_description import FmuDescription
+from torsionnet.io.fmu.compiling import libraries
+from torsionnet.io.fmu.dependencies import dependencies
+from torsionnet.io.fmu.step_size import suggested_step
+from torsionnet.io.fmu.traced_matrices import System, trace_system
+from torsionnet.io.fmu.variables import Variables, list_variables
+from torsionnet.io.plain_names import Names
+
+SOURCES = ("export.h", "dense.c", "exponential.c", "system.c", "stepping.c", "instance.c", "advancing.c", "services.c")
+OF_VERSION = {"2.0": ("fmi2.h", "fmi2.c", "fmi2_modes.c"), "3.0": ("fmi3.h", "fmi3.c", "fmi3_modes.c", "fmi3_absent.c")}
+"""Version of the interface -> its types and functions in C."""
+LONGEST_NAME = 60
+"""Characters of a title that go into names of files."""
+
+
+def write_fmu(
+    drivetrain: Drivetrain, path: str | os.PathLike[str], step: float | None = None, *, version: str = "2.0"
+) -> tuple[str, ...]:
+    """Write a drivetrain as an FMU for co-simulation and model exchange.
+
+    Inputs of the FMU are the torque inputs of the model in N m, outputs its sensors in SI units, parameters those of
+    the model; angles and speeds at the start are zero unless they are set. In co-simulation, steps of any size are
+    exact for inputs that run in straight lines from point to point.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+    path : str or path
+        A file ending in .fmu.
+    step : float, optional
+        The communication step in s that hosts are advised to take. Default: 50 steps per period of the highest mode,
+        or of 1 kHz where modes lie beyond.
+    version : str
+        Of the interface: ``"2.0"`` or ``"3.0"``.
+
+    Returns
+    -------
+    tuple of str
+        The platforms the FMU has binaries for: five with the package ziglang, else the one it is written on.
+
+    Raises
+    ------
+    UsageError
+        No inputs or sensors, frequency-dependent laws, an imposed angle, a reading with the rate of an input in it,
+        over 400 coordinates, a step that is not positive, another version or another ending.
+    MissingExtraError
+        There is no C compiler.
+
+    Notes
+    -----
+    The FMU holds its sources. Equal drivetrains give equal bytes on one machine.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> path = Path(tempfile.mkdtemp(), "rig.fmu")
+    >>> platforms = write_fmu(tn.load("dmf_rig"), path)
+    >>> "sources/model.c" in zipfile.ZipFile(path).namelist()
+    True
+    """
+    _refuse(path, step, version)
+    system = trace_system(drivetrain)
+    variables = list_variables(drivetrain, system)
+    sources = _sources(version)
+    body = model(system, variables, drivetrain.title)
+    chosen = suggested_step(drivetrain) if step is None else float(step)
+    identifier = Names().new(drivetrain.title[:LONGEST_NAME])
+    subject = _subject(drivetrain, system, variables, identifier, chosen, token="")
+    token = _token(_description(subject, version), body, *sources.values())
+    sources |= {"model.h": header(system, variables, token), "model.c": body}
+    with tempfile.TemporaryDirectory(prefix="torsionnet_") as folder:
+        made = libraries(sources, identifier, version, Path(folder))
+    subject = _subject(drivetrain, system, variables, identifier, chosen, token)
+    files = {"modelDescription.xml": _description(subject, version), **made}
+    files |= {f"sources/{name}": text.encode("ascii") for name, text in sources.items()}
+    if version == "3.0":
+        files["sources/buildDescription.xml"] = description3.describe_build(identifier)
+    write_bytes(path, _archive(files))
+    return tuple(dict.fromkeys(name.split("/")[1] for name in made))
+
+
+def _refuse(path: str | os.PathLike[str], step: float | None, version: str) -> None:
+    if Path(path).suffix.lower() != ".fmu":
+        msg = f'cannot write "{path}": give a file ending in .fmu'
+        raise UsageError(msg)
+    if step is not None and not (isinstance(step, int | float) and math.isfinite(step) and step > 0):
+        msg = f"the communication step is a positive time in s, got {step}"
+        raise UsageError(msg)
+    if version not in OF_VERSION:
+        msg = (
+            f'there are FMUs of version {" and ".join(OF_VERSION)}, not "{version}"{did_you_mean(version, OF_VERSION)}'
+        )
+        raise UsageError(msg)
+
+
+def _sources(version: str) -> dict[str, str]:
+    """The part of the sources that is the same for all models."""
+    folder = resources.files("torsionnet.io.fmu") / "c"
+    names = (*SOURCES, *OF_VERSION[version])
+    sources = {name: (folder / name).read_text(encoding="ascii") for name in names}
+    types, *functions = OF_VERSION[version]
+    unit = (folder / "all.c").read_text(encoding="ascii").replace("@TYPES@", types)
+    sources["all.c"] = unit.replace("@FUNCTIONS@", "\n".join(f'#include "{name}"' for name in functions))
+    return sources
+
+
+def _subject(
+    drivetrain: Drivetrain, system: System, variables: Variables, identifier: str, step: float, token: str
+) -> FmuDescription:
+    return FmuDescription(
+        drivetrain.title, identifier, drivetrain.description, __version__, token, step, variables, dependencies(system)
+    )
+
+
+def _description(subject: FmuDescription, version: str) -> bytes:
+    return description2.describe(subject) if version == "2.0" else description3.describe(subject)
+
+
+def _token(description: bytes, *texts: str) -> str:
+    """What tells this FMU from others: a digest in the form of a GUID, of all that is in it."""
+    digest = hashlib.sha256(description + "".join(texts).encode()).hexdigest()
+    return f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
+
+
+def _archive(files: Mapping[str, bytes]) -> bytes:
+    """The files in alphabetical order and without the date of today."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name in sorted(files):
+            entry = zipfile.ZipInfo(name)
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, files[name], zipfile.ZIP_DEFLATED)
+    return buffer.getvalue()

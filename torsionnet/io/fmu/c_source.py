@@ -1,0 +1,130 @@
+"""A traced system as C: sizes, start values, and one function that fills all matrices from the parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from torsionnet.io.fmu.traced_matrices import System
+from torsionnet.io.fmu.traced_numbers import Traced
+from torsionnet.io.fmu.variables import Variables
+
+HEADER = """/* Sizes of this model. */
+
+#define TN_TOKEN "{token}"
+#define TN_H {heavy} /* coordinates with inertia */
+#define TN_B {damped} /* massless, with dampers */
+#define TN_S {static} /* massless, with springs alone */
+#define TN_U {inputs}
+#define TN_Y {outputs}
+#define TN_P {parameters}
+#define TN_Q {derived}
+"""
+
+MODEL = """/* {title}: its matrices, from its parameters in SI units.
+
+   Coordinates: {coordinates}
+   Inputs: {inputs}
+   Outputs: {outputs} */
+
+#define M(i, j) m->M[(i) * TN_N + (j)]
+#define C(i, j) m->C[(i) * TN_N + (j)]
+#define K(i, j) m->K[(i) * TN_N + (j)]
+#define L(i, j) m->L[(i) * TN_U + (j)]
+#define R0(i, j) m->R0[(i) * TN_N + (j)]
+#define R1(i, j) m->R1[(i) * TN_N + (j)]
+#define R2(i, j) m->R2[(i) * TN_N + (j)]
+#define F(i, j) m->F[(i) * TN_U + (j)]
+
+static const double tn_start[] = {{{start}0}};
+
+static void tn_fill(const double *p, double *derived, tn_mechanics *m)
+{{
+{body}
+}}
+
+#undef M
+#undef C
+#undef K
+#undef L
+#undef R0
+#undef R1
+#undef R2
+#undef F
+"""
+
+
+def header(system: System, variables: Variables, token: str) -> str:
+    """``model.h``: sizes and token."""
+    motion = system.motion
+    return HEADER.format(
+        token=token,
+        heavy=len(motion.heavy),
+        damped=len(motion.damped),
+        static=len(motion.static),
+        inputs=len(system.inputs),
+        outputs=len(system.outputs),
+        parameters=len(variables.open),
+        derived=len(variables.derived),
+    )
+
+
+def model(system: System, variables: Variables, title: str) -> str:
+    """``model.c``: start values and matrices."""
+    code = _Code(system, {name: number for number, name in enumerate(variables.open)})
+    wanted = [*variables.derived.values(), *(v for entries in system.matrices.values() for _, _, v in entries)]
+    lines = code.steps(wanted)
+    lines += [f"derived[{place}] = {code.name(v)};" for place, v in enumerate(variables.derived.values())]
+    for letter, entries in system.matrices.items():
+        lines += [f"{letter}({i}, {j}) = {code.name(value)};" for i, j, value in entries]
+    return MODEL.format(
+        title=_comment(title),
+        coordinates=_comment(", ".join(system.coordinates)),
+        inputs=_comment(", ".join(system.inputs)),
+        outputs=_comment(", ".join(system.outputs)),
+        start="".join(f"{literal(value)}, " for value in variables.open.values()),
+        body="\n".join(f"    {line}" for line in lines),
+    )
+
+
+@dataclass(frozen=True)
+class _Code:
+    """Names in C of numbers on the tape; ``numbers`` says where in p a parameter is."""
+
+    system: System
+    numbers: Mapping[str, int]
+
+    def steps(self, wanted: Iterable[Traced]) -> list[str]:
+        """Lines that make the numbers, each once."""
+        places = self.system.motion.tape.needed(wanted)
+        return [f"const double {self._place(place)} = {self._operation(place)};" for place in places]
+
+    def _operation(self, place: int) -> str:
+        sign, *parts = self.system.motion.tape.operations[place]
+        if sign == "parameter":
+            return f"p[{self.numbers[parts[0]]}]"
+        names = [self.name(part) for part in parts]
+        return f"sqrt({names[0]})" if sign == "sqrt" else f"{names[0]} {sign} {names[1]}"
+
+    def name(self, number: Traced) -> str:
+        """A constant, or the variable that holds the number."""
+        return literal(float(number.value)) if number.place is None else self._place(number.place)
+
+    def _place(self, place: int) -> str:
+        sign, *parts = self.system.motion.tape.operations[place]
+        return f"p_{parts[0]}" if sign == "parameter" else f"v{place}"
+
+
+def literal(value: float) -> str:
+    """A double in C, to the last digit.
+
+    >>> literal(460.0), literal(-0.1)
+    ('460.0', '(-0.1)')
+    """
+    return f"({value!r})" if value < 0 else repr(float(value))
+
+
+def _comment(text: str) -> str:
+    """Text that cannot end a comment, on one line, in ASCII."""
+    plain = " ".join(text.split()).encode("ascii", "replace").decode()
+    return plain.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/").replace("??", "? ?")

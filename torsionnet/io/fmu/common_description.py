@@ -1,0 +1,78 @@
+"""What the model descriptions of both versions of the interface have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from xml.etree.ElementTree import Element, SubElement, indent, tostring
+
+from torsionnet.io.fmu.variables import FMI_UNITS, Variables
+
+ATTRIBUTES: Mapping[str, Mapping[str, str]] = {
+    "time": {"causality": "independent", "variability": "continuous"},
+    "input": {"causality": "input", "variability": "continuous"},
+    "output": {"causality": "output", "variability": "continuous", "initial": "calculated"},
+    "state": {"causality": "local", "variability": "continuous", "initial": "exact"},
+    "rate": {"causality": "local", "variability": "continuous", "initial": "calculated"},
+    "parameter": {"causality": "parameter", "variability": "fixed", "initial": "exact"},
+    "derived": {"causality": "calculatedParameter", "variability": "fixed", "initial": "calculated"},
+    "settled": {"causality": "local", "variability": "constant", "initial": "exact"},
+    "flag": {"causality": "parameter", "variability": "fixed", "initial": "exact"},
+}
+"""By the role of a variable."""
+UNKNOWN_AT_START = ("output", "rate", "derived")
+
+
+@dataclass(frozen=True)
+class FmuDescription:
+    """What a model description describes.
+
+    Attributes
+    ----------
+    title, identifier, description, version, token : str
+    step : float
+        Communication step in s.
+    variables : Variables
+    dependencies : dict
+        Reference of an output or a rate -> references of the states and inputs it takes.
+    """
+
+    title: str
+    identifier: str
+    description: str
+    version: str
+    token: str
+    step: float
+    variables: Variables
+    dependencies: Mapping[int, tuple[int, ...]]
+
+
+def add_units(root: Element, variables: Variables) -> None:
+    units = SubElement(root, "UnitDefinitions")
+    for name in variables.units:
+        unit = SubElement(units, "Unit", name=name)
+        SubElement(unit, "BaseUnit", {base: str(power) for base, power in FMI_UNITS[name].items()})
+
+
+def add_log_category(root: Element) -> None:
+    SubElement(SubElement(root, "LogCategories"), "Category", name="logStatusError")
+
+
+def add_experiment(root: Element, step: float) -> None:
+    SubElement(root, "DefaultExperiment", startTime="0", stepSize=repr(step))
+
+
+def given(attributes: Mapping[str, str]) -> dict[str, str]:
+    """Attributes that say something, on one line and without characters that XML cannot hold."""
+    return {name: _plain(text) for name, text in attributes.items() if text}
+
+
+def _plain(text: str) -> str:
+    return "".join(sign for sign in " ".join(text.split()) if sign.isprintable())
+
+
+def written(root: Element) -> bytes:
+    """The document as it stands in the archive."""
+    indent(root)
+    text = tostring(root, encoding="unicode")
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{text}\n'.encode()

@@ -1,0 +1,98 @@
+"""Shared libraries from C sources: for many platforms by Zig, or for this one by the C compiler at hand."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from torsionnet.core.errors import MissingExtraError, TorsionnetError
+from torsionnet.io.fmu.platforms import PLATFORMS, Platform, for_all_macs, this_machine
+from torsionnet.io.records.extras import needed
+
+FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno", "-w")
+"""Without fused products what cancels does so alike on every machine."""
+COMPILERS = ("cc", "gcc", "clang")
+LONGEST = 600
+"""Seconds a compiler may take."""
+
+
+class CompilerError(TorsionnetError):
+    """A C compiler refused, with what it said."""
+
+
+def libraries(sources: Mapping[str, str], identifier: str, version: str, folder: Path) -> dict[str, bytes]:
+    """Path in the archive of an FMU -> shared library, made from ``sources`` in an empty ``folder``.
+
+    Raises
+    ------
+    MissingExtraError
+        There is neither Zig nor a C compiler.
+    CompilerError
+        The compiler fails.
+    """
+    for name, text in sources.items():
+        (folder / name).write_text(text, encoding="ascii", newline="\n")
+    commands = _commands()
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        made = list(pool.map(lambda item: _compiled(item[1], item[0], folder), commands.items()))
+    return _placed(dict(zip(commands, made, strict=True)), identifier, version)
+
+
+def _commands() -> dict[Platform, list[str]]:
+    """How to call a compiler for each platform that can be reached."""
+    try:
+        needed("fmu")
+    except MissingExtraError as error:
+        compiler = _compiler()
+        if compiler is None:
+            msg = f"{error}; a C compiler (CC, cc, gcc or clang) would do for this machine"
+            raise MissingExtraError(msg) from None
+        return {this_machine(): [compiler]}
+    zig = [sys.executable, "-m", "ziglang", "cc", "-s", "-target"]
+    return {platform: [*zig, platform.target] for platform in PLATFORMS}
+
+
+def _compiler() -> str | None:
+    """The C compiler at hand; ``CC`` says which."""
+    named = (os.environ.get("CC", ""), *COMPILERS)
+    return next((found for name in named if name and (found := shutil.which(name))), None)
+
+
+def _compiled(command: list[str], platform: Platform, folder: Path) -> bytes:
+    environment = {**os.environ, "ZIG_LOCAL_CACHE_DIR": str(folder / f"cache_{platform.name}")}
+    library = folder / f"{platform.name}{platform.suffix}"
+    position = [] if platform.suffix == ".dll" else ["-fPIC"]
+    plain = ["-Wl,--build-id=none"] if platform.suffix == ".so" else []
+    call = [*command, *FLAGS, *position, *plain, "-o", library.name, "all.c", "-lm"]
+    try:
+        done = subprocess.run(  # noqa: S603
+            call, cwd=folder, env=environment, capture_output=True, text=True, errors="replace",
+            timeout=LONGEST, check=False, stdin=subprocess.DEVNULL,
+        )  # fmt: skip
+    except (OSError, subprocess.TimeoutExpired) as error:
+        msg = f"the C compiler {command[0]} cannot be run: {error}"
+        raise CompilerError(msg) from None
+    if done.returncode or not library.is_file():
+        said = done.stderr.strip().splitlines()[-10:]
+        msg = "\n".join([f"the C compiler failed for {platform.name}: {' '.join(call)}", *said])
+        raise CompilerError(msg)
+    return library.read_bytes()
+
+
+def _placed(made: Mapping[Platform, bytes], identifier: str, version: str) -> dict[str, bytes]:
+    """Libraries by their path; those for one folder go into one file."""
+    together: dict[str, dict[Platform, bytes]] = {}
+    for platform, library in made.items():
+        path = f"binaries/{platform.folder(version)}/{identifier}{platform.suffix}"
+        together.setdefault(path, {})[platform] = library
+    return {
+        path: next(iter(found.values()))
+        if len(found) == 1
+        else for_all_macs({platform.name.split("-")[0]: library for platform, library in found.items()})
+        for path, found in together.items()
+    }

@@ -1,0 +1,79 @@
+"""modelDescription.xml of FMI 2.0."""
+
+from __future__ import annotations
+
+from xml.etree.ElementTree import Element, SubElement
+
+from torsionnet.io.fmu.common_description import (
+    ATTRIBUTES,
+    UNKNOWN_AT_START,
+    FmuDescription,
+    add_experiment,
+    add_log_category,
+    add_units,
+    given,
+    written,
+)
+from torsionnet.io.fmu.variables import Variable
+
+STATES = {"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true", "providesDirectionalDerivative": "true"}
+STEPS = {"canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": "true"}
+
+
+def describe(subject: FmuDescription) -> bytes:
+    """The model description of a subject."""
+    root = Element(
+        "fmiModelDescription",
+        given({
+            "fmiVersion": "2.0",
+            "modelName": subject.title,
+            "guid": subject.token,
+            "description": subject.description,
+            "generationTool": f"torsionnet {subject.version}",
+            "variableNamingConvention": "flat",
+            "numberOfEventIndicators": "0",
+        }),
+    )  # fmt: skip
+    for kind, more in (("ModelExchange", {}), ("CoSimulation", STEPS)):
+        entry = SubElement(root, kind, {"modelIdentifier": subject.identifier, **more, **STATES})
+        SubElement(SubElement(entry, "SourceFiles"), "File", name="all.c")
+    add_units(root, subject.variables)
+    add_log_category(root)
+    add_experiment(root, subject.step)
+    table = SubElement(root, "ModelVariables")
+    for variable in subject.variables.all:
+        _add_variable(table, variable)
+    _add_structure(root, subject)
+    return written(root)
+
+
+def _add_variable(table: Element, variable: Variable) -> None:
+    about = {"name": variable.name, "valueReference": str(variable.reference), "description": variable.description}
+    entry = SubElement(table, "ScalarVariable", given({**about, **ATTRIBUTES[variable.role]}))
+    if variable.role == "flag":
+        SubElement(entry, "Boolean", start="true")
+        return
+    numbers = {
+        "unit": variable.unit,
+        "start": "" if variable.start is None else repr(variable.start),
+        "derivative": "" if variable.of is None else _index(variable.of),
+    }
+    SubElement(entry, "Real", given(numbers))
+
+
+def _add_structure(root: Element, subject: FmuDescription) -> None:
+    structure = SubElement(root, "ModelStructure")
+    for kind, role in (("Outputs", "output"), ("Derivatives", "rate")):
+        variables = subject.variables.of(role)
+        unknowns = SubElement(structure, kind) if variables else structure  # the standard has no empty list
+        for variable in variables:
+            takes = " ".join(_index(reference) for reference in subject.dependencies[variable.reference])
+            SubElement(unknowns, "Unknown", index=_index(variable.reference), dependencies=takes)
+    initial = SubElement(structure, "InitialUnknowns")
+    for variable in subject.variables.of(*UNKNOWN_AT_START):
+        SubElement(initial, "Unknown", index=_index(variable.reference))
+
+
+def _index(reference: int) -> str:
+    """Variables are counted from 1 in the order of their references."""
+    return str(reference + 1)

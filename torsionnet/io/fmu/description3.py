@@ -1,0 +1,86 @@
+"""modelDescription.xml and buildDescription.xml of FMI 3.0."""
+
+from __future__ import annotations
+
+from xml.etree.ElementTree import Element, SubElement
+
+from torsionnet.io.fmu.common_description import (
+    ATTRIBUTES,
+    UNKNOWN_AT_START,
+    FmuDescription,
+    add_experiment,
+    add_log_category,
+    add_units,
+    given,
+    written,
+)
+from torsionnet.io.fmu.variables import Variable
+
+STATES = {"canGetAndSetFMUState": "true", "canSerializeFMUState": "true", "providesDirectionalDerivatives": "true"}
+STEPS = {
+    "canHandleVariableCommunicationStepSize": "true",
+    "providesIntermediateUpdate": "true",
+    "hasEventMode": "true",
+}
+
+
+def describe(subject: FmuDescription) -> bytes:
+    """The model description of a subject."""
+    root = Element(
+        "fmiModelDescription",
+        given({
+            "fmiVersion": "3.0",
+            "modelName": subject.title,
+            "instantiationToken": subject.token,
+            "description": subject.description,
+            "generationTool": f"torsionnet {subject.version}",
+            "variableNamingConvention": "flat",
+        }),
+    )  # fmt: skip
+    for kind, more in (("ModelExchange", {}), ("CoSimulation", STEPS)):
+        SubElement(root, kind, {"modelIdentifier": subject.identifier, **STATES, **more})
+    add_units(root, subject.variables)
+    add_log_category(root)
+    add_experiment(root, subject.step)
+    table = SubElement(root, "ModelVariables")
+    for variable in subject.variables.all:
+        _add_variable(table, variable)
+    _add_structure(root, subject)
+    return written(root)
+
+
+def _add_variable(table: Element, variable: Variable) -> None:
+    about = {
+        "name": variable.name,
+        "valueReference": str(variable.reference),
+        "description": variable.description,
+        **ATTRIBUTES[variable.role],
+    }
+    if variable.role == "flag":
+        SubElement(table, "Boolean", given({**about, "start": "true"}))
+        return
+    numbers = {
+        "unit": variable.unit,
+        "start": "" if variable.start is None else repr(variable.start),
+        "derivative": "" if variable.of is None else str(variable.of),
+        "intermediateUpdate": "true" if variable.role == "input" else "",
+    }
+    SubElement(table, "Float64", given({**about, **numbers}))
+
+
+def _add_structure(root: Element, subject: FmuDescription) -> None:
+    structure = SubElement(root, "ModelStructure")
+    for kind, role in (("Output", "output"), ("ContinuousStateDerivative", "rate")):
+        for variable in subject.variables.of(role):
+            takes = " ".join(map(str, subject.dependencies[variable.reference]))
+            SubElement(structure, kind, valueReference=str(variable.reference), dependencies=takes)
+    for variable in subject.variables.of(*UNKNOWN_AT_START):
+        SubElement(structure, "InitialUnknown", valueReference=str(variable.reference))
+
+
+def describe_build(identifier: str) -> bytes:
+    """How the sources are compiled."""
+    root = Element("fmiBuildDescription", fmiVersion="3.0")
+    configuration = SubElement(root, "BuildConfiguration", modelIdentifier=identifier)
+    SubElement(SubElement(configuration, "SourceFileSet", language="C99"), "SourceFile", name="all.c")
+    return written(root)

@@ -1,0 +1,145 @@
+"""Coordinates in which the state space of a drivetrain has its zeros where the mechanics has them.
+
+The kept coordinates q of a drivetrain are changed, exactly, into three kinds:
+
+    heavy    inertia acts on these, and on nothing else:      M h'' + ..
+    damped   massless, but dampers act on these:              C b' + ..
+    static   only springs act on these, which give them at once
+
+Angles that a rigid-body motion changes are told from angles relative to it, so that stiffnesses never see how far a
+drivetrain has turned: their columns for that angle are empty, not merely small.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from torsionnet.core.errors import UsageError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.fmu.traced_numbers import NumberTape, Traced
+from torsionnet.io.fmu.traced_parameters import trace_parameters
+from torsionnet.model.elements import Law, Values
+from torsionnet.model.elimination import reduce_rows, substitute
+from torsionnet.model.kinematics import Kinematics, constraints_of, owned_parts
+
+_Names: TypeAlias = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Motion:
+    """The laws of a drivetrain over its changed coordinates, on a tape.
+
+    Attributes
+    ----------
+    tape : NumberTape
+    parameters : dict
+        Every parameter on the tape.
+    values : Values
+        Of expressions, on the tape.
+    kinematics : Kinematics
+        On the tape.
+    changes : tuple of dict
+        Coordinate -> row over the coordinates of the next stage, one after the other.
+    heavy, damped, static : tuple of str
+        Names of the coordinates, each that of a node.
+    relative : frozenset of str
+        Coordinates that are no longer the angle of their node alone.
+    """
+
+    tape: NumberTape
+    parameters: dict[str, Traced]
+    values: Values
+    kinematics: Kinematics
+    changes: tuple[dict[str, Any], ...]
+    heavy: tuple[str, ...]
+    damped: tuple[str, ...]
+    static: tuple[str, ...]
+    relative: frozenset[str]
+
+    def over_coordinates(self, row: Mapping[str, Any]) -> dict[str, Traced]:
+        """A row over nodes as one over the changed coordinates."""
+        current: dict[str, Any] = self.kinematics.reduced({node: self.tape.number(a) for node, a in row.items()})
+        for change in self.changes:
+            current = substitute(current, change)
+        return {name: self.tape.number(value) for name, value in current.items()}
+
+
+def trace_motion(drivetrain: Drivetrain) -> Motion:
+    """The motion of a drivetrain with as many parameters left open as its structure allows."""
+    settled: set[str] = set()
+    while True:
+        motion = _traced(drivetrain, settled)
+        if motion.tape.settled <= settled:
+            return motion
+        settled |= motion.tape.settled
+
+
+def _traced(drivetrain: Drivetrain, settled: Iterable[str]) -> Motion:
+    definition, tape = drivetrain.definition, NumberTape()
+    parameters = trace_parameters(tape, definition.parameters, drivetrain.exact_values, settled)
+    values = Values(parameters, tape.algebra)
+    kinematics = _kinematics(drivetrain, tape, values)
+    kinds = _Kinds(tape, kinematics)
+    return Motion(tape, parameters, values, kinematics, *kinds.found())
+
+
+def _kinematics(drivetrain: Drivetrain, tape: NumberTape, values: Values) -> Kinematics:
+    """The kinematics of the drivetrain once more, on the tape."""
+    plain = drivetrain.assembly.kinematics
+    parts = owned_parts(drivetrain.definition, values)
+    rows = [{node: tape.number(a) for node, a in row.items()} for _, row in constraints_of(parts)]
+    reduction = reduce_rows(rows, {node: index for index, node in enumerate(plain.nodes)})
+    coordinates = tuple(node for node in plain.nodes if reduction.is_free(node))
+    return Kinematics(plain.nodes, parts, plain.imposed, plain.driven, reduction, coordinates)
+
+
+class _Kinds:
+    """Tells the coordinates apart, stage by stage."""
+
+    def __init__(self, tape: NumberTape, kinematics: Kinematics) -> None:
+        self.tape = tape
+        self.coordinates = kinematics.coordinates
+        laws = [law for _, law in kinematics.laws if law.acts]
+        rows = [kinematics.reduced({node: tape.number(a) for node, a in law.row.items()}) for law in laws]
+        self.laws: list[tuple[Law, dict[str, Any]]] = list(zip(laws, rows, strict=True))
+        self.changes: list[dict[str, Any]] = []
+        self.relative: set[str] = set()
+
+    def found(self) -> tuple[tuple[dict[str, Any], ...], _Names, _Names, _Names, frozenset[str]]:
+        """Changes, heavy, damped and static coordinates, and which of them are relative."""
+        inertial = [row for law, row in self.laws if self._is_there(law.inertia, row)]
+        massless = self._separated(inertial, self.coordinates)
+        heavy = tuple(name for name in self.coordinates if name not in massless)
+        inside = [(law, {name: a for name, a in row.items() if name in massless}) for law, row in self.laws]
+        damping = [row for law, row in inside if row and self._is_there(law.damping, row)]
+        static = self._separated(damping, massless)
+        damped = tuple(name for name in massless if name not in static)
+        elastic = [row for law, row in self.laws if law.is_elastic]
+        free = self._separated(elastic, (*heavy, *damped, *static))
+        self._require_held(free, static)
+        return tuple(self.changes), heavy, damped, static, frozenset(self.relative)
+
+    def _is_there(self, coefficient: Any, row: Mapping[str, Any]) -> bool:
+        return bool(row) and bool(self.tape.number(coefficient) != 0)
+
+    def _separated(self, rows: list[dict[str, Any]], order: tuple[str, ...]) -> tuple[str, ...]:
+        """The coordinates that ``rows`` leave free; the others are now counted from where these take them."""
+        reduction = reduce_rows(rows, {name: place for place, name in enumerate(order)})
+        free = tuple(name for name in order if reduction.is_free(name))
+        change: dict[str, Any] = {}
+        for name in order:
+            taken = {} if name in free else reduction.reduced({name: 1})
+            if taken:
+                change[name] = {name: self.tape.number(1), **taken}
+                self.relative.add(name)
+        self.laws = [(law, substitute(row, change)) for law, row in self.laws]
+        self.changes.append(change)
+        return free
+
+    def _require_held(self, free: tuple[str, ...], static: tuple[str, ...]) -> None:
+        loose = [name for name in free if name in static]
+        if loose:
+            msg = f"nothing resists the motion of {', '.join(loose)}: no inertia, no damper and no spring"
+            raise UsageError(msg)

@@ -1,0 +1,142 @@
+"""The entries of all matrices behind the state space of a drivetrain, as numbers on a tape.
+
+    M h'' + C (h', b') + K (h, b, d) = L u
+    y = R_0 c + R_1 c' + R_2 c'' + F u,     c = (h, b, d)
+
+with heavy coordinates h, damped b and static d. What runs inside an FMU makes A, B, C and D of these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from torsionnet.assembly.functionals import functional
+from torsionnet.core.errors import UsageError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.fmu.motion import Motion, trace_motion
+from torsionnet.io.fmu.traced_numbers import Traced
+from torsionnet.io.fmu.traced_readings import TracedPart, parts_of
+from torsionnet.model.elements import Law
+from torsionnet.solve.state_space import active_channels, first_order, output_rows
+
+MOST = 400
+"""Coordinates up to which dense matrices are no burden on a host."""
+
+
+@dataclass(eq=False)
+class Entries:
+    """A matrix by those of its entries that are not always zero."""
+
+    of: dict[tuple[int, int], Traced] = field(default_factory=dict)
+
+    def add(self, row: int, column: int, value: Traced) -> None:
+        place = row, column
+        self.of[place] = self.of[place] + value if place in self.of else value
+
+    def __iter__(self) -> Iterator[tuple[int, int, Traced]]:
+        return ((i, j, value) for (i, j), value in sorted(self.of.items()) if not value.vanishes)
+
+
+@dataclass(frozen=True)
+class System:
+    """A drivetrain as its FMU knows it.
+
+    Attributes
+    ----------
+    motion : Motion
+    coordinates : tuple of str
+        Heavy, damped, static.
+    inputs, outputs : tuple of str
+    matrices : dict
+        Letter -> entries: ``M``, ``C``, ``K`` over coordinates; loads ``L``; readings ``R0``, ``R1``, ``R2``; ``F``.
+    """
+
+    motion: Motion
+    coordinates: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    matrices: dict[str, Entries]
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Heavy angles, their speeds, damped angles."""
+        motion = self.motion
+        return (
+            *(f"angle({name})" for name in motion.heavy),
+            *(f"speed({name})" for name in motion.heavy),
+            *(f"angle({name})" for name in motion.damped),
+        )
+
+
+def trace_system(drivetrain: Drivetrain) -> System:
+    """The system of a drivetrain.
+
+    Raises
+    ------
+    UsageError
+        No inputs or sensors, frequency-dependent laws, an imposed angle, a reading with the rate of an input in it, or
+        more coordinates than dense matrices are good for.
+    """
+    channels = active_channels(drivetrain)
+    if not channels.inputs or not channels.sensors:
+        msg = "an FMU needs at least one input and one sensor in the model"
+        raise UsageError(msg)
+    _refuse(drivetrain)
+    motion = trace_motion(drivetrain)
+    coordinates = (*motion.heavy, *motion.damped, *motion.static)
+    place = {name: number for number, name in enumerate(coordinates)}
+    matrices = {letter: Entries() for letter in ("M", "C", "K", "L", "R0", "R1", "R2", "F")}
+    for _, law in motion.kinematics.laws:
+        if law.acts:
+            _add_law(matrices, law, motion.over_coordinates(law.row), place, motion)
+    nodes = [channel.of for channel in channels.inputs.values()]
+    for number, node in enumerate(nodes):
+        for name, share in motion.over_coordinates({node: 1}).items():
+            matrices["L"].add(place[name], number, share)
+    for number, sensor in enumerate(channels.sensors.values()):
+        for part in parts_of(drivetrain, motion, sensor):
+            _add_reading(matrices, number, part, motion, place)
+            for column, node in enumerate(nodes):
+                matrices["F"].add(number, column, motion.tape.number(part.applied.get(node, 0)))
+    return System(motion, coordinates, tuple(channels.inputs), tuple(channels.sensors), matrices)
+
+
+def _refuse(drivetrain: Drivetrain) -> None:
+    """What has no state space, by name."""
+    channels, assembly = active_channels(drivetrain), drivetrain.assembly
+    imposed = [name for name, channel in channels.inputs.items() if channel.quantity != "torque"]
+    if imposed:
+        msg = f"{', '.join(imposed)}: an FMU is driven by torques, not by imposed angles; leave out such inputs"
+        raise UsageError(msg)
+    n = assembly.system.n_coordinates
+    if n > MOST:
+        msg = f"the drivetrain has {n} coordinates; an FMU with its dense matrices takes up to {MOST}"
+        raise UsageError(msg)
+    inputs = list(channels.inputs.values())
+    system = first_order(assembly, inputs)
+    for name, sensor in channels.sensors.items():
+        output_rows(assembly, functional(drivetrain, sensor, name), inputs, system)
+
+
+def _add_law(
+    matrices: Mapping[str, Entries], law: Law, row: Mapping[str, Traced], place: Mapping[str, int], motion: Motion
+) -> None:
+    for letter, coefficient in (("M", law.inertia), ("C", law.damping), ("K", law.stiffness)):
+        weight = motion.tape.number(coefficient)
+        if weight.vanishes:
+            continue
+        for first, a in row.items():
+            for second, b in row.items():
+                matrices[letter].add(place[first], place[second], weight * (a * b))
+
+
+def _add_reading(
+    matrices: Mapping[str, Entries], number: int, part: TracedPart, motion: Motion, place: Mapping[str, int]
+) -> None:
+    row = motion.over_coordinates(part.row)
+    for power, factor in enumerate(part.factors):
+        weight = motion.tape.number(factor)
+        if not weight.vanishes:
+            for name, share in row.items():
+                matrices[f"R{power}"].add(number, place[name], weight * share)

@@ -1,0 +1,200 @@
+"""Numbers that remember how they were calculated from parameters, so that a program can calculate them again.
+
+Elements, constraints and readings run on such numbers as they do on fractions. Every decision on the way (a zero that
+drops out, a loop of ratios that closes) falls on the present values. A second, arbitrary set of values, modulo a large
+prime, tells whether a decision would have been the same for any values; if not, the parameters behind it are *settled*:
+they must not change without the structure of the model changing.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+from torsionnet.core.expressions import Algebra
+from torsionnet.core.units import limited
+from torsionnet.model.elimination import exact
+from torsionnet.solve.modular import residue
+
+PRIME = 2**61 - 1
+
+
+@dataclass(frozen=True, eq=False)
+class Traced:
+    """A number on a tape.
+
+    Attributes
+    ----------
+    tape : NumberTape
+    value : Fraction
+        With the present values of the parameters.
+    other : int
+        With the arbitrary ones, modulo ``PRIME``.
+    place : int or None
+        Of the operation that makes it; None for a constant.
+    """
+
+    tape: NumberTape
+    value: Fraction
+    other: int
+    place: int | None = None
+
+    @property
+    def is_constant(self) -> bool:
+        return self.place is None
+
+    def __add__(self, right: Any) -> Traced:
+        right = self.tape.number(right)
+        if self.vanishes or right.vanishes:
+            return right if self.vanishes else self
+        return self.tape.operation("+", self, right, self.value + right.value, self.other + right.other)
+
+    def __mul__(self, right: Any) -> Traced:
+        right = self.tape.number(right)
+        for factor, rest in ((self, right), (right, self)):
+            if factor.is_constant and factor.value in (0, 1):
+                return rest if factor.value else factor
+        return self.tape.operation("*", self, right, self.value * right.value, self.other * right.other)
+
+    def __truediv__(self, right: Any) -> Traced:
+        right = self.tape.number(right)
+        if right.is_constant and right.value == 1:
+            return self
+        if self.place is not None and self.place == right.place:
+            return self.tape.number(1)
+        return self.tape.operation("/", self, right, self.value / right.value, self.other * pow(right.other, -1, PRIME))
+
+    def __neg__(self) -> Traced:
+        if self.is_constant:
+            return self.tape.number(-self.value)
+        return self.tape.operation("*", self.tape.number(-1), self, -self.value, -self.other)
+
+    def __sub__(self, right: Any) -> Traced:
+        return self + (-self.tape.number(right))
+
+    def __rsub__(self, left: Any) -> Traced:
+        return self.tape.number(left) - self
+
+    def __rtruediv__(self, left: Any) -> Traced:
+        return self.tape.number(left) / self
+
+    def __pow__(self, power: int) -> Traced:
+        if power < 0:
+            return 1 / self**-power
+        result = self.tape.number(1)
+        for _ in range(power):
+            result = result * self
+        return result
+
+    __radd__ = __add__
+    __rmul__ = __mul__
+
+    @property
+    def vanishes(self) -> bool:
+        """Whether it is zero for any values of the parameters."""
+        return self.value == 0 and self.other == 0
+
+    def __eq__(self, right: object) -> bool:
+        """Decide on the present values, and note where other values would decide otherwise."""
+        right = self.tape.number(right)
+        equal = self.value == right.value
+        if equal and self.other != right.other:
+            self.tape.settle(self, right)
+        return equal
+
+    def __hash__(self) -> int:
+        return hash(self.value)
+
+
+@dataclass(eq=False)
+class NumberTape:
+    """Operations in the order of their calculation.
+
+    Attributes
+    ----------
+    operations : list
+        ``("parameter", name)``, ``("sqrt", a)``, ``("+", a, b)``, ``("*", a, b)`` or ``("/", a, b)``.
+    settled : set of str
+        Parameters on whose values a decision rested.
+
+    Examples
+    --------
+    >>> tape = Tape()
+    >>> k = tape.parameter("k", Fraction(3))
+    >>> k * 2 - 2 * k == 0, len(tape.settled)
+    (True, 0)
+    >>> k == 3, tape.settled
+    (True, {'k'})
+    """
+
+    operations: list[tuple[Any, ...]] = field(default_factory=list)
+    settled: set[str] = field(default_factory=set)
+    _known: dict[Any, Traced] = field(default_factory=dict)
+    _draw: random.Random = field(default_factory=lambda: random.Random(1))  # noqa: S311
+
+    def number(self, value: Any) -> Traced:
+        """Anything as a number on this tape; fractions and floats become constants."""
+        if isinstance(value, Traced):
+            return value
+        written = exact(value)
+        return Traced(self, written, residue(written, PRIME))
+
+    def parameter(self, name: str, value: Any) -> Traced:
+        """A parameter with its present value."""
+        return self._recorded(("parameter", name), exact(value), self._draw.randrange(1, PRIME))
+
+    def sqrt(self, argument: Any) -> Traced:
+        argument = self.number(argument)
+        root = exact(float(argument.value) ** 0.5)
+        if argument.is_constant:
+            return self.number(root)
+        return self._recorded(("sqrt", argument), root, self._draw.randrange(1, PRIME))
+
+    @property
+    def algebra(self) -> Algebra:
+        """For expressions of a model."""
+        from math import pi
+
+        return Algebra(number=self.number, sqrt=self.sqrt, pi=self.number(pi))
+
+    def operation(self, sign: str, left: Traced, right: Traced, value: Fraction, other: int) -> Traced:
+        """The result of two numbers."""
+        if left.is_constant and right.is_constant:
+            return self.number(limited(value))
+        if sign != "/" and _order(right) < _order(left):
+            left, right = right, left
+        return self._recorded((sign, left, right), value, other % PRIME)
+
+    def _recorded(self, operation: tuple[Any, ...], value: Fraction, other: int) -> Traced:
+        key = (operation[0], *(_order(part) if isinstance(part, Traced) else part for part in operation[1:]))
+        if key not in self._known:
+            self._known[key] = Traced(self, exact(limited(value)), other, len(self.operations))
+            self.operations.append(operation)
+        return self._known[key]
+
+    def settle(self, *numbers: Traced) -> None:
+        """Note that a decision rests on the parameters behind these numbers."""
+        self.settled |= {self.operations[place][1] for place in self.needed(numbers) if self._is_parameter(place)}
+
+    def _is_parameter(self, place: int) -> bool:
+        return bool(self.operations[place][0] == "parameter")
+
+    def needed(self, numbers: Iterable[Traced]) -> list[int]:
+        """Places of all operations that these numbers take, in order."""
+        waiting = [number.place for number in numbers if number.place is not None]
+        found: set[int] = set()
+        while waiting:
+            place = waiting.pop()
+            if place not in found:
+                found.add(place)
+                parts = (part for part in self.operations[place][1:] if isinstance(part, Traced))
+                waiting += [part.place for part in parts if part.place is not None]
+        return sorted(found)
+
+
+def _order(number: Traced) -> tuple[int, Any]:
+    """Constants first: equal operations have equal keys whatever the order of their operands."""
+    return (0, number.value) if number.place is None else (1, number.place)

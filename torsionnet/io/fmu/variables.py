@@ -1,0 +1,157 @@
+"""The variables of an FMU in the order of their value references."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.core.units import DIMENSIONS, Dimension
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.fmu.traced_matrices import System
+from torsionnet.io.fmu.traced_numbers import Traced
+from torsionnet.model.channels import UNITS
+from torsionnet.model.parameters import dimensions
+from torsionnet.solve.state_space import active_channels
+
+FMI_UNITS = {
+    "rad": {"rad": 1},
+    "rad/s": {"rad": 1, "s": -1},
+    "rad/s2": {"rad": 1, "s": -2},
+    "N.m": {"kg": 1, "m": 2, "s": -2},
+    "N.m/rad": {"kg": 1, "m": 2, "s": -2, "rad": -1},
+    "N.m.s/rad": {"kg": 1, "m": 2, "s": -1, "rad": -1},
+    "kg.m2": {"kg": 1, "m": 2},
+    "kg": {"kg": 1},
+    "kg/m3": {"kg": 1, "m": -3},
+    "m": {"m": 1},
+    "Pa": {"kg": 1, "m": -1, "s": -2},
+    "s": {"s": 1},
+}
+"""Units as FMI writes them, in its base units."""
+OF_DIMENSION = {
+    "inertia": "kg.m2",
+    "stiffness": "N.m/rad",
+    "damping": "N.m.s/rad",
+    "length": "m",
+    "mass": "kg",
+    "density": "kg/m3",
+    "shear modulus": "Pa",
+}
+
+
+@dataclass(frozen=True)
+class Variable:
+    """One variable; ``role`` is time, input, output, state, rate, parameter, derived, settled or flag."""
+
+    name: str
+    reference: int
+    role: str
+    unit: str = ""
+    description: str = ""
+    start: float | None = None
+    of: int | None = None
+    """The reference of the state a rate belongs to."""
+
+
+@dataclass(frozen=True)
+class Variables:
+    """All variables, the parameters that are open with their values, and the derived ones on the tape."""
+
+    all: tuple[Variable, ...]
+    open: dict[str, float]
+    derived: dict[str, Traced]
+    settled: dict[str, float]
+
+    def of(self, *roles: str) -> tuple[Variable, ...]:
+        return tuple(variable for variable in self.all if variable.role in roles)
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Every unit once."""
+        return tuple(dict.fromkeys(variable.unit for variable in self.all if variable.unit))
+
+
+def list_variables(drivetrain: Drivetrain, system: System) -> Variables:
+    """The variables of a drivetrain as its C code numbers them."""
+    traced, values = system.motion.parameters, drivetrain.parameters
+    written = drivetrain.parameter_definitions
+    open_ = {
+        name: values[name]
+        for name, number in traced.items()
+        if not number.is_constant and not written[name].value.names
+    }
+    derived = {name: number for name, number in traced.items() if not number.is_constant and name not in open_}
+    settled = {name: values[name] for name, number in traced.items() if number.is_constant}
+    named = _Namer()
+    listed = [
+        Variable(named(entry["name"], entry["role"]), reference, **{key: entry[key] for key in entry if key != "name"})
+        for reference, entry in enumerate(_entries(drivetrain, system, open_, derived, settled))
+    ]
+    return Variables(tuple(listed), open_, derived, settled)
+
+
+def _entries(
+    drivetrain: Drivetrain, system: System, open_: dict[str, float], derived: dict[str, Traced],
+    settled: dict[str, float],
+) -> Iterator[dict[str, Any]]:  # fmt: skip
+    channels, found = active_channels(drivetrain), dimensions(drivetrain.parameter_definitions)[0]
+    yield {"name": "time", "role": "time", "unit": "s"}
+    for name, source in channels.inputs.items():
+        yield {"name": name, "role": "input", "unit": "N.m", "description": str(source), "start": 0.0}
+    for name, sensor in channels.sensors.items():
+        unit = UNITS[sensor.quantity].replace("*", ".").replace("^", "")
+        yield {"name": name, "role": "output", "unit": unit, "description": str(sensor)}
+    first = 1 + len(channels.inputs) + len(channels.sensors)
+    for role in ("state", "rate"):
+        for place, state in enumerate(system.states):
+            yield _state(system, state, role, first + place)
+    for role, table in (("parameter", open_), ("derived", derived)):
+        for name in table:
+            yield _parameter(drivetrain, name, role, found.get(name))
+    yield {
+        "name": "extrapolate_inputs",
+        "role": "flag",
+        "description": "in co-simulation: inputs run on from step to step in straight lines; if false, they are held",
+    }
+    for name in settled:
+        yield _parameter(drivetrain, name, "settled", found.get(name))
+
+
+def _state(system: System, state: str, role: str, reference: int) -> dict[str, Any]:
+    node = state[state.index("(") + 1 : -1]
+    unit = "rad/s" if state.startswith("speed") else "rad"
+    text = "relative to the motion of the nodes it follows" if node in system.motion.relative else ""
+    if role == "state":
+        return {"name": state, "role": role, "unit": unit, "description": text, "start": 0.0}
+    return {"name": f"der({state})", "role": role, "unit": f"{unit}/s".replace("/s/s", "/s2"), "of": reference}
+
+
+def _parameter(drivetrain: Drivetrain, name: str, role: str, dimension: Dimension | None) -> dict[str, Any]:
+    unit = next((unit for known, unit in OF_DIMENSION.items() if dimension == DIMENSIONS[known]), "")
+    definition, value = drivetrain.parameter_definitions[name], drivetrain.parameters[name]
+    text = definition.description
+    if role == "derived":
+        text = f"{text}; {definition.value}" if text else str(definition.value)
+    if role == "settled":
+        reason = "cannot be changed here: the structure of the model rests on its value"
+        text = f"{text}; {reason}" if text else reason
+    return {
+        "name": name,
+        "role": role,
+        "unit": unit,
+        "description": text,
+        "start": None if role == "derived" else value,
+    }
+
+
+class _Namer:
+    """Gives every variable a name of its own: tables of a model may share names, variables of an FMU may not."""
+
+    def __init__(self) -> None:
+        self.taken: set[str] = set()
+
+    def __call__(self, wish: str, role: str) -> str:
+        name = wish if wish not in self.taken else f"{role}({wish})"
+        self.taken.add(name)
+        return name

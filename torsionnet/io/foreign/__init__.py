@@ -1,0 +1,11 @@
+"""Binary files of other programs, read in a process of its own.
+
+The libraries behind them crash on damaged files, print, or take all the memory there is. In a process of its own that
+becomes one sentence: :class:`ForeignFileError`. What is in a file comes as :class:`Content`, named arrays with
+attributes, whichever format it is in.
+"""
+
+from torsionnet.io.foreign.content import Content, ForeignFileError, Stored
+from torsionnet.io.foreign.opening import opened
+
+__all__ = ["Content", "ForeignFileError", "Stored", "opened"]

@@ -1,0 +1,102 @@
+"""HDF5 files, and MAT v7.3 files, which are HDF5: every dataset of numbers. Only what is inside the file is read."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.io.foreign.content import Content, ForeignFileError, Plain, Slice, Stored, plain, sliced
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+ATTRIBUTES = ("unit", "units", "Unit", "Units", "unit_string", "quantity")
+CLASS = "MATLAB_class"
+HERE = "."
+"""Name of the file itself, for a virtual dataset."""
+
+
+def load() -> None:
+    """Import the library."""
+    import h5py  # noqa: F401
+
+
+@contextlib.contextmanager
+def opened(path: Path) -> Iterator[Content]:
+    """The datasets, rows and columns as they were meant."""
+    import h5py
+
+    with h5py.File(path, "r") as file:
+        found = _datasets(file)
+        # MATLAB keeps rows and columns the other way round, and text and references as numbers.
+        matlab = any(CLASS in item.attrs for _, item in found)
+        kept = [(name, item) for name, item in found if _is_channel(name, item)]
+        arrays = [_stored(name, item, matlab) for name, item in kept]
+        readers = [_reader(item, across=_is_across(item, matlab)) for _, item in kept]
+        yield Content(tuple(arrays), sliced(readers, [item.length for item in arrays]), _attributes(file))
+
+
+def _datasets(file: Any) -> list[tuple[str, Any]]:
+    import h5py
+
+    links: list[tuple[str, Any]] = []
+    file.visititems_links(lambda name, link: links.append((name, link)))
+    for name, link in links:
+        if isinstance(link, h5py.ExternalLink):
+            raise ForeignFileError(_elsewhere(name, link.filename))
+    found: list[tuple[str, Any]] = []
+    file.visititems(lambda name, item: found.append((name, item)) if isinstance(item, h5py.Dataset) else None)
+    for name, item in found:
+        for other in _other_files(item):
+            raise ForeignFileError(_elsewhere(name, other))
+    return found
+
+
+def _other_files(item: Any) -> list[str]:
+    """Files in which a dataset keeps its samples: as external storage, or as sources of a virtual dataset."""
+    if item.is_virtual:
+        return [source.file_name for source in item.virtual_sources() if source.file_name != HERE]
+    return [part[0] for part in item.external or ()]
+
+
+def _elsewhere(name: str, other: Any) -> str:
+    return f'dataset "{name}" keeps its samples in another file, "{other}"; only what is inside the file is read'
+
+
+def _attributes(item: Any) -> dict[str, Plain]:
+    """Attributes of a type that is known; an array of other things is none of ours."""
+    found: dict[str, Any] = {}
+    for name in item.attrs:
+        with contextlib.suppress(TypeError):
+            found[name] = item.attrs[name]
+    return plain(found)
+
+
+def _is_channel(name: str, item: Any) -> bool:
+    text = item.attrs.get(CLASS, b"double") in (b"char", b"cell", "char", "cell")
+    known = item.dtype.kind in "fiub" and item.shape is not None and 0 <= item.ndim <= 2  # noqa: PLR2004
+    return bool(not text and not name.startswith("#") and known)
+
+
+def _is_across(item: Any, turned: bool) -> bool:
+    return item.ndim == 2 and (turned or item.shape[0] == 1)  # noqa: PLR2004
+
+
+def _stored(name: str, item: Any, turned: bool) -> Stored:
+    rows, columns = (*item.shape, 1, 1)[:2]
+    shape = (columns, rows) if _is_across(item, turned) else (rows, columns)
+    given = plain({key: item.attrs[key] for key in ATTRIBUTES if key in item.attrs})
+    value = float(item[()].ravel()[0]) if shape == (1, 1) else None
+    return Stored(name.replace("/", "."), shape, given, value)
+
+
+def _reader(item: Any, *, across: bool) -> Slice:
+    def read(first: int, last: int) -> NDArray[Any]:
+        if item.ndim == 0:
+            return item[()].reshape(1)  # type: ignore[no-any-return]
+        values: NDArray[Any] = item[:, first:last].T if across else item[first:last]
+        return values
+
+    return read

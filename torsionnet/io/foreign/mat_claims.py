@@ -1,0 +1,98 @@
+"""What a MAT file says that it holds, against its size, before anything is unpacked."""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator
+from math import prod
+from pathlib import Path
+from struct import Struct, error
+from typing import BinaryIO
+
+from torsionnet.io.foreign import resource_limits
+from torsionnet.io.foreign.content import ForeignFileError
+
+HEADER = 128
+COMPRESSED, MATRIX = 15, 14
+OBJECTS = frozenset({1, 2})
+"""Classes cell and structure, of which every entry takes a tag of 8 bytes, and memory for a reference."""
+SPARSE = 5
+START = 4096
+"""Bytes that are unpacked of a compressed variable, to see its size and dimensions."""
+V4_SIZES = (8, 4, 4, 2, 2, 1)
+_TOO_MUCH = "says that it holds more than there is; the file is damaged or ends early"
+
+
+def check_claims(path: Path) -> None:
+    """Refuse a file of which a variable claims more than the file holds, or more than a file may unpack to."""
+    size = path.stat().st_size
+    with path.open("rb") as file:
+        start = file.read(HEADER)
+        mark = start[126:128]
+        if len(start) < HEADER or 0 in start[:4]:
+            _check_v4(file, size)
+            return
+        if mark in (b"IM", b"MI"):
+            total = sum(_elements(file, "<" if mark == b"IM" else ">", size))
+            resource_limits.check(total, path)
+
+
+def _elements(file: BinaryIO, order: str, size: int) -> Iterator[int]:
+    """Bytes of every variable when it is unpacked."""
+    pair, at, number = Struct(f"{order}II"), HEADER, 0
+    while at + pair.size <= size:
+        number += 1
+        file.seek(at)
+        kind, length = pair.unpack(file.read(pair.size))
+        if length > size - at - pair.size:
+            msg = f"variable {number} {_TOO_MUCH}"
+            raise ForeignFileError(msg)
+        start = file.read(min(length, START))
+        if kind == COMPRESSED:
+            start = zlib.decompressobj().decompress(start, START)
+            if len(start) < pair.size:
+                msg = f"variable {number} cannot be unpacked; the file is damaged"
+                raise ForeignFileError(msg)
+            kind, unpacked = pair.unpack(start[: pair.size])
+            start = start[pair.size :]
+        else:
+            unpacked = length
+        if kind == MATRIX:
+            _check_dimensions(start, order, unpacked, number)
+        yield unpacked
+        at += pair.size + length
+
+
+def _check_dimensions(start: bytes, order: str, length: int, number: int) -> None:
+    """As many entries as the dimensions say need at least a byte each, or a tag."""
+    try:
+        _, _, flags, _, _, count = Struct(f"{order}6I").unpack_from(start)
+        dimensions = Struct(f"{order}{min(count // 4, 32)}i").unpack_from(start, 24)
+    except error:
+        return  # of something else; the library has its own words
+    kind = flags & 0xFF
+    least = 0 if kind == SPARSE else 8 if kind in OBJECTS else 1
+    if least * prod(dimensions) > length:
+        msg = f"variable {number} {_TOO_MUCH}"
+        raise ForeignFileError(msg)
+
+
+def _check_v4(file: BinaryIO, size: int) -> None:
+    at, number = 0, 0
+    while at < size:
+        number += 1
+        file.seek(at)
+        start = file.read(20)
+        if len(start) < 20:  # noqa: PLR2004
+            msg = f"variable {number} {_TOO_MUCH}"
+            raise ForeignFileError(msg)
+        order = "<" if 0 <= Struct("<i").unpack_from(start)[0] <= 5000 else ">"  # noqa: PLR2004
+        kind, rows, columns, imaginary, letters = Struct(f"{order}5i").unpack(start)
+        precision = kind // 10 % 10
+        if not (0 <= kind <= 5000 and precision < len(V4_SIZES) and min(rows, columns, letters) >= 0):  # noqa: PLR2004
+            msg = "this is no MAT file, or a damaged one"
+            raise ForeignFileError(msg)
+        at += 20 + letters + rows * columns * V4_SIZES[precision] * (2 if imaginary else 1)
+        if at > size:
+            msg = f"variable {number} {_TOO_MUCH}"
+            raise ForeignFileError(msg)

@@ -1,0 +1,35 @@
+"""MDF files, through asammdf, which reads all channels as a whole."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from torsionnet.io.foreign import resource_limits
+from torsionnet.io.foreign.content import Content, Plain, in_memory
+
+
+def load() -> None:
+    """Import the library."""
+    import asammdf  # noqa: F401
+
+
+@contextlib.contextmanager
+def opened(path: Path) -> Iterator[Content]:
+    """The channels of numbers, then the time stamps of the first; the comment is the file's."""
+    import asammdf
+    import numpy as np
+
+    with asammdf.MDF(path) as file:
+        claimed = sum(group.channel_group.cycles_nr * len(group.channels) for group in file.groups)
+        resource_limits.check(resource_limits.SAMPLE * claimed, path)
+        signals = [signal for signal in file.iter_channels() if signal.samples.dtype.kind in "fiub"]
+        arrays: list[tuple[str, Any, dict[str, Plain]]] = [
+            (str(signal.name), np.asarray(signal.samples, dtype=float), {"unit": str(signal.unit or "")})
+            for signal in signals
+        ]
+        if signals:
+            arrays.append(("time", np.asarray(signals[0].timestamps, dtype=float), {"unit": "s"}))
+        yield in_memory(arrays, {"comment": str(file.header.comment)})

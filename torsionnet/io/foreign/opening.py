@@ -1,0 +1,64 @@
+"""A foreign file as the program that reads it sees it: its content, which another process has open."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.io.foreign.content import Content, Stored
+from torsionnet.io.foreign.process import Crashed, borrowed
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from torsionnet.io.foreign.process import Process
+
+
+@contextlib.contextmanager
+def opened(path: Path, form: str) -> Iterator[Content]:
+    """Open a file; ``form`` is a module of this package.
+
+    Raises
+    ------
+    ForeignFileError
+        The library cannot read the file, or crashed on it, here or while blocks are read.
+    """
+    question = {"open": str(path.absolute()), "form": form}
+    with contextlib.ExitStack() as stack:
+        process = stack.enter_context(borrowed())
+        try:
+            answer = process.ask(question)
+        except Crashed:
+            if not process.is_used:
+                raise
+            # The file before this one may have left it damaged.
+            process = stack.enter_context(borrowed(fresh=True))
+            answer = process.ask(question)
+        process.is_used = True
+        yield _content(process, answer)
+
+
+def _content(process: Process, answer: dict[str, Any]) -> Content:
+    arrays = tuple(
+        Stored(item["name"], tuple(item["shape"]), item["attributes"], item["value"]) for item in answer["arrays"]
+    )
+
+    def blocks(numbers: Sequence[int], count: int) -> Iterator[list[NDArray[Any]]]:
+        question: dict[str, Any] = {"read": list(numbers), "count": count}
+        while (file := process.ask(question)["file"]) is not None:
+            yield _loaded(process.folder / file)
+            question = {"more": True}
+
+    return Content(arrays, blocks, answer["attributes"], tuple(answer["others"]))
+
+
+def _loaded(path: Path) -> list[NDArray[Any]]:
+    """Arrays one behind the other in a file, which goes."""
+    import numpy as np
+
+    with path.open("rb") as stream:
+        found = [np.load(stream, allow_pickle=False) for _ in range(int(stream.readline()))]
+    path.unlink()
+    return found

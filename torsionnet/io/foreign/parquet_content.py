@@ -1,0 +1,111 @@
+"""Parquet files, through pyarrow: columns of numbers, and of times, which become seconds."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.io.foreign import resource_limits
+from torsionnet.io.foreign.content import Blocks, Content, Plain, Stored, plain
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+BATCH = 1 << 16
+UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
+
+
+def load() -> None:
+    """Import the library."""
+    import pyarrow.parquet  # noqa: F401
+
+
+@contextlib.contextmanager
+def opened(path: Path) -> Iterator[Content]:
+    """The columns with their metadata; times count from their first entry, which is their attribute ``zero``."""
+    from pyarrow.parquet import ParquetFile
+
+    with ParquetFile(path) as file:
+        schema = file.schema_arrow
+        resource_limits.check(resource_limits.SAMPLE * file.metadata.num_rows * len(schema), path)
+        columns = [schema.field(number) for number in range(len(schema))]
+        columns = [column for column in columns if _is_numeric(column) or _is_time(column)]
+        zeros = {column.name: _first(file, column.name) for column in columns if _is_time(column)}
+        arrays = [Stored(column.name, (file.metadata.num_rows,), _attributes(column, zeros)) for column in columns]
+        blocks = _blocks(file, columns, zeros)
+        yield Content(tuple(arrays), blocks, plain(_decoded(schema.metadata)))
+
+
+def _decoded(metadata: Any) -> dict[str, str]:
+    return {key.decode(errors="replace"): value.decode(errors="replace") for key, value in (metadata or {}).items()}
+
+
+def _attributes(column: Any, zeros: dict[str, Any]) -> dict[str, Plain]:
+    zero = zeros.get(column.name)
+    return plain(_decoded(column.metadata)) | (
+        {"zero": "" if zero is None else str(zero)} if column.name in zeros else {}
+    )
+
+
+def _is_numeric(column: Any) -> bool:
+    from pyarrow import types
+
+    kind = column.type
+    return bool(types.is_integer(kind) or types.is_floating(kind) or types.is_boolean(kind))
+
+
+def _is_time(column: Any) -> bool:
+    from pyarrow import types
+
+    return bool(types.is_timestamp(column.type) or types.is_duration(column.type) or types.is_time(column.type))
+
+
+def _first(file: Any, name: str) -> Any:
+    """The first entry of a column that has one, as pyarrow has it."""
+    for batch in file.iter_batches(batch_size=BATCH, columns=[name]):
+        known = batch.column(0).drop_null()
+        if len(known):
+            return known[0]
+    return None
+
+
+def _seconds(column: Any, zero: Any) -> NDArray[Any]:
+    """Seconds since the first one: whole numbers are subtracted, so that no digit is lost."""
+    import numpy as np
+    import pyarrow as pa
+
+    whole = pa.int32() if pa.types.is_time32(column.type) else pa.int64()
+    ticks = column.cast(whole).cast(pa.int64())
+    start = 0 if zero is None else zero.cast(whole).as_py()
+    counts = ticks.fill_null(start).to_numpy(zero_copy_only=False) - start
+    seconds = np.asarray(counts * UNITS[column.type.unit], dtype=float)
+    seconds[np.asarray(column.is_null().to_numpy(zero_copy_only=False), dtype=bool)] = np.nan
+    return seconds
+
+
+def _blocks(file: Any, columns: Sequence[Any], zeros: dict[str, Any]) -> Blocks:
+    import numpy as np
+
+    def values(column: Any, name: str) -> NDArray[Any]:
+        if name in zeros:
+            return _seconds(column, zeros[name])
+        return np.asarray(column.to_numpy(zero_copy_only=False), dtype=float)
+
+    def blocks(numbers: Sequence[int], count: int) -> Iterator[list[NDArray[Any]]]:
+        names = [columns[number].name for number in numbers]
+        kept: list[list[NDArray[Any]]] = [[] for _ in names]
+        have = 0
+        for batch in file.iter_batches(batch_size=min(count or BATCH, BATCH), columns=list(dict.fromkeys(names))):
+            for store, name in zip(kept, names, strict=True):
+                store.append(values(batch.column(name), name))
+            have += len(batch)
+            while count and have >= count:
+                joined = [np.concatenate(store) for store in kept]
+                yield [found[:count] for found in joined]
+                kept, have = [[found[count:]] for found in joined], have - count
+        if have:
+            yield [np.concatenate(store) for store in kept]
+
+    return blocks

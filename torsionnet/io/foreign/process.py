@@ -1,0 +1,162 @@
+"""Processes that read foreign files: started when one is needed, kept for the next file, ended with the program."""
+
+from __future__ import annotations
+
+import atexit
+import contextlib
+import json
+import os
+import shutil
+import signal
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from torsionnet.io.foreign.content import ForeignFileError
+
+PACKAGE = Path(__file__).parents[2]
+PATIENCE = 5.0
+"""Seconds for a process to end when it is told to."""
+ENDLESS = -getattr(signal, "SIGPROF", 0) or None
+"""How a process ends whose time is over, where there is such a limit."""
+DEBUG = "TORSIONNET_DEBUG"
+_ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OPENBLAS", "OMP", "MKL")}
+
+
+class Crashed(ForeignFileError):  # noqa: N818
+    """The process ended in the middle of an answer."""
+
+
+class _EndlessError(ForeignFileError):
+    """The process took longer than reading may take; once is enough."""
+
+
+class Process:
+    """One process and the folder through which its arrays come."""
+
+    def __init__(self) -> None:
+        import subprocess
+
+        if not sys.executable:
+            msg = "there is no Python program to start (sys.executable is empty), which such files are read with"
+            raise ForeignFileError(msg)
+        self.is_used = False
+        self.is_sound = True
+        self.folder = Path(tempfile.mkdtemp(prefix="torsionnet-"))
+        self._running = subprocess.Popen(  # noqa: S603
+            # -P and the search path of this process: a file h5py.py in the working folder is not taken for the library.
+            [sys.executable, "-P", "-W", "ignore", "-m", "torsionnet.io.foreign", str(self.folder)],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=None if os.environ.get(DEBUG) else subprocess.DEVNULL,
+            env=os.environ | _ONE_THREAD | {"PYTHONPATH": search_path()},
+            creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
+        )
+
+    @property
+    def is_alive(self) -> bool:
+        return self.is_sound and self._running.poll() is None
+
+    def ask(self, question: dict[str, Any]) -> dict[str, Any]:
+        """The answer to a question, whatever the file does to the library.
+
+        Raises
+        ------
+        ForeignFileError
+            What the library said, or how it ended.
+        """
+        assert self._running.stdin is not None
+        assert self._running.stdout is not None
+        self.is_sound = False
+        with contextlib.suppress(BrokenPipeError, OSError):
+            self._running.stdin.write(json.dumps(question).encode("ascii") + b"\n")
+            self._running.stdin.flush()
+        line = self._running.stdout.readline()
+        if not line.endswith(b"\n"):
+            code = self._running.wait()
+            raise (_EndlessError if code == ENDLESS else Crashed)(_ending(code))
+        answer: dict[str, Any] = json.loads(line)
+        self.is_sound = True
+        if "full" in answer:
+            raise OSError(answer["full"], os.strerror(answer["full"]), str(self.folder))
+        if "said" in answer:
+            self.is_used = True
+            raise ForeignFileError(answer["said"])
+        return answer
+
+    def end(self) -> None:
+        """End it, in order if it can."""
+        import subprocess
+
+        assert self._running.stdin is not None
+        assert self._running.stdout is not None
+        with contextlib.suppress(OSError):
+            self._running.stdin.close()
+        try:
+            self._running.wait(PATIENCE if self.is_sound else 0.2)
+        except subprocess.TimeoutExpired:
+            self._running.kill()
+            self._running.wait()
+        self._running.stdout.close()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def search_path() -> str:
+    """Where this process finds modules, for another; without the working folder, which may change."""
+    known = [entry for entry in sys.path if entry]
+    root = str(PACKAGE.parent)
+    return os.pathsep.join(known if root in known else [root, *known])
+
+
+def _ending(code: int) -> str:
+    if code >= 0:
+        return f"the library that reads it ended (exit code {code}); the file is damaged"
+    if code == ENDLESS:
+        return "the library that reads it did not come to an end; the file is damaged"
+    with contextlib.suppress(ValueError):
+        name = signal.Signals(-code).name
+        return f"the library that reads it crashed ({name}); the file is damaged"
+    return f"the library that reads it crashed (signal {-code}); the file is damaged"
+
+
+_idle: list[Process] = []
+_owner = os.getpid()
+
+
+@contextlib.contextmanager
+def borrowed(*, fresh: bool = False) -> Iterator[Process]:
+    """A process for one file: the one that read the file before, unless that is still open, or a new one."""
+    process = _taken(fresh=fresh)
+    try:
+        yield process
+    finally:
+        if process.is_alive and not _idle and _owner == os.getpid():
+            with contextlib.suppress(ForeignFileError, OSError):
+                process.ask({"close": True})
+        if process.is_alive and not _idle and _owner == os.getpid():
+            _idle.append(process)
+        else:
+            process.end()
+
+
+def _taken(*, fresh: bool) -> Process:
+    global _owner  # noqa: PLW0603
+    if _owner != os.getpid():  # a fork: the processes belong to its parent
+        _idle.clear()
+        _owner = os.getpid()
+    while not fresh and _idle:
+        with contextlib.suppress(IndexError):  # another thread was quicker
+            process = _idle.pop()
+            if process.is_alive:
+                return process
+            process.end()
+    return Process()
+
+
+@atexit.register
+def end_all() -> None:
+    """End what waits for another file."""
+    while _idle and _owner == os.getpid():
+        _idle.pop().end()

@@ -1,0 +1,60 @@
+"""How much a file may grow when it is unpacked, and what a process that reads it may use."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import sys
+from pathlib import Path
+
+from torsionnet.io.foreign.content import ForeignFileError
+
+LEAST, TIMES = 256_000_000, 100
+"""A file unpacks to at most the greater of so many bytes and so many times its own size."""
+SPARE, COPIES = 1_000_000_000, 4
+"""Bytes of memory beside what unpacked samples may take several times over."""
+SECONDS, PACE = 1.4, 3e5
+"""Processor time that reading may take, and bytes of a file that take another second."""
+SAMPLE = 8
+"""Bytes: samples become floating-point numbers, whatever they are in the file."""
+
+
+def allowed(path: Path) -> int:
+    """Bytes that a file may unpack to."""
+    return max(LEAST, TIMES * path.stat().st_size)
+
+
+def check(size: float, path: Path, what: str = "the file") -> None:
+    """Refuse what would unpack to more bytes than is allowed."""
+    if size > allowed(path):
+        msg = (
+            f"{what} would take {size / 1e6:.6g} MB when unpacked; "
+            f"a file of {path.stat().st_size / 1e3:.4g} kB may take {allowed(path) / 1e6:.4g} MB"
+        )
+        raise ForeignFileError(msg)
+
+
+def confine(path: Path) -> None:
+    """Let this process end before it takes the machine's memory or time for one file; Linux only."""
+    if sys.platform != "linux":
+        return
+    import resource
+
+    # SIGPROF ends the process; a limit to processor time would count in whole seconds, from the start of it.
+    signal.setitimer(signal.ITIMER_PROF, SECONDS + path.stat().st_size / PACE)
+    with contextlib.suppress(OSError, StopIteration, ValueError):
+        lines = Path("/proc/self/status").read_text(encoding="ascii").splitlines()
+        data = next(int(line.split()[1]) for line in lines if line.startswith("VmData:"))
+        _lower(resource.RLIMIT_DATA, 1024 * data + SPARE + COPIES * (allowed(path) - LEAST))
+    _lower(resource.RLIMIT_CORE, 0)
+
+
+def _lower(which: int, limit: int) -> None:
+    """Only the soft limit: the next file may have another."""
+    import resource
+
+    _, hard = resource.getrlimit(which)
+    if hard != resource.RLIM_INFINITY:
+        limit = min(limit, hard)
+    with contextlib.suppress(OSError, ValueError):
+        resource.setrlimit(which, (limit, hard))

@@ -1,0 +1,48 @@
+"""TDMS files of LabVIEW, through npTDMS."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.io.foreign.content import Content, Slice, Stored, plain, sliced
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+def load() -> None:
+    """Import the library."""
+    import nptdms  # noqa: F401
+
+
+@contextlib.contextmanager
+def opened(path: Path) -> Iterator[Content]:
+    """The channels of numbers with their properties, and ``group`` where there are several groups."""
+    import nptdms
+    import numpy as np
+
+    with path.open("rb") as stream, nptdms.TdmsFile.open(stream) as file:
+        groups = file.groups()
+        items = [channel for group in groups for channel in group.channels()]
+        items = [item for item in items if len(item) > 0 and np.dtype(item.dtype).kind in "fiub"]
+        arrays = [
+            Stored(
+                str(item.name),
+                (len(item),),
+                plain(item.properties) | ({"group": str(item.group_name)} if len(groups) > 1 else {}),
+            )
+            for item in items
+        ]
+        blocks = sliced([_reader(item) for item in items], [item.length for item in arrays])
+        yield Content(tuple(arrays), blocks, plain(file.properties))
+
+
+def _reader(item: Any) -> Slice:
+    def read(first: int, last: int) -> NDArray[Any]:
+        values: NDArray[Any] = item.read_data(offset=first, length=last - first)
+        return values
+
+    return read

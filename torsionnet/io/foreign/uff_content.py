@@ -1,0 +1,77 @@
+"""Universal files, through pyuff: two arrays for each dataset, its values and its abscissa."""
+
+from __future__ import annotations
+
+import contextlib
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from torsionnet.io.foreign.content import Content, ForeignFileError, Plain, in_memory, plain
+
+FUNCTION = 58
+_MARK = re.compile(rb" {4}-1(?: {74})?[ \r]*(?:\n|$)")
+_LINES, _RATE, _NUMBERING = slice(1, 2), slice(3, 4), slice(6, 7)
+"""Lines of a dataset 58 behind its type: the first and third of text, and the one with its sequence number."""
+_SEQUENCE = slice(15, 20)
+
+
+def load() -> None:
+    """Import the library."""
+    import pyuff  # noqa: F401
+
+
+@contextlib.contextmanager
+def opened(path: Path) -> Iterator[Content]:
+    """Every dataset with its entries as attributes; only functions have values."""
+    import numpy as np
+    import pyuff
+
+    check_end(path.read_bytes())
+    found = pyuff.UFF(str(path)).read_sets()
+    arrays: list[tuple[str, Any, dict[str, Plain]]] = []
+    for item in found if isinstance(found, list) else [found]:
+        is_function = item.get("type") == FUNCTION
+        values, axis = (np.asarray(item[key]) if is_function else np.empty(0) for key in ("data", "x"))
+        name = str(item.get("id1") or "").strip()
+        if is_function and len(values) != item.get("num_pts"):
+            msg = f"{name} has {len(values)} values, its heading says {item.get('num_pts')}; the file is damaged"
+            raise ForeignFileError(msg)
+        arrays += [(name, values, plain(item)), (name, axis, {})]
+    yield in_memory(arrays)
+
+
+def check_end(raw: bytes) -> None:
+    """Refuse a file that ends early: datasets stand between two marks, those written here count down to the last."""
+    marks = [found.end() for found in _MARK.finditer(raw)]
+    if not marks:
+        msg = "there is no whole dataset in it; the file ends early, or is no universal file"
+        raise ForeignFileError(msg)
+    if len(marks) % 2:
+        lines = raw[marks[-1] :].split(b"\n")[:-1]  # the last one may be cut itself
+        name = b"".join(lines[_LINES]).decode("latin-1").strip()
+        which = f'"{name}"' if name else "the one that begins last"
+        raise ForeignFileError(f"the file ends early: of its channels {which} is not whole{_after(lines)}")
+    last = raw[marks[-2] :].split(b"\n", 8)
+    after = _after(last) if len(marks) > 1 and _is_own(last) else ""
+    if after:
+        name = b"".join(last[_LINES]).decode("latin-1").strip()
+        msg = f'the file ends early, after the channel "{name}"{after}'
+        raise ForeignFileError(msg)
+
+
+def _is_own(lines: list[bytes]) -> bool:
+    """A sequence that counts down is a habit of this package: others may count up, or give a version."""
+    return any(line.startswith(b"sampling rate ") for line in lines[_RATE]) or any(
+        b" / " in line for line in lines[_LINES]
+    )
+
+
+def _after(lines: list[bytes]) -> str:
+    """How many datasets should follow one; nothing where it does not say so."""
+    try:
+        left = int(b"".join(lines[_NUMBERING])[_SEQUENCE])
+    except ValueError:
+        left = 0
+    return f", and {left} more {'are' if left > 1 else 'is'} missing" if left > 0 and _is_own(lines) else ""

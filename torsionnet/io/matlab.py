@@ -1,0 +1,182 @@
+"""Matrices for Matlab and Octave: a readable script, or a MAT file with the same variables."""
+
+from __future__ import annotations
+
+import os
+import re
+import warnings
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from torsionnet.core.atomic import write_bytes, write_text
+from torsionnet.core.errors import TorsionnetWarning, UsageError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.mat_bytes import cells, mat_bytes
+from torsionnet.io.matrices import Matrices, StateSpace, matrices, state_space
+
+NUMBERS = {
+    "M": "inertia, kg*m^2",
+    "C": "viscous damping, N*m*s/rad",
+    "K": "stiffness, N*m/rad",
+    "F": "inputs to torques on the coordinates",
+    "Y0": "outputs from q",
+    "Y1": "outputs from q'",
+    "Y2": "outputs from q''",
+    "Yu": "outputs from u",
+    "T": "angles of all nodes from q",
+}
+LISTS = {
+    "coordinates": "q",
+    "nodes": "theta",
+    "inputs": "u",
+    "input_units": "",
+    "outputs": "y",
+    "output_units": "",
+}
+RESERVED = frozenset({
+    "break", "case", "catch", "classdef", "continue", "else", "elseif", "end", "for", "function", "global", "if",
+    "otherwise", "parfor", "persistent", "return", "spmd", "switch", "try", "while", "do", "until", "endfor",
+    "endfunction", "endif", "endswitch", "endwhile", "end_try_catch", "end_unwind_protect", "unwind_protect",
+    "unwind_protect_cleanup", "enumeration", "events", "methods", "properties",
+})  # fmt: skip
+"""Words of Matlab and Octave, under which neither runs a script."""
+LARGEST = 1e15
+"""Up to which whole numbers are written without a point."""
+DENSE = 400
+"""Entries up to which a matrix is written out whole; larger ones by their entries that are not zero."""
+
+
+def to_matlab(drivetrain: Drivetrain) -> str:
+    """Text of a script that runs in Matlab and Octave and defines the matrices of a drivetrain.
+
+    Variables are M, C, K, F, Y0, Y1, Y2, Yu, T with ``M q'' + C q' + K q = F u``, ``y = Y0 q + Y1 q' + Y2 q'' + Yu u``
+    and ``theta = T q``; cell arrays of the names of coordinates, nodes, inputs and outputs; a structure
+    ``state_space`` of A, B, C and D; and where the Control System Toolbox is there, ``sys`` with named signals.
+    Numbers have all digits.
+
+    Raises
+    ------
+    UsageError
+        A stiffness that depends on frequency, or an input that imposes an angle.
+
+    Warns
+    -----
+    TorsionnetWarning
+        A reading contains the rate of change of an input: the state space is left out.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> [line for line in to_matlab(tn.load("dmf_rig")).splitlines() if line.startswith("coordinates")]
+    ["coordinates = {'motor', 'primary'};  % q"]
+    """
+    found = matrices(drivetrain)
+    states, reason = _states(drivetrain)
+    lines = [*_head(drivetrain), f"title = {_quoted(drivetrain.title)};"]
+    for name, meaning in LISTS.items():
+        listed = ", ".join(_quoted(text) for text in getattr(found, name))
+        lines.append(f"{name} = {{{listed}}};{f'  % {meaning}' if meaning else ''}")
+    lines += ["", "% M q'' + C q' + K q = F u,   y = Y0 q + Y1 q' + Y2 q'' + Yu u,   theta = T q"]
+    for name, meaning in NUMBERS.items():
+        lines += [f"% {name}: {meaning}", *_matrix(name, getattr(found, name))]
+    if states is None:
+        lines += ["", f"% no state space: {_one_line(reason)}"]
+    else:
+        lines += ["", "% x' = A x + B u,   y = C x + D u"]
+        for name in "ABCD":
+            lines += _matrix(f"state_space.{name}", getattr(states, name))
+        lines += ["if exist('ss', 'file')", *_named_system(found), "end"]
+    return "\n".join([*lines, ""])
+
+
+def write_matlab(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
+    """Write the matrices as a script (.m, see :func:`to_matlab`) or with the same variables as a MAT v5 file (.mat).
+
+    Raises
+    ------
+    UsageError
+        Any other ending, a name Matlab cannot run a script under, or as :func:`to_matlab`.
+    """
+    target = Path(path)
+    ending = target.suffix.lower()
+    if ending == ".m":
+        if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", target.stem):
+            msg = f'Matlab runs no script named "{target.name}"; use letters, digits and _, beginning with a letter'
+            raise UsageError(msg)
+        if target.stem in RESERVED | NUMBERS.keys() | LISTS.keys() | {"title", "state_space", "sys"}:
+            what = "a word of Matlab's own" if target.stem in RESERVED else "a variable that the script sets"
+            msg = f'Matlab cannot run "{target.name}": {target.stem} is {what}; e.g. {target.stem}_model.m'
+            raise UsageError(msg)
+        write_text(target, to_matlab(drivetrain))
+    elif ending == ".mat":
+        write_bytes(target, mat_bytes(_variables(drivetrain)))
+    else:
+        msg = f'cannot write "{path}": give a file ending in .m or .mat'
+        raise UsageError(msg)
+
+
+def _variables(drivetrain: Drivetrain) -> dict[str, Any]:
+    found = matrices(drivetrain)
+    states, _ = _states(drivetrain)
+    content: dict[str, Any] = {"title": drivetrain.title}
+    content |= {name: cells(getattr(found, name)) for name in LISTS}
+    content |= {name: np.asarray(getattr(found, name), dtype=float) for name in NUMBERS}
+    if states is not None:
+        content["state_space"] = {name: getattr(states, name) for name in "ABCD"}
+    return content
+
+
+def _states(drivetrain: Drivetrain) -> tuple[StateSpace | None, str]:
+    try:
+        return state_space(drivetrain), ""
+    except UsageError as error:
+        warnings.warn(f"without state space: {error}", TorsionnetWarning, stacklevel=3)
+        return None, str(error)
+
+
+def _head(drivetrain: Drivetrain) -> list[str]:
+    texts = [drivetrain.title, f"source: {drivetrain.source}" if drivetrain.source else "", drivetrain.description]
+    values = [f"{name} = {value!r}" for name, value in drivetrain.parameters.items()]
+    note = f"parameters (SI): {', '.join(values)}" if values else ""
+    return [*(f"% {_one_line(text)}" for text in (*texts, note) if text), "% SI units, angles in rad", ""]
+
+
+def _one_line(text: str) -> str:
+    return " ".join(text.split())
+
+
+def _quoted(text: str) -> str:
+    return "'" + _one_line(text).replace("'", "''") + "'"
+
+
+def _matrix(name: str, values: Any) -> list[str]:
+    rows, columns = values.shape
+    if not values.size or not values.any():
+        return [f"{name} = zeros({rows}, {columns});"]
+    if values.size > DENSE:
+        i, j = np.nonzero(values)
+        lists = [_row(i + 1), _row(j + 1), _row(values[i, j])]
+        return [
+            f"{name} = full(sparse([{lists[0]}], ...",
+            f"    [{lists[1]}], ...",
+            f"    [{lists[2]}], {rows}, {columns}));",
+        ]
+    texts = [_row(row) for row in values]
+    return [f"{name} = [{texts[0]}", *(f"    {text}" for text in texts[1:-1]), f"    {texts[-1]}];"] if rows > 1 else [
+        f"{name} = [{texts[0]}];"
+    ]  # fmt: skip
+
+
+def _row(values: Iterable[Any]) -> str:
+    return " ".join(
+        repr(int(value)) if value == int(value) and abs(value) < LARGEST else repr(float(value)) for value in values
+    )
+
+
+def _named_system(found: Matrices) -> list[str]:
+    names = ["'InputName', inputs" if found.inputs else "", "'OutputName', outputs" if found.outputs else ""]
+    more = "".join(f", {name}" for name in names if name)
+    return [f"    sys = ss(state_space.A, state_space.B, state_space.C, state_space.D{more});"]

@@ -1,0 +1,135 @@
+"""A drivetrain as the matrices that other programs take: of second order, and as state space."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.assembly.functionals import Functional, functional
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.system import Assembly
+from torsionnet.core.errors import UsageError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.solve.state_space import active_channels, first_order, output_rows
+
+
+@dataclass(frozen=True)
+class Matrices:
+    """Equations of motion with inputs and outputs.
+
+        M q'' + C q' + K q = F u,    y = Y0 q + Y1 q' + Y2 q'' + Yu u,    theta = T q
+
+    Attributes
+    ----------
+    M, C, K : (n_q, n_q) arrays
+        kg m^2, N m s/rad, N m/rad.
+    F : (n_q, n_in) array
+        Generalised torque of each input, 1.
+    Y0, Y1, Y2 : (n_out, n_q) arrays
+    Yu : (n_out, n_in) array
+    T : (n_nodes, n_q) array
+        Angles of all nodes from the coordinates.
+    coordinates, nodes, inputs, outputs, input_units, output_units : tuple of str
+    """
+
+    M: FloatArray
+    C: FloatArray
+    K: FloatArray
+    F: FloatArray
+    Y0: FloatArray
+    Y1: FloatArray
+    Y2: FloatArray
+    Yu: FloatArray
+    T: FloatArray
+    coordinates: tuple[str, ...]
+    nodes: tuple[str, ...]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    input_units: tuple[str, ...]
+    output_units: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class StateSpace:
+    """x' = A x + B u, y = C x + D u; torques in N m, outputs in their SI units."""
+
+    A: FloatArray
+    B: FloatArray
+    C: FloatArray
+    D: FloatArray
+
+
+def matrices(drivetrain: Drivetrain) -> Matrices:
+    """The equations of a drivetrain, with its torque inputs and its sensors.
+
+    Raises
+    ------
+    UsageError
+        A stiffness that depends on frequency, or an input that imposes an angle.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> found = matrices(tn.load("dmf_rig"))
+    >>> found.coordinates, found.K.tolist(), found.F.tolist()
+    (('motor', 'primary'), [[13300.0, -13300.0], [-13300.0, 13760.0]], [[1.0], [0.0]])
+    """
+    assembly, system = drivetrain.assembly, drivetrain.assembly.system
+    present = active_channels(drivetrain)
+    _refuse(drivetrain, assembly)
+    loads = [assembly.rows_of({channel.of: 1})[0] for channel in present.inputs.values()]
+    readings = [functional(drivetrain, sensor, name) for name, sensor in present.sensors.items()]
+    n, n_in = system.n_coordinates, len(loads)
+    motion = np.array([_motion(assembly, reading) for reading in readings]).reshape(len(readings), 3, n)
+    nodes = [channel.of for channel in present.inputs.values()]
+    direct = [[reading.direct.get(node, 0.0) for node in nodes] for reading in readings]
+    return Matrices(
+        system.M, system.C, system.K, np.array(loads).reshape(n_in, n).T, motion[:, 0], motion[:, 1], motion[:, 2],
+        np.array(direct).reshape(len(readings), n_in), assembly.T, assembly.kinematics.coordinates, assembly.nodes,
+        tuple(present.inputs), tuple(present.sensors), ("N*m",) * n_in, tuple(reading.unit for reading in readings),
+    )  # fmt: skip
+
+
+def _refuse(drivetrain: Drivetrain, assembly: Assembly) -> None:
+    dynamic = sorted({assembly.owners[index] for index, _ in assembly.system.dynamic})
+    if dynamic:
+        msg = f"{', '.join(dynamic)}: a stiffness that depends on frequency has no place in constant matrices"
+        raise UsageError(msg)
+    imposed = [name for name, channel in drivetrain.inputs.items() if channel.quantity != "torque"]
+    if imposed:
+        msg = f"{', '.join(imposed)} imposes an angle; only torques are inputs of constant matrices"
+        raise UsageError(msg)
+
+
+def _motion(assembly: Assembly, reading: Functional) -> FloatArray:
+    """Coefficients (3, n_q) of q, q' and q'' in a reading."""
+    system = assembly.system
+    found = np.zeros((3, system.n_coordinates))
+    for term in reading.terms:
+        row = float(term.factor) * term.row
+        if term.law is None:
+            found[term.power] += row
+        else:
+            laws = (system.stiffness, system.damping, system.inertia)
+            found += np.array([law[term.law] for law in laws])[:, None] * row
+    return found
+
+
+def state_space(drivetrain: Drivetrain) -> StateSpace:
+    """The state space behind :meth:`Drivetrain.to_control`, also without inputs or sensors.
+
+    Raises
+    ------
+    UsageError
+        As :func:`matrices`, or a reading that contains the rate of change of an input.
+    """
+    present = active_channels(drivetrain)
+    inputs = list(present.inputs.values())
+    assembly = drivetrain.assembly
+    full = first_order(assembly, inputs)
+    readings = [functional(drivetrain, sensor, name) for name, sensor in present.sensors.items()]
+    rows = [output_rows(assembly, reading, inputs, full) for reading in readings]
+    n, n_in = len(full.A), len(inputs)
+    C = np.array([row[0] for row in rows]).reshape(len(rows), n)
+    return StateSpace(full.A, full.B, C, np.array([row[1] for row in rows]).reshape(len(rows), n_in))

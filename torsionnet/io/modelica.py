@@ -1,0 +1,165 @@
+"""Drivetrains as Modelica text, of components of Modelica.Mechanics.Rotational 4.0."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+
+from torsionnet.core.atomic import write_text
+from torsionnet.core.errors import UsageError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.modelica_elements import COMPONENTS, WRITERS, has_counterpart, port
+from torsionnet.io.modelica_net import Net
+from torsionnet.io.modelica_words import KEYWORDS, ROTATIONAL, ModelicaWords, quoted, unit_of, written_unit
+from torsionnet.io.plain_names import Names
+from torsionnet.model.channels import UNITS, Input, Sensor
+from torsionnet.model.elements import GROUND, Values
+from torsionnet.model.parameters import dimensions
+from torsionnet.solve.state_space import active_channels
+
+BLOCKS = "Modelica.Blocks.Interfaces"
+MOTIONS = {"angle": ("AngleSensor", "phi"), "velocity": ("SpeedSensor", "w"), "acceleration": ("AccSensor", "a")}
+
+
+def to_modelica(drivetrain: Drivetrain) -> str:
+    """A Modelica model of a drivetrain in its configuration.
+
+    Parameters stay parameters, with their expressions; elements become Inertia, Spring, Damper, SpringDamper,
+    IdealGear, IdealPlanetary and Fixed, nodes connection sets, inputs and sensors ``RealInput`` and ``RealOutput``. An
+    open differential is a planetary set of ratio 1; the consistent inertia of a shaft is put on its ends and, through
+    another such set, on the mean of their angles. The same drivetrain always gives the same text.
+
+    Raises
+    ------
+    UsageError
+        Elements without counterpart: springs with hysteresis or with a table over frequency.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> text = to_modelica(tn.load("dmf_rig"))
+    >>> print(text.splitlines()[4].strip())
+    parameter Real k_1(unit="N.m/rad") = 13300 "torque meter";
+    """
+    _refuse(drivetrain)
+    names = Names(KEYWORDS)
+    title = names.new(drivetrain.title)
+    model = _Model(drivetrain, title, names)
+    model.write()
+    body = [*model.parameters, *model.net.declarations]
+    wires = [*model.net.equations, *model.net.connections()]
+    head = [f"model {title} {quoted(drivetrain.description or drivetrain.title)}"]
+    if drivetrain.source:
+        head.append(f"  // {' '.join(f'source: {drivetrain.source}'.split())}")
+    tail = ['  annotation(uses(Modelica(version="4.0.0")));', f"end {title};", ""]
+    return "\n".join([*head, *(f"  {line}" for line in body), "equation", *(f"  {line}" for line in wires), *tail])
+
+
+def write_modelica(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
+    """Write :func:`to_modelica` as a file, whole or not at all."""
+    write_text(path, to_modelica(drivetrain))
+
+
+def _refuse(drivetrain: Drivetrain) -> None:
+    values = Values(drivetrain.exact_values)
+    missing = [element for element in drivetrain.elements.values() if not has_counterpart(element, values)]
+    without = [f"{element.name} ({element.kind})" for element in missing]
+    if without:
+        msg = f"Modelica.Mechanics.Rotational has no counterpart of {', '.join(without)}"
+        raise UsageError(msg)
+
+
+@dataclass
+class _Model:
+    """Fills a net with everything a drivetrain has."""
+
+    drivetrain: Drivetrain
+    title: str
+    names: Names
+
+    def write(self) -> None:
+        drivetrain, channels = self.drivetrain, active_channels(self.drivetrain)
+        known = {name: self.names.new(name) for name in drivetrain.parameter_definitions}
+        words = ModelicaWords(known, Values(drivetrain.exact_values))
+        self.parameters = self._parameters(known, words)
+        self.net = Net(self.names)
+        driven = {
+            name: self._interface("RealInput", name, _input_unit(entry)) for name, entry in channels.inputs.items()
+        }
+        read = {
+            name: self._interface("RealOutput", name, UNITS[entry.quantity]) for name, entry in channels.sensors.items()
+        }
+        meters: dict[tuple[str, str], list[str]] = {}
+        for name, sensor in channels.sensors.items():
+            if sensor.quantity == "torque":
+                meters.setdefault((sensor.of, self._port(sensor)), []).append(read[name])
+        for node in drivetrain.nodes:
+            self.net.join(f"node:{node}")
+        for element in drivetrain.elements.values():
+            WRITERS[type(element)](element, self.net, words)
+            for name, node in element.ports.items():
+                self._attach(
+                    port(element, name), node, list(element.ports).index(name), meters.pop((element.name, name), [])
+                )
+        if f"node:{GROUND}" in self.net.home:
+            fixed = self.net.declare(f"{COMPONENTS}.Fixed", "fixed")
+            self.net.join(f"node:{GROUND}", f"{fixed}.flange")
+        for name, entry in channels.inputs.items():
+            self._drive(driven[name], entry)
+        for name, sensor in channels.sensors.items():
+            if sensor.quantity != "torque":
+                self._read(read[name], sensor)
+
+    def _parameters(self, known: dict[str, str], words: ModelicaWords) -> list[str]:
+        found = dimensions(self.drivetrain.parameter_definitions)[0]
+        lines = []
+        for name, parameter in self.drivetrain.parameter_definitions.items():
+            unit = unit_of(found.get(name))
+            attribute = f'(unit="{unit}")' if unit else ""
+            comment = f" {quoted(parameter.description)}" if parameter.description else ""
+            lines.append(f"parameter Real {known[name]}{attribute} = {words.expression(parameter.value)}{comment};")
+        return lines
+
+    def _interface(self, kind: str, name: str, unit: str) -> str:
+        return self.net.declare(f"{BLOCKS}.{kind}", name, f'unit="{written_unit(unit)}"')
+
+    def _port(self, sensor: Sensor) -> str:
+        ports = self.drivetrain.elements[sensor.of].ports
+        return next(iter(ports)) if sensor.at is None else next(pair[0] for pair in ports.items() if sensor.at in pair)
+
+    def _attach(self, point: str, node: str, index: int, outputs: list[str]) -> None:
+        """A port to its node, through a torque sensor if there is one: into the element at the first port, else out."""
+        if not outputs:
+            self.net.join(f"node:{node}", point)
+            return
+        meter = self.net.declare(f"{ROTATIONAL}.Sensors.TorqueSensor", f"{outputs[0]}_meter")
+        inner, outer = ("flange_b", "flange_a") if index == 0 else ("flange_a", "flange_b")
+        self.net.join(f"node:{node}", f"{meter}.{outer}")
+        self.net.join(point, f"{meter}.{inner}")
+        self.net.equations += [f"connect({meter}.tau, {output});" for output in outputs]
+
+    def _drive(self, name: str, entry: Input) -> None:
+        kind, values, signal = (
+            ("Torque", "", "tau") if entry.quantity == "torque" else ("Position", "exact=true", "phi_ref")
+        )
+        source = self.net.declare(f"{ROTATIONAL}.Sources.{kind}", f"{name}_source", values)
+        self.net.join(f"node:{entry.of}", f"{source}.flange")
+        self.net.equations.append(f"connect({name}, {source}.{signal});")
+
+    def _read(self, name: str, sensor: Sensor) -> None:
+        if sensor.quantity in MOTIONS:
+            self.net.equations.append(f"connect({self._motion(name, sensor.quantity, sensor.of)}, {name});")
+            return
+        row = self.drivetrain.elements[sensor.of].twist(Values(self.drivetrain.exact_values))
+        shares = [f"{float(share)!r}*{self._motion(f'{name}_{node}', 'angle', node)}" for node, share in row.items()]
+        self.net.equations.append(f"{name} = {' + '.join(shares) or '0'};")
+
+    def _motion(self, wish: str, quantity: str, node: str) -> str:
+        kind, signal = MOTIONS[quantity]
+        meter = self.net.declare(f"{ROTATIONAL}.Sensors.{kind}", f"{wish}_sensor")
+        self.net.join(f"node:{node}", f"{meter}.flange")
+        return f"{meter}.{signal}"
+
+
+def _input_unit(entry: Input) -> str:
+    return "N*m" if entry.quantity == "torque" else "rad"

@@ -1,0 +1,107 @@
+"""From an open file to recordings: channels chosen, units made SI, times understood, all faults together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from torsionnet.core.errors import Fault, ModelError
+from torsionnet.core.units import LARGEST, parse_unit
+from torsionnet.io.records.channel_choice import ChannelChoice, choose, length_faults
+from torsionnet.io.records.clock import Clock, clock_of, rate_fault, time_faults
+from torsionnet.io.records.quantities import plain_unit
+from torsionnet.io.records.source import Source
+from torsionnet.response.recording import FloatArray, Recording, Signal
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What the caller says about a file."""
+
+    names: Sequence[str] | Mapping[str, str] | None = None
+    quantities: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    sampling_rate: float | None = None
+    pulses: Mapping[str, float] = field(default_factory=dict)
+
+
+def recordings(source: Source, wanted: Wanted, file: str, seconds: float | None = None) -> Iterator[Recording]:
+    """Recordings of so many seconds one after the other, or one of everything; raises :class:`ModelError`."""
+    choices, faults = choose(source, wanted.names, wanted.quantities, wanted.units)
+    faults += length_faults(source, choices) + _rate_faults(source, wanted)
+    if faults:
+        raise ModelError(faults, file)
+    rate, done = wanted.sampling_rate or source.rate, 0
+    count = 0 if seconds is None else max(1, round(seconds * (rate or _first_rate(source))))
+    columns = [choice.channel.column for choice in choices]
+    stamps_of = [source.time.column] if source.time else []
+    for block in source.blocks([*columns, *stamps_of], count):
+        clock = _clock(source, wanted, block[len(columns) :], rate, done, file)
+        rate = rate or clock.rate
+        yield _recording(source, choices, block, clock, file)
+        done += len(block[0])
+    if not done:
+        raise ModelError([Fault("there are no samples in the file")], file)
+
+
+def _rate_faults(source: Source, wanted: Wanted) -> list[Fault]:
+    if source.time is not None or wanted.sampling_rate or source.rate:
+        return []
+    return [Fault("nothing in the file tells the sampling rate; give sampling_rate= in Hz")]
+
+
+def _first_rate(source: Source) -> float:
+    assert source.time is not None
+    stamps = next(source.blocks([source.time.column], 1000))[0]
+    span = float(stamps[-1] - stamps[0]) * _seconds(source)
+    return (len(stamps) - 1) / span if span > 0 else 1.0
+
+
+def _seconds(source: Source) -> float:
+    unit = source.time.unit if source.time else ""
+    return float(parse_unit(plain_unit(unit)).factor) if unit else 1.0
+
+
+def _clock(
+    source: Source, wanted: Wanted, stamps: Sequence[FloatArray], rate: float | None, done: int, file: str
+) -> Clock:
+    if not stamps:
+        assert rate is not None
+        return Clock(rate, source.start + done / rate)
+    with np.errstate(over="ignore"):
+        times = stamps[0] * _seconds(source)
+    faults = time_faults(times, source, done) or rate_fault(times, wanted.sampling_rate)
+    if not faults and rate is None and len(times) == 1:
+        faults = [Fault("one sample does not tell the sampling rate; give sampling_rate= in Hz")]
+    if faults:
+        raise ModelError(faults, file)
+    return clock_of(times, rate, stamped=source.stamped)
+
+
+def _recording(
+    source: Source, choices: Sequence[ChannelChoice], block: Sequence[FloatArray], clock: Clock, file: str
+) -> Recording:
+    signals = tuple(_signal(choice, values) for choice, values in zip(choices, block, strict=False))
+    faults = [fault for signal in signals for fault in _size_faults(signal)]
+    if faults:
+        raise ModelError(faults, file)
+    title = source.title or file
+    notes = dict.fromkeys([*source.notes, *source.discovered])
+    return Recording(signals, clock.rate, clock.start, clock.times, title, tuple(notes))
+
+
+def _size_faults(signal: Signal) -> list[Fault]:
+    sizes = np.abs(signal.values)
+    beyond = np.flatnonzero((sizes > LARGEST) & np.isfinite(sizes))
+    if not len(beyond):
+        return []
+    text = f"{signal.name} has the value {signal.values[beyond[0]]:g}, which nothing on a test bench has"
+    return [Fault(text, ("channels", signal.name))]
+
+
+def _signal(choice: ChannelChoice, values: FloatArray) -> Signal:
+    with np.errstate(over="ignore"):
+        scaled = values if choice.factor == 1.0 else values * choice.factor
+    return Signal(choice.name, choice.quantity, np.asanyarray(scaled, dtype=float), choice.notes)

@@ -1,0 +1,96 @@
+"""Which channels of a file are read, as what quantity, and with which factor to SI."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.core.units import UnitError
+from torsionnet.io.records.quantities import factor_to_si, quantity_of
+from torsionnet.io.records.source import FileChannel, Source
+from torsionnet.response.recording import QUANTITY_UNITS
+
+
+@dataclass(frozen=True)
+class ChannelChoice:
+    """A channel to be read under a name of its own."""
+
+    channel: FileChannel
+    name: str
+    quantity: str = ""
+    factor: float = 1.0
+    notes: tuple[str, ...] = ()
+
+
+def choose(
+    source: Source,
+    names: Sequence[str] | Mapping[str, str] | None,
+    quantities: Mapping[str, str],
+    units: Mapping[str, str],
+) -> tuple[list[ChannelChoice], list[Fault]]:
+    """The choices, and every fault in them; all names are those in the file."""
+    known = {channel.name: channel for channel in reversed(source.channels)}
+    asked = list(names) if names is not None else []
+    faults = [
+        unknown_name("channel", name, known, ("channels",))
+        for name in dict.fromkeys([*asked, *quantities, *units])
+        if name not in known
+    ]
+    channels = source.channels if names is None else [known[name] for name in asked if name in known]
+    choices = []
+    for channel in channels:
+        try:
+            choice = _choice(channel, quantities.get(channel.name), units.get(channel.name, channel.unit), names)
+            choices.append(choice)
+        except UnitError as error:
+            faults.append(Fault(str(error), ("channels", channel.name), position=channel.position))
+    if not channels and not faults:
+        faults.append(Fault("there is no channel of numbers in the file"))
+    return choices, faults
+
+
+def _choice(
+    channel: FileChannel, given: str | None, unit: str, names: Sequence[str] | Mapping[str, str] | None
+) -> ChannelChoice:
+    name = names[channel.name] if isinstance(names, Mapping) else channel.name
+    quantity = next(known for known in (given, channel.quantity, quantity_of(unit)) if known is not None)
+    if quantity and quantity not in QUANTITY_UNITS:
+        msg = f'"{quantity}" is no quantity; expected {", ".join(QUANTITY_UNITS)}'
+        raise UnitError(msg)
+    if not quantity:
+        if names is not None and given is None:
+            raise UnitError(_unknown(unit, channel.name))
+        if channel.quantity == "":
+            return ChannelChoice(channel, name, notes=channel.notes)
+        note = f"values as in the file{f' in {unit}' if unit else ''}: the quantity is not known"
+        return ChannelChoice(channel, name, notes=(*channel.notes, note))
+    if not unit:
+        note = f"no unit in the file: taken for {QUANTITY_UNITS[quantity]}"
+        return ChannelChoice(channel, name, quantity, notes=(*channel.notes, note))
+    factor = factor_to_si(unit, quantity)
+    notes = channel.notes if factor == 1.0 else (*channel.notes, f"converted from {unit}")
+    return ChannelChoice(channel, name, quantity, factor, notes)
+
+
+def _unknown(unit: str, name: str) -> str:
+    says = f'its unit "{unit}" does not tell its quantity' if unit else "it has no unit"
+    example = f'quantities={{"{name}": "torque"}}'
+    return f"{says}; give one of {', '.join(QUANTITY_UNITS)}, for example {example}"
+
+
+def length_faults(source: Source, choices: Iterable[ChannelChoice]) -> list[Fault]:
+    """One fault that says how many values every channel has, where they differ."""
+    channels = [choice.channel for choice in choices] + ([source.time] if source.time else [])
+    lengths = {channel.name: channel.length for channel in channels if channel.length is not None}
+    if len(set(lengths.values())) < 2:  # noqa: PLR2004
+        return []
+    groups = Counter(lengths.values()).most_common()
+    parts = [
+        f"{', '.join(name for name, length in lengths.items() if length == size)} has {size} values"
+        if count == 1
+        else f"{', '.join(name for name, length in lengths.items() if length == size)} have {size}"
+        for size, count in groups
+    ]
+    return [Fault(f"channels of different lengths: {'; '.join(parts)}; choose channels of one length with names=")]

@@ -1,0 +1,78 @@
+"""From time stamps to a sampling rate, or the stamps themselves where they are not uniform."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.core.errors import Fault
+from torsionnet.io.records.source import Source
+from torsionnet.response.recording import FloatArray
+
+UNIFORM = 0.01  # of a sampling interval: so far may stamps be off, as rounded decimals are
+SAME_RATE = 1e-3
+MOST_FAULTS = 20
+LATEST = 1e15
+"""Seconds; thirty million years, in whatever unit a clock counted."""
+
+
+@dataclass(frozen=True)
+class Clock:
+    """When the samples of a block were taken."""
+
+    rate: float
+    start: float
+    times: FloatArray | None = None
+
+
+def time_faults(stamps: FloatArray, source: Source, first: int = 0) -> list[Fault]:
+    """Faults of stamps that are no numbers or do not increase."""
+    assert source.time is not None
+    column = source.time.name
+    broken = np.flatnonzero(~np.isfinite(stamps))
+    texts = {int(row): f"sample {first + row + 1} has no time stamp in {column}" for row in broken[:MOST_FAULTS]}
+    beyond = np.flatnonzero(np.abs(stamps) > LATEST)
+    texts |= {int(row): f"{column} has the time {stamps[row]:g} s, beyond all time" for row in beyond[:1]}
+    if texts:
+        return [_fault(text, source, first + row) for row, text in texts.items()]
+    for row in np.flatnonzero(np.diff(stamps) <= 0)[:MOST_FAULTS]:
+        text = f"the time stamp {stamps[row + 1]:.9g} s follows {stamps[row]:.9g} s in {column}: time has to increase"
+        texts[int(row) + 1] = text
+    return [_fault(text, source, first + row) for row, text in texts.items()]
+
+
+def _fault(text: str, source: Source, row: int) -> Fault:
+    assert source.time is not None
+    return Fault(text, ("channels", source.time.name), position=source.place(int(row)))
+
+
+def clock_of(stamps: FloatArray, rate: float | None, *, stamped: bool = False) -> Clock:
+    """The clock of increasing stamps in s; a known ``rate`` stands where it agrees with them.
+
+    >>> clock_of(np.array([1.0, 1.1, 1.2]), None).rate.__round__(9)
+    10.0
+    """
+    if len(stamps) < 2:  # noqa: PLR2004
+        return Clock(rate or 1.0, float(stamps[0]) if len(stamps) else 0.0)
+    mean = (len(stamps) - 1) / float(stamps[-1] - stamps[0])
+    even = stamps[0] + np.arange(len(stamps)) / mean
+    if stamped or float(np.max(np.abs(stamps - even))) * mean > UNIFORM:
+        return Clock(rate or mean, float(stamps[0]), np.asarray(stamps))
+    return Clock(rate if rate and abs(rate / mean - 1) < SAME_RATE else _rounded(mean), float(stamps[0]))
+
+
+def _rounded(rate: float) -> float:
+    """The rate without the rounding of the stamps it comes from, which are good for some nine digits."""
+    plain = float(f"{rate:.7g}")
+    return plain if abs(plain / rate - 1) < 1e-9 else rate  # noqa: PLR2004
+
+
+def rate_fault(stamps: FloatArray, given: float | None) -> list[Fault]:
+    """Fault of a sampling rate given that is not the one of the stamps."""
+    if given is None or len(stamps) < 2:  # noqa: PLR2004
+        return []
+    mean = (len(stamps) - 1) / float(stamps[-1] - stamps[0])
+    if abs(given / mean - 1) < SAME_RATE:
+        return []
+    return [Fault(f"the time stamps say {mean:.6g} Hz, sampling_rate={given:g} was given; leave it out to use them")]

@@ -1,0 +1,61 @@
+"""From the unit of a channel to its quantity, and to the factor that makes SI of its values."""
+
+from __future__ import annotations
+
+import re
+
+from torsionnet.core.units import DIMENSIONS, UnitError, parse_unit
+from torsionnet.response.recording import QUANTITY_UNITS
+
+_DIMENSIONS = {"torque": "torque", "angle": "angle", "velocity": "speed", "acceleration": "acceleration"}
+_ANGULAR = re.compile(r"rad|deg|rev|arcmin|°")
+_OTHER_WORDS = {
+    "°/s": "deg/s",
+    "1/min": "rpm",
+    "min-1": "rpm",
+    "min^-1": "rpm",
+    "U/min": "rpm",
+    "r/min": "rpm",
+    "RPM": "rpm",
+    "grad": "",
+}
+
+
+def quantity_of(unit: str) -> str:
+    """The quantity that has a unit; empty where none or more than one has it.
+
+    >>> quantity_of("kNm"), quantity_of("deg"), quantity_of("rpm"), quantity_of("V")
+    ('torque', 'angle', 'velocity', '')
+    """
+    try:
+        dimension = parse_unit(plain_unit(unit)).dimension
+    except UnitError:
+        return ""
+    for quantity, name in _DIMENSIONS.items():
+        if dimension == DIMENSIONS[name]:
+            # A bare number or per cent has the dimension of an angle, and so have many other things.
+            return quantity if quantity != "angle" or _ANGULAR.search(unit) else ""
+    return ""
+
+
+def factor_to_si(unit: str, quantity: str) -> float:
+    """What to multiply values with; raises :class:`UnitError` where the unit is not one of the quantity.
+
+    >>> factor_to_si("kNm", "torque")
+    1000.0
+    """
+    read = parse_unit(plain_unit(unit))
+    if read.dimension != DIMENSIONS[_DIMENSIONS[quantity]]:
+        msg = f'"{unit}" is no unit of {quantity}; expected one like {QUANTITY_UNITS[quantity]}'
+        raise UnitError(msg)
+    return float(read.factor)
+
+
+def plain_unit(unit: str) -> str:
+    """A unit as ``parse_unit`` reads it: recorders write revolutions per minute in many ways.
+
+    >>> plain_unit(" 1/min ")
+    'rpm'
+    """
+    bare = unit.strip()
+    return _OTHER_WORDS.get(bare, bare)

@@ -1,0 +1,97 @@
+"""What every reader makes of its file: channels that are read in blocks, before units are looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from torsionnet.core.errors import Position
+from torsionnet.core.units import DIMENSIONS, UnitError, parse_unit
+from torsionnet.response.recording import FloatArray
+
+TIME_NAMES = frozenset({"time", "times", "zeit", "tid", "temps", "timestamp", "timestamps", "time stamp", "x-time"})
+RATE_NAMES = frozenset({"fs", "sampling_rate", "sample_rate", "samplerate", "samplingrate", "abtastrate"})
+
+Blocks = Callable[[Sequence[int], int], Iterator[list[FloatArray]]]
+Reader = Callable[[int, int], FloatArray]
+
+
+@dataclass(frozen=True)
+class FileChannel:
+    """A channel as the file has it; ``column`` is what the source's ``blocks`` know it by.
+
+    ``quantity`` is None where the file says nothing, empty where it says that none is known.
+    """
+
+    name: str
+    column: int
+    unit: str = ""
+    quantity: str | None = None
+    length: int | None = None
+    position: Position | None = None
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Source:
+    """An open file.
+
+    ``blocks(columns, count)`` reads so many samples at a time, everything at once where ``count`` is 0.
+    ``discovered`` grows while blocks are read: what was assumed about the values.
+    """
+
+    channels: tuple[FileChannel, ...]
+    blocks: Blocks
+    time: FileChannel | None = None
+    rate: float | None = None
+    start: float = 0.0
+    stamped: bool = False
+    title: str = ""
+    notes: tuple[str, ...] = ()
+    discovered: list[str] = field(default_factory=list)
+    place: Callable[[int], Position | None] = lambda _row: None
+
+    def with_time_found(self) -> Source:
+        """With the channel of time stamps, known by its name or unit, set apart from the others."""
+        for channel in self.channels:
+            if is_time(channel):
+                others = tuple(other for other in self.channels if other is not channel)
+                note = f'"{channel.name}" was taken for the time stamps'
+                return replace(self, channels=others, time=channel, notes=(*self.notes, note))
+        return self
+
+
+def is_time(channel: FileChannel) -> bool:
+    """Whether a channel holds time stamps: its unit is one of time, or it has none and a name for time."""
+    if not channel.unit:
+        name = channel.name.rpartition(".")[2].strip()  # the field of a structure
+        return name == "t" or name.casefold() in TIME_NAMES  # T is a torque
+    try:
+        return parse_unit(channel.unit).dimension == DIMENSIONS["time"]
+    except UnitError:
+        return False
+
+
+def names_a_rate(name: str) -> bool:
+    """Whether a single number of this name is the sampling rate: ``fs``, ``Sample_Rate``, ``d.Time_Sample_Rate``."""
+    folded = name.rpartition(".")[2].casefold()
+    return folded in RATE_NAMES or any(folded.endswith(f"_{known}") for known in RATE_NAMES if known != "fs")
+
+
+def sliced(readers: Sequence[Reader], lengths: Sequence[int]) -> Blocks:
+    """Blocks of channels of which each can be read from one sample to another."""
+
+    def blocks(columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
+        length = min((lengths[column] for column in columns), default=0)
+        step = count or max(length, 1)
+        for first in range(0, length, step):
+            yield [readers[column](first, min(first + step, length)) for column in columns]
+
+    return blocks
+
+
+def reader_of(values: FloatArray) -> Reader:
+    """Reads slices of an array that is in memory."""
+    return lambda first, last: np.asarray(values[first:last], dtype=float)

@@ -1,0 +1,93 @@
+"""What a recording is besides its values, as one JSON text that goes into a file next to them."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from torsionnet.core.errors import UsageError
+from torsionnet.io.records.source import FileChannel, Source
+from torsionnet.response.recording import QUANTITY_UNITS, Recording
+
+KEY = "torsionnet_recording"
+TIME = "time"
+
+
+def stored(recording: Recording, keys: Sequence[str] | None = None, *, with_time: bool = False) -> str:
+    """JSON text of names, quantities, rate, start, title and notes; ``keys`` name the values in the file."""
+    signals = [
+        {"key": key, "name": signal.name, "quantity": signal.quantity, "notes": list(signal.notes)}
+        for key, signal in zip(keys or recording.names, recording, strict=True)
+    ]
+    data = {
+        "sampling_rate": recording.sampling_rate,
+        "start": recording.start,
+        "time": TIME if with_time or recording.times is not None else None,
+        "stamped": recording.times is not None,
+        "title": recording.title,
+        "notes": list(recording.notes),
+        "signals": signals,
+    }
+    return json.dumps(data)
+
+
+def with_stored(source: Source, text: str) -> Source:
+    """The source with what ``text`` says about it; raises ``ValueError`` where the two do not fit."""
+    try:
+        data = json.loads(text)
+        channels = tuple(_channel(source, entry) for entry in data["signals"])
+        time = None if data["time"] is None else _named(source, data["time"])
+        known = {"rate": float(data["sampling_rate"]), "start": float(data["start"]), "stamped": bool(data["stamped"])}
+        words = {"title": str(data["title"]), "notes": tuple(map(str, data["notes"]))}
+    except (json.JSONDecodeError, KeyError, TypeError, AttributeError) as error:
+        msg = f"the description of the recording in the file is damaged ({type(error).__name__}: {error})"
+        raise ValueError(msg) from error
+    return replace(source, channels=channels, time=time, **known, **words)  # type: ignore[arg-type]
+
+
+def _channel(source: Source, entry: dict[str, Any]) -> FileChannel:
+    quantity = str(entry["quantity"])
+    return replace(
+        _named(source, entry["key"]),
+        name=str(entry["name"]),
+        quantity=quantity,
+        unit=QUANTITY_UNITS.get(quantity, ""),
+        notes=tuple(map(str, entry["notes"])),
+    )
+
+
+def _named(source: Source, key: str) -> FileChannel:
+    for channel in source.channels:
+        if channel.name == key:
+            return channel
+    msg = f"channel {key}, which its description names, is not in the file"
+    raise ValueError(msg)
+
+
+def checked_names(recording: Recording, *, with_time: bool = False) -> None:
+    """Raise where two channels of a file would have one name."""
+    names = [*recording.names, *([TIME] if with_time or recording.times is not None else [])]
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        msg = f"cannot write two channels of one name: {', '.join(twice)}"
+        raise UsageError(msg)
+
+
+def plain_keys(names: Sequence[str], pattern: str, taken: Sequence[str] = (TIME,)) -> list[str]:
+    """Names without what ``pattern`` finds, each of them once, for formats that do not take every name.
+
+    >>> plain_keys(["T [1]", "T_1_", "time"], "[^A-Za-z0-9_]")
+    ['T__1_', 'T_1_', 'time_2']
+    """
+    keys: list[str] = []
+    for name in names:
+        plain = re.sub(pattern, "_", name.strip()) or "signal"
+        number, key = 1, plain
+        while key in keys or key in taken:
+            number += 1
+            key = f"{plain}_{number}"
+        keys.append(key)
+    return keys

@@ -1,0 +1,90 @@
+"""A matrix of transfer functions out of single ones, as files hold them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from torsionnet.core.errors import Fault, ModelError
+from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.response.frequency_response import ComplexArray, FloatArray
+
+UNKNOWN = "1"
+"""Unit of a channel of which the file only says that it is that of its partner."""
+
+
+@dataclass
+class Single:
+    """One output over one input; its values are in SI."""
+
+    values: ComplexArray
+    output_unit: str
+    input_unit: str
+    coherence: FloatArray | None = None
+
+
+@dataclass
+class Matrix:
+    """Transfer functions by (output, input), in the order in which they were found."""
+
+    frequencies: FloatArray
+    pairs: dict[tuple[str, str], Single] = field(default_factory=dict)
+
+    def response(self, file: str, title: str, notes: tuple[str, ...] = (), **more: Any) -> FrequencyResponse:
+        """The matrix; ModelError names what is missing, or has two units."""
+        outputs, inputs = (list(dict.fromkeys(pair[side] for pair in self.pairs)) for side in (0, 1))
+        missing = [f"{o}/{i}" for o in outputs for i in inputs if (o, i) not in self.pairs]
+        faults = [Fault(f"the matrix is not complete: there is no {', '.join(missing)}")] if missing else []
+        units: dict[int, dict[str, str]] = {0: {}, 1: {}}
+        for pair, single in self.pairs.items():
+            for side, unit in ((0, single.output_unit), (1, single.input_unit)):
+                known = units[side].setdefault(pair[side], unit)
+                if known != unit:
+                    faults.append(Fault(f"{pair[side]} is in {known} in one column and in {unit} in another"))
+        if faults:
+            raise ModelError(faults, file)
+        return FrequencyResponse(
+            self.frequencies,
+            self._stacked(outputs, inputs, lambda single: single.values),
+            tuple(Channel(name, units[0][name]) for name in outputs),
+            tuple(Channel(name, units[1][name]) for name in inputs),
+            title=title,
+            coherence=self._coherence(outputs, inputs),
+            notes=notes,
+            **more,
+        )
+
+    def _stacked(self, outputs: list[str], inputs: list[str], of: Callable[[Single], Any]) -> Any:
+        table = [[of(self.pairs[o, i]) for i in inputs] for o in outputs]
+        return np.ascontiguousarray(np.moveaxis(np.array(table), 2, 0))
+
+    def _coherence(self, outputs: list[str], inputs: list[str]) -> FloatArray | None:
+        """NaN where only some pairs have a coherence."""
+        if all(single.coherence is None for single in self.pairs.values()):
+            return None
+        unknown = np.full(len(self.frequencies), np.nan)
+        stacked: FloatArray = self._stacked(
+            outputs, inputs, lambda single: unknown if single.coherence is None else single.coherence
+        )
+        return stacked
+
+
+def resolve_units(pairs: Mapping[tuple[str, str], Single]) -> list[str]:
+    """Give channels that share an unknown unit the one other pairs tell; what stays unknown is returned as notes."""
+    changed = True
+    while changed:
+        changed = False
+        known = [
+            {pair[0]: s.output_unit for pair, s in pairs.items() if s.output_unit != UNKNOWN},
+            {pair[1]: s.input_unit for pair, s in pairs.items() if s.input_unit != UNKNOWN},
+        ]
+        for (output, driven), single in pairs.items():
+            unit = known[0].get(output) or known[1].get(driven)
+            if single.output_unit == UNKNOWN and unit:
+                single.output_unit = single.input_unit = unit
+                changed = True
+    open_pairs = [f"{o}/{i}" for (o, i), single in pairs.items() if single.output_unit == UNKNOWN]
+    return [f"{pair}: a ratio of like signals; the file does not tell their unit" for pair in open_pairs]

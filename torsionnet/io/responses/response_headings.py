@@ -1,0 +1,132 @@
+"""Headings of a table of frequency responses: what each column holds, and in which unit."""
+
+from __future__ import annotations
+
+import csv
+import re
+from dataclasses import dataclass
+
+from torsionnet.core.errors import Fault, ModelError, Position, did_you_mean
+from torsionnet.io.responses.matrix import UNKNOWN
+from torsionnet.response.conventions import ANGLES, FREQUENCIES
+
+UNITS = ("rad", "rad/s", "rad/s^2", "N*m")
+_UNIT = re.compile(r"(?P<what>.*?)\s*(?:\[(?P<unit>[^\]]*)\])?\s*")
+_KINDS = (
+    ("magnitude", re.compile(r"\|(?P<pair>.+)\|")),
+    ("phase", re.compile(r"phase (?P<pair>.+)")),
+    ("re", re.compile(r"re (?P<pair>.+)")),
+    ("im", re.compile(r"im (?P<pair>.+)")),
+    ("coherence", re.compile(r"coherence (?P<pair>.+)")),
+)
+EXPECTED = "expected frequency [Hz], then |output/input| [rad/(N*m)] and phase output/input [deg], or re and im"
+
+
+@dataclass(frozen=True)
+class ColumnHeading:
+    """A column: ``kind``, the pair (output, input), and SI units with the factor from these to the values shown."""
+
+    kind: str
+    unit: str = ""
+    pair: tuple[str, str] | None = None
+    above: str = UNKNOWN
+    below: str = UNKNOWN
+    scale: float = 1.0
+
+
+class _HeadingError(ValueError):
+    pass
+
+
+def headings(line: str, separator: str, place: Position) -> list[ColumnHeading]:
+    """Every column of a heading; ModelError lists all that are not understood."""
+    found: list[ColumnHeading] = []
+    faults: list[Fault] = []
+    for column, text in enumerate(next(csv.reader([line], delimiter=separator))):
+        try:
+            found.append(_heading(text.strip(), first=column == 0))
+        except _HeadingError as error:
+            start = line.find(text) + 1
+            faults.append(Fault(str(error), position=Position(place.file, place.line, start, start + len(text), line)))
+    faults += [Fault(text, position=place) for text in _incomplete(found)] if not faults else []
+    if faults:
+        raise ModelError(faults, place.file)
+    return found
+
+
+def _incomplete(found: list[ColumnHeading]) -> list[str]:
+    kinds: dict[tuple[str, str], list[str]] = {}
+    for heading in found:
+        if heading.pair:
+            kinds.setdefault(heading.pair, []).append(heading.kind)
+    faults = [] if kinds else [f"there is no frequency response; {EXPECTED}"]
+    for (output, driven), have in kinds.items():
+        label = f"{output}/{driven}"
+        if len(set(have)) < len(have):
+            faults.append(f"{label} has two columns of one kind")
+        elif sorted(set(have) - {"coherence"}) not in (["magnitude", "phase"], ["magnitude"], ["im", "re"]):
+            faults.append(f"{label} needs |{label}|, with phase {label} if there is one, or re {label} and im {label}")
+    phases = {"phase" in have or "re" in have for have in kinds.values()}
+    if len(phases) > 1 and not faults:
+        faults.append("some responses have a phase and some have not; put them into files of their own")
+    return faults
+
+
+def _heading(text: str, *, first: bool) -> ColumnHeading:
+    match = _UNIT.fullmatch(text)
+    what, unit = (match["what"], (match["unit"] or "").strip()) if match else (text, "")
+    if first:
+        return _frequency(what, unit)
+    if what == "conditioning":
+        return ColumnHeading("conditioning")
+    for kind, pattern in _KINDS:
+        found = pattern.fullmatch(what)
+        if found:
+            return _pair(kind, found["pair"], unit)
+    msg = f'"{text}" is no heading of a frequency response; {EXPECTED}'
+    raise _HeadingError(msg)
+
+
+def _frequency(what: str, unit: str) -> ColumnHeading:
+    if what != "frequency":
+        several = "; a table of several configurations is read one at a time" if what == "configuration" else ""
+        msg = f'the first column is "{what}"; {EXPECTED}{several}'
+        raise _HeadingError(msg)
+    if unit not in FREQUENCIES:
+        msg = f'"{unit}" is no unit of frequency{did_you_mean(unit, FREQUENCIES)}; expected {", ".join(FREQUENCIES)}'
+        raise _HeadingError(msg.replace("?;", "?"))
+    return ColumnHeading("frequency", unit)
+
+
+def _pair(kind: str, label: str, unit: str) -> ColumnHeading:
+    output, slash, driven = label.partition("/")
+    if not slash or "/" in driven:
+        msg = f'"{label}" is not of the form output/input'
+        raise _HeadingError(msg)
+    if kind == "coherence":
+        return ColumnHeading(kind, unit, (output, driven))
+    if kind == "phase":
+        if unit != "deg":
+            msg = f'the phase of {label} is in "{unit}"; expected deg'
+            raise _HeadingError(msg)
+        return ColumnHeading(kind, unit, (output, driven))
+    if unit.startswith("dB"):
+        msg = f"{label} is a level in dB; write the table without --db, levels are rounded and have lost their sign"
+        raise _HeadingError(msg)
+    return ColumnHeading(kind, unit, (output, driven), *_split(unit, label))
+
+
+def _split(unit: str, label: str) -> tuple[str, str, float]:
+    """SI units above and below the bar, and the factor from SI to the values."""
+    if unit == UNKNOWN:
+        return UNKNOWN, UNKNOWN, 1.0
+    for above in UNITS:
+        for below in UNITS:
+            for angle, factor in ANGLES.items():
+                shown = [side.replace("rad", angle) for side in (above, below)]
+                bare = f"{shown[0]}/{shown[1]}"
+                if above != below and unit in (f"{shown[0]}/({shown[1]})", bare if "/" not in shown[1] else ""):
+                    return above, below, factor ** (int("rad" in above) - int("rad" in below))
+    known = "rad/(N*m), deg/(N*m), (N*m)/rad, 1"
+    msg = f'"{unit}" is no unit of {label} that is known here; expected one such as {known}'
+    raise _HeadingError(msg)

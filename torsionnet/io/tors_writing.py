@@ -1,0 +1,167 @@
+"""Drivetrains as TORS files of openTorsion."""
+
+from __future__ import annotations
+
+import json
+import os
+from datetime import UTC, datetime
+from typing import Any
+
+from torsionnet.core.atomic import write_text
+from torsionnet.core.errors import UsageError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.tors_graph import Edge, Graph, tors_graph
+
+WHEEL = 100.0
+"""Diameter in mm of the first wheel of a gear known by its ratio alone."""
+
+MOST_STARTS = 50
+
+Item = dict[str, Any]
+
+
+def to_tors(drivetrain: Drivetrain) -> dict[str, Any]:
+    """The drivetrain as data of the TORS format, with the values of its parameters and its configuration.
+
+    The format knows disks, shafts and gears in a tree. Nodes joined by a rigid coupling become one; springs and dampers
+    between the same nodes one shaft; a gear of positive ratio a train with an idler; a shaft of another modulus than
+    80 GPa one of equal stiffness and inertia with another length and density. Every element carries its ``node``, so
+    that :func:`read_tors` finds it again; openTorsion passes over that. Inputs and sensors are left out.
+
+    Raises
+    ------
+    UsageError
+        What the format, or openTorsion 0.3.2 in reading it, cannot express: a clamp or a spring to ground, a compliant
+        mesh, planetary sets, differentials, frequency-dependent springs, loops, two shafts leaving one node.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> [element["name"] for element in to_tors(tn.load("oil_engine"))["components"][0]["elements"]]
+    ['engine_inertia', 'engine_shaft', 'wheel', 'pump_shaft', 'pump_inertia']
+    """
+    layout = _laid_out(tors_graph(drivetrain))
+    components = [{"name": name, "elements": chain.items} for name, chain in layout.chains.items()]
+    # The editor of openTorsion opens no file without a date.
+    today = datetime.now(tz=UTC).date().isoformat()
+    return {"name": drivetrain.title, "date": today, "components": components, "structure": layout.structure}
+
+
+def write_tors(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
+    """Write :func:`to_tors` as a JSON file, whole or not at all."""
+    text = json.dumps(to_tors(drivetrain), indent=1, ensure_ascii=False)
+    write_text(path, f"{text}\n")
+
+
+def _laid_out(graph: Graph) -> _Layout:
+    """The tree written from the first end from which that is possible."""
+    nodes = list(graph.disks)
+    ends = [node for node in nodes if len(graph.at[node]) <= 1] or nodes[:1]
+    refusals: list[UsageError] = []
+    for start in ends[:MOST_STARTS]:
+        try:
+            layout = _Layout(graph)
+            layout.run(start)
+        except UsageError as refusal:
+            refusals.append(refusal)
+        else:
+            return layout
+    raise refusals[0]
+
+
+class _Chain:
+    """Elements of one component, each under a name of its own."""
+
+    def __init__(self) -> None:
+        self.items: list[Item] = []
+        self.names: set[str] = set()
+
+    def add(self, item: Item, node: str = "") -> Item:
+        name, number = item["name"], 1
+        while item["name"] in self.names:
+            number += 1
+            item = {**item, "name": f"{name} {number}"}
+        self.names.add(item["name"])
+        self.items.append({**item, "node": node} if node else item)
+        return self.items[-1]
+
+
+class _Layout:
+    """Walks the tree from one end: chains of shafts in loops, branches in recursion."""
+
+    def __init__(self, graph: Graph) -> None:
+        self.graph = graph
+        self.chains: dict[str, _Chain] = {}
+        self.structure: list[list[str]] = []
+        self.used: set[int] = set()
+
+    def run(self, start: str) -> None:
+        name, chain = self._new_chain()
+        if not self.graph.disks[start]:
+            chain.add({"name": start, "type": "Disk", "inertia": 0.0, "damping": 0.0}, start)
+        self._walk(name, start)
+
+    def _new_chain(self) -> tuple[str, _Chain]:
+        name = f"part {len(self.chains) + 1}"
+        self.chains[name] = _Chain()
+        return name, self.chains[name]
+
+    def _walk(self, component: str, node: str) -> None:
+        """A node and all that follows: a shaft in the same chain, or in another one where gears follow, too."""
+        chain = self.chains[component]
+        while True:
+            for disk in self.graph.disks[node]:
+                chain.add(disk, node)
+            shafts, gears = self._onward(node)
+            wheels = [chain.add(_wheel(edge, node), node) for edge in gears]
+            if gears:
+                break
+            if not shafts:
+                return
+            node = self._shaft(chain, shafts[0], node)
+        if shafts:
+            self._branch(f"{component}.{wheels[-1]['name']}", shafts[0], node)
+        for edge, wheel in zip(gears, wheels, strict=True):
+            self._mesh(chain, edge, wheel, node)
+            self._walk(component, edge.other(node))
+
+    def _onward(self, node: str) -> tuple[list[Edge], list[Edge]]:
+        """Shafts and gears that lead on from a node, marked as used."""
+        onward = [edge for edge in self.graph.at[node] if id(edge) not in self.used]
+        self.used |= {id(edge) for edge in onward}
+        shafts = [edge for edge in onward if edge.gear is None]
+        if len(shafts) > 1:
+            names = ", ".join(name for edge in shafts for name in edge.names)
+            msg = f"{names} lead on together from node {node}; openTorsion lets one shaft go on from a place"
+            raise UsageError(msg)
+        return shafts, [edge for edge in onward if edge.gear is not None]
+
+    def _shaft(self, chain: _Chain, edge: Edge, node: str) -> str:
+        for item in edge.items[:-1]:  # equal segments: the same from either side
+            chain.add(item)
+        chain.add(edge.items[-1], edge.other(node))
+        return edge.other(node)
+
+    def _branch(self, origin: str, edge: Edge, node: str) -> None:
+        name, chain = self._new_chain()
+        end = self._shaft(chain, edge, node)
+        self.structure.append([origin, f"{name}.{chain.items[0]['name']}"])
+        self._walk(name, end)
+
+    def _mesh(self, chain: _Chain, edge: Edge, wheel: Item, node: str) -> None:
+        """The wheel on the other side; wheels of TORS turn in opposite senses, an idler turns that round."""
+        parent = wheel["name"]
+        if edge.ratio > 0:
+            idler = {**wheel, "name": f"{edge.names[0]} idler", "parent": parent}
+            del idler["node"]
+            parent = chain.add(idler)["name"]
+        end = edge.other(node)
+        chain.add({**_wheel(edge, end), "parent": parent}, end)
+
+
+def _wheel(edge: Edge, node: str) -> Item:
+    side = 0 if node == edge.first else 1
+    teeth = edge.gear.teeth if edge.gear else None
+    size = float(abs(teeth[side])) if teeth else WHEEL * (abs(edge.ratio) if side else 1.0)
+    wheel = {"name": f"{edge.names[0]} {node}", "type": "GearElement", "inertia": 0.0, "diameter": size}
+    return {**wheel, "teeth": abs(int(teeth[side]))} if teeth else wheel

@@ -1,0 +1,142 @@
+"""Modes from frequency responses, from the diagram to the result."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsionnet.core.threads import one_thread
+from torsionnet.modal.method_choice import stabilisation
+from torsionnet.modal.modal_estimate import ModalEstimate, assembled
+from torsionnet.modal.poles import as_poles
+from torsionnet.modal.refinement import refine
+from torsionnet.modal.remarks import about_fit
+from torsionnet.modal.residues import expand
+from torsionnet.modal.selection import Selected, Selection, select
+from torsionnet.modal.settings import Settings
+from torsionnet.modal.spectral_lines import ComplexArray, Lines, left_out, lines_of
+from torsionnet.modal.stabilisation import Stabilisation
+from torsionnet.response import FrequencyResponse
+
+CLOSE = 0.5
+METHODS = {"rational": "rational fraction", "lscf": "least-squares complex frequency"}
+
+
+@one_thread()
+def identify_modes(
+    measured: FrequencyResponse | Stabilisation,
+    settings: Settings | None = None,
+    *,
+    selection: Selection | None = None,
+    refined: bool = True,
+) -> ModalEstimate:
+    """Natural frequencies, damping ratios and shapes at the sensors from one or several transfer functions.
+
+    The poles of a transfer function against a *measured* torque are those of the drivetrain cut at the transducer:
+    compare them with ``drivetrain.modes(measured_input=...)``, not with ``drivetrain.modes()``.
+
+    Parameters
+    ----------
+    measured : FrequencyResponse or Stabilisation
+        Calculated or estimated; receptances, mobilities, accelerances, ratios of angles and the like. All its transfer
+        functions are of one test and share their poles.
+    settings : Settings, optional
+        Those of the diagram, where one is given.
+    selection : "order", "clusters", int or sequence of (int, float), optional
+        ``"order"``: all poles of the order with the least Schwarz criterion (BIC). ``"clusters"``: the poles that stay
+        in frequency, damping and shape over ``criteria.least_orders`` orders in a row, within the band. A number: all
+        poles of that order. By hand: order and frequency in Hz of each pole. By default ``"order"`` for the rational
+        fraction and ``"clusters"`` for LSCF; with a selection of one's own ``auto`` is the rational fraction.
+    refined : bool, optional
+        Move the poles to the least squares of the responses themselves, and give standard errors. Left out, with a
+        note, where several inputs have modes too close to each other for it.
+
+    Raises
+    ------
+    UsageError
+        Too few frequencies, channels that no modes are fitted to, an unknown order.
+    SolveError
+        No pole is stable, or no pole is chosen by the rule.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.load("amt_rig").configured("V_c_O_360")
+    >>> test = rig.frequency_response("theta_1", "T_T", np.arange(0.5, 30, 0.1))
+    >>> found = identify_modes(test)
+    >>> found.kinds
+    ('real pole', 'oscillatory', 'real pole')
+    >>> bool(np.allclose(found.poles, rig.modes(measured_input="T_T").eigenvalues, rtol=1e-6))
+    True
+    """
+    diagram = measured if isinstance(measured, Stabilisation) else _diagram(measured, settings or Settings(), selection)
+    rule: Selection = (
+        ("order" if diagram.settings.method == "rational" else "clusters") if selection is None else selection
+    )
+    chosen = select(diagram, rule)
+    estimate = _fitted(diagram.response, diagram.lines, diagram.settings, chosen, refined=refined)
+    title = f"{METHODS[diagram.settings.method]}, {chosen.rule}"
+    why = (f"method: {diagram.choice}",) if diagram.choice else ()
+    about = about_fit(estimate, chosen.seen, len(diagram.orders))
+    return replace(estimate, method=title, notes=(*estimate.notes, *about, *why))
+
+
+@one_thread()
+def fit_poles(
+    response: FrequencyResponse, poles: ArrayLike, settings: Settings | None = None, *, refined: bool = False
+) -> ModalEstimate:
+    """Shapes and residues of given poles, in rad/s; the poles stay unless ``refined``.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.load("dmf_rig")
+    >>> response = rig.frequency_response("theta_1", "T_M", np.arange(0.5, 30, 0.1))
+    >>> fit_poles(response, rig.modes().eigenvalues).misfit.max() < 1e-9
+    np.True_
+    """
+    chosen = settings or Settings()
+    given = as_poles(poles)
+    selected = Selected(given, np.ones((len(given), len(response.inputs)), dtype=complex), (), "given poles")
+    estimate = _fitted(response, lines_of(response, chosen), chosen, selected, refined=refined, free=True)
+    return replace(estimate, method="given poles", notes=(*estimate.notes, *about_fit(estimate)))
+
+
+def _diagram(response: FrequencyResponse, settings: Settings, selection: Selection | None) -> Stabilisation:
+    by_hand = settings.method == "auto" and selection is not None
+    return stabilisation(response, replace(settings, method="rational") if by_hand else settings)
+
+
+def _fitted(
+    response: FrequencyResponse,
+    lines: Lines,
+    settings: Settings,
+    chosen: Selected,
+    *,
+    refined: bool,
+    free: bool = False,
+) -> ModalEstimate:
+    poles, errors, notes = (
+        chosen.poles,
+        (np.full(len(chosen.poles), np.nan),) * 2,
+        list(left_out(response, settings.band)),
+    )
+    together = not free and lines.values.shape[2] > 1 and _any_close(poles)
+    if together:
+        notes.append("modes lie close together: residues are shapes times participations; poles not refined")
+    elif refined:
+        better = refine(lines, poles, settings)
+        poles, errors = better.poles, (better.frequency_errors, better.damping_errors)
+        if not better.settled:
+            notes.append("warning: the refinement did not settle; fewer poles or a narrower band may help")
+    expansion = expand(lines, poles, settings, chosen.participations if together else None)
+    return assembled(response, lines, expansion, tuple(notes), errors)
+
+
+def _any_close(poles: ComplexArray) -> bool:
+    apart = np.abs(poles[:, None] - poles)
+    limit = CLOSE * (np.abs(poles.real)[:, None] + np.abs(poles.real))
+    np.fill_diagonal(apart, np.inf)
+    return bool((apart < limit).any())

@@ -1,0 +1,223 @@
+"""Identified modes as a result."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.modal import poles as pole_numbers
+from torsionnet.modal.criteria import mpc
+from torsionnet.modal.residues import Expansion
+from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines, powers_of
+from torsionnet.response import SI, Channel, Column, Conventions, FrequencyResponse, Table
+
+
+@dataclass(frozen=True, eq=False)
+class ModalEstimate:
+    """Modes identified from frequency responses; one entry per conjugate pair or real pole, by ``|lambda|``.
+
+    Attributes
+    ----------
+    poles : (n_modes,) complex array
+        lambda in rad/s, Im >= 0.
+    residues : (n_modes, n_out, n_in) complex array
+        R of the receptance form: ``H = s^p (sum R / (s - lambda) + conjugate + lower / s^2 + upper)``, where p turns
+        angles into the quantities measured (1 for velocities, 2 for accelerations).
+    lower, upper : (n_out, n_in) arrays
+        Residual terms for what is below and above the band.
+    outputs, inputs : tuple of Channel
+        As measured.
+    frequencies : (n_f,) array
+        Hz; the lines the fit has used.
+    contributions : (n_modes,) array
+        Root mean square of a mode's share over that of the responses.
+    misfit : (n_out, n_in) array
+        Root mean square of what the fit leaves over that of the response.
+    frequency_errors, damping_errors : (n_modes,) arrays
+        Standard errors, Hz and 1; nan where none is known. They hold random errors alone.
+    method : str
+    title : str
+    notes : tuple of str
+        Remarks; those to heed begin with ``warning:``.
+
+    See Also
+    --------
+    torsionnet.modal.identify_modes
+    """
+
+    poles: ComplexArray
+    residues: ComplexArray
+    lower: FloatArray
+    upper: FloatArray
+    outputs: tuple[Channel, ...]
+    inputs: tuple[Channel, ...]
+    frequencies: FloatArray
+    contributions: FloatArray
+    misfit: FloatArray
+    frequency_errors: FloatArray
+    damping_errors: FloatArray
+    method: str
+    title: str = ""
+    notes: tuple[str, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.poles)
+
+    @cached_property
+    def natural_frequencies(self) -> FloatArray:
+        """``|lambda| / 2 pi`` in Hz."""
+        return pole_numbers.natural_frequencies(self.poles)
+
+    @cached_property
+    def damped_frequencies(self) -> FloatArray:
+        """``Im lambda / 2 pi`` in Hz; 0 for real poles."""
+        return np.asarray(self.poles.imag / (2 * np.pi))
+
+    @cached_property
+    def damping_ratios(self) -> FloatArray:
+        """``-Re lambda / |lambda|``; 1 for a real pole."""
+        return pole_numbers.damping_ratios(self.poles)
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """``"oscillatory"`` or ``"real pole"``, as of :class:`torsionnet.Modes`."""
+        return pole_numbers.kinds(self.poles)
+
+    @cached_property
+    def shapes(self) -> ComplexArray:
+        """(n_out, n_modes): angles at the sensors, 1 at the one that moves most; torques in N m for such an angle.
+
+        The best shape of rank one in the residues of all inputs.
+        """
+        moving = np.array([channel.unit != "N*m" for channel in self.outputs])
+        found = np.zeros((len(self.outputs), len(self)), dtype=complex)
+        for mode, residue in enumerate(self.residues):
+            size = np.linalg.norm(residue, axis=0)
+            left = np.linalg.svd(residue / np.where(size > 0, size, 1))[0][:, 0]
+            among = np.where(moving, np.abs(left), 0) if moving.any() else np.abs(left)
+            found[:, mode] = left / left[int(among.argmax())]
+        return found
+
+    def shape_at(self, output: str) -> ComplexArray:
+        """The row of ``shapes`` of a sensor."""
+        names = [channel.name for channel in self.outputs]
+        if output not in names:
+            msg = f'no output is named "{output}"{did_you_mean(output, names)}; there is {", ".join(names)}'
+            raise UsageError(msg)
+        return np.asarray(self.shapes[names.index(output)])
+
+    def response(self, frequencies: FloatArray) -> FrequencyResponse:
+        """The transfer functions of the fit at any frequencies in Hz."""
+        f = np.asarray(frequencies, dtype=float)
+        expansion = Expansion(self.poles, self.residues, self.lower, self.upper)
+        values = expansion.values(2j * np.pi * f, powers_of(self.outputs, self.inputs))
+        return FrequencyResponse(f, values, self.outputs, self.inputs, f"{self.title}, {self.method}")
+
+    @cached_property
+    def synthesised(self) -> FrequencyResponse:
+        """The transfer functions of the fit at its own lines."""
+        return self.response(self.frequencies)
+
+    def only(self, modes: NDArray[np.bool_]) -> ModalEstimate:
+        """Only some modes."""
+        names = ("poles", "residues", "contributions", "frequency_errors", "damping_errors")
+        return replace(self, **{name: getattr(self, name)[modes] for name in names})
+
+    def table(self, conventions: Conventions = SI) -> Table:
+        """One row per mode, with standard errors where there are any, phase collinearity and contribution."""
+        scale, unit = conventions.frequency_scale, conventions.frequency
+        columns = (
+            Column("mode"),
+            Column("natural frequency |lambda|/2pi", unit),
+            Column("+-", unit, 2),
+            Column("damped frequency Im lambda/2pi", unit),
+            Column("damping ratio", "1"),
+            Column("+-", "1", 2),
+            Column("kind"),
+            Column("MPC", "1", 4),
+            Column("contribution", "1", 3),
+        )
+        collinear = mpc(self.shapes)
+        rows = tuple(
+            (
+                mode + 1,
+                float(self.natural_frequencies[mode] * scale),
+                float(self.frequency_errors[mode] * scale),
+                float(self.damped_frequencies[mode] * scale),
+                float(self.damping_ratios[mode]),
+                float(self.damping_errors[mode]),
+                self.kinds[mode],
+                float(collinear[mode]),
+                float(self.contributions[mode]),
+            )
+            for mode in range(len(self))
+        )
+        return Table(f"{self.title}: modes by {self.method}", columns, rows, self.notes)
+
+    def shape_table(self) -> Table:
+        """One row per sensor: magnitude and phase of every shape."""
+        columns = [Column("sensor")]
+        for mode in range(len(self)):
+            columns += [Column(f"|shape {mode + 1}|"), Column(f"phase {mode + 1}", "deg")]
+        rows = []
+        for channel, row in zip(self.outputs, self.shapes, strict=True):
+            cells = [cell for value in row for cell in (float(abs(value)), float(np.degrees(np.angle(value))))]
+            rows.append((channel.name, *cells))
+        return Table(f"{self.title}: shapes", tuple(columns), tuple(rows), ("1 at the sensor that moves most",))
+
+    def to_csv(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
+        """The table as CSV text, also written to ``path``."""
+        return self.table(conventions).to_csv(path)
+
+    def to_json(self, path: str | Path | None = None, conventions: Conventions = SI) -> str:
+        """The table as JSON text, also written to ``path``."""
+        return self.table(conventions).to_json(path)
+
+    def __repr__(self) -> str:
+        listed = ", ".join(
+            f"{f:.4g} Hz ({100 * z:.3g} %)"
+            for f, z in zip(self.natural_frequencies[:6], self.damping_ratios[:6], strict=True)
+        )
+        more = ", ..." if len(self) > 6 else ""  # noqa: PLR2004
+        return f"<ModalEstimate: {len(self)} modes at {listed}{more}>"
+
+    def _repr_html_(self) -> str:
+        return self.table().to_html()
+
+
+def assembled(
+    response: FrequencyResponse,
+    lines: Lines,
+    expansion: Expansion,
+    notes: tuple[str, ...],
+    errors: tuple[FloatArray, FloatArray] | None = None,
+    method: str = "",
+) -> ModalEstimate:
+    """The result that an expansion over the lines of a response gives."""
+    modes = range(len(expansion.poles))
+    factor = lines.s[:, None, None] ** lines.powers * lines.balance
+    shares = [np.sqrt(np.mean(np.abs(expansion.term(mode, lines.s) * factor) ** 2)) for mode in modes]
+    left = lines.values - expansion.values(lines.s, lines.powers)
+    unknown = np.full(len(modes), np.nan)
+    frequency_errors, damping_errors = errors or (unknown, unknown)
+    return ModalEstimate(
+        expansion.poles,
+        expansion.residues,
+        expansion.lower,
+        expansion.upper,
+        response.outputs,
+        response.inputs,
+        np.asarray(np.abs(lines.s) / (2 * np.pi)),
+        np.array(shares),
+        np.sqrt(np.mean(np.abs(left) ** 2, axis=0)) * lines.balance,
+        frequency_errors,
+        damping_errors,
+        method,
+        response.title,
+        notes,
+    )

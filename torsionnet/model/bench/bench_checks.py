@@ -1,0 +1,83 @@
+"""Whether the test described fits the model: names of inputs and sensors, units of ranges and noise."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from torsionnet.core.errors import Fault, Path, did_you_mean
+from torsionnet.model.bench.parts import Encoder, Transducer
+from torsionnet.model.bench.plan import Plan
+from torsionnet.model.channels import Sensor, parse_sensor
+from torsionnet.model.elements.fields import FieldError, check_unit
+
+if TYPE_CHECKING:
+    from torsionnet.model.definition import Definition
+
+MOST_SAMPLES = 1e8
+"""Of a channel: some gigabytes on the way."""
+FEWEST_SAMPLES = 10
+DIMENSION_OF = {"angle": "angle", "twist": "angle", "velocity": "speed"}
+"""Dimension of what a sensor reads, where it is not named like its quantity."""
+
+
+def check_plan(plan: Plan, definition: Definition, path: Path = ("bench",)) -> list[Fault]:
+    """Every fault of a plan for this model; the sensors written out in full are left to the solver."""
+    faults = [*_drive(plan, definition), *_size(plan)]
+    for name, part in plan.channels.items():
+        faults += [fault.under("channels", name) for fault in _channel(name, part, plan, definition)]
+    return [fault.under(*path) for fault in faults]
+
+
+def sensor_of(name: str, part: Transducer | Encoder, definition: Definition) -> Sensor | None:
+    """What a channel measures, None if nothing of the model is meant."""
+    entry = part.sensor or name
+    return definition.sensors.get(entry) or parse_sensor(entry)
+
+
+def _drive(plan: Plan, definition: Definition) -> Iterator[Fault]:
+    torques = [name for name, channel in definition.inputs.items() if channel.quantity == "torque"]
+    declared = ", ".join(torques) or "none"
+    if not plan.drive:
+        if len(torques) != 1:
+            yield Fault(f"say with drive: on which input the torque acts; torque inputs: {declared}", on_key=True)
+    elif plan.drive not in torques:
+        reason = f'no torque input is named "{plan.drive}"{did_you_mean(plan.drive, torques)}'
+        yield Fault(f"{reason}; torque inputs: {declared}", ("drive",))
+
+
+def _size(plan: Plan) -> Iterator[Fault]:
+    rate, seconds = plan.acquisition.rate, plan.excitation.length
+    if rate * seconds > MOST_SAMPLES:
+        text = f"{seconds:g} s at {rate:g} Hz are {rate * seconds:.3g} samples; at most {MOST_SAMPLES:.0e}"
+        yield Fault(text, ("acquisition", "rate"))
+    elif rate * seconds < FEWEST_SAMPLES:
+        text = f"{seconds:g} s at {rate:g} Hz are {rate * seconds:.3g} samples; at least {FEWEST_SAMPLES}"
+        yield Fault(text, ("acquisition", "rate"))
+
+
+def _channel(name: str, part: Transducer | Encoder, plan: Plan, definition: Definition) -> Iterator[Fault]:
+    sensor = sensor_of(name, part, definition)
+    if sensor is None:
+        known = ", ".join(definition.sensors) or "none"
+        hint = did_you_mean(part.sensor or name, definition.sensors)
+        text = f'no sensor is named "{part.sensor or name}"{hint}; sensors: {known}'
+        yield Fault(
+            f"{text}; or say sensor: velocity(node)", ("sensor",) if part.sensor else (), on_key=not part.sensor
+        )
+        return
+    dimension = DIMENSION_OF.get(sensor.quantity, sensor.quantity)
+    if isinstance(part, Encoder):
+        if dimension != "angle":
+            yield Fault(f"an encoder measures an angle; {sensor} is measured by a transducer", on_key=True)
+        return
+    if plan.acquisition.bits is not None and part.range is None:
+        text = f"an analog input of {plan.acquisition.bits} bits divides a range; give the transducer one"
+        yield Fault(text, on_key=True, kind="missing key", about="range")
+    for key in ("range", "noise", "offset"):
+        value = getattr(part, key)
+        try:
+            if value is not None:
+                check_unit(value, dimension)
+        except FieldError as error:
+            yield error.fault.under(key)

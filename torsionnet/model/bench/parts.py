@@ -1,0 +1,127 @@
+"""Exciter, sensors and data acquisition of a test bench."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.errors import Fault
+from torsionnet.model.bench.fields import BenchEntries, BenchPart, Shares, Value
+from torsionnet.model.elements.fields import Count, Flag, Text, entry
+
+DELAY = "time by which the channel lags behind the others"
+SENSOR = 'what it reads if its name is no sensor of the model: "velocity(motor)", "torque(gearbox, output_shaft)"'
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exciter(BenchPart):
+    """A torque-controlled motor that shakes the drivetrain; without entries it delivers its set-point exactly.
+
+    The set-point is clipped at the rated torque, rounded by the analog output, and followed with a first-order lag.
+    The harmonics bend the torque so delivered: a sine of the excitation's full amplitude A gets the shares of A.
+
+    Examples
+    --------
+    >>> motor = Exciter(bandwidth="60 Hz", harmonics={2: 0.02, 3: "1 %"}, limit="110 N*m")
+    >>> motor.bandwidth, motor.harmonics
+    (60.0, {2: 0.02, 3: 0.01})
+    """
+
+    kind: ClassVar[str] = "exciter"
+
+    bandwidth: Any = entry(
+        Value("frequency at which the torque is 3 dB below its set-point", "frequency", exclusive=True), None
+    )
+    compensated: Any = entry(
+        Flag("whether the set-point is raised beforehand so that the delivered torque is flat (feed-forward)"), False
+    )
+    harmonics: Any = entry(Shares("share of the amplitude that a sine gets at its multiples"), None)
+    limit: Any = entry(Value("rated torque, at which the set-point is clipped", "torque", exclusive=True), None)
+    bits: Any = entry(Count("resolution of the analog output of the set-point", upper=32), None)
+    full_scale: Any = entry(
+        Value("torque at the end of the analog output's range, -full_scale to +full_scale", "torque", exclusive=True),
+        None,
+    )
+
+    def contradictions(self) -> list[Fault]:
+        found = []
+        if (self.bits is None) != (self.full_scale is None):
+            text = "bits and full_scale belong together: the range is divided into 2^bits levels"
+            found.append(Fault(text, ("bits" if self.full_scale is None else "full_scale",)))
+        if self.compensated and self.bandwidth is None:
+            found.append(Fault("without a bandwidth there is nothing to compensate for", ("compensated",)))
+        return found
+
+
+@dataclass(frozen=True, kw_only=True)
+class Transducer(BenchPart):
+    """An analog sensor: torque transducer, tachometer, accelerometer. It reads gain * value + offset + noise.
+
+    Examples
+    --------
+    >>> float(Transducer(range="230 N*m", noise="0.23 N*m").noise.value)
+    0.23
+    """
+
+    kind: ClassVar[str] = "transducer"
+
+    sensor: Any = entry(Text(SENSOR), None)
+    range: Any = entry(
+        BenchEntries("largest value, plus or minus; beyond it the reading is clipped", exclusive=True), None
+    )
+    noise: Any = entry(BenchEntries("standard deviation of white noise at the sampling rate"), None)
+    offset: Any = entry(BenchEntries("added to every value", lower=None), None)
+    gain: Any = entry(Value("what it reads over what is there", "1", lower=None), 1.0)
+    delay: Any = entry(Value(DELAY, "time"), 0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Encoder(BenchPart):
+    """An incremental encoder: the angle in whole steps, from wherever the shaft stands when counting begins.
+
+    Examples
+    --------
+    >>> Encoder(lines=1024, quadrature=True).steps
+    4096
+    """
+
+    kind: ClassVar[str] = "encoder"
+
+    sensor: Any = entry(Text(SENSOR), None)
+    lines: Any = entry(Count("lines per revolution", upper=10_000_000))
+    quadrature: Any = entry(Flag("whether all four edges of the two tracks are counted"), False)
+    delay: Any = entry(Value(DELAY, "time"), 0.0)
+
+    @property
+    def steps(self) -> int:
+        """Steps per revolution."""
+        return int(self.lines) * (4 if self.quadrature else 1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Acquisition(BenchPart):
+    """Sampling of all channels at once.
+
+    Examples
+    --------
+    >>> Acquisition(rate="10 kHz", bits=16).rate
+    10000.0
+    """
+
+    kind: ClassVar[str] = "acquisition"
+
+    rate: Any = entry(Value("sampling rate", "frequency", exclusive=True))
+    bits: Any = entry(Count("resolution of the analog inputs over the range of each transducer", upper=32), None)
+    anti_alias: Any = entry(
+        Value("cut-off (-3 dB) of a Butterworth filter of order 4 in the analog channels", "frequency", exclusive=True),
+        None,
+    )
+
+    def contradictions(self) -> list[Fault]:
+        if self.anti_alias is not None and not self.anti_alias < self.rate / 2:
+            half = f"half the sampling rate, {self.rate / 2:g} Hz"
+            return [Fault(f"the cut-off must be below {half}", ("anti_alias",))]
+        return []
+
+
+SENSORS: dict[str, type[Transducer | Encoder]] = {cls.kind: cls for cls in (Transducer, Encoder)}

@@ -1,0 +1,90 @@
+"""Consistency checks, one function each; :func:`check_definition` runs them all.
+
+Checks of names and values say everything they find. The structural ones need a model whose names and values are sound,
+and run on the base model and on every alternative of every axis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+
+from torsionnet.core.collecting import collector_paused
+from torsionnet.core.errors import USELESS, Fault
+from torsionnet.model.checks import names, values
+from torsionnet.model.checks.plausible import unusual_sizes
+from torsionnet.model.checks.structure import structure, unconnected_parts
+from torsionnet.model.configurations import combinations, label
+from torsionnet.model.definition import Definition
+from torsionnet.model.parameters import resolve
+
+MOST_COMBINATIONS = 64
+
+
+@collector_paused()
+def check_definition(definition: Definition) -> list[Fault]:
+    """Every fault, warning and note of a model with all its configurations."""
+    faults = [fault for check in names.CHECKS for fault in check(definition)]
+    faults += values.wrong_dimensions(definition) + values.overlay_dimensions(definition)
+    faults += values.bound_dimensions(definition) + values.passive_tables(definition)
+    faults += unconnected_parts(definition)
+    known, found = resolve(definition.parameters)
+    faults += found + values.sizes(definition, known) + unusual_sizes(definition, known)
+    if has_errors(faults):
+        return _unique(faults)
+    base = structure(definition, known)
+    others = {name: check_variant(variant) for name, variant in variants(definition)}
+    faults += _refused_everywhere(base, others.values())
+    for name, found in others.items():
+        faults += _in_configuration(name, found, faults)
+    return _unique(faults)
+
+
+def check_variant(definition: Definition) -> list[Fault]:
+    """The checks that depend on values: for a configuration or changed parameters of a sound model."""
+    known, faults = resolve(definition.parameters)
+    faults += values.wrong_dimensions(definition) + values.sizes(definition, known)
+    faults += unusual_sizes(definition, known)
+    return faults if has_errors(faults) else faults + structure(definition, known)
+
+
+def variants(definition: Definition) -> Iterator[tuple[str, Definition]]:
+    """Every combination of alternatives while they are few, else each alternative alone."""
+    count = 1
+    for alternatives in definition.axes.values():
+        count *= max(1, len(alternatives))
+    if count <= MOST_COMBINATIONS:
+        choices = [choice for choice in combinations(definition.axes) if choice]
+    else:
+        choices = [{axis: name} for axis, alternatives in definition.axes.items() for name in alternatives]
+    for choice in choices:
+        variant = definition
+        for axis, name in choice.items():
+            variant = variant.overlaid(definition.axes[axis][name])
+        yield label(choice, definition.axes), variant
+
+
+def has_errors(faults: list[Fault]) -> bool:
+    return any(fault.severity == "error" for fault in faults)
+
+
+def _refused_everywhere(base: list[Fault], others: Iterable[list[Fault]]) -> list[Fault]:
+    """The findings of the base; what cannot be used there and in no configuration either is an error."""
+    useless = {fault.path for fault in base if fault.kind == USELESS}
+    for found in others:
+        useless &= {fault.path for fault in found if fault.kind == USELESS}
+    return [replace(fault, severity="error") if fault.path in useless else fault for fault in base]
+
+
+def _in_configuration(name: str, found: list[Fault], base: list[Fault]) -> list[Fault]:
+    """What a configuration adds to the findings of the base model about one of its entries, with its name."""
+    known = {(fault.path, fault.message) for fault in base}
+    return [
+        replace(fault, configuration=name)
+        for fault in found
+        if (fault.severity == "error" or fault.path) and (fault.path, fault.message) not in known
+    ]
+
+
+def _unique(faults: list[Fault]) -> list[Fault]:
+    return list(dict.fromkeys(faults))

@@ -1,0 +1,212 @@
+"""Checks of names: does every name mean something, and does everything named get used."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator
+
+from torsionnet.core.errors import Fault, Path, did_you_mean, unknown_name
+from torsionnet.core.expressions import Expression
+from torsionnet.model.channels import ELEMENT_QUANTITIES, port_fault
+from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.elements import GROUND
+from torsionnet.model.operating_point import OperatingPoint
+
+MOST_HINTS = 20
+"""Dead ends for which a node is looked for that may have been meant: where there are more, they are no misspellings."""
+
+
+def _nodes(definition: Definition) -> dict[str, None]:
+    return dict.fromkeys(all_nodes(definition.elements.values()))
+
+
+def _unknown_node(name: str, nodes: Collection[str], path: Path, *, on_key: bool = False) -> Fault:
+    if name == GROUND:
+        return Fault("ground does not move; name a node", path, on_key=on_key)
+    return unknown_name("node", name, nodes, path, on_key=on_key)
+
+
+def _expressions(definition: Definition) -> Iterator[tuple[Path, Expression]]:
+    for name, parameter in definition.parameters.items():
+        yield ("parameters", name), parameter.value
+    for name, element in definition.elements.items():
+        for path, _, expression, _ in element.expressions():
+            yield ("elements", name, *path), expression
+    for axis, alternatives in definition.axes.items():
+        for label, overlay in alternatives.items():
+            for name, value in overlay.parameters.items():
+                yield ("configurations", axis, label, name), value
+            yield from _point_expressions(overlay.operating_point, ("configurations", axis, label, "operating_point"))
+    yield from _point_expressions(definition.operating_point, ("operating_point",))
+
+
+def _point_expressions(point: OperatingPoint | None, path: Path) -> Iterator[tuple[Path, Expression]]:
+    if point is not None:
+        for table in ("speed", "torque"):
+            for node, value in getattr(point, table).items():
+                yield (*path, table, node), value
+
+
+def undefined_parameters(definition: Definition) -> list[Fault]:
+    """Expressions that use a parameter nobody defines."""
+    known = definition.parameters
+    return [
+        unknown_name("parameter", name, known, path)
+        for path, expression in _expressions(definition)
+        for name in sorted(expression.names - known.keys())
+    ]
+
+
+def unused_parameters(definition: Definition) -> list[Fault]:
+    """Parameters that nothing uses (a warning: the model is complete without them)."""
+    used = {name for _, expression in _expressions(definition) for name in expression.names}
+    return [
+        Fault(f'parameter "{name}" is not used', ("parameters", name), "warning", on_key=True, about=name)
+        for name in definition.parameters
+        if name not in used
+    ]
+
+
+def unknown_nodes(definition: Definition) -> list[Fault]:
+    """Sensors, inputs and operating points on nodes the elements do not have."""
+    nodes = _nodes(definition)
+    faults = []
+    for table in ("inputs", "sensors"):
+        for name, channel in getattr(definition, table).items():
+            if not (table == "sensors" and channel.quantity in ELEMENT_QUANTITIES) and channel.of not in nodes:
+                faults.append(_unknown_node(channel.of, nodes, (table, name, channel.quantity)))
+    points: list[tuple[Path, OperatingPoint | None]] = [(("operating_point",), definition.operating_point)]
+    for axis, alternatives in definition.axes.items():
+        points += [
+            (("configurations", axis, label, "operating_point"), overlay.operating_point)
+            for label, overlay in alternatives.items()
+        ]
+    for path, point in points:
+        for table in ("speed", "torque"):
+            given = getattr(point, table, {})
+            unknown = [str(node) for node in given if node not in nodes]
+            faults += [_unknown_node(node, nodes, (*path, table, node), on_key=True) for node in unknown]
+    return faults
+
+
+def unknown_elements(definition: Definition) -> list[Fault]:
+    """Sensors of elements, and ports of elements, that do not exist."""
+    faults = []
+    for name, sensor in definition.sensors.items():
+        if sensor.quantity not in ELEMENT_QUANTITIES:
+            continue
+        path = ("sensors", name, sensor.quantity)
+        element = definition.elements.get(sensor.of)
+        if element is None:
+            faults.append(_no_element(sensor.of, definition, path))
+        elif sensor.at is not None:
+            reason = port_fault(element, sensor.at)
+            if reason:
+                faults.append(Fault(reason, ("sensors", name, "at")))
+    return faults
+
+
+def _no_element(name: str, definition: Definition, path: Path) -> Fault:
+    if name in _nodes(definition):
+        return Fault(f'"{name}" is a node, no element; a torque is taken through an element', path)
+    return unknown_name("element", name, definition.elements, path)
+
+
+def unknown_in_configurations(definition: Definition) -> list[Fault]:
+    """Alternatives that change parameters or elements the model does not have."""
+    faults = []
+    for axis, alternatives in definition.axes.items():
+        for label, overlay in alternatives.items():
+            path = ("configurations", axis, label)
+            for name in overlay.parameters:
+                if name not in definition.parameters:
+                    known = [*definition.parameters, "on", "off", "operating_point"]
+                    faults.append(unknown_name("parameter", name, known, (*path, name), on_key=True))
+            for switch in ("on", "off"):
+                for index, name in enumerate(getattr(overlay, switch)):
+                    if name not in definition.elements:
+                        faults.append(unknown_name("element", name, definition.elements, (*path, switch, index)))
+            both = set(overlay.on) & set(overlay.off)
+            faults += [Fault(f"{name} is switched on and off at once", (*path, "off")) for name in sorted(both)]
+    return faults
+
+
+def competing_axes(definition: Definition) -> list[Fault]:
+    """A parameter or element that alternatives on two axes decide: which one wins would be a matter of order."""
+    faults: list[Fault] = []
+    homes: dict[str, str] = {}
+    for axis, alternatives in definition.axes.items():
+        for label, overlay in alternatives.items():
+            for name in (*overlay.parameters, *overlay.on, *overlay.off):
+                if homes.setdefault(name, axis) != axis:
+                    text = f"{name} is set on axis {homes[name]} too; different axes must change different things"
+                    key = name if name in overlay.parameters else "on" if name in overlay.on else "off"
+                    faults.append(Fault(text, ("configurations", axis, label, key), on_key=True, about=name))
+    return faults
+
+
+def hidden_names(definition: Definition) -> list[Fault]:
+    """Names where ``output=`` or ``input=`` could mean two things: sensors and inputs win over nodes."""
+    nodes = set(_nodes(definition))
+    faults = []
+    for table in ("inputs", "sensors"):
+        for name, channel in getattr(definition, table).items():
+            same = table == "inputs" and (channel.quantity, channel.of) == ("torque", name)
+            if name in nodes and not same:
+                what = "a measured input" if table == "sensors" else channel
+                text = f'"{name}" is also a node; as input= it means {what}, as output= {channel}, not the node'
+                faults.append(Fault(text, (table, name), "warning", on_key=True))
+    for name in definition.sensors:
+        if name in definition.inputs:
+            text = f'"{name}" is a sensor and an input; as input= it means the excitation, as output= the sensor'
+            faults.append(Fault(text, ("sensors", name), "warning", on_key=True))
+    return faults
+
+
+def dead_ends(definition: Definition) -> list[Fault]:
+    """Nodes at which a single connection ends: nothing acts there, which often is a misspelt name."""
+    touching: dict[str, list[str]] = {}
+    for element in definition.elements.values():
+        for node in element.ports.values():
+            touching.setdefault(node, []).append(element.name)
+    used = {channel.of for table in (definition.inputs, definition.sensors) for channel in table.values()}
+    used |= {GROUND, *definition.operating_point.speed, *definition.operating_point.torque}
+    faults: list[Fault] = []
+    for node, names in touching.items():
+        if len(names) == 1 and node not in used and len(definition.elements[names[0]].ports) > 1:
+            others = (other for other in touching if other != node)
+            hint = did_you_mean(node, others) if len(faults) < MOST_HINTS else ""
+            text = f'only {names[0]} is attached to node "{node}"{hint}; it carries no torque there'
+            faults.append(Fault(text, ("elements", names[0]), "warning", on_key=True))
+    return faults
+
+
+def unfit_bench(definition: Definition) -> list[Fault]:
+    """A test that names what the model does not have, or gives it wrong units."""
+    if definition.bench is None:
+        return []
+    from torsionnet.model.bench.bench_checks import check_plan
+
+    return check_plan(definition.bench, definition)
+
+
+def unfit_report(definition: Definition) -> list[Fault]:
+    """A report that names what the model does not have."""
+    if definition.report is None:
+        return []
+    from torsionnet.model.report.report_checks import check_outline
+
+    return check_outline(definition.report, definition)
+
+
+CHECKS = (
+    undefined_parameters,
+    unknown_nodes,
+    unknown_elements,
+    unknown_in_configurations,
+    competing_axes,
+    unused_parameters,
+    hidden_names,
+    dead_ends,
+    unfit_bench,
+    unfit_report,
+)

@@ -1,0 +1,72 @@
+"""Sizes that are possible and yet hardly meant: millimetres without their unit, percent for a fraction."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from fractions import Fraction
+from typing import TypeAlias
+
+from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.errors import Fault, Path
+from torsionnet.core.expressions import Expression, ExpressionError, Number
+from torsionnet.core.units import expected_unit
+from torsionnet.model.definition import Definition
+from torsionnet.model.elements import Element
+from torsionnet.model.elements.fields import LossFactor, PhysicalQuantity
+
+Numbers: TypeAlias = Mapping[str, Fraction | float]
+
+FORGOTTEN = {"length": ("mm", 1e-3), "shear modulus": ("GPa", 1e9), "density": ("g/cm^3", 1e3)}
+"""What a number without unit often was meant in, and its size in SI."""
+FRACTIONS = {"zeta": 1.0, "eta": 2.0}
+"""Measures that some write in percent, and from where that is likely."""
+
+
+def unusual_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
+    """Warnings about values outside what their entry usually has."""
+    return [fault for element in definition.elements.values() for fault in _of(element, numbers)]
+
+
+def _of(element: Element, numbers: Numbers) -> Iterator[Fault]:
+    for entry, (spec, value) in element.scalars().items():
+        path: Path = ("elements", element.name, entry)
+        if isinstance(value, DampingMeasure):
+            text = _percent(value, numbers)
+            path = (*path, value.measure)
+        elif isinstance(spec, LossFactor):
+            text = _percent(DampingMeasure("eta", value, None), numbers)
+        else:
+            text = _unusual(spec, value, numbers) if isinstance(spec, PhysicalQuantity) and spec.usual else None
+        if text:
+            yield Fault(text, path, "warning")
+
+
+def _unusual(spec: PhysicalQuantity, value: Expression, numbers: Numbers) -> str | None:
+    size = _size(value, numbers)
+    assert spec.usual is not None
+    low, high = spec.usual
+    if size is None or size == 0 or low <= size <= high:
+        return None
+    unit = expected_unit(spec.dimension)
+    text = f"{spec.description.partition(',')[0]} of {size:g} {unit}: usual are {low:g} to {high:g} {unit}"
+    meant, factor = FORGOTTEN.get(spec.dimension, ("", 1.0))
+    bare = isinstance(value, Number) and value.unit_dimension is None
+    if meant and bare and low <= size * factor <= high:
+        text += f'; a number without unit is in {unit}: did you mean "{size:g} {meant}"?'
+    return text
+
+
+def _percent(value: DampingMeasure, numbers: Numbers) -> str | None:
+    size, limit = _size(value.value, numbers), FRACTIONS.get(value.measure)
+    if size is None or limit is None or size < limit:
+        return None
+    return f"{value.measure} = {size:g} is {100 * size:g} %; did you mean {size / 100:g}?"
+
+
+def _size(value: Expression, numbers: Numbers) -> float | None:
+    if not value.names <= numbers.keys():
+        return None
+    try:
+        return float(value.evaluate(numbers))
+    except (ExpressionError, OverflowError):
+        return None

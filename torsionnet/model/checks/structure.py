@@ -1,0 +1,215 @@
+"""Can the connected parts move, hold together and carry what is asked of them? Needs sound names and values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from torsionnet.core.errors import USELESS, Fault, ModelError, UsageError, did_you_mean
+from torsionnet.model.channels import ELEMENT_QUANTITIES
+from torsionnet.model.checks.balance import unbalanced_torques
+from torsionnet.model.checks.motions import left_free
+from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.elements import GROUND, Values
+from torsionnet.model.kinematics import (
+    Kinematics,
+    contradicting_loop,
+    solve_kinematics,
+    torques_are_determinate,
+    virtual_motion,
+)
+from torsionnet.model.speeds import mean_speeds
+
+MOST_GROUPS = 10
+"""Unconnected groups that are reported one by one."""
+
+
+def unconnected_parts(definition: Definition) -> list[Fault]:
+    """Groups of nodes with no element between them, counting also elements that are switched off.
+
+    Ground does not connect: what is only tied to ground does not feel its neighbour.
+    """
+    groups = node_groups(element.ports.values() for element in definition.elements.values())
+    main = max(groups, key=len, default=set())
+    others = [group for group in groups if group is not main]
+    faults = [_unconnected(definition, group, main) for group in others[:MOST_GROUPS]]
+    if len(others) > MOST_GROUPS:
+        faults.append(Fault(f"{len(others) - MOST_GROUPS} more groups of nodes are not connected", ("elements",)))
+    return faults
+
+
+def _unconnected(definition: Definition, group: set[str], main: set[str]) -> Fault:
+    owner = next(name for name, element in definition.elements.items() if group & set(element.ports.values()))
+    order = [node for node in all_nodes(definition.elements.values()) if node in group]
+    hint = next((text for text in (did_you_mean(node, main) for node in order[:MOST_GROUPS]) if text), "")
+    verb = "is" if len(order) == 1 else "are"
+    text = f"{_listed(order)} {verb} not connected to the rest of the drivetrain{hint}"
+    return Fault(text, ("elements", owner), on_key=True)
+
+
+def node_groups(groups: Iterable[Iterable[str]]) -> list[set[str]]:
+    """Connected groups of nodes, from the groups each element joins."""
+    home: dict[str, set[str]] = {}
+    for group in groups:
+        nodes = dict.fromkeys(node for node in group if node != GROUND)
+        parts = {id(part): part for part in (home.setdefault(node, {node}) for node in nodes)}
+        merged = max(parts.values(), key=len, default=set())
+        for part in parts.values():
+            if part is not merged:  # the smaller ones move, so that no node moves more than log n times
+                merged |= part
+                home.update(dict.fromkeys(part, merged))
+    return list({id(group): group for group in home.values()}.values())
+
+
+def _listed(names: Sequence[str], most: int = 6) -> str:
+    shown = ", ".join(names[:most])
+    return shown if len(names) <= most else f"{shown} and {len(names) - most} more"
+
+
+def contradicting_gears(definition: Definition, kinematics: Kinematics) -> list[Fault]:
+    """A rigid loop whose ratios do not agree: nothing on it could turn."""
+    reduction = kinematics.reduction
+    loop = contradicting_loop(kinematics.parts, kinematics.nodes) if reduction.held() or reduction.blocked else []
+    if not loop:
+        return []
+    text = (
+        f"the rigid ratios of {', '.join(loop)} contradict each other: the loop could not turn; "
+        "correct a ratio or give one of them a stiffness"
+    )
+    return [Fault(text, ("elements", loop[-1]), on_key=True)] if loop[-1] in definition.elements else [Fault(text)]
+
+
+def massless_without_hold(definition: Definition, kinematics: Kinematics) -> list[Fault]:
+    """Motions no inertia, spring or damper answers: the receptance there would be infinite at every frequency."""
+    left = left_free(kinematics, lambda law: law.acts)
+    moving: dict[str, list[str]] = {name: [] for name in kinematics.coordinates if left.is_free(name)}
+    for node in kinematics.nodes if moving else ():
+        coordinates = kinematics.reduction.free_names({node: 1})
+        for name in dict.fromkeys(name for coordinate in coordinates for name in left.free_names({coordinate: 1})):
+            moving[name].append(node)
+    owners: dict[str, str] = {}
+    for element in definition.elements.values() if moving else ():
+        for node in element.ports.values():
+            owners.setdefault(node, element.name)
+    faults = []
+    for nodes in moving.values():
+        owner = owners.get(nodes[0])
+        verb = "moves" if len(nodes) == 1 else "move together"
+        them = "it" if len(nodes) == 1 else "them"
+        text = f"{_listed(nodes)} {verb} freely, with no inertia, spring or damper to hold {them}"
+        faults.append(Fault(text, ("elements", owner) if owner else (), on_key=True))
+    return faults
+
+
+def locked_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]:
+    """Inputs and motion sensors on a node that cannot move: another configuration may set it free."""
+    faults = []
+    for name, channel in definition.inputs.items():
+        if channel.of in kinematics.nodes and kinematics.holds(channel.of):
+            text = f'input {name} does nothing: "{channel.of}" is locked'
+            faults.append(Fault(text, ("inputs", name, channel.quantity), "warning", kind=USELESS))
+    for name, sensor in definition.sensors.items():
+        moves = sensor.quantity not in ELEMENT_QUANTITIES and sensor.of in kinematics.nodes
+        if moves and kinematics.holds(sensor.of):
+            text = f'sensor {name} reads zero: "{sensor.of}" is locked'
+            faults.append(Fault(text, ("sensors", name, sensor.quantity), "warning"))
+    return faults
+
+
+def contradicting_inputs(definition: Definition, kinematics: Kinematics) -> list[Fault]:
+    """Inputs that act where an imposed angle already says what moves."""
+    imposed = {definition.inputs[name].of: name for name in kinematics.imposed}
+    faults = []
+    for name, channel in definition.inputs.items():
+        if channel.quantity == "torque" and channel.of in imposed:
+            text = f'the angle of "{channel.of}" is imposed by {imposed[channel.of]}; a torque there does nothing'
+            faults.append(Fault(text, ("inputs", name, channel.quantity)))
+    fixed = [index for index in kinematics.reduction.blocked if index < len(kinematics.imposed)]
+    for index in fixed:
+        name = kinematics.imposed[index]
+        text = f"the angle imposed by {name} contradicts a rigid connection to another imposed angle"
+        faults.append(Fault(text, ("inputs", name)))
+    if not fixed and kinematics.reduction.blocked:
+        text = "two imposed angles act on nodes that are rigidly connected"
+        faults.append(Fault(text, ("inputs", kinematics.imposed[-1])))
+    return faults
+
+
+def indeterminate_torques(definition: Definition, kinematics: Kinematics) -> list[Fault]:
+    """Torque sensors on a rigid connection whose torque equilibrium alone does not determine."""
+    if torques_are_determinate(kinematics):
+        return []
+    faults = []
+    for name, sensor in definition.sensors.items():
+        if sensor.quantity != "torque":
+            continue
+        for index, (owner, _) in enumerate(kinematics.constraints):
+            if owner == sensor.of:
+                try:
+                    virtual_motion(kinematics, index)
+                except UsageError as error:
+                    path = ("sensors", name, "torque")
+                    faults.append(Fault(str(error), path, "warning", kind=USELESS))
+    return faults
+
+
+def idle_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]:
+    """Sensors and inputs on parts that are switched off (information: they come back with another configuration)."""
+    active = {element.name for element in definition.active}
+    nodes = set(kinematics.nodes)
+    faults = []
+    for table in ("inputs", "sensors"):
+        for name, channel in getattr(definition, table).items():
+            on_element = table == "sensors" and channel.quantity in ELEMENT_QUANTITIES
+            if channel.of not in (active if on_element else nodes):
+                text = f"{name} has nothing to act on: {channel.of} is switched off"
+                faults.append(Fault(text, (table, name), "note", on_key=True))
+    return faults
+
+
+def rigid_body_modes(definition: Definition, kinematics: Kinematics) -> list[Fault]:
+    """How many ways the drivetrain can turn without any spring answering (information, not an error)."""
+    del definition
+    count = len(rigid_motions(kinematics))
+    if not count:
+        return []
+    what = "one rigid-body mode" if count == 1 else f"{count} rigid-body modes"
+    return [Fault(f"the drivetrain can turn freely: {what}", (), "note")]
+
+
+def rigid_motions(kinematics: Kinematics) -> list[str]:
+    """A coordinate for each independent motion that no spring resists."""
+    left = left_free(kinematics, lambda law: law.holds_at_rest)
+    return [name for name in kinematics.coordinates if left.is_free(name)]
+
+
+def inconsistent_speeds(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
+    """Mean speeds that the gear ratios do not allow together."""
+    if not definition.operating_point.speed:
+        return []
+    try:
+        mean_speeds(definition, values)
+    except ModelError as error:
+        return list(error.faults)
+    return []
+
+
+CHECKS = (
+    locked_channels,
+    contradicting_inputs,
+    massless_without_hold,
+    indeterminate_torques,
+    idle_channels,
+    rigid_body_modes,
+)
+
+
+def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
+    """All structural checks of one configuration; contradicting gears make the rest meaningless."""
+    kinematics = solve_kinematics(definition, Values(values))
+    faults = contradicting_gears(definition, kinematics)
+    if faults:
+        return faults
+    faults = [fault for check in CHECKS for fault in check(definition, kinematics)]
+    faults += inconsistent_speeds(definition, values)
+    return faults + unbalanced_torques(definition, kinematics, values)

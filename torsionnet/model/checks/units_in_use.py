@@ -1,0 +1,26 @@
+"""The unit that each parameter of a model has."""
+
+from __future__ import annotations
+
+from torsionnet.core.expressions import Name
+from torsionnet.core.units import expected_unit
+from torsionnet.model.definition import Definition
+from torsionnet.model.parameters import dimensions
+
+
+def parameter_units(definition: Definition) -> dict[str, str]:
+    """SI units by the places of use, which tell N*m from N*m/rad, else by the dimension alone; empty: a plain number.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> parameter_units(tn.load("amt_rig").definition)["k_1"]
+    'N*m/rad'
+    """
+    found = dimensions(definition.parameters)[0]
+    units = {name: "" if dimension is None else str(dimension) for name, dimension in found.items()}
+    for element in definition.elements.values():
+        for _, _, expression, dimension in element.expressions():
+            if isinstance(expression, Name):
+                units[expression.name] = expected_unit(dimension)
+    return {name: "" if unit == "1" else unit for name, unit in units.items()}

@@ -1,0 +1,179 @@
+"""Checks of dimensions and sizes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from fractions import Fraction
+
+from torsionnet.core.errors import Fault, TorsionnetError
+from torsionnet.core.expressions import Binary, Expression, ExpressionError
+from torsionnet.core.units import DIMENSIONS, Dimension, expected_unit, is_beyond_range
+from torsionnet.model.definition import Definition
+from torsionnet.model.elements import Element, Law, Values
+from torsionnet.model.elements.fields import DampingQuantity, PhysicalQuantity
+from torsionnet.model.parameters import dimensions
+
+Numbers = Mapping[str, "Fraction | float"]
+
+
+def wrong_dimensions(definition: Definition) -> list[Fault]:
+    """Expressions of another dimension than the place they stand in."""
+    known, faults = dimensions(definition.parameters)
+    for name, element in definition.elements.items():
+        for path, _, expression, wanted in element.expressions():
+            fault = _dimension_fault(expression, wanted, known)
+            if fault:
+                faults.append(Fault(fault, ("elements", name, *path)))
+    return faults
+
+
+def overlay_dimensions(definition: Definition) -> list[Fault]:
+    """Alternatives that give a parameter a value of another dimension."""
+    known, _ = dimensions(definition.parameters)
+    faults = []
+    for axis, alternatives in definition.axes.items():
+        for label, overlay in alternatives.items():
+            for name, value in overlay.parameters.items():
+                fault = _overlay_fault(value, known.get(name), known)
+                if fault:
+                    faults.append(Fault(fault, ("configurations", axis, label, name)))
+    return faults
+
+
+def bound_dimensions(definition: Definition) -> list[Fault]:
+    """Bounds of another dimension than the parameter they belong to."""
+    known, _ = dimensions(definition.parameters)
+    faults = []
+    for name, parameter in definition.parameters.items():
+        wanted = known.get(name)
+        for index, found in enumerate(parameter.bound_dimensions):
+            if wanted is not None and found is not None and found != wanted:
+                text = f"this bound has the dimension of {found}; the parameter is in {wanted}"
+                faults.append(Fault(text, ("parameters", name, "bounds", index)))
+    return faults
+
+
+def _dimension_fault(expression: Expression, wanted: str, known: Mapping[str, Dimension | None]) -> str | None:
+    if not expression.names or not expression.names <= known.keys():
+        return None
+    try:
+        found = expression.dimension(known)
+    except ExpressionError as error:
+        return str(error)
+    if found is None or found == DIMENSIONS[wanted]:
+        return None
+    hint = ""
+    if found * DIMENSIONS[wanted] == DIMENSIONS["1"]:
+        hint = f"; write {_inverse(expression)}"
+    expected = "a plain number" if wanted == "1" else f"{wanted} in {expected_unit(wanted)}"
+    return f'"{expression}" has the dimension of {found}; expected {expected}{hint}'
+
+
+def _inverse(expression: Expression) -> str:
+    if isinstance(expression, Binary) and expression.operator == "/" and str(expression.left) == "1":
+        return str(expression.right)
+    return f"1/{expression}" if str(expression) in expression.names else f"1/({expression})"
+
+
+def _overlay_fault(value: Expression, base: Dimension | None, known: Mapping[str, Dimension | None]) -> str | None:
+    if not value.names <= known.keys():
+        return None
+    try:
+        found = value.dimension(known)
+    except ExpressionError as error:
+        return str(error)
+    if found is None or base is None or found == base:
+        return None
+    return f'"{value}" has the dimension of {found}; the parameter is in {base}'
+
+
+def sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
+    """Values out of their bounds, not finite or not calculable, for resolved parameters."""
+    faults: list[Fault] = []
+    for name, value in numbers.items():
+        bounds = definition.parameters[name].bounds
+        if bounds and not bounds[0] <= float(value) <= bounds[1]:  # as written: 0.05 is a bound, and 1/20 a value
+            text = f"{name} = {float(value):g} is outside its bounds {bounds[0]:g} to {bounds[1]:g}"
+            faults.append(Fault(text, ("parameters", name), "warning"))
+    for element in definition.elements.values():
+        found = _field_sizes(element, numbers)
+        faults += found or _law_sizes(element, numbers)
+    return faults + _point_sizes(definition, numbers)
+
+
+def _point_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
+    """Mean speeds and torques that cannot be calculated, or that nothing has."""
+    point = definition.operating_point
+    found = {
+        (name, node): _size_fault(None, expression, numbers, measure=False, wanted=name)
+        for name, table in (("speed", point.speed), ("torque", point.torque))
+        for node, expression in table.items()
+    }
+    return [Fault(text, ("operating_point", *place)) for place, text in found.items() if text]
+
+
+def _field_sizes(element: Element, numbers: Numbers) -> list[Fault]:
+    faults = []
+    for path, spec, expression, wanted in element.expressions():
+        text = _size_fault(spec, expression, numbers, measure=len(path) > 1, wanted=wanted)
+        if text:
+            faults.append(Fault(text, ("elements", element.name, *path)))
+    return faults
+
+
+def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measure: bool, wanted: str) -> str | None:
+    if not expression.names <= numbers.keys():
+        return None
+    try:
+        value = float(expression.evaluate(numbers))
+    except (ExpressionError, OverflowError) as error:
+        return f"{expression} cannot be calculated: {error}"
+    if not math.isfinite(value):
+        return f"{expression} is not a finite number"
+    if is_beyond_range(value):
+        return f"{expression} = {value:g} is no size that anything in a drivetrain has"
+    shown = f"{expression} = {value:g}" if expression.names else f"{value:g}"
+    if measure:
+        positive = wanted == "frequency" or not isinstance(spec, DampingQuantity)
+        shown = f"{'the frequency' if wanted == 'frequency' else 'the damping'} {shown}"
+        return (
+            f"{shown}: must {'be greater than' if positive else 'not be less than'} 0"
+            if value < 0 or (positive and value == 0)
+            else None
+        )
+    reason = spec.bound_fault(value) if isinstance(spec, PhysicalQuantity) else None
+    return f"{shown}: {spec.description if isinstance(spec, PhysicalQuantity) else ''} {reason}" if reason else None
+
+
+def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
+    """A safety net behind the bounds of single fields: no law may have a negative coefficient."""
+    if not all(expression.names <= numbers.keys() for _, _, expression, _ in element.expressions()):
+        return []
+    try:
+        parts = element.parts(Values(numbers))
+    except (TorsionnetError, ArithmeticError) as error:
+        return [Fault(f"{element.name} cannot be calculated: {error}", ("elements", element.name))]
+    for part in parts:
+        if isinstance(part, Law) and min(part.inertia, part.damping, part.stiffness, part.loss_factor) < 0:
+            return [
+                Fault(
+                    f"the values of {element.name} give it a negative inertia, damping or stiffness",
+                    ("elements", element.name),
+                )
+            ]
+    return []
+
+
+def passive_tables(definition: Definition) -> list[Fault]:
+    """Tabulated damping below zero: the element would feed energy into a vibration."""
+    return [
+        Fault(
+            f"the damping of {name} is negative at some frequency; it would drive the vibration there",
+            ("elements", name, "table"),
+            "warning",
+        )
+        for name, element in definition.elements.items()
+        for entry, (_, value) in element.scalars().items()
+        if entry == "table" and not value.is_passive
+    ]

@@ -1,0 +1,209 @@
+"""Named configurations: alternatives on one or several axes, each a small overlay of the base model."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.core.expressions import Expression
+from torsionnet.model.elements.fields import FieldError, plain_scalar
+from torsionnet.model.operating_point import OperatingPoint, read_operating_point
+from torsionnet.model.parameters import read_value
+
+DEFAULT_AXIS = "configuration"
+SWITCHES = ("on", "off")
+EVERY = "all"
+"""What stands for all configurations where one is asked for."""
+
+Axes = Mapping[str, Mapping[str, "Overlay"]]
+
+
+@dataclass(frozen=True)
+class Overlay:
+    """What one alternative changes: parameter values, elements switched on or off, the operating point."""
+
+    parameters: Mapping[str, Expression] = field(default_factory=dict)
+    on: tuple[str, ...] = ()
+    off: tuple[str, ...] = ()
+    operating_point: OperatingPoint | None = None
+
+    def to_data(self) -> dict[str, Any]:
+        data: dict[str, Any] = {name: plain_scalar(value) for name, value in self.parameters.items()}
+        data |= {key: list(getattr(self, key)) for key in SWITCHES if getattr(self, key)}
+        return data | ({"operating_point": self.operating_point.to_data()} if self.operating_point else {})
+
+
+def read_configurations(raw: Any) -> tuple[dict[str, dict[str, Overlay]], list[Fault]]:
+    """Axes of alternatives from ``{gear: {II: {tau: 7.96}}}``; without axes, ``{II: {tau: 7.96}}``, there is one."""
+    if not isinstance(raw, Mapping):
+        return {}, [
+            Fault(f"expected axes of alternatives, gear: {{II: {{tau: 7.96}}}}, got {raw!r}", ("configurations",))
+        ]
+    if raw and not any(_is_axis(entry) for entry in raw.values()):
+        overlays, faults = _read_axis(raw, ("configurations",))
+        return {DEFAULT_AXIS: overlays}, faults
+    axes: dict[str, dict[str, Overlay]] = {}
+    faults = []
+    for axis, alternatives in raw.items():
+        if not isinstance(alternatives, Mapping):
+            faults.append(Fault(f"expected alternatives by name, got {alternatives!r}", ("configurations", axis)))
+            continue
+        axes[axis], found = _read_axis(alternatives, ("configurations", axis))
+        faults += found
+    return axes, faults
+
+
+def _is_axis(entry: Any) -> bool:
+    if not isinstance(entry, Mapping):
+        return False
+    values = [value for key, value in entry.items() if key not in (*SWITCHES, "operating_point")]
+    return bool(values) and all(value is None or isinstance(value, (Mapping, Overlay)) for value in values)
+
+
+def _read_axis(alternatives: Mapping[str, Any], path: tuple[str, ...]) -> tuple[dict[str, Overlay], list[Fault]]:
+    overlays: dict[str, Overlay] = {}
+    faults: list[Fault] = []
+    for name, raw in alternatives.items():
+        if any(mark in str(name) for mark in ",= \t"):
+            faults.append(
+                Fault(f'"{name}" is no name for a configuration: no spaces, commas or =', (*path, name), on_key=True)
+            )
+            continue
+        if str(name) == EVERY:
+            text = f'"{EVERY}" means every configuration; give this one another name'
+            faults.append(Fault(text, (*path, name), on_key=True))
+            continue
+        overlays[str(name)], found = read_overlay(raw, (*path, name))
+        faults += found
+    return overlays, faults
+
+
+def read_overlay(raw: Any, path: tuple[str, ...]) -> tuple[Overlay, list[Fault]]:
+    """One alternative and its faults."""
+    if isinstance(raw, Overlay):
+        return raw, []
+    if raw is None:
+        return Overlay(), []
+    if not isinstance(raw, Mapping):
+        return Overlay(), [Fault(f"expected {{parameter: value}}, got {raw!r}", path)]
+    parameters: dict[str, Expression] = {}
+    switches: dict[str, tuple[str, ...]] = {"on": (), "off": ()}
+    point: OperatingPoint | None = None
+    faults: list[Fault] = []
+    for key, value in raw.items():
+        try:
+            if key == "operating_point":
+                point, found = read_operating_point(value, (*path, key))
+                faults += found
+            elif key in SWITCHES:
+                switches[key] = _names(value)
+            else:
+                parameters[key] = read_value(value)
+        except FieldError as error:
+            faults.append(error.fault.under(*path, key))
+    return Overlay(parameters, switches["on"], switches["off"], point), faults
+
+
+def _names(raw: Any) -> tuple[str, ...]:
+    if isinstance(raw, str) or not isinstance(raw, (list, tuple)) or not all(isinstance(name, str) for name in raw):
+        msg = f"expected a list of element names, got {raw!r}"
+        raise FieldError(msg)
+    return tuple(raw)
+
+
+def combinations(axes: Axes) -> Iterator[dict[str, str]]:
+    """Every choice of one alternative on each axis."""
+    named = [[(axis, name) for name in alternatives] for axis, alternatives in axes.items()]
+    return (dict(choice) for choice in itertools.product(*named))
+
+
+def label(choice: Mapping[str, str], axes: Axes) -> str:
+    """``V`` when there is one axis, ``gear=V,clutch=open`` when there are several."""
+    if len(axes) == 1:
+        return next(iter(choice.values()), "")
+    return ",".join(f"{axis}={name}" for axis, name in choice.items())
+
+
+def parse_choice(text: str, axes: Axes) -> dict[str, str]:
+    """The choice meant by ``V``, ``gear=V`` or ``gear=V,clutch=open``; UsageError lists what there is."""
+    choice: dict[str, str] = {}
+    if not isinstance(text, str):
+        msg = f"a configuration is named by a text such as gear=V, got {text!r}"
+        raise UsageError(msg)
+    for part in (piece.strip() for piece in text.split(",")):
+        axis, name = _parse_part(part, axes)
+        if axis in choice:
+            msg = f'"{text}" chooses twice on axis "{axis}"'
+            raise UsageError(msg)
+        choice[axis] = name
+    return choice
+
+
+def _parse_part(part: str, axes: Axes) -> tuple[str, str]:
+    if "=" in part:
+        axis, name = (piece.strip() for piece in part.split("=", 1))
+        if axis not in axes:
+            msg = f'no axis of configurations is named "{axis}"{did_you_mean(axis, axes)}; there is {_listed(axes)}'
+            raise UsageError(msg)
+        if name not in axes[axis]:
+            msg = f'axis "{axis}" has no "{name}"{did_you_mean(name, axes[axis])}; it has {_listed(axes[axis])}'
+            raise UsageError(msg)
+        return axis, name
+    homes = [axis for axis, alternatives in axes.items() if part in alternatives]
+    if len(homes) == 1:
+        return homes[0], part
+    if homes:
+        msg = f'"{part}" stands on several axes; write one of {", ".join(f"{axis}={part}" for axis in homes)}'
+        raise UsageError(msg)
+    names = [name for alternatives in axes.values() for name in alternatives]
+    hint = f"there is {_listed(names)}" if names else "the model has no configurations"
+    msg = f'no configuration is named "{part}"{did_you_mean(part, names)}; {hint}'
+    raise UsageError(msg)
+
+
+def _listed(names: Any) -> str:
+    return ", ".join(str(name) for name in names) or "none"
+
+
+def read_overrides(
+    overrides: Mapping[str, Any], parameters: Mapping[str, Any], axes: Mapping[str, Any]
+) -> dict[str, Expression]:
+    """Values given by hand for some of the ``parameters``.
+
+    Raises
+    ------
+    UsageError
+        No such parameter.
+    ModelError
+        A value that cannot be read.
+    """
+    values = {}
+    for name, raw in overrides.items():
+        if name not in parameters:
+            axis = f'; configurations are chosen by text: configured("{name}={raw}")' if name in axes else ""
+            msg = f'no parameter is named "{name}"{axis or did_you_mean(name, parameters)}'
+            raise UsageError(msg)
+        try:
+            values[name] = read_value(raw)
+        except FieldError as error:
+            raise ModelError([error.fault.under("parameters", name)]) from None
+    return values
+
+
+def known_elements(names: Iterable[str] | str, elements: Mapping[str, Any]) -> list[str]:
+    """One name or several as a list.
+
+    Raises
+    ------
+    UsageError
+        No such element.
+    """
+    listed = [names] if isinstance(names, str) else list(names)
+    for name in listed:
+        if name not in elements:
+            msg = f'no element is named "{name}"{did_you_mean(str(name), elements)}'
+            raise UsageError(msg)
+    return listed

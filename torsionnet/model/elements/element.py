@@ -1,0 +1,232 @@
+"""The base of all element types, and the register of them.
+
+A new element type is one class in this package: a frozen dataclass whose fields carry specifications
+(:mod:`torsionnet.model.elements.fields`) and a ``parts`` method that yields laws and constraints. Registering it
+makes it known to model files, the JSON Schema, the checks and the documentation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import MISSING, Field, dataclass, fields
+from functools import cache
+from typing import Any, ClassVar, TypeVar
+
+from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.errors import Fault, ModelError, Path
+from torsionnet.core.expressions import Expression
+from torsionnet.model.elements.fields import (
+    FieldError,
+    Flag,
+    NodeName,
+    NodePair,
+    PhysicalQuantity,
+    Spec,
+    Text,
+    entry,
+    node_name_fault,
+    spec_of,
+)
+from torsionnet.model.elements.laws import Constraint, Law, Part, Row, Values
+
+ELEMENT_TYPES: dict[str, type[Element]] = {}
+
+E = TypeVar("E", bound="Element")
+
+
+def register(cls: type[E]) -> type[E]:
+    """Make an element type known under its ``kind``."""
+    ELEMENT_TYPES[cls.kind] = cls
+    return cls
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Element:
+    """One part of a drivetrain.
+
+    Attributes
+    ----------
+    name : str
+        Unique in its drivetrain.
+    description : str
+        Free text for tables and reports.
+    enabled : bool
+        A disabled element takes no part until a configuration switches it on.
+    """
+
+    kind: ClassVar[str] = ""
+    """The word for the type in a model file."""
+    glyph: ClassVar[str] = ""
+    """How the schematic draws it: disc, spring, damper, coupling, gear, planetary, differential, clamp or shaft."""
+    sign: ClassVar[str] = "positive when it drives from the first node into the element"
+    """What a positive torque means at the first port; at any other: positive when it drives out of the element."""
+
+    name: str
+    description: str = entry(Text("free text for tables and reports"), "", kw_only=True)
+    enabled: bool = entry(
+        Flag("whether the element takes part before a configuration says otherwise"), True, kw_only=True
+    )
+
+    def __post_init__(self) -> None:
+        faults = [*self._coerce_fields()]
+        faults = faults or [Fault(message, ("elements", self.name, *path)) for path, message in self.contradictions()]
+        if faults:
+            raise ModelError(faults, f"element {self.name!r}")
+
+    def _coerce_fields(self) -> list[Fault]:
+        reason = node_name_fault(self.name) if isinstance(self.name, str) else f"{self.name!r} is no name"
+        faults = [Fault(reason, ("elements", str(self.name)))] if reason else []
+        defaults = self._defaults()
+        for name, spec in self.specs():
+            raw = getattr(self, name)
+            default, stored = defaults[name]
+            try:
+                object.__setattr__(self, name, stored if raw is default else spec.coerce(raw))
+            except FieldError as error:
+                faults.append(error.fault.under("elements", self.name, name))
+        return faults
+
+    @classmethod
+    @cache
+    def declared(cls) -> tuple[Field[Any], ...]:
+        """The fields with a specification, in the order of the class; the common ones last."""
+        own = [declared for declared in fields(cls) if "spec" in declared.metadata]
+        return tuple(sorted(own, key=lambda declared: declared.kw_only is True))
+
+    @classmethod
+    @cache
+    def specs(cls) -> tuple[tuple[str, Spec], ...]:
+        """Name and specification of every field, in the same order."""
+        return tuple((declared.name, spec_of(declared)) for declared in cls.declared())
+
+    @classmethod
+    @cache
+    def required(cls) -> tuple[str, ...]:
+        """Names of the fields that have to be given."""
+        return tuple(declared.name for declared in cls.declared() if declared.default is MISSING)
+
+    @classmethod
+    @cache
+    def defaults(cls) -> Mapping[str, Any]:
+        """The default of every field as it is stored; None where there is none."""
+        return {name: stored for name, (_, stored) in cls._defaults().items()}
+
+    @classmethod
+    @cache
+    def _defaults(cls) -> Mapping[str, tuple[Any, Any]]:
+        """The default of every field as it is declared and as it is stored."""
+        return {
+            declared.name: (
+                declared.default,
+                None if declared.default in (MISSING, None) else spec_of(declared).coerce(declared.default),
+            )
+            for declared in cls.declared()
+        }
+
+    @classmethod
+    @cache
+    def _specs_of(cls, *kinds: type[Spec]) -> tuple[tuple[str, Spec], ...]:
+        return tuple((name, spec) for name, spec in cls.specs() if isinstance(spec, kinds))
+
+    def contradictions(self) -> list[tuple[Path, str]]:
+        """(path, message) of fields that are fine alone but not together."""
+        return []
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        """Laws and constraints, with coefficients in the algebra of ``value``."""
+        raise NotImplementedError
+
+    def twist(self, value: Values) -> Row:
+        """The row whose motion is called the twist of the element."""
+        return self.parts(value)[0].row
+
+    def holds(self, value: Values) -> tuple[Row, ...]:
+        """Rows that stay at zero on average: the element passes a mean speed on through them."""
+        parts = self.parts(value)
+        return tuple(part.row for part in parts if isinstance(part, Constraint) or part.is_elastic)
+
+    @property
+    def ports(self) -> dict[str, str]:
+        """Port name to node, the port that defines the sign of the torque first."""
+        ports: dict[str, str] = {}
+        for name, spec in self._specs_of(NodePair, NodeName):
+            nodes = getattr(self, name)
+            if isinstance(spec, NodePair):
+                ports["first"], ports["second"] = nodes
+            elif nodes is not None:
+                ports[name] = nodes
+        return ports
+
+    def sign_at(self, at: str | None) -> str:
+        """What a positive torque means at a port, given by its name or node; None is the first port."""
+        ports = list(self.ports.items())
+        if at is None or at in ports[0]:
+            return self.sign
+        node = next((node for port, node in ports if at in (port, node)), at)
+        return f"positive when it drives out of the element into {node}"
+
+    @property
+    def internal_nodes(self) -> tuple[str, ...]:
+        """Nodes the element brings along by itself."""
+        return ()
+
+    def _key(self) -> tuple[Any, ...]:
+        return (type(self), self.name, *(getattr(self, declared.name) for declared in self.declared()))
+
+    def __eq__(self, other: object) -> bool:
+        return self._key() == other._key() if isinstance(other, Element) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._key())
+
+    def __repr__(self) -> str:
+        given = "".join(f", {name}={value!r}" for name, value in self.to_data().items() if name != "type")
+        return f"{type(self).__name__}({self.name!r}{given})"
+
+    def scalars(self) -> dict[str, tuple[Spec, Any]]:
+        """Field name to (specification, value) of everything that was given."""
+        return {name: (spec, value) for name, spec in self.specs() if (value := getattr(self, name)) is not None}
+
+    def expressions(self) -> Iterator[tuple[Path, Spec, Expression, str]]:
+        """(path of the entry, specification, expression, dimension name) of every expression in its fields."""
+        for name, spec in self._specs_of(PhysicalQuantity):
+            value = getattr(self, name)
+            if value is not None:
+                for subpath, expression, dimension in spec.expressions(value):
+                    yield (name, *subpath), spec, expression, dimension
+
+    def to_data(self) -> dict[str, Any]:
+        """The entry of a model file that makes this element."""
+        data: dict[str, Any] = {"type": self.kind}
+        defaults = self.defaults()
+        for name, spec in self.specs():
+            current = getattr(self, name)
+            if current is not None and current != defaults[name]:
+                data[name] = spec.plain(current)
+        return data
+
+
+def make_element(kind: str, name: str, data: Mapping[str, Any]) -> Element:
+    """Element of a registered type from the entries of a model file."""
+    return ELEMENT_TYPES[kind](name, **data)
+
+
+def viscous(damping: Any, stiffness: Any, value: Values) -> Any:
+    """Viscous coefficient of a damping field: given directly, or by a damping measure of the stiffness."""
+    if isinstance(damping, DampingMeasure):
+        return damping.viscous(stiffness, value.parameters, value.algebra)
+    return 0 if damping is None else value(damping)
+
+
+__all__ = [
+    "ELEMENT_TYPES",
+    "Constraint",
+    "Element",
+    "Law",
+    "Part",
+    "Row",
+    "Values",
+    "make_element",
+    "register",
+    "viscous",
+]

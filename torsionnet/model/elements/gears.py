@@ -1,0 +1,188 @@
+"""Gear stage, planetary set and differential."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.errors import Path
+from torsionnet.core.expressions import scalar
+from torsionnet.model.elements.element import Element, register, viscous
+from torsionnet.model.elements.fields import (
+    Count,
+    DampingQuantity,
+    Flag,
+    NodeName,
+    NodePair,
+    PhysicalQuantity,
+    Teeth,
+    entry,
+)
+from torsionnet.model.elements.laws import GROUND, Constraint, Law, Part, Row, Values, difference, make_row
+
+MESH_STIFFNESS = PhysicalQuantity(
+    "mesh stiffness referred to the first node; none: rigid", "stiffness", "k", exclusive=True
+)
+MESH_DAMPING = DampingQuantity("mesh damping referred to the first node", "damping", "c")
+
+
+def _one_of(element: Element, first: str, second: str) -> list[tuple[Path, str]]:
+    given = [name for name in (first, second) if getattr(element, name) is not None]
+    if len(given) == 1:
+        return []
+    return [(tuple(given[1:]), f"give {first} or {second}, {'not both' if given else 'one of the two'}")]
+
+
+def _mesh_faults(element: Any) -> list[tuple[Path, str]]:
+    if element.damping is not None and element.stiffness is None:
+        return [(("damping",), "a rigid mesh has no damping; give the mesh a stiffness too")]
+    return []
+
+
+def _mesh(row: Row, element: Any, value: Values) -> Part:
+    """The row as a rigid condition, or with the compliance of the teeth."""
+    if element.stiffness is None:
+        return Constraint(row)
+    stiffness = value(element.stiffness)
+    return Law(row, stiffness=stiffness, damping=viscous(element.damping, stiffness, value))
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class Gear(Element):
+    """A gear stage of ratio tau = omega_first / omega_second = z_second / z_first, negative for opposite senses.
+
+    Row theta_first - tau theta_second (+ (tau - 1) theta_housing): held at zero by a rigid mesh; a compliant one stores
+    1/2 k (theta_first - tau theta_second)^2.
+
+    Examples
+    --------
+    >>> Gear("stage", nodes=("b", "c"), ratio=4.14).ratio_value({})
+    Fraction(207, 50)
+    >>> Gear("pinion", nodes=("b", "c"), teeth=(17, -61)).ratio_value({})
+    Fraction(-61, 17)
+    """
+
+    kind: ClassVar[str] = "gear"
+    glyph: ClassVar[str] = "gear"
+
+    nodes: Any = entry(NodePair("the two shafts; the ratio is speed of the first over speed of the second"))
+    ratio: Any = entry(
+        PhysicalQuantity("speed of the first node over speed of the second", "1", "tau", None, nonzero=True), None
+    )
+    teeth: Any = entry(Teeth("teeth counts [first, second], ratio = second/first; one negative: opposite senses"), None)
+    stiffness: Any = entry(MESH_STIFFNESS, None)
+    damping: Any = entry(MESH_DAMPING, None)
+    housing: Any = entry(NodeName("the node of the housing, if it moves"), None)
+
+    def contradictions(self) -> list[tuple[Path, str]]:
+        faults = _one_of(self, "ratio", "teeth") + _mesh_faults(self)
+        if self.housing in self.nodes:
+            faults.append((("housing",), "the housing must be on a node of its own, not on one of the two shafts"))
+        if GROUND in self.nodes and self.housing is None:
+            faults.append((("nodes",), "a gear needs two shafts that turn; to hold a shaft use a lock"))
+        return faults
+
+    def _ratio(self, value: Values) -> Any:
+        if self.teeth is None:
+            return value(self.ratio)
+        return value(scalar(self.teeth[1])) / value(scalar(self.teeth[0]))
+
+    def ratio_value(self, parameters: dict[str, Any]) -> Any:
+        """The ratio for the given parameter values."""
+        return self._ratio(Values(parameters))
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        first, second = self.nodes
+        tau = self._ratio(value)
+        housing = [] if self.housing is None else [(self.housing, tau - 1)]
+        return (_mesh(make_row([(first, 1), (second, -tau), *housing]), self, value),)
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class Planetary(Element):
+    """A simple planetary set with z = z_ring / z_sun: row theta_sun + z theta_ring - (1 + z) theta_carrier.
+
+    Held at zero when rigid; with a stiffness, the compliance of the meshes is lumped between the planets and the ring
+    and referred to the sun. The planets roll on the sun: theta_planet = theta_carrier - 2 (theta_sun - theta_carrier) /
+    (z - 1), so that their own inertia acts on that row and their mass, at the orbit radius, on the carrier. Any member
+    may be on ``ground``. For meshes apart from each other build the set from gears with the carrier as housing.
+
+    Examples
+    --------
+    >>> Planetary("set", sun="sun", ring="ground", carrier="out", teeth=(28, 62)).kind
+    'planetary'
+    """
+
+    kind: ClassVar[str] = "planetary"
+    glyph: ClassVar[str] = "planetary"
+    sign: ClassVar[str] = "positive when it drives from the sun into the set"
+
+    sun: Any = entry(NodeName("the node of the sun"))
+    ring: Any = entry(NodeName("the node of the ring"))
+    carrier: Any = entry(NodeName("the node of the carrier"))
+    ratio: Any = entry(PhysicalQuantity("teeth of the ring over teeth of the sun", "1", "z", 1.0, exclusive=True), None)
+    teeth: Any = entry(Teeth("teeth counts [sun, ring], both positive"), None)
+    stiffness: Any = entry(
+        PhysicalQuantity("mesh stiffness referred to the sun; none: rigid", "stiffness", "k", exclusive=True), None
+    )
+    damping: Any = entry(DampingQuantity("mesh damping referred to the sun", "damping", "c"), None)
+    planets: Any = entry(Count("how many planets", 1, 20), 3)
+    planet_inertia: Any = entry(PhysicalQuantity("inertia of one planet about its own axis", "inertia", "J_p"), 0)
+    planet_mass: Any = entry(PhysicalQuantity("mass of one planet", "mass", "m_p"), 0)
+    orbit_radius: Any = entry(
+        PhysicalQuantity("radius on which the planets orbit", "length", "r_c", usual=(1e-3, 5)), 0
+    )
+
+    def contradictions(self) -> list[tuple[Path, str]]:
+        faults = _one_of(self, "ratio", "teeth") + _mesh_faults(self)
+        if self.teeth is not None and not 0 < self.teeth[0] < self.teeth[1]:
+            faults.append((("teeth",), "a ring has more teeth than its sun, and both counts are positive"))
+        if len({self.sun, self.ring, self.carrier}) < 3:  # noqa: PLR2004
+            faults.append(((), "sun, ring and carrier must be on three different nodes"))
+        return faults
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        z = value(self.ratio) if self.teeth is None else value(scalar(self.teeth[1])) / value(scalar(self.teeth[0]))
+        mesh = make_row([(self.sun, 1), (self.ring, z), (self.carrier, -(1 + z))])
+        spin = make_row([(self.carrier, 1 + 2 / (z - 1)), (self.sun, -2 / (z - 1))])
+        count = value(scalar(self.planets))
+        orbiting = count * value(self.planet_mass) * value(self.orbit_radius) ** 2
+        planets = (
+            Law(spin, inertia=count * value(self.planet_inertia)),
+            Law(make_row([(self.carrier, 1)]), inertia=orbiting),
+        )
+        return (_mesh(mesh, self, value), *(law for law in planets if law.acts))
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class Differential(Element):
+    """A differential: 2 theta_cage = theta_left + theta_right when open; locked, all three turn as one.
+
+    Examples
+    --------
+    >>> len(Differential("axle", cage="cage", left="l", right="r", locked=True).parts(Values({})))
+    2
+    """
+
+    kind: ClassVar[str] = "differential"
+    glyph: ClassVar[str] = "differential"
+    sign: ClassVar[str] = "positive when it drives from the cage into the differential"
+
+    cage: Any = entry(NodeName("the node of the cage"))
+    left: Any = entry(NodeName("the node of the left output"))
+    right: Any = entry(NodeName("the node of the right output"))
+    locked: Any = entry(Flag("whether both outputs are locked to the cage"), False)
+
+    def contradictions(self) -> list[tuple[Path, str]]:
+        if len({self.cage, self.left, self.right}) == 3:  # noqa: PLR2004
+            return []
+        return [((), "cage, left and right must be on three different nodes")]
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        del value
+        if self.locked:
+            return (Constraint(difference(self.cage, self.left)), Constraint(difference(self.cage, self.right)))
+        return (Constraint(make_row([(self.cage, 2), (self.left, -1), (self.right, -1)])),)

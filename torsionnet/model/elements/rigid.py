@@ -1,0 +1,58 @@
+"""Connections without any give: rigid coupling (also the torque meter) and the clamp to ground."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.model.elements.element import Element, register
+from torsionnet.model.elements.fields import NodeName, NodePair, entry
+from torsionnet.model.elements.laws import Constraint, Part, Row, Values, difference, make_row
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class RigidCoupling(Element):
+    """Two nodes that turn as one; the torque it carries is what a stiff torque meter reads.
+
+    Examples
+    --------
+    >>> RigidCoupling("torque_meter", nodes=("motor", "primary")).nodes
+    ('motor', 'primary')
+    """
+
+    kind: ClassVar[str] = "rigid_coupling"
+    glyph: ClassVar[str] = "coupling"
+
+    nodes: Any = entry(NodePair("the two nodes it joins; torque is positive from the first to the second"))
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        del value
+        return (Constraint(difference(*self.nodes)),)
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class Lock(Element):
+    """A node clamped to ground; its torque is the reaction the ground has to take.
+
+    Examples
+    --------
+    >>> Lock("brake", node="hub").ports
+    {'node': 'hub'}
+    """
+
+    kind: ClassVar[str] = "lock"
+    glyph: ClassVar[str] = "clamp"
+    sign: ClassVar[str] = "positive when the drivetrain turns the clamp in the positive sense"
+
+    node: Any = entry(NodeName("the clamped node", allow_ground=False))
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        del value
+        return (Constraint(make_row([(self.node, 1)])),)
+
+    def holds(self, value: Values) -> tuple[Row, ...]:
+        """Nothing: a clamp stops a rotation, it does not pass one on (a rig locked for a test keeps its ratios)."""
+        del value
+        return ()

@@ -1,0 +1,116 @@
+"""Elastic and dissipative connections between two nodes, or between a node and ground."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.damping import DampingMeasure
+from torsionnet.model.elements.element import Element, register, viscous
+from torsionnet.model.elements.fields import DampingQuantity, LossFactor, NodePair, PhysicalQuantity, TableEntry, entry
+from torsionnet.model.elements.laws import Law, Part, Values, difference
+
+PAIR = "the two nodes it connects, one may be ground; twist is the angle of the first minus the second"
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class Spring(Element):
+    """A torsion spring, with a viscous damper in parallel if wanted: torque k gamma + c dgamma/dt.
+
+    Examples
+    --------
+    >>> shaft = Spring("shaft", nodes=("a", "b"), stiffness="0.46 kN*m/rad", damping={"zeta": 0.02, "at": "8 Hz"})
+    >>> float(shaft.stiffness.evaluate({}))
+    460.0
+    """
+
+    kind: ClassVar[str] = "spring"
+    glyph: ClassVar[str] = "spring"
+
+    nodes: Any = entry(NodePair(PAIR))
+    stiffness: Any = entry(PhysicalQuantity("torsional stiffness", "stiffness", "k"))
+    damping: Any = entry(DampingQuantity("viscous damping, or a damping measure at a frequency", "damping", "c"), 0)
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        stiffness = value(self.stiffness)
+        damping = viscous(self.damping, stiffness, value)
+        return (Law(difference(*self.nodes), stiffness=stiffness, damping=damping),)
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class Damper(Element):
+    """A viscous damper: torque c dgamma/dt.
+
+    Examples
+    --------
+    >>> Damper("bearing", nodes=("motor", "ground"), damping="0.3 N*m*s/rad").kind
+    'damper'
+    """
+
+    kind: ClassVar[str] = "damper"
+    glyph: ClassVar[str] = "damper"
+
+    nodes: Any = entry(NodePair(PAIR))
+    damping: Any = entry(PhysicalQuantity("viscous damping", "damping", "c"))
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        return (Law(difference(*self.nodes), damping=value(self.damping)),)
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class HystereticSpring(Element):
+    """A spring with rate-independent losses: torque k (1 + j eta) gamma at positive frequency.
+
+    The loss per cycle, pi eta k gamma^2, does not depend on frequency. The law holds in the frequency domain only; in
+    the limit of zero frequency its phase lag stays.
+
+    Examples
+    --------
+    >>> rubber = HystereticSpring("rubber", nodes=("a", "b"), stiffness=460, loss_factor=0.3)
+    >>> rubber.ports
+    {'first': 'a', 'second': 'b'}
+    """
+
+    kind: ClassVar[str] = "hysteretic_spring"
+    glyph: ClassVar[str] = "spring"
+
+    nodes: Any = entry(NodePair(PAIR))
+    stiffness: Any = entry(PhysicalQuantity("torsional stiffness, the real part", "stiffness", "k"))
+    loss_factor: Any = entry(LossFactor("loss factor, or another frequency-free damping measure", "1", "eta"))
+    damping: Any = entry(DampingQuantity("viscous damping in parallel", "damping", "c"), 0)
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        stiffness = value(self.stiffness)
+        eta = self.loss_factor
+        if isinstance(eta, DampingMeasure):
+            loss_factor = eta.loss_factor(value.parameters, value.algebra)
+        else:
+            loss_factor = value(eta)
+        damping = viscous(self.damping, stiffness, value)
+        return (Law(difference(*self.nodes), damping=damping, stiffness=stiffness, loss_factor=loss_factor),)
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class TabulatedSpring(Element):
+    """A coupling known by its measured dynamic stiffness k(f) + j omega c(f), interpolated linearly between the rows.
+
+    Examples
+    --------
+    >>> bush = TabulatedSpring("bush", nodes=("a", "b"), table=[[1, 400, 2], ["20 Hz", "0.5 kN*m/rad", 1.2]])
+    >>> bush.table.stiffness
+    (400.0, 500.0)
+    """
+
+    kind: ClassVar[str] = "tabulated_spring"
+    glyph: ClassVar[str] = "spring"
+
+    nodes: Any = entry(NodePair(PAIR))
+    table: Any = entry(TableEntry("rows [frequency in Hz, stiffness in N*m/rad, damping in N*m*s/rad]"))
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        del value
+        return (Law(difference(*self.nodes), table=self.table),)

@@ -1,0 +1,190 @@
+"""Exact elimination in sparse homogeneous equations between named unknowns.
+
+Rows are maps from name to coefficient; the arithmetic is whatever the coefficients bring along (exact rationals decide
+pivots and rank, twins of rational and symbol carry the symbols along). Knows nothing of drivetrains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from fractions import Fraction
+from typing import Any
+
+from torsionnet.model.pivoting import Elimination, Grounds
+from torsionnet.model.proportions import rounded_product
+
+_UNIT = object()
+_UNITS = {1: Fraction(1), -1: Fraction(-1)}
+
+
+def exact(number: Any) -> Fraction:
+    """The rational a number was written as: 0.1 becomes 1/10, not its binary neighbour."""
+    if type(number) is int and number in _UNITS:
+        return _UNITS[number]
+    return (
+        number
+        if isinstance(number, Fraction)
+        else Fraction(repr(float(number)))
+        if isinstance(number, float)
+        else Fraction(number)
+    )
+
+
+class Reduction:
+    """Solution of rows: every eliminated name in terms of the free ones.
+
+    Attributes
+    ----------
+    rank : int
+        How many rows were solved for an unknown.
+    redundant : tuple of int
+        Rows that followed from earlier ones.
+    blocked : tuple of int
+        Rows that only involve names to be kept; these stay unsatisfied.
+    """
+
+    def __init__(self, elimination: Elimination) -> None:
+        elimination.settle()
+        self._rows = elimination
+        self._proportions = elimination.proportions
+        self._ratios: dict[Any, Any] = {}
+        self._rounded_ratios: dict[Any, Any] = {}
+        self.redundant = tuple(elimination.redundant)
+        self.blocked = tuple(elimination.blocked)
+        self.rank = elimination.count - len(self.redundant) - len(self.blocked)
+
+    @property
+    def solved(self) -> Mapping[Any, dict[Any, Any]]:
+        """Eliminated name -> row over the free names; an empty row means the name is held at zero."""
+        return _Solved(self)
+
+    def followed_by(self, rows: Iterable[Mapping[Any, Any]], order: Mapping[Any, int]) -> Reduction:
+        """The solution with more rows, and without names to be kept."""
+        elimination = self._rows.copy(order)
+        for row in rows:
+            elimination.add(row)
+        return Reduction(elimination)
+
+    def eliminated(self) -> Iterator[Any]:
+        """The names that have a solution."""
+        return (name for name in self._proportions.names() if not self.is_free(name))
+
+    def is_free(self, name: Any) -> bool:
+        """Whether the name is among those that solutions are made of, or in no row at all."""
+        group = self._proportions.group(name)
+        return group.solution is None and group.lead == name
+
+    def free_names(self, row: Mapping[Any, Any]) -> list[Any]:
+        """The free names in the reduced row."""
+        return [self._proportions.group(name).lead for name in self._rows.condensed(row)[0]]
+
+    def reduced(self, row: Mapping[Any, Any]) -> dict[Any, Any]:
+        """The row over the free names; exact zeros drop out."""
+        current, _ = self._rows.condensed(row)
+        return {
+            self._proportions.group(name).lead: self._proportions.to_root(name, self._ratios) * value
+            for name, value in current.items()
+        }
+
+    def in_floats(self, row: Mapping[Any, Any]) -> dict[Any, float]:
+        """The row over the free names in floats; what cancels still does so exactly, however long the ratios are."""
+        current, _ = self._rows.condensed(row)
+        return {
+            self._proportions.group(name).lead: float(
+                self._proportions.to_root(name, self._rounded_ratios, rounded_product) * value
+            )
+            for name, value in current.items()
+        }
+
+    def held(self) -> list[Any]:
+        """A name of each group that is held at zero: one in the row that did it."""
+        solutions = [group.solution for group in self._proportions.groups()]
+        return [found.anchor for found in solutions if found and not found.row]
+
+    def origin(self, name: Any) -> frozenset[int]:
+        """Numbers of the rows on which the solution for a name rests."""
+        group = self._proportions.group(name)
+        if group.solution is None:
+            return self._closed(Grounds(pairs=[(name, group.lead)]))
+        anchor, row, index = group.solution
+        ends = [(other, self._proportions.group(other).lead) for other in row]
+        return self._closed(Grounds([index], [(name, anchor), *ends]))
+
+    def origin_of_row(self, index: int) -> frozenset[int]:
+        """Numbers of the earlier rows on which the conclusion from a row rests."""
+        return self._closed(self._rows.grounds.get(index, Grounds()))
+
+    def _closed(self, grounds: Grounds) -> frozenset[int]:
+        found: set[int] = set()
+        waiting = [grounds]
+        while waiting:
+            grounds = waiting.pop()
+            rows = {*grounds.rows, *(row for pair in grounds.pairs for row in self._proportions.between(*pair))}
+            waiting += [self._rows.grounds[row] for row in rows - found if row in self._rows.grounds]
+            found |= rows
+        return frozenset(row for row in found if row >= 0)
+
+
+class _Solved(Mapping[Any, dict[Any, Any]]):
+    """Rows of the eliminated names, worked out one by one."""
+
+    def __init__(self, reduction: Reduction) -> None:
+        self._reduction = reduction
+
+    def __getitem__(self, name: Any) -> dict[Any, Any]:
+        if self._reduction.is_free(name):
+            raise KeyError(name)
+        return self._reduction.reduced({name: 1})
+
+    def __contains__(self, name: object) -> bool:
+        return not self._reduction.is_free(name)
+
+    def __iter__(self) -> Iterator[Any]:
+        return self._reduction.eliminated()
+
+    def __len__(self) -> int:
+        return self._reduction.rank
+
+
+def reduce_rows(rows: Iterable[Mapping[Any, Any]], order: Mapping[Any, int], keep: Collection[Any] = ()) -> Reduction:
+    """Solve ``rows`` one after the other, each for its unknown that is last in ``order`` and not in ``keep``."""
+    elimination = Elimination(order, keep)
+    for row in rows:
+        elimination.add(row)
+    return Reduction(elimination)
+
+
+def substitute(row: Mapping[Any, Any], solved: Mapping[Any, Mapping[Any, Any]]) -> dict[Any, Any]:
+    """The row with every solved name replaced by its solution; exact zeros drop out."""
+    result: dict[Any, Any] = {}
+    for name, coefficient in row.items():
+        if name in solved:
+            for free, factor in solved[name].items():
+                _add(result, free, coefficient * factor)
+        else:
+            _add(result, name, coefficient)
+    return {name: coefficient for name, coefficient in result.items() if coefficient != 0}
+
+
+def _add(row: dict[Any, Any], name: Any, value: Any) -> None:
+    row[name] = row[name] + value if name in row else value
+
+
+def holding(rows: Sequence[Mapping[Any, Any]], name: Any) -> list[int]:
+    """Which of the independent ``rows`` it takes to hold ``name`` at zero: all that share in the sum that leaves it."""
+    shares: dict[Any, dict[Any, Any]] = {name: {_UNIT: Fraction(-1)}}
+    for index, row in enumerate(rows):
+        for other, coefficient in row.items():
+            shares.setdefault(other, {})[index] = coefficient
+    found = reduce_rows(shares.values(), {index: index for index in range(len(rows))}, {_UNIT})
+    return [index for index in range(len(rows)) if found.free_names({index: 1})]
+
+
+def smallest_culprits(rows: Sequence[Mapping[Any, Any]], suspects: Collection[int], fails: Any) -> list[int]:
+    """A smallest set among ``suspects`` for which ``fails(rows of the set)`` still holds: drop one after the other."""
+    kept = sorted(suspects)
+    for index in sorted(suspects):
+        without = [other for other in kept if other != index]
+        if fails([rows[other] for other in without]):
+            kept = without
+    return kept

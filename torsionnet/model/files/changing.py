@@ -1,0 +1,125 @@
+"""A model file with other parameter values, in its author's own words: comments, order and spacing stay."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from torsionnet.core.errors import ModelError, Path
+from torsionnet.core.expressions import Expression
+from torsionnet.model.configurations import DEFAULT_AXIS, Overlay
+from torsionnet.model.definition import Definition
+from torsionnet.model.elements.fields import plain_scalar
+from torsionnet.model.files.located import LocatedDocument, LocatedNode, Span, compose
+from torsionnet.model.files.quoting import written
+from torsionnet.model.files.reader import read_text
+from torsionnet.model.files.writer import dump
+
+_NOTHING = Overlay()
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a parameter has its value: in the table of parameters, or in an alternative of an axis."""
+
+    parameter: str
+    axis: str = ""
+    alternative: str = ""
+
+    def paths(self) -> tuple[Path, ...]:
+        """Where that may stand in a file; a single axis needs no name."""
+        if not self.axis:
+            return (("parameters", self.parameter, "value"), ("parameters", self.parameter))
+        inner = (self.alternative, self.parameter)
+        named: Path = ("configurations", self.axis, *inner)
+        return (named, ("configurations", *inner)) if self.axis == DEFAULT_AXIS else (named,)
+
+
+def place_of(definition: Definition, choice: Mapping[str, str], parameter: str) -> Place:
+    """Where the value that holds under a choice of alternatives is written: the axis that sets it, or the base.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> place_of(tn.load("amt_rig").definition, {"gear": "V"}, "tau").alternative
+    'V'
+    """
+    for axis, alternatives in definition.axes.items():  # no two of which set the same parameter
+        if parameter in alternatives.get(choice.get(axis, ""), _NOTHING).parameters:
+            return Place(parameter, axis, choice[axis])
+    return Place(parameter)
+
+
+def changed_definition(definition: Definition, changes: Mapping[Place, Expression]) -> Definition:
+    """The definition with other values at some places."""
+    parameters = dict(definition.parameters)
+    axes = {axis: dict(alternatives) for axis, alternatives in definition.axes.items()}
+    for place, value in changes.items():
+        if not place.axis:
+            parameters[place.parameter] = replace(parameters[place.parameter], value=value)
+            continue
+        overlay = axes[place.axis][place.alternative]
+        values = {**overlay.parameters, place.parameter: value}
+        axes[place.axis][place.alternative] = replace(overlay, parameters=values)
+    return replace(definition, parameters=parameters, axes=axes)
+
+
+def changed_text(text: str, definition: Definition, changes: Mapping[Place, Expression], file: str = "") -> str:
+    """The text of a model file with other values; only their characters differ.
+
+    Where that cannot be (a value that is an alias of another one), the model is written anew, without comments.
+
+    Parameters
+    ----------
+    text : str
+        What ``definition`` was read from.
+    definition : Definition
+    changes : mapping
+        Place -> new value.
+    file : str, optional
+        Its name; of a ``.json`` file the new values are JSON.
+
+    Examples
+    --------
+    >>> from torsionnet.core.expressions import scalar
+    >>> text = "{torsionnet: 1, name: x, parameters: {J: 2}, elements: {disc: {type: inertia, node: a, inertia: J}}}"
+    >>> changed_text(text, read_text(text, "")[0], {Place("J"): scalar("3 kg*m^2")})
+    '{torsionnet: 1, name: x, parameters: {J: 3 kg*m^2}, elements: {disc: {type: inertia, node: a, inertia: J}}}'
+    """
+    wanted = changed_definition(definition, changes)
+    edited = _edited(text, changes, file)
+    found = None if edited is None else read_text(edited, file)[0]
+    if edited is None or found is None or found.to_data() != wanted.to_data():
+        return dump(wanted)
+    return edited
+
+
+def _edited(text: str, changes: Mapping[Place, Expression], file: str) -> str | None:
+    try:
+        document = compose(text, file)
+    except ModelError:
+        return None
+    starts = [0, *itertools.accumulate(map(len, text.splitlines(keepends=True)))]
+    spans: list[tuple[int, int, str]] = []
+    for place, value in changes.items():
+        span = _span(document, place)
+        if span is None or span.end_line >= len(starts):
+            return None
+        plain = plain_scalar(value)
+        new = json.dumps(plain) if file.lower().endswith(".json") else written(plain)
+        spans.append((starts[span.line] + span.column, starts[span.end_line] + span.end_column, new))
+    for start, end, new in sorted(spans, reverse=True):
+        text = text[:start] + new + text[end:]
+    return text
+
+
+def _span(document: LocatedDocument, place: Place) -> Span | None:
+    for path in place.paths():
+        node: LocatedNode | None = document.root
+        for key in path:
+            node = None if node is None else node.entries.get(key)
+        if node is not None and not isinstance(node.value, (dict, list)):
+            return node.span
+    return None

@@ -1,0 +1,69 @@
+"""The checks of a model of which a part could not be read, without the faults that only follow from that."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import Any
+
+from torsionnet.core.errors import Fault, Path, nearest
+from torsionnet.model.checks import check_definition, has_errors, names, values
+from torsionnet.model.definition import Definition
+from torsionnet.model.files.located import LocatedDocument
+from torsionnet.model.files.placing import entry_at
+from torsionnet.model.parameters import resolve
+
+_WORD = re.compile(r"[^\W\d]\w*")
+_CHECKS = tuple(check for check in names.CHECKS if check is not names.dead_ends)
+
+
+def check_what_was_read(definition: Definition, document: LocatedDocument, faults: list[Fault]) -> list[Fault]:
+    """The faults of reading and those of the checks that still mean something."""
+    lost: set[str] = set()
+    if has_errors(faults) or document.dropped:
+        lost = set(_lost_words(document, [fault.path for fault in faults if fault.severity == "error"]))
+        found = list(_sound_checks(definition))
+    else:
+        found = check_definition(definition)
+    return [*faults, *(_with_hint(fault, lost) for fault in found if fault.about not in lost)]
+
+
+def _with_hint(fault: Fault, lost: set[str]) -> Fault:
+    """A name may be that of an entry that could not be read, misspelt."""
+    meant = "" if fault.kind != "unknown name" or fault.meant else nearest(fault.about, sorted(lost))
+    return replace(fault, message=f'{fault.message}; did you mean "{meant}"?', meant=meant) if meant else fault
+
+
+def _sound_checks(definition: Definition) -> Iterator[Fault]:
+    """Names and values one by one; whether the parts hang together cannot be told while some are missing."""
+    for check in _CHECKS:
+        yield from check(definition)
+    yield from values.wrong_dimensions(definition)
+    yield from values.overlay_dimensions(definition)
+    yield from values.bound_dimensions(definition)
+    yield from values.passive_tables(definition)
+    known, found = resolve(definition.parameters)
+    yield from found
+    yield from values.sizes(definition, known)
+
+
+def _lost_words(document: LocatedDocument, broken: Iterable[Path]) -> Iterator[str]:
+    """Every name in the entries that could not be read: it may well be defined or used there."""
+    for path in broken:
+        yield from _words([*path[:2], entry_at(document.data, path[:2])])
+    for path, value in document.dropped:
+        yield from _words([*path[:2], value])
+
+
+def _words(value: Any) -> Iterator[str]:
+    stack = [value]
+    while stack:
+        entry = stack.pop()
+        if isinstance(entry, dict):
+            stack += [*entry, *entry.values()]
+        elif isinstance(entry, (list, tuple)):
+            stack += entry
+        elif isinstance(entry, str):
+            yield entry
+            yield from _WORD.findall(entry)

@@ -1,0 +1,56 @@
+"""The model files that come with the package."""
+
+from __future__ import annotations
+
+from itertools import islice
+from pathlib import Path
+
+from torsionnet.model.files.scalars import plain_value
+
+PACKAGE = Path(__file__).resolve().parents[2]
+HEAD_LINES = 40
+
+
+def library_folder() -> Path:
+    """``torsionnet/library`` where the package is installed, ``library`` beside it in a checkout."""
+    installed = PACKAGE / "library"
+    return installed if installed.is_dir() else PACKAGE.parent / "library"
+
+
+def library_models() -> dict[str, Path]:
+    """Name and file of every library model, by name.
+
+    Examples
+    --------
+    >>> [name for name in library_models() if name.endswith("_rig")]
+    ['amt_rig', 'dmf_rig']
+    """
+    return {path.stem: path for path in sorted(library_folder().glob("*.yaml"))}
+
+
+def library_benches() -> dict[str, Path]:
+    """Name and file of every test bench in the library, by name.
+
+    Examples
+    --------
+    >>> list(library_benches())
+    ['amt_bench', 'dmf_bench']
+    """
+    return {path.stem: path for path in sorted((library_folder() / "benches").glob("*.yaml"))}
+
+
+def library_entry(path: Path) -> tuple[str, str]:
+    """The texts after ``name:`` and ``source:`` in the head of a model file, without reading the rest."""
+    found = {"name": "", "source": ""}
+    with path.open(encoding="utf-8") as file:
+        for line in islice(file, HEAD_LINES):
+            key, colon, text = line.partition(":")
+            if colon and key in found:
+                found[key] = _unquoted(text.strip())
+    return found["name"], found["source"]
+
+
+def _unquoted(text: str) -> str:
+    if text[:1] in ('"', "'") and text[-1:] == text[0]:
+        return text[1:-1]
+    return text if plain_value(text) is not None else ""

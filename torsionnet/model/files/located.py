@@ -1,0 +1,268 @@
+"""YAML text to plain data in which every entry knows its place.
+
+A composer of its own over PyYAML's events: it needs no constructor, reads scalars by the core rules of YAML 1.2
+(``no`` and ``3:1`` stay text), keeps the digits of numbers, refuses duplicate keys and tags, and bounds what a file may
+ask for.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+from typing import Any, NamedTuple, TypeAlias
+
+import yaml
+from yaml.events import (
+    AliasEvent,
+    MappingEndEvent,
+    ScalarEvent,
+    SequenceEndEvent,
+    SequenceStartEvent,
+    StreamEndEvent,
+)
+
+from torsionnet.core.errors import Fault, ModelError, Path, Position
+from torsionnet.model.files.scalars import plain_value
+from torsionnet.model.files.syntax import explain
+
+MOST_CHARACTERS = 4_000_000
+MOST_NODES = 200_000
+MOST_LEVELS = 20
+LONGEST_EXCERPT = 400
+
+_BREAK = re.compile("\r\n|[\n\r\x85\u2028\u2029]")
+_ASCII_CONTROL = "[^\t\n\r\x20-\x7e]"
+_CONTROL = "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufefe\uff00-\ufffd\U00010000-\U0010ffff]"
+
+
+class PythonParser(yaml.reader.Reader, yaml.scanner.Scanner, yaml.parser.Parser):
+    """The event source where PyYAML comes without its C library."""
+
+    def __init__(self, text: str) -> None:
+        yaml.reader.Reader.__init__(self, text)
+        yaml.scanner.Scanner.__init__(self)
+        yaml.parser.Parser.__init__(self)
+
+
+def _fastest() -> Any:
+    try:
+        from yaml.cyaml import CParser  # type: ignore[attr-defined]
+    except ImportError:
+        return PythonParser
+    return CParser
+
+
+class Span(NamedTuple):
+    """A stretch of text, counted from 0, the end exclusive."""
+
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+
+
+Place: TypeAlias = tuple[int, int, int, int]
+_NOTHING: Mapping[str | int, LocatedNode] = MappingProxyType({})
+
+
+@dataclass(slots=True)
+class LocatedNode:
+    """A value with its place and that of its key; ``size`` counts the values in it, aliases followed.
+
+    Places are those of a :class:`Span` in a plain tuple, which Python's collector of cycles can forget about.
+    """
+
+    value: Any
+    place: Place
+    entries: Mapping[str | int, LocatedNode]
+    size: int = 1
+    key_place: Place | None = None
+
+    @property
+    def span(self) -> Span:
+        return Span(*self.place)
+
+    @property
+    def key(self) -> Span | None:
+        return Span(*self.key_place) if self.key_place else None
+
+
+@dataclass
+class LocatedDocument:
+    """The data of a file and where each entry stands.
+
+    ``dropped`` holds values that a duplicate key made unreadable: what they name is not in ``data``.
+    """
+
+    file: str
+    lines: list[str]
+    root: LocatedNode | None = None
+    faults: list[Fault] = field(default_factory=list)
+    dropped: list[tuple[Path, Any]] = field(default_factory=list)
+
+    @property
+    def data(self) -> Any:
+        return None if self.root is None else self.root.value
+
+    def position(self, path: Path = (), *, on_key: bool = False) -> Position:
+        """Where an entry stands, or the nearest entry above it that exists.
+
+        Of a value that fills several lines the key is shown.
+        """
+        node, found = self.root, 0
+        while node is not None and found < len(path) and path[found] in node.entries:
+            node, found = node.entries[path[found]], found + 1
+        if node is None:
+            return self.place(Span(0, 0, 0, 1))
+        show_key = on_key or found < len(path) or node.span.end_line > node.span.line
+        return self.place(node.key if show_key and node.key else node.span)
+
+    def place(self, span: Span) -> Position:
+        """The position of a span; of several lines the first."""
+        source = self.lines[span.line] if span.line < len(self.lines) else ""
+        end = span.end_column if span.end_line == span.line else len(source.rstrip())
+        shown = "" if len(source) > LONGEST_EXCERPT else "".join(char if char.isprintable() else " " for char in source)
+        return Position(self.file, span.line + 1, span.column + 1, max(end, span.column + 1) + 1, shown.rstrip())
+
+    def fault(self, message: str, span: Span, path: Path = ()) -> Fault:
+        return Fault(message, path, position=self.place(span))
+
+
+def compose(text: str, file: str, parser: Any = None) -> LocatedDocument:
+    """The single document in ``text``; ModelError for a fault that makes the rest unreadable."""
+    document = LocatedDocument(file, _BREAK.split(text[:MOST_CHARACTERS]))
+    if len(text) > MOST_CHARACTERS:
+        raise ModelError(
+            [document.fault(f"the file is too large: more than {MOST_CHARACTERS} characters", Span(0, 0, 0, 1))]
+        )
+    control = re.search(_ASCII_CONTROL if text.isascii() else _CONTROL, text)
+    if control:
+        line = len(_BREAK.findall(text, 0, control.start()))
+        column = control.start() - max((end.end() for end in _BREAK.finditer(text, 0, control.start())), default=0)
+        what = f"a character that text cannot hold (U+{ord(control[0]):04X}); delete it"
+        raise ModelError([document.fault(what, Span(line, column, line, column + 1))])
+    try:
+        _Composer((parser or _fastest())(text), document).document()
+    except yaml.MarkedYAMLError as error:
+        message, mark = explain(error, document.lines)
+        raise ModelError([document.fault(message, Span(mark[0], mark[1], mark[0], mark[1] + 1))]) from None
+    return document
+
+
+class _Composer:
+    """One pass over the events; its recursion is as deep as the data, which is bounded."""
+
+    def __init__(self, events: Any, document: LocatedDocument) -> None:
+        self.events = events
+        self.result = document
+        self.anchors: dict[str, LocatedNode] = {}
+        self.count = 0
+
+    def document(self) -> None:
+        self.events.get_event()
+        if type(self.events.get_event()) is StreamEndEvent:
+            return
+        self.result.root = self.node(self.events.get_event(), (), 0)
+        self.events.get_event()
+        more = self.events.get_event()
+        if type(more) is not StreamEndEvent:
+            raise self.refusal("a second document begins here (---); a file holds one model", _span(more))
+
+    def refusal(self, message: str, span: Span) -> ModelError:
+        return ModelError([*self.result.faults, self.result.fault(message, span)])
+
+    def node(self, event: Any, path: Path, depth: int) -> LocatedNode:
+        if depth > MOST_LEVELS:
+            raise self.refusal(f"entries are nested more than {MOST_LEVELS} levels deep", _span(event))
+        kind = type(event)
+        if kind is AliasEvent:
+            return self.grow(self.alias(event), event)
+        if event.tag is not None and not (event.tag == "!" and kind is ScalarEvent):
+            raise self.refusal(
+                f'tags such as "{_tag(event.tag)}" have no meaning in a model file; delete it', _span(event)
+            )
+        if kind is ScalarEvent:
+            node = LocatedNode(plain_value(event.value) if event.implicit[0] else event.value, _place(event), _NOTHING)
+        else:
+            node = (self.sequence if kind is SequenceStartEvent else self.mapping)(event, path, depth)
+        if event.anchor:
+            self.anchors[event.anchor] = node
+        return self.grow(node, event)
+
+    def grow(self, node: LocatedNode, event: Any) -> LocatedNode:
+        """Count a finished value: an alias counts as all it stands for, anything else was counted within."""
+        self.count += node.size if type(event) is AliasEvent else 1
+        if self.count > MOST_NODES:
+            raise self.refusal(f"the file holds more than {MOST_NODES} entries, aliases (*) followed", _span(event))
+        return node
+
+    def alias(self, event: Any) -> LocatedNode:
+        if event.anchor not in self.anchors:
+            raise self.refusal(
+                f'no anchor "&{event.anchor}" stands before this alias; text that begins with * needs quotes',
+                _span(event),
+            )
+        return replace(self.anchors[event.anchor], place=_place(event), key_place=None)
+
+    def sequence(self, event: Any, path: Path, depth: int) -> LocatedNode:
+        entries: dict[str | int, LocatedNode] = {}
+        size = 1
+        while type(inner := self.events.get_event()) is not SequenceEndEvent:
+            index = len(entries)
+            entry = entries[index] = self.node(inner, (*path, index), depth + 1)
+            size += entry.size
+        return LocatedNode([entry.value for entry in entries.values()], _between(event, inner), entries, size)
+
+    def mapping(self, event: Any, path: Path, depth: int) -> LocatedNode:
+        entries: dict[str | int, LocatedNode] = {}
+        size = 1
+        while type(inner := self.events.get_event()) is not MappingEndEvent:
+            key, place = self.key(inner), _place(inner)
+            entry = self.node(self.events.get_event(), (*path, key), depth + 1)
+            size += entry.size
+            entry.key_place = place
+            if key in entries:
+                self.duplicate(entries[key], entry, (*path, key))
+            else:
+                entries[key] = entry
+        values = {key: entry.value for key, entry in entries.items()}
+        return LocatedNode(values, _between(event, inner), entries, size)
+
+    def key(self, event: Any) -> str:
+        if type(event) is not ScalarEvent:
+            raise self.refusal("a name is expected before the colon, not a list, mapping or alias", _span(event))
+        if event.value == "<<" and event.implicit[0]:
+            raise self.refusal("merging with << is not supported; write the entries out", _span(event))
+        if event.tag is not None:
+            raise self.refusal(
+                f'tags such as "{_tag(event.tag)}" have no meaning in a model file; delete it', _span(event)
+            )
+        return event.value
+
+    def duplicate(self, first: LocatedNode, second: LocatedNode, path: Path) -> None:
+        """Both places are named; the first entry counts, so that the others can still be checked against it."""
+        assert first.key is not None
+        assert second.key is not None
+        where = f"line {first.key.line + 1}, column {first.key.column + 1}"
+        text = f'"{path[-1]}" was already given at {where}; each name stands once'
+        self.result.faults.append(self.result.fault(text, second.key, path))
+        self.result.dropped.append((path, second.value))
+
+
+def _place(event: Any) -> Place:
+    start, end = event.start_mark, event.end_mark
+    return start.line, start.column, end.line, end.column
+
+
+def _span(event: Any) -> Span:
+    return Span(*_place(event))
+
+
+def _between(first: Any, last: Any) -> Place:
+    return first.start_mark.line, first.start_mark.column, last.end_mark.line, last.end_mark.column
+
+
+def _tag(tag: str) -> str:
+    return tag.replace("tag:yaml.org,2002:", "!!")

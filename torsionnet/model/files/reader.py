@@ -1,0 +1,108 @@
+"""Model files to definitions; every fault gets its place in the file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+from torsionnet.core.collecting import collector_paused
+from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.model.checks import has_errors
+from torsionnet.model.definition import Definition, read_definition
+from torsionnet.model.files.decoding import decode
+from torsionnet.model.files.followups import check_what_was_read
+from torsionnet.model.files.library import library_models
+from torsionnet.model.files.located import LocatedDocument, compose
+from torsionnet.model.files.placing import placed, presentable
+
+SUFFIXES = (".yaml", ".yml", ".json")
+
+
+def read_file(path: str | os.PathLike[str]) -> tuple[Definition | None, list[Fault]]:
+    """The definition in a file, None if it has errors, and all faults, warnings and notes in the order of the file."""
+    found = find_model(path)
+    try:
+        raw = found.read_bytes()
+    except OSError as error:
+        msg = f"{found} cannot be read: {error.strerror or error}"
+        raise UsageError(msg) from None
+    try:
+        text = decode(raw, str(found))
+    except ModelError as error:
+        return None, list(error.faults)
+    return read_text(text, str(found))
+
+
+@collector_paused()
+def read_text(text: str, file: str) -> tuple[Definition | None, list[Fault]]:
+    """As :func:`read_file`, for text that is already at hand."""
+    try:
+        document = compose(text.removeprefix("\ufeff"), file)
+    except ModelError as error:
+        return None, presentable(error.faults)
+    if not isinstance(document.data, dict):
+        return None, [_no_model(document)]
+    definition, faults = read_definition(document.data)
+    faults = check_what_was_read(definition, document, faults)
+    found = placed([*document.faults, *faults], document)
+    return (None if has_errors(found) else definition), found
+
+
+def _no_model(document: LocatedDocument) -> Fault:
+    if document.data is None:
+        return Fault("the file is empty; a model begins with torsionnet: 1", position=document.position())
+    what = "a list" if isinstance(document.data, list) else "a single value"
+    text = f"this is {what}; a model is made of entries: torsionnet: 1, name: ..., elements: ..."
+    return Fault(text, position=document.position())
+
+
+def find_model(model: str | os.PathLike[str]) -> Path:
+    """The file meant by a path or by the name of a library model; UsageError says what there is instead."""
+    path = Path(model)
+    if "\0" in str(path):
+        msg = "a file name cannot hold the character U+0000"
+        raise UsageError(msg)
+    library = library_models()
+    if isinstance(model, str) and model in library:
+        return library[model]
+    if _holds(Path.is_dir, path):
+        msg = f"{path} is a folder; name a model file in it{_files_in(path)}"
+        raise UsageError(msg)
+    if not _holds(Path.exists, path):
+        raise UsageError(_missing(path, library))
+    if path.suffix.lower() not in SUFFIXES:
+        msg = f"{path} is no model file; its name would end in {', '.join(SUFFIXES)}"
+        raise UsageError(msg)
+    return path
+
+
+def _holds(question: Callable[[Path], bool], path: Path) -> bool:
+    try:
+        return question(path)
+    except OSError:  # a name too long, a folder that may not be searched
+        return False
+
+
+def _files_in(folder: Path) -> str:
+    try:
+        names = sorted(entry.name for entry in folder.iterdir() if entry.suffix.lower() in SUFFIXES)
+    except OSError:
+        return ""
+    return f": {', '.join(names[:6])}" if names else ""
+
+
+def _missing(path: Path, library: Iterable[str]) -> str:
+    names = sorted(library)
+    if path.suffix.lower() not in SUFFIXES and len(path.parts) <= 1:
+        hint = did_you_mean(path.name, [*names, *_beside(path)])
+        hint = hint or f"; there are {', '.join(names)}"
+        return f'no library model is named "{path}"{hint} (a file name ends in .yaml)'
+    return f"there is no file {path}{did_you_mean(path.name, _beside(path)) or did_you_mean(path.stem, names)}"
+
+
+def _beside(path: Path) -> list[str]:
+    try:
+        return [entry.name for entry in path.parent.iterdir() if entry.suffix.lower() in SUFFIXES]
+    except OSError:
+        return []

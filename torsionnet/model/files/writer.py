@@ -1,0 +1,45 @@
+"""Definitions to the text of a model file."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from torsionnet.core.atomic import write_text
+from torsionnet.model.definition import Definition
+from torsionnet.model.files.quoting import written
+
+_BLOCK_LEVELS = {"parameters": 1, "elements": 1, "inputs": 1, "sensors": 1, "configurations": 2, "operating_point": 1}
+
+
+def dump(definition: Definition, path: str | os.PathLike[str] | None = None) -> str:
+    """The text of a model file that reads back to an equal definition, also written to ``path`` if given.
+
+    Each entry stands on one line; comments of a file the definition came from are not kept.
+    """
+    data = definition.to_data()
+    text = "".join(
+        f"{line}\n" for key, value in data.items() for line in _lines(key, value, _BLOCK_LEVELS.get(key, 0), "")
+    )
+    if path is not None:
+        write_text(path, text)
+    return text
+
+
+def _lines(key: str, value: Any, levels: int, indent: str) -> Iterator[str]:
+    """``key: value`` with as many levels of block style as wanted, flow style below."""
+    if not levels or not isinstance(value, Mapping) or not value:
+        yield f"{indent}{written(key)}: {_flow(value)}"
+        return
+    yield f"{indent}{written(key)}:"
+    for inner, entry in value.items():
+        yield from _lines(inner, entry, levels - 1, f"{indent}  ")
+
+
+def _flow(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{written(key)}: {_flow(entry)}" for key, entry in value.items()) + "}"
+    if isinstance(value, (list, tuple)):
+        return f"[{', '.join(_flow(entry) for entry in value)}]"
+    return written(value)

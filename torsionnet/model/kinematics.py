@@ -1,0 +1,235 @@
+"""From elements to coordinates: all parts of a definition, and the constraints solved for theta = T q."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.elements import Constraint, Law, Part, Row, Values
+from torsionnet.model.elimination import Reduction, exact, holding, reduce_rows, smallest_culprits
+
+
+@dataclass(frozen=True)
+class OwnedPart:
+    """A law or constraint together with the name of its element."""
+
+    element: str
+    part: Part
+
+
+@dataclass(frozen=True)
+class Kinematics:
+    """Parts and solved constraints of one configuration.
+
+    Attributes
+    ----------
+    nodes : tuple of str
+        All nodes in the order of their first mention.
+    parts : tuple of OwnedPart
+        In the order of the elements.
+    imposed : tuple of str
+        Names of the inputs that impose an angle; each appears in rows as the pseudo node ``input:NAME``. One on a node
+        that elements lock is not among them.
+    driven : tuple of str
+        The nodes they impose it on.
+    reduction : Reduction
+        Every dependent node over coordinates and imposed angles; an empty row is a node held at zero.
+    coordinates : tuple of str
+        The nodes kept as coordinates q.
+    """
+
+    nodes: tuple[str, ...]
+    parts: tuple[OwnedPart, ...]
+    imposed: tuple[str, ...]
+    driven: tuple[str, ...]
+    reduction: Reduction
+    coordinates: tuple[str, ...]
+
+    def reduced(self, row: Mapping[str, Any]) -> Row:
+        """A row over nodes as a row over coordinates and imposed angles."""
+        return self.reduction.reduced(row)
+
+    def holds(self, node: str) -> bool:
+        """Whether rigid connections to ground keep the node at zero."""
+        return not self.reduction.is_free(node) and not self.reduction.reduced({node: 1})
+
+    @property
+    def laws(self) -> tuple[tuple[str, Law], ...]:
+        return tuple((owned.element, owned.part) for owned in self.parts if isinstance(owned.part, Law))
+
+    @property
+    def constraints(self) -> tuple[tuple[str, Row], ...]:
+        return constraints_of(self.parts)
+
+
+def pseudo_node(input_name: str) -> str:
+    """The unknown that stands for an imposed angle; no node can have this name."""
+    return f"input:{input_name}"
+
+
+UNIT = pseudo_node("")
+"""The unknown that stands for one, in rows that are not homogeneous."""
+
+
+def owned_parts(definition: Definition, value: Values) -> tuple[OwnedPart, ...]:
+    """Laws and constraints of all elements that are switched on."""
+    return tuple(OwnedPart(element.name, part) for element in definition.active for part in element.parts(value))
+
+
+def constraints_of(parts: Sequence[OwnedPart]) -> tuple[tuple[str, Row], ...]:
+    return tuple((owned.element, owned.part.row) for owned in parts if isinstance(owned.part, Constraint))
+
+
+def exact_row(row: Mapping[str, Any]) -> dict[str, Fraction]:
+    """The row on exact rational values, on which pivots and rank are decided."""
+    return {node: exact(coefficient) for node, coefficient in row.items()}
+
+
+def imposed_rows(definition: Definition, nodes: Collection[str]) -> dict[str, Row]:
+    """Row node - imposed angle = 0 of every input that imposes an angle on one of ``nodes``."""
+    return {
+        name: {channel.of: Fraction(1), pseudo_node(name): Fraction(-1)}
+        for name, channel in definition.inputs.items()
+        if channel.quantity == "angle" and channel.of in nodes
+    }
+
+
+def solve_kinematics(
+    definition: Definition, value: Values, referred_to: Collection[str] = (), like: Kinematics | None = None
+) -> Kinematics:
+    """Solve all constraints exactly; ``referred_to`` names nodes to be kept as coordinates, in this order.
+
+    Where ``like``, of another configuration, has the same nodes and constraints, its solution is taken over.
+
+    Raises
+    ------
+    UsageError
+        ``referred_to`` names an unknown node, or nodes the constraints tie to each other or to ground.
+    """
+    nodes = all_nodes(definition.active)
+    _require_nodes(referred_to, nodes)
+    parts = owned_parts(definition, value)
+    imposed = imposed_rows(definition, set(nodes))
+    driven = tuple(definition.inputs[name].of for name in imposed)
+    same = like is not None and (nodes, tuple(imposed), driven) == (like.nodes, like.imposed, like.driven)
+    if like is not None and same and not referred_to:
+        again = replace(like, parts=parts)
+        if again.constraints == like.constraints:
+            return again
+    order = {node: index for index, node in enumerate(nodes)}
+    rigid = [exact_row(row) for _, row in constraints_of(parts)]
+    imposed = _without_locked(imposed, rigid, order)
+    driven = tuple(definition.inputs[name].of for name in imposed)
+    owners = [*imposed, *(name for name, _ in constraints_of(parts))]
+    rows: list[Any] = [*imposed.values(), *rigid]
+    keep = {*referred_to, *(pseudo_node(name) for name in imposed)}
+    reduction = reduce_rows(rows, order, keep)
+    tied = [index for index in reduction.blocked if _names_kept(rows[index], reduction, referred_to)]
+    if tied and referred_to:
+        kept = ", ".join(referred_to)
+        msg = f"{kept} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground"
+        raise UsageError(msg)
+    coordinates = in_order_given([node for node in nodes if reduction.is_free(node)], referred_to)
+    return Kinematics(nodes, parts, tuple(imposed), driven, reduction, coordinates)
+
+
+def in_order_given(coordinates: Sequence[str], referred_to: Collection[str]) -> tuple[str, ...]:
+    """The coordinates in the order of the nodes, those of ``referred_to`` among themselves in the order given.
+
+    >>> in_order_given(["a", "b", "c"], ["c", "a"])
+    ('c', 'b', 'a')
+    """
+    named = iter(node for node in dict.fromkeys(referred_to) if node in coordinates)
+    return tuple(next(named) if node in referred_to else node for node in coordinates)
+
+
+def _without_locked(imposed: dict[str, Row], rigid: Sequence[Row], order: Mapping[str, int]) -> dict[str, Row]:
+    """Imposed angles of nodes that the ``rigid`` connections alone leave able to move."""
+    if not imposed:
+        return imposed
+    alone = reduce_rows(rigid, order)
+    locked = {name for row in imposed.values() for name in row if name in order and not alone.reduced({name: 1})}
+    return {name: row for name, row in imposed.items() if locked.isdisjoint(row)}
+
+
+def _names_kept(row: Row, reduction: Reduction, referred_to: Collection[str]) -> bool:
+    return any(node in referred_to for node in reduction.free_names(row))
+
+
+def _require_nodes(wanted: Collection[str], nodes: Collection[str]) -> None:
+    for node in wanted:
+        if node not in nodes:
+            msg = f'no node is named "{node}"{did_you_mean(node, nodes)}'
+            raise UsageError(msg)
+
+
+FEW = 100
+"""Elements in a contradicting loop up to which it is tried whether fewer of them hold another node."""
+
+
+def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list[str]:
+    """Elements whose rigid ratios contradict each other, so that a node is held at zero without a clamp; or nothing.
+
+    Constraints on a single node are clamps and left out. Where the ratios of a rigid loop do not agree, the only motion
+    left to its nodes is none.
+    """
+    loose = [(name, row) for name, row in constraints_of(parts) if len(row) > 1]
+    rows = [exact_row(row) for _, row in loose]
+    order = {node: index for index, node in enumerate(nodes)}
+    reduction = reduce_rows(rows, order)
+    if not (held := reduction.held()):
+        return []
+
+    def contradicts(some: Sequence[Any]) -> bool:
+        return bool(reduce_rows(some, order).held())
+
+    origin, node = min(((sorted(reduction.origin(node)), node) for node in held), key=lambda found: len(found[0]))
+    loop = [origin[place] for place in holding([rows[index] for index in origin], node)]
+    if len(loop) <= FEW:
+        loop = smallest_culprits(rows, loop, contradicts)
+    return list(dict.fromkeys(loose[index][0] for index in loop))
+
+
+def virtual_motion(kinematics: Kinematics, index: int, number: Callable[[Any], Any] = exact) -> dict[str, Any]:
+    """Motion z that violates constraint number ``index`` by one and no other: its torque is the work of all else on z.
+
+    Driven nodes stand still in it: what drives them does no work on z. ``number`` makes the numbers to work with.
+
+    Raises
+    ------
+    UsageError
+        The torque is statically indeterminate; the message names the rigid loop.
+    """
+    constraints = kinematics.constraints
+    rows: list[Any] = [{node: number(value) for node, value in row.items()} for _, row in constraints]
+    rows[index] = {**rows[index], UNIT: Fraction(-1)}
+    rows = [row for number, row in enumerate(rows) if number != index] + [rows[index]]
+    names = [name for number, (name, _) in enumerate(constraints) if number != index] + [constraints[index][0]]
+    imposed: list[Any] = [{node: Fraction(1)} for node in kinematics.driven]
+    order = {node: number for number, node in enumerate(kinematics.nodes)}
+    reduction = reduce_rows([*imposed, *rows], order, {UNIT})
+    for blocked in reduction.blocked:
+        origin = {*reduction.origin_of_row(blocked), blocked}
+        loop = sorted(number - len(imposed) for number in origin if number >= len(imposed))
+        owners = {names[number] for number in loop}
+        loop_names = list(dict.fromkeys(name for name, _ in constraints if name in owners))
+        raise UsageError(_indeterminate(constraints[index][0], loop_names))
+    return {node: row[UNIT] for node, row in reduction.solved.items() if UNIT in row}
+
+
+def torques_are_determinate(kinematics: Kinematics) -> bool:
+    """Whether no constraint follows from others, so that equilibrium tells the torque of each."""
+    return not kinematics.reduction.redundant and not kinematics.reduction.blocked
+
+
+def _indeterminate(element: str, loop: list[str]) -> str:
+    if len(loop) < 2:  # noqa: PLR2004
+        return f"torque through {element} is statically indeterminate; give it a stiffness"
+    return (
+        f"torque through {element} is statically indeterminate: {', '.join(loop)} form a rigid loop; "
+        "give one of them a stiffness"
+    )

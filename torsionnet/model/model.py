@@ -1,0 +1,261 @@
+"""What an author wrote: elements between nodes, parameters, inputs, sensors, configurations. It never changes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any, Self
+
+from torsionnet.core.errors import Fault, ModelError
+from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.checks import check_definition, check_variant, has_errors
+from torsionnet.model.configurations import Overlay, combinations, known_elements, label, parse_choice, read_overrides
+from torsionnet.model.definition import Definition, all_nodes, collect_elements, define
+from torsionnet.model.elements import Element
+from torsionnet.model.operating_point import OperatingPoint
+from torsionnet.model.parameters import Parameter, resolve
+from torsionnet.model.speeds import mean_speeds, mean_torques, total_ratio
+
+
+class Model:
+    """A model in one of its configurations, as data; every method that changes something returns a changed copy."""
+
+    def __init__(
+        self,
+        name: str,
+        elements: Iterable[Element],
+        parameters: Mapping[str, Any] | None = None,
+        inputs: Mapping[str, Any] | None = None,
+        sensors: Mapping[str, Any] | None = None,
+        configurations: Mapping[str, Any] | None = None,
+        operating_point: Mapping[str, Any] | OperatingPoint | None = None,
+        source: str = "",
+        description: str = "",
+    ) -> None:
+        table, faults = collect_elements(elements)
+        definition, found = define(
+            name,
+            table,
+            parameters=parameters,
+            inputs=inputs,
+            sensors=sensors,
+            configurations=configurations,
+            operating_point=operating_point,
+            source=source,
+            description=description,
+        )
+        faults += found + check_definition(definition)
+        _refuse(faults, name)
+        self.__setstate__(_state(definition, definition, {}, Overlay(), faults))
+
+    @classmethod
+    def from_definition(cls, definition: Definition, findings: Iterable[Fault] = ()) -> Self:
+        """The model of a definition that has been checked."""
+        return cls._variant(definition, definition, {}, Overlay(), findings)
+
+    @classmethod
+    def _variant(
+        cls,
+        definition: Definition,
+        base: Definition,
+        choice: Mapping[str, str],
+        changes: Overlay,
+        findings: Iterable[Fault],
+    ) -> Self:
+        new = cls.__new__(cls)
+        new.__setstate__(_state(definition, base, choice, changes, findings))
+        return new
+
+    def with_definition(self, definition: Definition) -> Self:
+        """A model of another definition, in no configuration."""
+        return self.from_definition(definition)
+
+    def _changed(self, choice: Mapping[str, str], changes: Overlay) -> Self:
+        """The base with the chosen alternatives in the order of the axes, and the changes made by hand last."""
+        definition = self._base
+        chosen = {axis: choice[axis] for axis in definition.axes if axis in choice}
+        for axis, alternative in chosen.items():
+            definition = definition.overlaid(self._base.axes[axis][alternative])
+        definition = definition.overlaid(changes)
+        faults = check_variant(definition)
+        _refuse(faults, label(chosen, definition.axes) or self.name)
+        return self._variant(definition, self._base, chosen, changes, faults)
+
+    @property
+    def definition(self) -> Definition:
+        """The typed content of the model."""
+        return self._definition
+
+    @property
+    def name(self) -> str:
+        return self._definition.name
+
+    @property
+    def source(self) -> str:
+        """Where the numbers come from."""
+        return self._definition.source
+
+    @property
+    def description(self) -> str:
+        return self._definition.description
+
+    @cached_property
+    def elements(self) -> Mapping[str, Element]:
+        """Elements that are switched on, by name, in the order of declaration."""
+        return MappingProxyType({element.name: element for element in self._definition.active})
+
+    @cached_property
+    def nodes(self) -> tuple[str, ...]:
+        """Nodes in the order of their first mention, without ground."""
+        return all_nodes(self._definition.active)
+
+    @property
+    def inputs(self) -> Mapping[str, Input]:
+        """Excitations by name."""
+        return MappingProxyType(dict(self._definition.inputs))
+
+    @property
+    def sensors(self) -> Mapping[str, Sensor]:
+        """Measured quantities by name."""
+        return MappingProxyType(dict(self._definition.sensors))
+
+    @cached_property
+    def parameters(self) -> Mapping[str, float]:
+        """Value in SI of every parameter, by name."""
+        return MappingProxyType({name: float(value) for name, value in self.exact_values.items()})
+
+    @property
+    def parameter_definitions(self) -> Mapping[str, Parameter]:
+        """Parameters as written: expression, unit, description, bounds."""
+        return MappingProxyType(dict(self._definition.parameters))
+
+    @cached_property
+    def exact_values(self) -> Mapping[str, Any]:
+        """Value in SI of every parameter; a Fraction unless a root or pi was involved."""
+        return MappingProxyType(resolve(self._definition.parameters)[0])
+
+    @property
+    def axes(self) -> Mapping[str, tuple[str, ...]]:
+        """Axes of configurations and the alternatives on each."""
+        return MappingProxyType({axis: tuple(names) for axis, names in self._definition.axes.items()})
+
+    @property
+    def configurations(self) -> tuple[str, ...]:
+        """Names of the configurations; with several axes every combination, as ``gear=V,clutch=open``."""
+        axes = self._definition.axes
+        return tuple(label(choice, axes) for choice in combinations(axes) if choice)
+
+    @property
+    def configuration(self) -> str:
+        """The configuration chosen with :meth:`configured`, or an empty string."""
+        return label(self._choice, self._definition.axes) if self._choice else ""
+
+    @property
+    def title(self) -> str:
+        """Name and configuration."""
+        return f"{self.name} ({self.configuration})" if self._choice else self.name
+
+    def configured(self, name: str = "", /, **overrides: Any) -> Self:
+        """A copy in a named configuration and with other parameter values.
+
+        Parameters
+        ----------
+        name : str
+            ``"V"``, or ``"gear=V,clutch=open"`` where there are several axes. Axes not named keep their state; on
+            an axis named again the new alternative takes the place of the old one.
+        **overrides
+            Parameter values: SI numbers, quantities or expressions. A derived parameter given here loses its
+            expression, and everything derived from it follows the new value. What is given here holds against every
+            configuration, also one chosen later.
+
+        Raises
+        ------
+        UsageError
+            No such configuration or parameter.
+        ModelError
+            A value that is impossible.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> tn.load("amt_rig").configured("V", c_O=360).parameters["c_O"]
+        360.0
+        """
+        choice = dict(self._choice)
+        if name:
+            choice |= parse_choice(name, self._base.axes)
+        values = read_overrides(overrides, self._base.parameters, self._base.axes)
+        return self._changed(choice, replace(self._changes, parameters={**self._changes.parameters, **values}))
+
+    def switched(self, *, on: Iterable[str] = (), off: Iterable[str] = ()) -> Self:
+        """A copy with elements switched on or off by name, whatever its configuration says."""
+        states = dict.fromkeys(self._changes.on, True) | dict.fromkeys(self._changes.off, False)
+        states |= dict.fromkeys(known_elements(on, self._base.elements), True)
+        states |= dict.fromkeys(known_elements(off, self._base.elements), False)
+        lists = {word: tuple(name for name in states if states[name] is (word == "on")) for word in ("on", "off")}
+        return self._changed(self._choice, replace(self._changes, on=lists["on"], off=lists["off"]))
+
+    def check(self) -> tuple[Fault, ...]:
+        """Warnings and notes about the model (errors have already been refused)."""
+        return self._findings
+
+    def ratio_between(self, first: str, second: str) -> float:
+        """Total ratio: mean speed of node ``first`` over that of node ``second``.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> tn.load("amt_rig").configured("V").ratio_between("motor", "hub")
+        3.26
+        """
+        return total_ratio(self._definition, self.exact_values, first, second)
+
+    @cached_property
+    def mean_speeds(self) -> Mapping[str, float]:
+        """Mean speed in rad/s of every node the operating point determines."""
+        return MappingProxyType(mean_speeds(self._definition, self.exact_values))
+
+    @cached_property
+    def mean_torques(self) -> Mapping[str, float]:
+        """Mean external torque in N m by node, as given in the operating point."""
+        return MappingProxyType(mean_torques(self._definition, self.exact_values))
+
+    _definition: Definition
+    _base: Definition
+    _choice: dict[str, str]
+    _changes: Overlay
+    _findings: tuple[Fault, ...]
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What makes the drivetrain, without what was calculated from it."""
+        return _state(self._definition, self._base, self._choice, self._changes, self._findings)
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Model):
+            return NotImplemented
+        return self._definition.to_data() == other._definition.to_data()
+
+    def __hash__(self) -> int:
+        return hash((self.name, tuple(self._definition.elements)))
+
+    def __repr__(self) -> str:
+        counts = f"{len(self.elements)} elements, {len(self.nodes)} nodes, {len(self.parameters)} parameters"
+        return f"<{type(self).__name__} {self.name!r}: {counts}{f', {self.configuration}' if self._choice else ''}>"
+
+
+def _state(
+    definition: Definition, base: Definition, choice: Mapping[str, str], changes: Overlay, findings: Iterable[Fault]
+) -> dict[str, Any]:
+    parts = {"_definition": definition, "_base": base, "_choice": dict(choice), "_changes": changes}
+    return parts | {"_findings": tuple(findings)}
+
+
+def _refuse(faults: Iterable[Fault], title: str) -> None:
+    errors = [fault for fault in faults if fault.severity == "error"]
+    if errors and has_errors(errors):
+        raise ModelError(errors, title if isinstance(title, str) and title else "the model")

@@ -1,0 +1,188 @@
+"""A model in tables: elements, parameters, inputs, sensors, configurations, mean speeds."""
+
+from __future__ import annotations
+
+import html
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.expressions import Expression, Number
+from torsionnet.core.units import expected_unit
+from torsionnet.model.channels import UNITS
+from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.model.elements import Element, Values
+from torsionnet.model.elements.fields import NodeName, NodePair, Spec, Text
+from torsionnet.model.elements.laws import Law
+from torsionnet.response.table import Column, Table
+
+if TYPE_CHECKING:
+    from torsionnet.model.configurations import Overlay
+    from torsionnet.model.model import Model
+
+MOST_ROWS = 60
+"""Rows of a table in a notebook."""
+SHOWN_ELSEWHERE = (NodeName, NodePair, Text)
+
+
+def tables(rig: Model) -> tuple[Table, ...]:
+    """Everything there is to show; tables without rows are those the model does not use."""
+    return (
+        elements_table(rig),
+        parameters_table(rig),
+        channels_table(rig),
+        configurations_table(rig),
+        speeds_table(rig),
+    )
+
+
+def page(rig: Model) -> str:
+    """The tables in HTML, of large models the first rows of each."""
+    shown = [_beginning(table) for table in tables(rig) if table.rows]
+    return "\n".join([f"<p><b>{html.escape(rig.title)}</b></p>", *(table.to_html() for table in shown)])
+
+
+def _beginning(table: Table) -> Table:
+    if len(table.rows) <= MOST_ROWS:
+        return table
+    return replace(
+        table, rows=table.rows[:MOST_ROWS], notes=(*table.notes, f"the first {MOST_ROWS} of {len(table.rows)}")
+    )
+
+
+def elements_table(rig: Model) -> Table:
+    columns = (Column("element"), Column("type"), Column("nodes"), Column("values"), Column("description"))
+    rows = tuple(
+        (element.name, element.kind, nodes_text(element), "; ".join(values_of(element, rig)), _remark(element))
+        for element in rig.definition.elements.values()
+    )
+    return without_empty_columns(Table("Elements", columns, rows))
+
+
+def without_empty_columns(table: Table) -> Table:
+    used = [index for index in range(len(table.columns)) if any(row[index] not in ("", None) for row in table.rows)]
+    rows = tuple(tuple(row[index] for index in used) for row in table.rows)
+    return replace(table, columns=tuple(table.columns[index] for index in used), rows=rows)
+
+
+def _remark(element: Element) -> str:
+    return (
+        element.description
+        if element.enabled
+        else f"switched off{'; ' * bool(element.description)}{element.description}"
+    )
+
+
+def nodes_text(element: Element) -> str:
+    """``motor - ground``, or the ports by name where there are others."""
+    if set(element.ports) <= {"first", "second", "node"}:
+        return " - ".join(element.ports.values())
+    return ", ".join(f"{port} {node}" for port, node in element.ports.items())
+
+
+def values_of(element: Element, rig: Model) -> Iterator[str]:
+    """``stiffness k_2 = 460 N*m/rad`` for each value given."""
+    defaults = element.defaults()
+    for name, (spec, value) in element.scalars().items():
+        if isinstance(spec, SHOWN_ELSEWHERE) or name == "enabled":
+            continue  # in columns of their own
+        if value == defaults[name]:
+            continue
+        yield f"{name} {value_text(element, spec, value, rig)}"
+
+
+def value_text(element: Element, spec: Spec, value: Any, rig: Model) -> str:
+    if isinstance(value, DampingMeasure):
+        at = f" at {resolved(value.at, 'Hz', rig)}" if value.at is not None else ""
+        return f"{value.measure} {resolved(value.value, _unit_of_measure(value), rig)}{at}{_viscous(element, rig)}"
+    entries = spec.expressions(value)
+    if entries:
+        return resolved(value, expected_unit(entries[0][2]), rig)
+    if hasattr(value, "frequencies"):
+        return f"of {len(value.frequencies)} frequencies"
+    plain = spec.plain(value)
+    return ", ".join(map(str, plain)) if isinstance(plain, list) else str(plain)
+
+
+def _unit_of_measure(value: DampingMeasure) -> str:
+    return expected_unit("damping" if value.measure == "c" else "1")
+
+
+def _viscous(element: Element, rig: Model) -> str:
+    """What a measure of damping comes to, where the element has a single law."""
+    laws = [part for part in element.parts(Values(rig.exact_values)) if isinstance(part, Law)]
+    return f" = {float(laws[0].damping):.6g} N*m*s/rad" if len(laws) == 1 and laws[0].damping else ""
+
+
+def resolved(value: Expression, unit: str, rig: Model) -> str:
+    """As written, and in SI where that is something else: ``0.46 kN*m/rad = 460 N*m/rad``."""
+    number = f"{float(value.evaluate(rig.exact_values)):.6g}{'' if unit == '1' else f' {unit}'}"
+    if isinstance(value, Number) and value.unit_dimension is None:
+        return number
+    written = str(value)
+    return number if written == number else f"{written} = {number}"
+
+
+def parameters_table(rig: Model) -> Table:
+    units = parameter_units(rig.definition)
+    columns = (Column("parameter"), Column("value"), Column("unit"), Column("as written"), Column("description"))
+    rows = tuple(
+        (name, rig.parameters[name], units[name], str(parameter.value), parameter.description)
+        for name, parameter in rig.parameter_definitions.items()
+    )
+    return Table("Parameters", columns, rows)
+
+
+def channels_table(rig: Model) -> Table:
+    rows = [(name, "input", str(entry), UNITS[entry.quantity], "") for name, entry in rig.inputs.items()]
+    for name, sensor in rig.sensors.items():
+        element = rig.elements.get(sensor.of) if sensor.quantity == "torque" else None
+        rows.append(
+            (name, "sensor", str(sensor), UNITS[sensor.quantity], element.sign_at(sensor.at) if element else "")
+        )
+    columns = (Column("name"), Column("kind"), Column("what"), Column("unit"), Column("sign"))
+    return without_empty_columns(Table("Inputs and sensors", columns, tuple(rows)))
+
+
+def configurations_table(rig: Model) -> Table:
+    rows = tuple(
+        (axis, name, changes_text(overlay))
+        for axis, alternatives in rig.definition.axes.items()
+        for name, overlay in alternatives.items()
+    )
+    return Table("Configurations", (Column("axis"), Column("name"), Column("changes")), rows)
+
+
+def changes_text(overlay: Overlay) -> str:
+    changes = [f"{name} = {value}" for name, value in overlay.parameters.items()]
+    changes += [
+        f"{switch}: {', '.join(names)}" for switch, names in (("on", overlay.on), ("off", overlay.off)) if names
+    ]
+    return "; ".join([*changes, *(["operating point"] if overlay.operating_point else [])]) or "as written"
+
+
+def speeds_table(rig: Model) -> Table:
+    columns = (Column("node"), Column("mean speed", "rad/s"), Column("mean speed", "rpm"), Column("mean torque", "N*m"))
+    speeds = rig.mean_speeds if rig.definition.operating_point.speed else {}
+    torques = rig.mean_torques
+    rows = tuple(
+        (node, speeds.get(node), speeds[node] * 30 / math.pi if node in speeds else None, torques.get(node))
+        for node in rig.nodes
+        if node in speeds or node in torques
+    )
+    return without_empty_columns(Table("Operating point", columns, rows))
+
+
+def as_data(rig: Model) -> dict[str, Any]:
+    """The model for a program: the content of its file, and the resolved values."""
+    units = parameter_units(rig.definition)
+    return {
+        "title": rig.title,
+        "configuration": rig.configuration,
+        "model": rig.definition.to_data(),
+        "nodes": list(rig.nodes),
+        "parameters": {name: {"value": value, "unit": units[name]} for name, value in rig.parameters.items()},
+        "mean_speeds_rad_per_s": dict(rig.mean_speeds),
+    }

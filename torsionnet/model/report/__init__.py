@@ -1,0 +1,6 @@
+"""What the report on a model is to hold, as the ``report:`` section of its file says."""
+
+from torsionnet.model.report.report_plan import Pair, ReportPlan, parse_band
+from torsionnet.model.report.sections import SECTIONS
+
+__all__ = ["SECTIONS", "Pair", "ReportPlan", "parse_band"]

@@ -1,0 +1,56 @@
+"""Whether the report described fits the model: names of sensors, inputs and configurations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TYPE_CHECKING
+
+from torsionnet.core.errors import Fault, Path, UsageError, did_you_mean
+from torsionnet.model.channels import parse_sensor
+from torsionnet.model.configurations import parse_choice
+from torsionnet.model.report.report_plan import Pair, ReportPlan
+
+if TYPE_CHECKING:
+    from torsionnet.model.definition import Definition
+
+
+def check_outline(outline: ReportPlan, definition: Definition, path: Path = ("report",)) -> list[Fault]:
+    """Every fault of an outline for this model; the sensors written out in full are left to the solver."""
+    faults = [
+        fault.under("transfer_functions", index)
+        for index, pair in enumerate(outline.transfer_functions)
+        for fault in _pair(pair, definition)
+    ]
+    faults += _configurations(outline, definition)
+    return [fault.under(*path) for fault in faults]
+
+
+def _pair(pair: Pair, definition: Definition) -> Iterator[Fault]:
+    nodes = {node for element in definition.elements.values() for node in element.ports.values()}
+    known = {
+        "sensor or node": (pair.output, [*definition.sensors, *nodes]),
+        "input, sensor or node": (pair.input, [*definition.inputs, *definition.sensors, *nodes]),
+        "input or node": (pair.excitation, [*definition.inputs, *nodes]),
+    }
+    for what, (name, names) in known.items():
+        is_written_out = what != "input or node" and parse_sensor(name) is not None
+        if name and name not in names and not is_written_out:
+            text = f'no {what} is named "{name}"{did_you_mean(name, names)}; {_declared(definition, what)}'
+            yield Fault(text.replace("?; ", "? "), kind="unknown name", about=name)
+
+
+def _declared(definition: Definition, what: str) -> str:
+    tables = {table: getattr(definition, f"{table}s") for table in ("input", "sensor") if table in what}
+    return "; ".join(f"{table}s: {_listed(names)}" for table, names in tables.items())
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(names) or "none"
+
+
+def _configurations(outline: ReportPlan, definition: Definition) -> Iterator[Fault]:
+    for index, name in enumerate(outline.configurations):
+        try:
+            parse_choice(name, definition.axes)
+        except UsageError as error:
+            yield Fault(str(error), ("configurations", index))

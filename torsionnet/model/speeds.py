@@ -1,0 +1,153 @@
+"""Mean speeds carried through the drivetrain, and the total ratio between two nodes.
+
+On average no spring winds up, so springs pass a mean speed on like rigid connections. Connections to ground are left
+out, and so are clamps that would stop the nodes in question: a rig that is locked for a test keeps its ratios, while a
+clamped ring still makes the ratio of its planetary set.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from fractions import Fraction
+from typing import Any, TypeAlias
+
+from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.elements import Values
+from torsionnet.model.elimination import Reduction, exact, reduce_rows
+from torsionnet.model.kinematics import UNIT, exact_row
+from torsionnet.model.operating_point import OperatingPoint
+from torsionnet.model.pivoting import Elimination
+
+BRANCHING = ("planetary", "differential", "gear")
+Rows: TypeAlias = list[dict[str, Fraction]]
+
+
+def holding_rows(definition: Definition, values: Mapping[str, Any]) -> Rows:
+    """Rows that vanish at steady mean speed."""
+    value = Values(values)
+    rows = [exact_row(row) for element in definition.active for row in element.holds(value)]
+    return [row for row in rows if len(row) > 1]
+
+
+def _clamps(definition: Definition) -> Iterator[dict[str, Fraction]]:
+    """Those on members of planetary sets and gears come first, so that the order of declaration does not matter."""
+    branching = {node for element in definition.active if element.glyph in BRANCHING for node in element.ports.values()}
+    clamps = [element for element in definition.active if element.glyph == "clamp"]
+    for element in sorted(clamps, key=lambda clamp: branching.isdisjoint(clamp.ports.values())):
+        yield {node: Fraction(1) for node in element.ports.values()}
+
+
+def _clamp(definition: Definition, speeds: Sequence[Elimination]) -> Rows:
+    """Add every clamp that leaves the speeds in question possible: it holds a member of a planetary set."""
+    added: Rows = []
+    if not any(speed.blocked for speed in speeds):
+        for row in _clamps(definition):
+            if not any(speed.blocks(row) for speed in speeds):
+                added.append(row)
+                for speed in speeds:
+                    speed.add(row)
+    return added
+
+
+def _eliminated(rows: Rows, order: Mapping[str, int]) -> Elimination:
+    found = Elimination(order, {UNIT})
+    for row in rows:
+        found.add(row)
+    return found
+
+
+def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, second: str) -> float:
+    """Speed of ``first`` over speed of ``second``.
+
+    Raises
+    ------
+    UsageError
+        Unknown nodes, nodes that are not connected by ratios, or a differential or planetary set in between whose
+        third member is free.
+    """
+    nodes = all_nodes(definition.active)
+    for node in (first, second):
+        if node not in nodes:
+            msg = f'no node is named "{node}"{did_you_mean(node, nodes)}'
+            raise UsageError(msg)
+    order = {node: index for index, node in enumerate(nodes)}
+    rows = holding_rows(definition, values)
+    turning = [
+        _eliminated([{node: Fraction(1), UNIT: Fraction(-1)}, *rows], order) for node in dict.fromkeys((first, second))
+    ]
+    reduction = reduce_rows([*rows, *_clamp(definition, turning)], order)
+    row, other = (reduction.reduced({node: Fraction(1)}) for node in (first, second))
+    if not other:
+        msg = f"{second} cannot turn, there is no ratio to it"
+        raise UsageError(msg)
+    if row and row.keys() != other.keys():
+        free = ", ".join(sorted(row.keys() | other.keys()))
+        msg = f"no fixed ratio between {first} and {second}: {free} turn independently"
+        raise UsageError(msg)
+    ratios = {row.get(node, Fraction(0)) / other[node] for node in other}
+    if len(ratios) > 1:
+        msg = f"no fixed ratio between {first} and {second}: the speed splits in between"
+        raise UsageError(msg)
+    return float(ratios.pop())
+
+
+def mean_speeds(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:
+    """Mean speed in rad/s of every node that the operating point determines."""
+    given = _numbers(definition.operating_point, values)
+    order = {node: index for index, node in enumerate(all_nodes(definition.active))}
+    rows: Rows = [{node: Fraction(1), UNIT: -speed} for node, speed in given.items() if node in order]
+    elimination = _eliminated([*rows, *holding_rows(definition, values)], order)
+    _clamp(definition, [elimination])
+    if elimination.blocked:
+        raise ModelError([Fault(_contradiction(definition, rows), ("operating_point", "speed"))])
+    reduction = Reduction(elimination)
+    speeds = {node: reduction.in_floats({node: 1}) for node in order if not reduction.is_free(node)}
+    return {node: row.get(UNIT, 0.0) for node, row in speeds.items() if row.keys() <= {UNIT}}
+
+
+def speeds_with(definition: Definition, values: Mapping[str, Any], reference: str) -> dict[str, float]:
+    """Speed of every node while ``reference`` turns: the mean speeds where the operating point has them.
+
+    What springs tie to ground stands still then, and the outputs of an open differential turn alike, unless the rest
+    speaks against it. Nodes that turn independently all the same are not among the result.
+    """
+    order = {node: index for index, node in enumerate(all_nodes(definition.active))}
+    point = _numbers(definition.operating_point, values)
+    given = point if mean_speeds(definition, values).get(reference) else {reference: Fraction(1)}
+    turning: Rows = [{node: Fraction(1), UNIT: -speed} for node, speed in given.items() if node in order]
+    elimination = _eliminated([*turning, *holding_rows(definition, values)], order)
+    _clamp(definition, [elimination])
+    for row in _at_ease(definition, values):
+        if not elimination.blocks(row):
+            elimination.add(row)
+    reduction = Reduction(elimination)
+    rows = {node: reduction.in_floats({node: 1}) for node in order if not reduction.is_free(node)}
+    return {node: row.get(UNIT, 0.0) for node, row in rows.items() if row.keys() <= {UNIT}}
+
+
+def _at_ease(definition: Definition, values: Mapping[str, Any]) -> Iterator[dict[str, Fraction]]:
+    """What holds on average although nothing compels it: springs to ground at rest, outputs that turn alike."""
+    value = Values(values)
+    for element in definition.active:
+        yield from (exact_row(row) for row in element.holds(value) if len(row) == 1)
+    for element in definition.active:
+        if element.glyph == "differential":
+            left, right = element.ports["left"], element.ports["right"]
+            yield {left: Fraction(1), right: Fraction(-1)}
+
+
+def mean_torques(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:
+    """Mean external torque in N m on the nodes for which the operating point gives one."""
+    return {node: float(value.evaluate(values)) for node, value in definition.operating_point.torque.items()}
+
+
+def _numbers(point: OperatingPoint, values: Mapping[str, Any]) -> dict[str, Fraction]:
+    return {node: exact(value.evaluate(values)) for node, value in point.speed.items()}
+
+
+def _contradiction(definition: Definition, rows: Rows) -> str:
+    shown = ", ".join(
+        f"{node} {definition.operating_point.speed[node]}" for row in rows for node in row if node != UNIT
+    )
+    return f"the mean speeds ({shown}) do not fit the ratios between these nodes"

@@ -1,0 +1,34 @@
+"""Pictures of drivetrains and results. Each function returns a matplotlib figure and shows or writes nothing."""
+
+from torsionnet.plot.bode import bode
+from torsionnet.plot.circle import circle
+from torsionnet.plot.coherence import coherence
+from torsionnet.plot.comparison import comparison
+from torsionnet.plot.fits import correlation, fit
+from torsionnet.plot.histories import time_histories
+from torsionnet.plot.mac import mac_matrix
+from torsionnet.plot.save import save
+from torsionnet.plot.schematic import schematic
+from torsionnet.plot.shapes import mode_shapes
+from torsionnet.plot.stabilisation import stabilisation
+from torsionnet.plot.time_frequency import order_map, spectrogram, sweep_harmonics
+from torsionnet.plot.tornado import tornado
+
+__all__ = [
+    "bode",
+    "circle",
+    "coherence",
+    "comparison",
+    "correlation",
+    "fit",
+    "mac_matrix",
+    "mode_shapes",
+    "order_map",
+    "save",
+    "schematic",
+    "spectrogram",
+    "stabilisation",
+    "sweep_harmonics",
+    "time_histories",
+    "tornado",
+]

@@ -1,0 +1,322 @@
+"""Frequency responses as magnitude and phase over frequency."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from torsionnet.core.errors import UsageError
+from torsionnet.plot import style
+from torsionnet.response import SI, Conventions, FrequencyResponse
+from torsionnet.response.phase import HALF_TURN, unwrapped
+from torsionnet.signals.advice import LEAST_COHERENCE
+
+POOR = 1e-10
+"""Conditioning of a measured input below which a response cannot be trusted."""
+
+SHORT_LABEL = 14
+LONGEST_LABEL = 32
+"""Letters beside the magnitude that fit at full size."""
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """One transfer function in the units shown; nan where it is infinite or zero."""
+
+    label: str
+    frequency: FloatArray
+    magnitude: FloatArray
+    phase: FloatArray
+    coherence: FloatArray | None
+    poor: NDArray[np.bool_]
+    usable_up_to: float = math.inf
+    pair: str = ""
+    """The transfer function, as ``theta_1/T_T``."""
+    name: str = ""
+    """The response it is of, where there are several."""
+
+    @property
+    def is_meant(self) -> NDArray[np.bool_]:
+        """Where it can be used, or is coherent at least: the picture makes room for that."""
+        return self.is_usable if self.coherence is None else self.is_usable | (self.coherence >= LEAST_COHERENCE)
+
+    @property
+    def is_usable(self) -> NDArray[np.bool_]:
+        return np.asarray(self.frequency <= self.usable_up_to)
+
+
+def bode(
+    responses: FrequencyResponse | Sequence[FrequencyResponse],
+    *,
+    output: str | Sequence[str] | None = None,
+    input: str | Sequence[str] | None = None,
+    conventions: Conventions = SI,
+    decibels: bool = False,
+    x_log: bool = True,
+    coherence: bool | None = None,
+    labels: Sequence[str] | None = None,
+    title: str | None = None,
+) -> Figure:
+    """Magnitude and phase of one or several frequency responses, overlaid: configurations, or a model and a test.
+
+    Parameters
+    ----------
+    responses : FrequencyResponse or sequence of these
+    output, input : str or sequence of str, optional
+        Which transfer functions; by default all. They must have one unit.
+    conventions : Conventions, optional
+        Units of angle and frequency, reference of the decibels.
+    decibels : bool, optional
+        Magnitude in dB instead of on a logarithmic scale.
+    x_log : bool, optional
+        Logarithmic frequency; a response at 0 Hz is then left out.
+    coherence : bool, optional
+        Whether to show the coherence; by default where there is one.
+    labels : sequence of str, optional
+        One for each response; by default what tells their titles apart.
+    title : str, optional
+        By default what the titles have in common.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        Magnitude, phase and, if shown, coherence. Phases are continuous, and a curve begins within -180 to 180 degrees.
+
+    Raises
+    ------
+    UsageError
+        An unknown name, transfer functions of different units, or a coherence that nobody estimated.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> response = tn.load("dmf_rig").frequency_response("theta_1", "T_T", [1, 2, 5, 10, 20])
+    >>> bode(response, conventions=tn.Conventions(angle="deg")).axes[0].get_ylabel()
+    '|theta_1/T_T| [deg/(N·m)]'
+    """
+    given = [responses] if isinstance(responses, FrequencyResponse) else list(responses)
+    if not given:
+        msg = "there is no frequency response to plot"
+        raise UsageError(msg)
+    chosen = [response.select(output, input) for response in given]
+    unit = _common_unit(chosen, conventions)
+    common, names = _labels(chosen, labels)
+    curves = [
+        curve
+        for response, name in zip(chosen, names, strict=True)
+        for curve in _curves(response, name, conventions, x_log=x_log)
+    ]
+    panels = _panels(curves, coherence)
+    figure = style.new_figure(style.WIDTH, 3.0 + 1.3 * (len(panels) - 1))
+    axes = _axes(figure, panels)
+    _draw(axes, panels, curves, decibels=decibels, conventions=conventions)
+    _dress_frequency(axes, curves, conventions, x_log=x_log)
+    _dress_magnitude(axes[0], _pair(chosen), unit, decibels=decibels, conventions=conventions)
+    style.heading(figure, common if title is None else title)
+    _legend(figure, axes[0], curves)
+    return figure
+
+
+def _common_unit(responses: Sequence[FrequencyResponse], conventions: Conventions) -> str:
+    units = {
+        response.unit(o, i, conventions)
+        for response in responses
+        for o in range(len(response.outputs))
+        for i in range(len(response.inputs))
+    }
+    if len(units) != 1:
+        msg = f"transfer functions in {', '.join(sorted(units))} do not fit on one axis; choose with output=, input="
+        raise UsageError(msg)
+    return units.pop()
+
+
+def _labels(responses: Sequence[FrequencyResponse], labels: Sequence[str] | None) -> tuple[str, list[str]]:
+    """What the titles have in common, and a label for each response."""
+    titles = [response.title for response in responses]
+    models = {title.partition(" (")[0] for title in titles}
+    common = titles[0] if len(set(titles)) == 1 else models.pop() if len(models) == 1 else ""
+    if labels is not None:
+        if len(labels) != len(responses):
+            msg = f"{len(labels)} labels were given for {len(responses)} responses"
+            raise UsageError(msg)
+        return common, list(labels)
+    if len(responses) == 1:
+        return common, [""]
+    if not common:
+        return common, titles
+    rest = [title.removeprefix(common).strip() for title in titles]
+    return common, [text[1:-1] if text.startswith("(") and text.endswith(")") else text for text in rest]
+
+
+def _curves(response: FrequencyResponse, label: str, conventions: Conventions, *, x_log: bool) -> list[Curve]:
+    shown = response.frequencies > 0 if x_log else np.full(len(response.frequencies), fill_value=True)
+    poor = np.zeros(len(shown), dtype=bool) if response.conditioning is None else response.conditioning < POOR
+    several = len(response.outputs) * len(response.inputs) > 1
+    curves = []
+    for o, out in enumerate(response.outputs):
+        for i, into in enumerate(response.inputs):
+            values = response.values[shown, o, i]
+            size = np.abs(values) * response.scale(conventions, o, i)
+            pair = f"{out.name}/{into.name}" if several or not label else ""
+            curves.append(
+                Curve(
+                    ", ".join(text for text in (label, pair) if text),
+                    response.frequencies[shown] * conventions.frequency_scale,
+                    np.where(np.isfinite(size) & (size > 0), size, np.nan),
+                    unwrapped(values),
+                    None if response.coherence is None else response.coherence[shown, o, i],
+                    poor[shown],
+                    _limit(response) * conventions.frequency_scale,
+                    f"{out.name}/{into.name}",
+                    label,
+                )
+            )
+    return curves
+
+
+def _limit(response: FrequencyResponse) -> float:
+    return math.inf if response.usable_up_to is None else response.usable_up_to
+
+
+def _panels(curves: Sequence[Curve], coherence: bool | None) -> list[str]:
+    available = any(curve.coherence is not None for curve in curves)
+    if coherence and not available:
+        msg = "none of the responses has a coherence: only estimates from recorded signals have"
+        raise UsageError(msg)
+    wanted = available if coherence is None else coherence
+    return ["magnitude", "phase", *(["coherence"] if wanted else [])]
+
+
+def _axes(figure: Figure, panels: Sequence[str]) -> list[Axes]:
+    heights = {"magnitude": 3.0, "phase": 2.0, "coherence": 1.0}
+    grid = figure.subplots(
+        len(panels), 1, sharex=True, squeeze=False, gridspec_kw={"height_ratios": [heights[name] for name in panels]}
+    )
+    axes: list[Axes] = list(grid[:, 0])
+    for panel in axes:
+        style.dress(panel)
+    figure.align_ylabels(axes)
+    return axes
+
+
+def _draw(
+    axes: Sequence[Axes], panels: Sequence[str], curves: Sequence[Curve], *, decibels: bool, conventions: Conventions
+) -> None:
+    for curve, look in zip(curves, _looks(curves), strict=True):
+        size = 20 * np.log10(curve.magnitude / conventions.db_reference) if decibels else curve.magnitude
+        for panel, data in zip(axes, (size, curve.phase, curve.coherence), strict=False):
+            if data is not None:
+                _line(panel, curve, data, look)
+        for low, high in _stretches(curve):
+            for panel in axes:
+                panel.axvspan(low, high, color=style.FAINT, alpha=0.7, linewidth=0, zorder=0.5)
+    # Noise beyond the resolution of a sensor may run off the picture; it sets no limits.
+    phases = [curve.phase[np.isfinite(curve.phase) & curve.is_meant] for curve in curves]
+    every = np.concatenate(phases)
+    if not all(curve.is_meant.all() for curve in curves):
+        sizes = np.concatenate([curve.magnitude[curve.is_meant] for curve in curves])
+        _make_room(axes[0], sizes[np.isfinite(sizes)], decibels=decibels, conventions=conventions)
+    axes[1].set_ylabel("phase [deg]")
+    style.phase_ticks(axes[1], *((every.min(), every.max()) if every.size else (-HALF_TURN, 0.0)))
+    if "coherence" in panels:
+        axes[2].set_ylabel("coherence [-]")
+        axes[2].set_ylim(0, 1.05)
+
+
+def _looks(curves: Sequence[Curve]) -> list[dict[str, Any]]:
+    """Colour by output and dashes by input; of several responses, by transfer function and by response."""
+    sides = [(curve.pair, curve.name) for curve in curves]
+    if len({name for _, name in sides}) == 1:
+        sides = [(output, into) for output, _, into in (curve.pair.rpartition("/") for curve in curves)]
+    firsts, seconds = (list(dict.fromkeys(side[index] for side in sides)) for index in (0, 1))
+    if len(set(sides)) < len(sides):
+        return [style.line_style(number) for number in range(len(curves))]
+    sizes = (len(firsts), len(seconds))
+    return [style.paired_style(firsts.index(one), seconds.index(other), sizes) for one, other in sides]
+
+
+def _make_room(panel: Axes, sizes: FloatArray, *, decibels: bool, conventions: Conventions) -> None:
+    if sizes.size:
+        low, high = 0.6 * float(sizes.min()), 1.7 * float(sizes.max())
+        reference = conventions.db_reference
+        panel.set_ylim(*(20 * np.log10(np.array([low, high]) / reference) if decibels else (low, high)))
+
+
+def _line(panel: Axes, curve: Curve, data: FloatArray, look: dict[str, Any]) -> None:
+    """The curve, faint where it cannot be used."""
+    marker = "." if np.count_nonzero(np.isfinite(data)) == 1 else ""
+    panel.plot(curve.frequency, np.where(curve.is_usable, data, np.nan), label=curve.label, marker=marker, **look)
+    if not curve.is_usable.all():
+        first = max(int(np.argmin(curve.is_usable)) - 1, 0)
+        faint = {**look, "linewidth": 0.8, "alpha": 0.35}
+        panel.plot(curve.frequency[first:], data[first:], **faint)
+
+
+def _stretches(curve: Curve) -> list[tuple[float, float]]:
+    """Frequency ranges, half a step beyond their ends, where the measured input is too small to divide by."""
+    if not curve.poor.any():
+        return []
+    f = curve.frequency
+    middles = np.concatenate([f[:1], (f[1:] + f[:-1]) / 2, f[-1:]])
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], curve.poor.astype(int), [0]])))
+    return [(float(middles[start]), float(middles[end])) for start, end in edges.reshape(-1, 2)]
+
+
+def _dress_frequency(axes: Sequence[Axes], curves: Sequence[Curve], conventions: Conventions, *, x_log: bool) -> None:
+    every = np.concatenate([curve.frequency for curve in curves])
+    last = axes[-1]
+    last.set_xlabel(f"frequency [{conventions.frequency}]")
+    if x_log:
+        last.set_xscale("log")
+    if every.size and every.min() < every.max():
+        last.set_xlim(every.min(), every.max())
+    if x_log and every.size:
+        style.log_ticks(last.xaxis, float(every.min()), float(every.max()))
+
+
+def _pair(responses: Sequence[FrequencyResponse]) -> str:
+    """``theta_1/T_T`` where all curves show the same transfer function."""
+    pairs = {
+        f"{out.name}/{into.name}" for response in responses for out in response.outputs for into in response.inputs
+    }
+    return f"|{pairs.pop()}|" if len(pairs) == 1 else "magnitude"
+
+
+def _dress_magnitude(axes: Axes, what: str, unit: str, *, decibels: bool, conventions: Conventions) -> None:
+    shown = style.shown_unit(unit) if unit != "1" else "-"
+    if decibels:
+        reference = f"{conventions.db_reference:g}" + (f" {shown}" if unit != "1" else "")
+        axes.set_ylabel(f"{what} [dB re {reference}]")
+        return
+    text = f"{what} [{shown}]"
+    axes.set_ylabel(text, fontsize=style.FONT * min(1.0, LONGEST_LABEL / len(text)))
+    axes.set_yscale("log")
+    style.log_ticks(axes.yaxis, *axes.get_ylim())
+
+
+def _legend(figure: Figure, axes: Axes, curves: Sequence[Curve]) -> None:
+    """Below the axes, where it hides no data."""
+    handles, names = axes.get_legend_handles_labels()
+    if len(curves) == 1 and "/" in curves[0].label:
+        handles, names = [], []
+    if any(curve.poor.any() for curve in curves):
+        handles.append(Patch(color=style.FAINT))
+        names.append("measured input nearly zero: not to be trusted")
+    if not all(curve.is_usable.all() for curve in curves):
+        handles.append(Line2D([], [], color=style.MUTED, linewidth=0.8, alpha=0.5))
+        names.append("faint: motion too small for its sensor, or beyond decimation")
+    if handles:
+        is_short = all(len(curve.label) < SHORT_LABEL for curve in curves)
+        columns = min(len(names), 5 if is_short else 2)
+        look = {"frameon": False, "fontsize": style.SMALL, "handlelength": 3}
+        figure.legend(handles, names, loc="outside lower center", ncols=columns, **look)

@@ -1,0 +1,187 @@
+"""Test against model: both responses, and how far they are apart."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from torsionnet.plot import style
+from torsionnet.response import Conventions, FrequencyResponse
+from torsionnet.response.conventions import SI
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.phase import unwrapped
+from torsionnet.signals.advice import LEAST_COHERENCE
+from torsionnet.signals.comparison import difference
+
+TEST, MODEL = style.PALETTE[1], style.PALETTE[0]
+
+
+def comparison(
+    test: FrequencyResponse,
+    model: FrequencyResponse,
+    *,
+    output: str | None = None,
+    input: str | None = None,
+    conventions: Conventions = SI,
+    x_log: bool = True,
+    title: str | None = None,
+) -> Figure:
+    """One transfer function of a test over that of a model: magnitude, phase, coherence, and the differences.
+
+    Points at which the coherence is under 0.8 are hollow. Beyond the frequency up to which the test can be used, the
+    ground is grey.
+
+    Parameters
+    ----------
+    test, model : FrequencyResponse
+        At the same frequencies: ask the model at those of the test.
+    output, input : str, optional
+        Which transfer function; by default the first.
+    conventions : Conventions, optional
+    x_log : bool, optional
+    title : str, optional
+        By default that of the model.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    UsageError
+        The two have other frequencies, names or units.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> model = tn.load("dmf_rig").frequency_response("theta_1", "T_T", [1, 2, 5, 10, 20])
+    >>> len(comparison(model, model).axes)
+    4
+    """
+    first = (output or test.outputs[0].name, input or test.inputs[0].name)
+    test, model = (
+        _nonzero(response.select(*first)) if x_log else response.select(*first) for response in (test, model)
+    )
+    apart = difference(test, model)
+    rows = ["magnitude", "phase", *(["coherence"] if test.coherence is not None else []), "dB", "deg"]
+    heights = {"magnitude": 3.0, "phase": 2.2, "coherence": 1.0, "dB": 1.2, "deg": 1.2}
+    figure = style.new_figure(style.WIDTH, 1.2 + 0.72 * sum(heights[row] for row in rows))
+    panels = dict(
+        zip(
+            rows,
+            figure.subplots(len(rows), 1, sharex=True, gridspec_kw={"height_ratios": [heights[row] for row in rows]}),
+            strict=True,
+        )
+    )
+    for panel in panels.values():
+        style.dress(panel)
+    _responses(panels, test, model, conventions)
+    f = test.frequencies * conventions.frequency_scale
+    good = _is_coherent(test)
+    for name, values in (("dB", apart.decibels[:, 0, 0]), ("deg", apart.degrees[:, 0, 0])):
+        _points(panels[name], f, values, good, "")
+        panels[name].axhline(0, color=style.MUTED, linewidth=0.8)
+        panels[name].set_ylabel(f"test - model\n[{name}]")
+        _limit_to(panels[name], values[_is_usable(test) & good])
+    _dress(figure, panels, test, conventions, x_log=x_log)
+    style.heading(figure, model.title if title is None else title)
+    handles, names = panels["magnitude"].get_legend_handles_labels()
+    figure.legend(handles, names, loc="outside lower center", ncols=2, frameon=False, fontsize=style.SMALL)
+    return figure
+
+
+def _nonzero(response: FrequencyResponse) -> FrequencyResponse:
+    return response.between(float(np.nextafter(0, 1)), np.inf)
+
+
+def _is_coherent(test: FrequencyResponse) -> NDArray[np.bool_]:
+    if test.coherence is None:
+        return np.ones(len(test.frequencies), dtype=bool)
+    return np.asarray(test.coherence[:, 0, 0] >= LEAST_COHERENCE)
+
+
+def _is_usable(test: FrequencyResponse) -> NDArray[np.bool_]:
+    limit = np.inf if test.usable_up_to is None else test.usable_up_to
+    return np.asarray(test.frequencies <= limit)
+
+
+def _reliable(test: FrequencyResponse) -> FloatArray:
+    """Magnitudes that can be trusted."""
+    return np.asarray(test.magnitude[_is_usable(test) & _is_coherent(test), 0, 0])
+
+
+def _responses(
+    panels: dict[str, Axes], test: FrequencyResponse, model: FrequencyResponse, conventions: Conventions
+) -> None:
+    f, good = test.frequencies * conventions.frequency_scale, _is_coherent(test)
+    scale = test.scale(conventions)
+    size, phase = panels["magnitude"], panels["phase"]
+    size.plot(f, model.magnitude[:, 0, 0] * scale, color=MODEL, linewidth=1.6, label="model")
+    _points(size, f, test.magnitude[:, 0, 0] * scale, good, "test")
+    calculated = unwrapped(model.values[:, 0, 0])
+    apart = np.degrees(np.angle(test.values[:, 0, 0] / model.values[:, 0, 0]))
+    measured = calculated + (apart if test.has_phase else np.nan)
+    phase.plot(f, calculated, color=MODEL, linewidth=1.6)
+    _points(phase, f, measured, good, "")
+    reliable = measured[_is_usable(test) & good]
+    every = np.concatenate([curve[np.isfinite(curve)] for curve in (calculated, reliable)])
+    style.phase_ticks(phase, *((every.min(), every.max()) if every.size else (-180.0, 0.0)))
+    phase.set_ylabel("phase [deg]")
+    if test.coherence is not None:
+        panels["coherence"].plot(f, test.coherence[:, 0, 0], color=TEST, linewidth=1.2)
+        panels["coherence"].axhline(LEAST_COHERENCE, color=style.MUTED, linewidth=0.8, linestyle=":")
+        panels["coherence"].set_ylim(0, 1.05)
+        panels["coherence"].set_ylabel("coherence\n[-]")
+
+
+def _points(panel: Axes, f: FloatArray, values: FloatArray, good: NDArray[np.bool_], label: str) -> None:
+    look: dict[str, Any] = {
+        "color": TEST,
+        "markersize": 3.0,
+        "linestyle": "none",
+        "marker": "o",
+        "markeredgewidth": 0.7,
+    }
+    panel.plot(f, np.where(good, values, np.nan), label=label, **look)
+    if not good.all():
+        hollow = {**look, "markerfacecolor": "none", "alpha": 0.5}
+        panel.plot(f, np.where(good, np.nan, values), label=f"{label}, coherence under 0.8" if label else "", **hollow)
+
+
+def _limit_to(panel: Axes, values: FloatArray) -> None:
+    """Room for what can be trusted, whatever the rest does."""
+    finite = values[np.isfinite(values)]
+    reach = 1.25 * float(np.abs(finite).max()) if finite.size else 1.0
+    panel.set_ylim(-max(reach, 1e-3), max(reach, 1e-3))
+
+
+def _dress(
+    figure: Figure, panels: dict[str, Axes], test: FrequencyResponse, conventions: Conventions, *, x_log: bool
+) -> None:
+    f = test.frequencies * conventions.frequency_scale
+    axes, last = list(panels.values()), list(panels.values())[-1]
+    size = panels["magnitude"]
+    size.set_yscale("log")
+    shown = np.concatenate([line.get_ydata() for line in size.lines[:1]] + [_reliable(test) * test.scale(conventions)])
+    low, high = 0.6 * float(shown.min()), 1.7 * float(shown.max())
+    size.set_ylim(low, high)
+    style.log_ticks(size.yaxis, low, high)
+    unit = test.unit(conventions=conventions)
+    size.set_ylabel(
+        f"|{test.outputs[0].name}/{test.inputs[0].name}| [{style.shown_unit(unit) if unit != '1' else '-'}]"
+    )
+    last.set_xlabel(f"frequency [{conventions.frequency}]")
+    if x_log:
+        last.set_xscale("log")
+        style.log_ticks(last.xaxis, float(f.min()), float(f.max()))
+    last.set_xlim(f.min(), f.max())
+    figure.align_ylabels(axes)
+    if not _is_usable(test).all() and test.usable_up_to is not None:
+        for number, panel in enumerate(axes):
+            label = "test beyond the resolution of its sensor" if number == 0 else ""
+            start = test.usable_up_to * conventions.frequency_scale
+            panel.axvspan(start, f.max(), color=style.FAINT, alpha=0.6, linewidth=0, zorder=0.5, label=label)

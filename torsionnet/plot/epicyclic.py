@@ -1,0 +1,105 @@
+"""Planetary sets that a model builds from gears: found by their planets, drawn as one set."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
+
+from torsionnet.model.elements import GROUND, Element, Gear
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+
+MEMBERS = 2
+"""Meshes of a simple planet: with the sun and with the ring."""
+
+
+@dataclass(frozen=True)
+class EpicyclicSet:
+    """Gears on one moving housing, the carrier, whose planets mesh with a sun and with a ring.
+
+    ``planets`` are the nodes of the planets, ``bodies`` what is on them alone.
+    """
+
+    kind: ClassVar[str] = "epicyclic"
+    glyph: ClassVar[str] = "planetary"
+
+    name: str
+    ports: Mapping[str, str]
+    sun_meshes: tuple[Element, ...]
+    ring_meshes: tuple[Element, ...]
+    planets: tuple[str, ...]
+    bodies: tuple[Element, ...]
+
+    @property
+    def internal_nodes(self) -> tuple[str, ...]:
+        return self.planets
+
+    @property
+    def elements(self) -> tuple[Element, ...]:
+        return (*self.sun_meshes, *self.ring_meshes, *self.bodies)
+
+
+Boxed: TypeAlias = Element | EpicyclicSet
+"""What is drawn as a box with three ports."""
+
+
+def epicyclic_sets(drivetrain: Drivetrain) -> list[EpicyclicSet]:
+    """The sets in the order of their planets; planets between the same members belong together."""
+    found: dict[tuple[str, str, str], list[tuple[str, Element, Element]]] = {}
+    at = _at_nodes(drivetrain.elements.values())
+    for node, elements in at.items():
+        meshes = _meshes(node, elements, drivetrain.exact_values)
+        if meshes is not None:
+            sun, ring = meshes
+            key = (_mate(sun, node), _mate(ring, node), sun.ports["housing"])
+            found.setdefault(key, []).append((node, sun, ring))
+    # A planet that is also the sun of another set cannot be hidden in a box.
+    inner = {node for planets in found.values() for node, _, _ in planets}
+    return [_set(key, planets, at) for key, planets in found.items() if not inner & set(key)]
+
+
+def _set(
+    key: tuple[str, str, str], planets: list[tuple[str, Element, Element]], at: Mapping[str, list[Element]]
+) -> EpicyclicSet:
+    nodes, suns, rings = zip(*planets, strict=True)
+    meshes = {*suns, *rings}
+    bodies = tuple(element for node in nodes for element in at[node] if element not in meshes)
+    return EpicyclicSet(
+        suns[0].name, dict(zip(("sun", "ring", "carrier"), key, strict=True)), suns, rings, nodes, bodies
+    )
+
+
+def _at_nodes(elements: Iterable[Element]) -> dict[str, list[Element]]:
+    at: dict[str, list[Element]] = {}
+    for element in elements:
+        for node in dict.fromkeys(element.ports.values()):
+            if node != GROUND:
+                at.setdefault(node, []).append(element)
+    return at
+
+
+def _meshes(node: str, elements: list[Element], values: Mapping[str, Any]) -> tuple[Element, Element] | None:
+    """The meshes of a planet with its sun (external) and its ring (internal), if the node is a planet."""
+    gears = [element for element in elements if isinstance(element, Gear)]
+    alone = all(element in gears or _is_alone(element) for element in elements)
+    if len(gears) != MEMBERS or not alone or len({gear.housing for gear in gears}) > 1:
+        return None
+    if gears[0].housing in (None, GROUND, node) or any(node not in gear.nodes for gear in gears):
+        return None
+    external = [gear for gear in gears if float(gear.ratio_value(dict(values))) < 0]
+    internal = [gear for gear in gears if gear not in external]
+    if len(external) != 1 or _mate(external[0], node) in (_mate(internal[0], node), GROUND):
+        return None
+    return external[0], internal[0]
+
+
+def _is_alone(element: Element) -> bool:
+    """Whether nothing else turns with what the element is on."""
+    return len([node for node in dict.fromkeys(element.ports.values()) if node != GROUND]) == 1
+
+
+def _mate(gear: Element, node: str) -> str:
+    first, second = list(gear.ports.values())[:2]
+    return second if first == node else first

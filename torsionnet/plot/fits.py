@@ -1,0 +1,125 @@
+"""Fits: test and fitted model, what is left over, and how the parameters hang together."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from torsionnet.core.errors import UsageError
+from torsionnet.plot import style
+from torsionnet.plot.labels import symbol
+from torsionnet.response import SI, Conventions
+
+if TYPE_CHECKING:
+    from torsionnet.identification import Compared, Fit  # loads scipy.optimize, which pictures can do without
+
+MOST_MEASUREMENTS = 6
+HEIGHTS = (3.0, 2.2, 1.5)
+
+
+def fit(found: Fit, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
+    """A column for each measurement: magnitude and phase of test and model, and residuals in units of their noise.
+
+    Residuals that scatter about zero within two say that the model explains the test; a pattern in them says what it
+    lacks.
+
+    Parameters
+    ----------
+    found : Fit
+    conventions : Conventions, optional
+    title : str, optional
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.load("dmf_rig")
+    >>> test = rig.frequency_response("theta_1", "T_T", np.linspace(1, 20, 40))
+    >>> found = tn.identify(rig.configured(c_2=10), tn.Measurement(test, "theta_1", "T_T"), ["c_2"])
+    >>> len(fit(found).axes)
+    3
+    """
+    shown = found.comparisons[:MOST_MEASUREMENTS]
+    if not shown:
+        msg = "the fit holds no measurement to plot"
+        raise UsageError(msg)
+    width = max(style.WIDTH, 2.6 * len(shown))
+    figure = style.new_figure(width, 5.6)
+    panels = figure.subplots(
+        3, len(shown), sharex="col", sharey="row", squeeze=False, gridspec_kw={"height_ratios": HEIGHTS}
+    )
+    for column, one in enumerate(shown):
+        _column([row[column] for row in panels], one, conventions)
+    for row, label in zip(panels, _labels(shown[0], conventions), strict=True):
+        row[0].set_ylabel(label)
+    size = panels[0][0]
+    style.log_ticks(size.yaxis, *size.get_ylim())
+    every = np.concatenate([_phase(one.measured if one.has_phase else one.fitted) for one in shown])
+    style.phase_ticks(panels[1][0], float(every.min()), float(every.max()))
+    above, below = size.get_legend_handles_labels(), panels[2][0].get_legend_handles_labels()
+    handles, names = above[0] + below[0], above[1] + below[1]
+    figure.legend(handles, names, loc="outside lower center", ncols=4, frameon=False, fontsize=style.SMALL)
+    values = ", ".join(f"{name} = {value:.4g}" for name, value in list(found.values.items())[:4])
+    style.heading(figure, f"{found.title}: {values}" if title is None else title)
+    return figure
+
+
+def correlation(found: Fit, *, title: str | None = None) -> Figure:
+    """Correlation of the parameters as a matrix: near 1 or -1 the data cannot tell two of them apart."""
+    names = list(found.values)
+    side = max(3.0, 0.55 * len(names) + 1.6)
+    figure = style.new_figure(side + 0.8, side)
+    axes = figure.subplots()
+    shown_names = [symbol(name) for name in names]
+    shown = axes.imshow(found.correlation, cmap="RdBu_r", vmin=-1, vmax=1, aspect="auto")
+    axes.set_xticks(range(len(names)), shown_names, rotation=45, ha="right", fontsize=style.SMALL)
+    axes.set_yticks(range(len(names)), shown_names, fontsize=style.SMALL)
+    for i in range(len(names)):
+        for j in range(len(names)):
+            value = float(found.correlation[i, j])
+            colour = style.PAPER if abs(value) > 0.6 else style.INK  # noqa: PLR2004
+            axes.text(j, i, f"{value:.2f}", ha="center", va="center", fontsize=style.SMALL, color=colour)
+    bar = figure.colorbar(shown, ax=axes)
+    bar.set_label("correlation [-]", fontsize=style.FONT)
+    bar.ax.tick_params(labelsize=style.SMALL)
+    style.heading(figure, found.title if title is None else title)
+    return figure
+
+
+def _column(panels: list[Axes], one: Compared, conventions: Conventions) -> None:
+    size, phase, left = panels
+    scale = conventions.scale("rad") ** (("rad" in one.unit.partition("/")[0]) - ("rad" in one.unit.partition("/")[2]))
+    f = one.frequencies * conventions.frequency_scale
+    test = {"color": style.PALETTE[1], "marker": "o", "markersize": 3.0, "linestyle": "none"}
+    size.plot(f, np.abs(one.measured) * scale, label="test", **test)  # type: ignore[arg-type]
+    size.plot(f, np.abs(one.fitted) * scale, label="model, estimated alike", color=style.PALETTE[0], linewidth=1.4)
+    phase.plot(f, _phase(one.fitted), color=style.PALETTE[0], linewidth=1.4)
+    left.axhspan(-2, 2, color=style.FAINT, alpha=0.6, linewidth=0)
+    if one.has_phase:
+        phase.plot(f, _phase(one.measured), **test)  # type: ignore[arg-type]
+        rest = (one.measured - one.fitted) / one.deviation
+        left.plot(f, rest.real, color=style.PALETTE[2], marker=".", linewidth=0.8, label="residual, real part")
+        left.plot(f, rest.imag, color=style.PALETTE[3], marker=".", linewidth=0.8, label="imaginary part")
+    else:
+        larger = (np.abs(one.measured) - np.abs(one.fitted)) / one.deviation
+        left.plot(f, larger, color=style.PALETTE[2], marker=".", linewidth=0.8, label="residual of the magnitude")
+    size.set_yscale("log")
+    size.set_title(one.name, fontsize=style.FONT)
+    left.set_xlabel(f"frequency [{conventions.frequency}]")
+    for panel in panels:
+        style.dress(panel)
+
+
+def _phase(values: np.ndarray[tuple[int], np.dtype[np.complex128]]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    return np.unwrap(np.degrees(np.angle(values)), period=360)
+
+
+def _labels(one: Compared, conventions: Conventions) -> tuple[str, str, str]:
+    unit = style.shown_unit(one.unit.replace("rad", conventions.angle)) if one.unit != "1" else "-"
+    return f"magnitude [{unit}]", "phase [deg]", "(test - model)\nover noise [-]"

@@ -1,0 +1,77 @@
+"""The symbols of elements in a schematic, each along a line from (0, 0); where it stands turns and moves it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from torsionnet.model.elements import Element
+from torsionnet.plot.outlines import BODY, Glyph, rectangle, wheel
+from torsionnet.plot.pieces import Point, Stroke, arc
+from torsionnet.plot.strands import network
+
+
+def _spring(element: Element, values: Mapping[str, Any]) -> Glyph:
+    return network(element, values, "spring")
+
+
+def _damper(element: Element, values: Mapping[str, Any]) -> Glyph:
+    return network(element, values, "damper")
+
+
+def _disc(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """A mass between two ends."""
+    del element, values
+    return Glyph((Stroke(((0, 0), (30, 0)), "shaft"), rectangle(8.5, 21.5, -15, 15, BODY)), 30, 16)
+
+
+def _coupling(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """Two flanges face to face."""
+    del element, values
+    flanges = (rectangle(10, 15, -13, 13, BODY), rectangle(15, 20, -13, 13, BODY))
+    return Glyph((Stroke(((0, 0), (10, 0)), "shaft"), *flanges, Stroke(((20, 0), (30, 0)), "shaft")), 30, 14)
+
+
+def _shaft(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """A thin cylinder, with a line between its segments."""
+    del values
+    start, end, half = 5.0, 55.0, 6.0
+    outline = (*arc(start, 0, 2.5, half, 90, 270, 8), *arc(end, 0, 2.5, half, -90, 90, 8))
+    given = getattr(element, "segments", 1)
+    count = min(given, 6) if isinstance(given, int) else 1
+    cuts = [start + (end - start) * i / count for i in range(1, count)]
+    body = Stroke(outline, "part", closed=True, fill=BODY)
+    rings = [Stroke(arc(x, 0, 2.5, half, -90, 90, 8), "thin") for x in (*cuts, end - 0.01)]
+    leads = [Stroke(((0, 0), (start - 2.5, 0)), "shaft"), Stroke(((end + 2.5, 0), (60, 0)), "shaft")]
+    return Glyph((*leads, body, *rings[:-1]), 60, 8)
+
+
+def _gear(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """A stage in line, where there is no room for two shafts."""
+    del element, values
+    out: tuple[Point, ...] = ((15, -16), (30, -16), (30, 0), (42, 0))
+    return Glyph(
+        (Stroke(((0, 0), (15, 0)), "shaft"), Stroke(out, "shaft"), *wheel(15, 0, 8), *wheel(15, -16, 8)), 42, 26
+    )
+
+
+def _other(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """Any element without a symbol of its own."""
+    del element, values
+    leads = (Stroke(((0, 0), (8, 0)), "shaft"), Stroke(((40, 0), (48, 0)), "shaft"))
+    return Glyph((*leads, rectangle(8, 40, -10, 10, "#ffffff")), 48, 11)
+
+
+_INLINE: dict[str, Callable[[Element, Mapping[str, Any]], Glyph]] = {
+    "disc": _disc,
+    "spring": _spring,
+    "damper": _damper,
+    "coupling": _coupling,
+    "shaft": _shaft,
+    "gear": _gear,
+}
+
+
+def inline_glyph(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """The symbol of an element between two ends."""
+    return _INLINE.get(element.glyph, _other)(element, values)

@@ -1,0 +1,86 @@
+"""Signals over time."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from torsionnet.core.errors import UsageError
+from torsionnet.plot import style
+from torsionnet.response import Conventions
+from torsionnet.response.conventions import SI
+from torsionnet.response.recording import FloatArray, Recording
+
+MOST_POINTS = 4000
+"""More than a page is wide in dots."""
+
+
+def time_histories(
+    recording: Recording,
+    names: str | Sequence[str] | None = None,
+    *,
+    conventions: Conventions = SI,
+    title: str | None = None,
+) -> Figure:
+    """Signals over time, one below the other.
+
+    Of long records the smallest and largest value of every stretch are drawn, so that no peak is lost.
+
+    Parameters
+    ----------
+    recording : Recording
+    names : str or sequence of str, optional
+        By default all signals.
+    conventions : Conventions, optional
+        Unit of angles.
+    title : str, optional
+        By default that of the recording.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> record = tn.load("dmf_rig").simulate("theta_1", {"T_M": np.ones(200)}, 1e3)
+    >>> [axes.get_ylabel() for axes in time_histories(record, conventions=tn.Conventions(angle="deg")).axes]
+    ['T_M [N·m]', 'theta_1 [deg]']
+    """
+    chosen = recording if names is None else recording.select([names] if isinstance(names, str) else names)
+    if not len(chosen):
+        msg = "the recording has no samples to plot"
+        raise UsageError(msg)
+    figure = style.new_figure(style.WIDTH, 1.0 + 1.5 * len(chosen.signals))
+    panels = figure.subplots(len(chosen.signals), 1, sharex=True, squeeze=False)[:, 0]
+    for number, (panel, signal) in enumerate(zip(panels, chosen, strict=True)):
+        style.dress(panel)
+        scale = conventions.scale(signal.unit) if signal.unit else 1.0
+        time, values = thinned(chosen.time, signal.values * scale)
+        panel.plot(time, values, color=style.PALETTE[number % len(style.PALETTE)], linewidth=0.7)
+        unit = style.shown_unit(conventions.unit(signal.unit)) if signal.unit else "unit unknown"
+        panel.set_ylabel(f"{signal.name} [{unit}]")
+    panels[-1].set_xlabel("time [s]")
+    panels[-1].set_xlim(chosen.time[0], chosen.time[-1])
+    figure.align_ylabels(list(panels))
+    style.heading(figure, recording.title if title is None else title)
+    return figure
+
+
+def thinned(time: FloatArray, values: FloatArray, most: int = MOST_POINTS) -> tuple[FloatArray, FloatArray]:
+    """Points that draw the same picture: of every stretch the smallest and the largest value.
+
+    >>> thinned(np.arange(8.0), np.array([0, 1, 0, -1, 0, 0, 5, 0.0]), most=4)[1].tolist()
+    [-1.0, 1.0, 0.0, 5.0]
+    """
+    if len(values) <= most:
+        return time, values
+    length = -(-len(values) // (most // 2))
+    whole = len(values) // length * length
+    parts = values[:whole].reshape(-1, length)
+    low, high = np.nanmin(parts, axis=1), np.nanmax(parts, axis=1)
+    starts = time[:whole:length]
+    pairs = np.column_stack([low, high]).ravel()
+    return np.concatenate([np.repeat(starts, 2), time[whole:]]), np.concatenate([pairs, values[whole:]])

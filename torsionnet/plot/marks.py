@@ -1,0 +1,46 @@
+"""Inputs and sensors on a shaft, with their names above it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from torsionnet.plot import outlines
+from torsionnet.plot.pieces import Piece, Stroke, Texts
+from torsionnet.plot.texts import broken
+
+TOPS = {"input": 19.0, "motion": 20.0, "torque": 20.0}
+"""Points above the shaft where the name of each kind of mark begins."""
+
+ARROW = 17.0
+"""Half the height of a torque arrow."""
+
+
+@dataclass(frozen=True)
+class Mark:
+    """An input, or a sensor of motion or torque."""
+
+    kind: str
+    name: str
+    what: str
+
+    def drawn(self, lift: float = 0.0) -> Piece:
+        """Around x = 0, with the name so much higher than usual."""
+        top = TOPS[self.kind] + lift
+        piece = Piece()
+        if self.kind == "input":
+            piece.strokes += outlines.torque_arrow(0.0)
+            piece.boxes.append((-8, 8, -ARROW - 2, TOPS["input"]))
+        else:
+            piece.strokes += outlines.sensor_mark(0.0, torque=self.kind == "torque", leader=top)
+            piece.boxes.append((-5, 5, -5, TOPS["torque"]))
+        if lift:
+            leader = Stroke(((0, ARROW), (0, top)), "leader")
+            piece.strokes += [leader] if self.kind == "input" else []
+            piece.boxes.append((-1.5, 1.5, 0, top))
+        piece.write(0, top, self.texts)
+        return piece
+
+    @property
+    def texts(self) -> Texts:
+        """Its name and what it is."""
+        return broken([(self.name, "input" if self.kind == "input" else "sensor"), (self.what, "what")])

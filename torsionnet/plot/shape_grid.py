@@ -1,0 +1,197 @@
+"""Mode shapes of several configurations: one row of small panels for each, one column for each vibration.
+
+All panels are drawn into one axes, in inches: a dozen axes with ticks of their own take a second, this a tenth of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+
+from torsionnet.plot import style
+from torsionnet.plot.shapes import (
+    IMAGINARY,
+    JOINS,
+    MANY_NODES,
+    OUT_OF_PHASE,
+    REAL,
+    View,
+    scatter,
+    shown,
+    view_of,
+)
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.modes import OSCILLATORY
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.response import Modes
+
+MOST_COLUMNS, WRAPPED = 4, 3
+"""Panels side by side at most, and where the modes of a single configuration fill several rows."""
+TALL, LOW, TITLES, LABEL, LETTER, NAME = 0.5, 0.36, 0.42, 0.2, 0.062, 0.17
+MANY_ROWS = 3
+"""Rows of panels up to which they are tall."""
+LEFT, RIGHT, BETWEEN, EDGE = 0.32, 0.1, 0.22, 0.2
+TINY = style.SMALL - 1
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Where a mode is drawn: the left end and the zero line in inches, and the width."""
+
+    case: int
+    mode: int
+    row: int
+    column: int
+    x: float
+    y: float
+    width: float
+    half: float
+
+
+def shape_grid(modes: Sequence[Modes], drivetrains: Sequence[Drivetrain], labels: Sequence[str]) -> Figure:
+    """Relative angles of the nodes, referred to one shaft, in the vibrations of several configurations.
+
+    Parameters
+    ----------
+    modes : sequence of Modes
+        At least one of which has modes.
+    drivetrains : sequence of Drivetrain
+        Give order, lines and ratios.
+    labels : sequence of str
+        Name of each row; empty where there is one only.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        One axes without ticks, in inches.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.load("dmf_rig")
+    >>> texts = [text.get_text() for text in shape_grid([rig.modes()], [rig], [""]).axes[0].texts]
+    >>> [text for text in texts if "Hz" in text]
+    ['Mode 1: 7.105 Hz', 'Mode 2: 80.98 Hz']
+    """
+    longest = max(len(node) for one in modes for node in one.nodes)
+    below = 0.2 + LETTER * min(longest, 18)
+    views = [view_of(one, rig) for one, rig in zip(modes, drivetrains, strict=True)]
+    panels, height = _panels(modes, below)
+    figure = Figure(figsize=(style.WIDTH, height), facecolor=style.PAPER)
+    axes = figure.add_axes((0, 0, 1, 1), xlim=(0, style.WIDTH), ylim=(0, height))
+    axes.set_axis_off()
+    lowest = {panel.column: max(one.row for one in panels if one.column == panel.column) for panel in panels}
+    for panel in panels:
+        one = modes[panel.case]
+        _frame(axes, panel)
+        _shape(axes, panel, one, views[panel.case])
+        axes.text(panel.x, panel.y + panel.half + 0.1, _title(one, panel.mode), fontsize=style.SMALL, color=style.INK)
+        if panel.column == 0 and len(modes) > 1:
+            _label(axes, panel, labels[panel.case])
+        if panel.row == lowest[panel.column]:
+            _names(axes, panel, views[panel.case])
+    return figure
+
+
+def _panels(modes: Sequence[Modes], below: float) -> tuple[list[Panel], float]:
+    """The panels and the height of all."""
+    drawn = _drawn(modes)
+    if len(modes) == 1:
+        count = len(drawn[0])
+        across = count if count <= MOST_COLUMNS else WRAPPED
+        places = [(0, index, place // across, place % across) for place, index in enumerate(drawn[0])]
+    else:
+        places = [
+            (row, index, row, column)
+            for row, indices in enumerate(drawn)
+            for column, index in enumerate(indices[:MOST_COLUMNS])
+        ]
+    rows, columns = 1 + max(place[2] for place in places), max(2, 1 + max(place[3] for place in places))
+    step = (style.WIDTH - LEFT - RIGHT + BETWEEN) / columns
+    half = TALL if rows <= MANY_ROWS else LOW
+    rise = 2 * half + TITLES + (LABEL if len(modes) > 1 else 0)
+    panels = [
+        Panel(*place, LEFT + place[3] * step, below + half + (rows - 1 - place[2]) * rise, step - BETWEEN, half)
+        for place in places
+    ]
+    return panels, below + rows * rise
+
+
+def _drawn(modes: Sequence[Modes]) -> list[list[int]]:
+    """The vibrations of each configuration; what only turns or creeps where nothing vibrates."""
+    vibrations = [[index for index, kind in enumerate(one.kinds) if kind == OSCILLATORY] for one in modes]
+    return vibrations if any(vibrations) else [list(range(len(one))) for one in modes]
+
+
+def _frame(axes: Axes, panel: Panel) -> None:
+    """Zero line, and a scale from -1 to 1 on the left."""
+    x, y, half = panel.x, panel.y, panel.half
+    ticks = [[(x - 0.03, y + level), (x, y + level)] for level in (-half, 0.0, half)]
+    lines = [[(x, y - half), (x, y + half)], [(x, y), (x + panel.width, y)], *ticks]
+    axes.add_collection(LineCollection(lines, colors=style.MUTED, linewidths=0.7), autolim=False)
+    if panel.column == 0:
+        for level, text in ((-half, "−1"), (0.0, "0"), (half, "1")):
+            axes.text(x - 0.06, y + level, text, fontsize=TINY, ha="right", va="center", color=style.INK)
+
+
+def _places(panel: Panel, view: View) -> FloatArray:
+    """Where the stations stand."""
+    edge = min(EDGE, panel.width / 4)
+    x = np.array([station.x for station in view.axis.stations])
+    return np.asarray(panel.x + edge + x * (panel.width - 2 * edge) / max(view.axis.end, 1.0))
+
+
+def _shape(axes: Axes, panel: Panel, modes: Modes, view: View) -> None:
+    shape, x = shown(modes, panel.mode, view), _places(panel, view)
+    size = 3.5 if len(x) <= MANY_NODES else 1.8
+    parts = [(shape.real, REAL, 1.3, REAL)]
+    if scatter(shape) > OUT_OF_PHASE:
+        parts.insert(0, (shape.imag, IMAGINARY, 0.9, style.PAPER))
+    for part, color, width, face in parts:
+        y = panel.y + panel.half * part
+        for kind, look in JOINS.items():
+            lines = [
+                [(x[join.first], y[join.first]), (x[join.second], y[join.second])]
+                for join in view.axis.joins
+                if join.kind == kind
+            ]
+            drawn = LineCollection(lines, colors=color, linewidths=width, linestyles=[look], zorder=2)
+            axes.add_collection(drawn, autolim=False)
+        again = np.array([station.again for station in view.axis.stations], dtype=bool)
+        axes.plot(x[again], y[again], "o", color=color, markerfacecolor=style.PAPER, markersize=size - 1, zorder=3)
+        axes.plot(x[~again], y[~again], "o", color=color, markerfacecolor=face, markersize=size, zorder=3)
+
+
+def _names(axes: Axes, panel: Panel, view: View) -> None:
+    x = _places(panel, view)
+    y = panel.y - panel.half - 0.08
+    look: dict[str, Any] = {"fontsize": TINY, "rotation": 45, "ha": "right", "va": "top", "rotation_mode": "anchor"}
+    most = max(2, int(panel.width / NAME))
+    for index in range(0, len(x), -(-len(x) // most)):
+        station = view.axis.stations[index]
+        name = station.node.replace("_", " ")
+        text = f"({name})" if station.again else name
+        axes.text(x[index] + 0.03, y, text, color=style.INK, parse_math=False, **look)
+
+
+def _label(axes: Axes, panel: Panel, text: str) -> None:
+    """Name of the configuration above its row."""
+    y = panel.y + panel.half + 0.1 + LABEL
+    axes.text(panel.x, y, text, fontsize=style.SMALL, color=style.INK, fontweight="bold", parse_math=False)
+
+
+def _title(modes: Modes, index: int) -> str:
+    where = f"Mode {index + 1}"
+    if modes.kinds[index] == "rigid body":
+        return f"{where}: rigid body"
+    if modes.kinds[index] == "real pole":
+        return f"{where}: overdamped"
+    return f"{where}: {modes.natural_frequencies[index]:.4g} Hz"

@@ -1,0 +1,297 @@
+"""Mode shapes: one small panel for each mode, the nodes of the drivetrain along it, branch by branch."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.plot import style
+from torsionnet.plot.stations import Axis, axis_of, idle_nodes, plain_axis, ratios
+from torsionnet.response import SI, Conventions, Modes
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+
+MOST = 12
+"""Modes shown unless others are asked for."""
+
+COLUMNS, WIDE = 2, 16
+"""Panels beside each other, unless there are more stations than this."""
+
+MOST_LETTERS, HANDLE = 105, 8
+"""Letters beside each other in a legend, and those that a line takes the room of."""
+MANY_NODES, FEW_LETTERS, FEW_NAMES = 24, 22, 4
+STANDING = 1e-9
+LIMIT, CLOSE = 1.45, 2.2
+OUT_OF_PHASE = 10.0
+"""Degrees by which the nodes scatter around one phase, weighted by how far they move, before a panel says so."""
+
+REAL, IMAGINARY = style.PALETTE[0], style.PALETTE[5]
+JOINS: dict[str, Any] = {"shaft": "-", "gear": (0, (1, 1.2)), "box": (0, (4, 2))}
+
+
+@dataclass(frozen=True)
+class View:
+    """How shapes are shown: along which axis, and by which factor each node's own angle is multiplied."""
+
+    axis: Axis
+    factors: NDArray[np.float64]
+    """One for each node of the modes."""
+    label: str
+    free: tuple[str, ...] = ()
+    """Moving nodes to which no fixed ratio leads."""
+    standing: tuple[str, ...] = ()
+    """Moving nodes that stand still on average, whose own angle is shown."""
+    idle: tuple[str, ...] = ()
+    """Nodes left out because they only run along."""
+
+
+def mode_shapes(
+    modes: Modes,
+    drivetrain: Drivetrain | None = None,
+    *,
+    which: Sequence[int] | None = None,
+    conventions: Conventions = SI,
+    title: str | None = None,
+    referred_to: str | None = None,
+    own_angles: bool = False,
+    idle: bool = False,
+) -> Figure:
+    """Relative angles of the nodes in each mode, referred to one shaft.
+
+    The nodes stand in the order of the schematic: the main line, then its branches, each beginning with the node it
+    leaves (in brackets). Angles are multiplied by the ratio to one shaft, so that a rigid gear, marked by a dotted
+    line and its ratio, makes no jump and a slow shaft does not look as if it stood still; the label of the axis names
+    that shaft. Each shape is turned and scaled so that its largest value is 1. Dots are the real part; where the nodes
+    do not pass through zero together, open dots are the imaginary part and the panel gives the scatter of the phase.
+
+    Parameters
+    ----------
+    modes : Modes
+    drivetrain : Drivetrain, optional
+        Gives order, lines and ratios; without it own angles are shown in the order of ``modes.nodes``.
+    which : sequence of int, optional
+        Modes by their number in the table, from 1; by default the first twelve.
+    conventions : Conventions, optional
+        Unit of the frequencies.
+    title : str, optional
+        By default the title of the modes.
+    referred_to : str, optional
+        The node to whose speed angles are referred; by default the first one. Ratios are those of the mean speeds: of
+        the operating point where it tells them, else with housings on springs at rest and the outputs of an open
+        differential alike. Behind a planetary set that leaves them open the ratio of the shaft in front is kept, and
+        what stands still on average shows its own angle; the legend says so.
+    own_angles : bool, optional
+        Each node's own angle instead; gears then jump by their ratio.
+    idle : bool, optional
+        Also gear wheels that only run along: behind a rigid gear beside others, with nothing further on.
+
+    Raises
+    ------
+    UsageError
+        There is no such mode or node, or angles are to be referred without a drivetrain.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.load("dmf_rig")
+    >>> [panel.get_title() for panel in mode_shapes(rig.modes(), rig).axes]
+    ['1: 7.105 Hz, zeta = 22.3 %', '2: 80.98 Hz, zeta = 1.39 %']
+    """
+    chosen = _chosen(modes, which)
+    view = view_of(modes, drivetrain, referred_to, own=own_angles, idle=idle)
+    figure = _panels(modes, chosen, view, conventions)
+    style.heading(figure, modes.title if title is None else title)
+    return figure
+
+
+def view_of(
+    modes: Modes,
+    drivetrain: Drivetrain | None,
+    referred_to: str | None = None,
+    *,
+    own: bool = False,
+    idle: bool = False,
+) -> View:
+    """Axis and factors for shapes referred to one shaft, or for each node's own angle."""
+    if referred_to is not None and referred_to not in modes.nodes:
+        msg = f'no node is named "{referred_to}"{did_you_mean(referred_to, modes.nodes)}'
+        raise UsageError(msg)
+    ones = np.ones(len(modes.nodes))
+    if drivetrain is None:
+        if referred_to is not None:
+            msg = "angles can be referred to a node only where the drivetrain is given too"
+            raise UsageError(msg)
+        return View(plain_axis(modes.nodes), ones, "angle of each node [-]")
+    left_out = () if idle else tuple(node for node in drivetrain.nodes if node in idle_nodes(drivetrain))
+    axis = axis_of(drivetrain, left_out)
+    if own or not axis.stations:
+        return View(axis, ones, "angle of each node [-]", idle=left_out)
+    reference = referred_to or axis.stations[0].node
+    found = ratios(drivetrain, reference)
+    factors = np.array([found.of[node] for node in modes.nodes])
+    # Without any ratio a referred angle is the angle itself.
+    plain = np.allclose(factors, 1.0, rtol=1e-12)
+    label = "angle [-]" if plain else f"angle referred to {reference} [-]"
+    # What cannot turn stays at zero whatever its ratio.
+    seen = {station.node for station in axis.stations}
+    seen = {node for node in seen if np.any(np.abs(modes.shapes[modes.nodes.index(node)]) > STANDING)}
+    free, standing = (tuple(node for node in some if node in seen) for some in (found.free, found.standing))
+    return View(axis, factors, label, free, standing, left_out)
+
+
+def _panels(modes: Modes, chosen: Sequence[int], view: View, conventions: Conventions) -> Figure:
+    columns = 1 if len(view.axis.stations) > WIDE else min(COLUMNS, max(1, len(chosen)))
+    rows = -(-len(chosen) // columns)
+    longest = max((len(node) for node in modes.nodes), default=1)
+    figure = style.new_figure(style.WIDTH, 0.9 + rows * (1.5 + 0.05 * min(longest, 16)))
+    scattered = False
+    if chosen:
+        grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+        for index, axes in zip(chosen, grid.flat, strict=False):
+            scattered |= _panel(axes, modes, index, view, conventions)
+        for axes in list(grid.flat)[len(chosen) :]:
+            axes.remove()
+        for axes in grid[-1, :] if len(chosen) % columns == 0 else [*grid[-1, :1], *grid[-2:-1, 1]]:
+            axes.tick_params(labelbottom=True)
+        figure.supylabel(view.label, fontsize=style.FONT)
+    _legend(figure, len(modes), chosen, view, scattered=scattered)
+    return figure
+
+
+def _chosen(modes: Modes, which: Sequence[int] | None) -> list[int]:
+    if which is None:
+        return list(range(min(MOST, len(modes))))
+    for number in which:
+        if not 1 <= number <= len(modes):
+            msg = f"there is no mode {number}; the modes are numbered 1 to {len(modes)}"
+            raise UsageError(msg)
+    return [number - 1 for number in which]
+
+
+def shown(modes: Modes, index: int, view: View) -> NDArray[np.complex128]:
+    """The shape at the stations, turned and scaled so that its largest value is 1."""
+    place = {node: index for index, node in enumerate(modes.nodes)}
+    referred = modes.shapes[:, index] * view.factors
+    shape = np.array([referred[place[station.node]] for station in view.axis.stations], dtype=complex)
+    largest = shape[np.argmax(np.abs(shape))] if shape.size else 1.0
+    return np.asarray(shape / largest if largest else shape, dtype=complex)
+
+
+def scatter(shape: NDArray[np.complex128]) -> float:
+    """Mean angle in degrees between the nodes' phases and 0 or 180 degrees, weighted by amplitude.
+
+    Parameters
+    ----------
+    shape : array of complex, (stations,)
+        Real where it is largest.
+
+    Examples
+    --------
+    >>> scatter(np.array([1, -1, 0.5j])), scatter(np.array([1, 1j]))
+    (18.0, 45.0)
+    """
+    size = np.abs(shape)
+    if not size.any():
+        return 0.0
+    off = np.abs(np.degrees(np.arctan2(shape.imag, np.abs(shape.real))))
+    return float(np.average(off, weights=size))
+
+
+def _panel(axes: Axes, modes: Modes, index: int, view: View, conventions: Conventions) -> bool:
+    """One mode; gives whether its imaginary part is shown."""
+    shape = shown(modes, index, view)
+    x = np.array([station.x for station in view.axis.stations])
+    out = scatter(shape)
+    style.dress(axes)
+    axes.axhline(0, color=style.MUTED, linewidth=0.8)
+    _marks(axes, view.axis)
+    if out > OUT_OF_PHASE:
+        _curve(axes, view.axis, x, shape.imag, IMAGINARY, style.PAPER, 0.9)
+        axes.text(0.5, 0.03, f"phases scatter by {out:.0f}°", transform=axes.transAxes, ha="center",
+                  fontsize=style.SMALL - 1, color=style.MUTED)  # fmt: skip
+    _curve(axes, view.axis, x, shape.real, REAL, REAL, 1.6)
+    axes.vlines(x, 0, shape.real, color=REAL, linewidth=0.6, alpha=0.5)
+    axes.set_ylim(-LIMIT, LIMIT)
+    axes.set_xlim(-0.5, view.axis.end + 0.5)
+    axes.set_title(_title(modes, index, conventions), fontsize=style.FONT, color=style.INK)
+    _name_nodes(axes, view.axis)
+    return out > OUT_OF_PHASE
+
+
+def _curve(
+    axes: Axes, axis: Axis, x: NDArray[np.float64], part: NDArray[np.float64], color: str, face: str, width: float
+) -> None:
+    for join in axis.joins:
+        ends = [join.first, join.second]
+        axes.plot(x[ends], part[ends], color=color, linewidth=width, linestyle=JOINS[join.kind], label="_join")
+    again = np.array([station.again for station in axis.stations], dtype=bool)
+    size = 4.5 if len(x) <= MANY_NODES else 2.5
+    axes.plot(x[again], part[again], "o", color=color, markerfacecolor=style.PAPER, markersize=size - 1, zorder=3)
+    axes.plot(x[~again], part[~again], "o", color=color, markerfacecolor=face, markersize=size, zorder=3)
+
+
+def _marks(axes: Axes, axis: Axis) -> None:
+    """Borders between branches, and gears with their ratio."""
+    for border in axis.borders:
+        axes.axvline(border, color=style.FAINT, linewidth=4.0, zorder=0.5)
+    before, low = -CLOSE, False
+    for join in (join for join in axis.joins if join.kind == "gear"):
+        middle = (axis.stations[join.first].x + axis.stations[join.second].x) / 2
+        # Texts of gears beside each other stand at two heights.
+        low = middle - before < CLOSE and not low
+        before = middle
+        axes.axvline(middle, color=style.MUTED, linewidth=0.8, linestyle=(0, (1, 2)), zorder=0.6)
+        text = axes.text(middle, LIMIT - (0.22 if low else 0.02), f"$\\tau$ = {join.label}", ha="center", va="top")
+        text.set(fontsize=style.SMALL - 1.5, color=style.MUTED)
+        text.set_bbox({"facecolor": style.PAPER, "edgecolor": "none", "pad": 0.6})
+
+
+def _name_nodes(axes: Axes, axis: Axis) -> None:
+    stations = axis.stations[:: -(-len(axis.stations) // MANY_NODES) or 1]
+    names = [f"({station.node})" if station.again else station.node for station in stations]
+    crowded = len(names) * max((len(name) for name in names), default=0) > FEW_LETTERS
+    turned: dict[str, Any] = {"rotation": 45, "ha": "right", "rotation_mode": "anchor"} if crowded else {}
+    axes.set_xticks([station.x for station in stations], names, fontsize=style.SMALL - 1, **turned)
+
+
+def _title(modes: Modes, index: int, conventions: Conventions) -> str:
+    if modes.kinds[index] == "rigid body":
+        return f"{index + 1}: rigid body"
+    if modes.kinds[index] == "real pole":
+        return f"{index + 1}: real pole, {modes.eigenvalues[index].real:.4g} rad/s"
+    frequency = modes.natural_frequencies[index] * conventions.frequency_scale
+    return f"{index + 1}: {frequency:.4g} {conventions.frequency}, zeta = {100 * modes.damping_ratios[index]:.3g} %"
+
+
+def _legend(figure: Figure, total: int, chosen: Sequence[int], view: View, *, scattered: bool) -> None:
+    handles = [Line2D([], [], color=REAL, marker="o", markersize=4.5, linewidth=1.6)]
+    names = ["real part" if scattered else "shape"]
+    if scattered:
+        handles.append(Line2D([], [], color=IMAGINARY, marker="o", markerfacecolor=style.PAPER, markersize=4.5))
+        names.append("imaginary part")
+    words = {"gear": "gear", "box": "planetary set, differential"}
+    for kind in sorted({join.kind for join in view.axis.joins} & set(words), reverse=True):
+        handles.append(Line2D([], [], color=REAL, linestyle=JOINS[kind], linewidth=1.6))
+        names.append(words[kind])
+    remarks = [f"no fixed ratio to {_few(view.free)}"] if view.free else []
+    remarks += [f"own angle of {_few(view.standing)}"] if view.standing else []
+    remarks += [f"{len(view.idle)} idle gear wheels not shown"] if view.idle else []
+    remarks += [f"{len(chosen)} of {total} modes shown"] if len(chosen) < total else []
+    handles += [Line2D([], [], linestyle="") for _ in remarks]
+    names += remarks
+    columns = max(1, min(5, int(MOST_LETTERS / (max(map(len, names)) + HANDLE))))
+    figure.legend(handles, names, loc="outside lower center", ncols=columns, frameon=False, fontsize=style.SMALL)
+
+
+def _few(names: Sequence[str]) -> str:
+    more = f" and {len(names) - FEW_NAMES} more" if len(names) > FEW_NAMES else ""
+    return ", ".join(names[:FEW_NAMES]) + more

@@ -1,0 +1,146 @@
+"""Spectrograms, order maps and harmonics of a sweep."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from torsionnet.plot import style
+from torsionnet.response import Conventions
+from torsionnet.response.conventions import SI
+from torsionnet.response.recording import FloatArray
+from torsionnet.signals.harmonics import Harmonics
+from torsionnet.signals.orders import OrderMap
+from torsionnet.signals.spectrogram import Spectrogram
+
+COLOURS = "viridis"
+
+
+def spectrogram(
+    seen: Spectrogram,
+    *,
+    highest: float | None = None,
+    span: float = 60.0,
+    conventions: Conventions = SI,
+    title: str | None = None,
+) -> Figure:
+    """Level over time and frequency.
+
+    Parameters
+    ----------
+    seen : Spectrogram
+    highest : float, optional
+        Upper end of the frequency axis, Hz.
+    span : float, optional
+        dB below the highest level at which the colours end.
+    conventions : Conventions, optional
+        Unit of angles, reference of the decibels.
+    title : str, optional
+        By default the name of the signal.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Examples
+    --------
+    >>> from torsionnet.signals import Recording, Signal
+    >>> from torsionnet.signals import spectrogram as calculated
+    >>> record = Recording((Signal("T", "torque", np.sin(np.arange(2000.0))),), sampling_rate=200)
+    >>> spectrogram(calculated(record, "T")).axes[0].get_ylabel()
+    'frequency [Hz]'
+    """
+    scale = conventions.scale(seen.unit) if seen.unit else 1.0
+    levels = seen.decibels(conventions.db_reference / scale)
+    unit = style.shown_unit(conventions.unit(seen.unit)) if seen.unit else "unknown unit"
+    label = f"{seen.name} [dB re {conventions.db_reference:g} {unit}]"
+    figure = style.new_figure(style.WIDTH, 3.6)
+    axes = figure.subplots()
+    kept = slice(None) if highest is None else seen.frequencies <= highest
+    _map(figure, axes, seen.times, seen.frequencies[kept], levels[kept], span, label)
+    axes.set_xlabel("time [s]")
+    axes.set_ylabel("frequency [Hz]")
+    style.heading(figure, seen.name if title is None else title)
+    return figure
+
+
+def order_map(seen: OrderMap, *, span: float = 60.0, conventions: Conventions = SI, title: str | None = None) -> Figure:
+    """Level over speed and order; a line along every order of the excitation.
+
+    Parameters
+    ----------
+    seen : OrderMap
+    span : float, optional
+        dB below the highest level at which the colours end.
+    conventions : Conventions, optional
+    title : str, optional
+        By default the name of the signal.
+    """
+    scale = conventions.scale(seen.unit) if seen.unit else 1.0
+    with np.errstate(divide="ignore"):
+        levels = 20 * np.log10(seen.amplitude * scale / conventions.db_reference)
+    unit = style.shown_unit(conventions.unit(seen.unit)) if seen.unit else "unknown unit"
+    figure = style.new_figure(style.WIDTH, 3.6)
+    axes = figure.subplots()
+    speeds = seen.speeds * 60 / (2 * np.pi)
+    rising = np.argsort(speeds, kind="stable")
+    label = f"{seen.name} [dB re {conventions.db_reference:g} {unit}]"
+    _map(figure, axes, speeds[rising], seen.orders, levels[:, rising], span, label)
+    axes.set_xlabel("speed [rpm]")
+    axes.set_ylabel("order [-]")
+    style.heading(figure, seen.name if title is None else title)
+    return figure
+
+
+def sweep_harmonics(found: Harmonics, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
+    """Amplitude and phase of every order along the sweep.
+
+    Parameters
+    ----------
+    found : Harmonics
+    conventions : Conventions, optional
+    title : str, optional
+        By default the name of the signal.
+    """
+    scale = conventions.scale(found.unit) if found.unit else 1.0
+    unit = style.shown_unit(conventions.unit(found.unit)) if found.unit else "unknown unit"
+    figure = style.new_figure(style.WIDTH, 4.2)
+    size, phase = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [3, 2]})
+    for number, order in enumerate(found.orders):
+        look = style.line_style(number)
+        size.plot(found.frequencies, found.amplitude[:, number] * scale, label=f"{order:g}x", **look)
+        phase.plot(found.frequencies, np.unwrap(found.phase[:, number], period=360), **look)
+    for axes in (size, phase):
+        style.dress(axes)
+    size.set_yscale("log")
+    style.log_ticks(size.yaxis, *size.get_ylim())
+    size.set_ylabel(f"amplitude [{unit}]")
+    phase.set_ylabel("phase [deg]")
+    phase.set_xlabel("frequency of the sweep [Hz]")
+    style.heading(figure, found.name if title is None else title)
+    figure.legend(loc="outside lower center", ncols=len(found.orders), frameon=False, fontsize=style.SMALL)
+    return figure
+
+
+def _map(figure: Figure, axes: Axes, x: FloatArray, y: FloatArray, levels: FloatArray, span: float, label: str) -> None:
+    finite = levels[np.isfinite(levels)]
+    top = float(finite.max()) if finite.size else 0.0
+    shown: Any = axes.pcolormesh(
+        x,
+        y,
+        np.maximum(levels, top - span),
+        cmap=COLOURS,
+        vmin=top - span,
+        vmax=top,
+        shading="nearest",
+        rasterized=True,
+    )
+    style.dress(axes)
+    axes.grid(visible=False)
+    bar = figure.colorbar(shown, ax=axes, pad=0.02)
+    bar.set_label(label, fontsize=style.FONT, color=style.INK)
+    bar.ax.tick_params(labelsize=style.SMALL)
+    bar.outline.set_visible(False)

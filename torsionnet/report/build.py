@@ -1,0 +1,83 @@
+"""The tree of a report from its subject: title block, then section after section."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+from torsionnet.core.errors import TorsionnetWarning
+from torsionnet.model.report import SECTIONS
+from torsionnet.report.document_tree import Facts, Report, Section, Text
+from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_words import listed, sentence
+from torsionnet.report.sections.checks import checks_section
+from torsionnet.report.sections.comparison import comparison_section
+from torsionnet.report.sections.elements import elements_section
+from torsionnet.report.sections.equations import equations_section
+from torsionnet.report.sections.fits import fit_section
+from torsionnet.report.sections.formulas import formulas_section
+from torsionnet.report.sections.kinematics import kinematics_section
+from torsionnet.report.sections.modes import modes_section
+from torsionnet.report.sections.parameters import parameters_section
+from torsionnet.report.sections.responses import responses_section
+from torsionnet.report.sections.schematic import schematic_section
+from torsionnet.report.sections.summary import summary_section
+from torsionnet.report.sections.validity import validity_section
+
+BUILDERS: dict[str, Callable[[ReportData], Section | None]] = {
+    "summary": summary_section,
+    "schematic": schematic_section,
+    "elements": elements_section,
+    "parameters": parameters_section,
+    "kinematics": kinematics_section,
+    "equations": equations_section,
+    "modes": modes_section,
+    "formulas": formulas_section,
+    "responses": responses_section,
+    "test": comparison_section,
+    "fit": fit_section,
+    "checks": checks_section,
+    "validity": validity_section,
+}
+
+
+def build(subject: ReportData, version: str) -> Report:
+    """The report on a subject; ``version`` is that of the program."""
+    outline = subject.request.outline
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("always", TorsionnetWarning)
+        subject = replace(subject, heard=heard)
+        made = [BUILDERS[name](subject) for name in SECTIONS if subject.request.wants(name)]
+    return Report(
+        title=outline.title or subject.model.name,
+        subtitle="Torsional vibration report",
+        facts=Facts(tuple(_facts(subject, version))),
+        notes=sentence(outline.notes.strip(), subject.model),
+        sections=tuple(section for section in made if section is not None),
+    )
+
+
+def _facts(subject: ReportData, version: str) -> Iterator[tuple[str, Text]]:
+    request, model = subject.request, subject.model
+    yield "Model", (model.name,)
+    if model.description:
+        yield "Description", (model.description.strip(),)
+    if model.source:
+        yield "Source of data", (model.source.strip(),)
+    names = [case.configuration for case in subject.cases if case.configuration]
+    if names:
+        rest = len(model.configurations) - len(names)
+        yield (
+            "Configurations",
+            (listed(names, len(names)) + (f" (of {len(model.configurations)})" if rest > 0 else ""),),
+        )
+    if request.settings:
+        yield "Changed", ("; ".join(f"{name} = {value}" for name, value in request.settings),)
+    if request.outline.author:
+        yield "Author", (request.outline.author,)
+    if request.date:
+        yield "Date", (request.date.isoformat(),)
+    yield "Calculated with", (f"torsionnet {version}",)
+    yield "Model file" if subject.file else "Model", (subject.file or "described in Python",)
+    yield "SHA-256", (subject.digest,)

@@ -1,0 +1,191 @@
+"""From a model to the files of its report."""
+
+from __future__ import annotations
+
+import datetime as dt
+import importlib
+import os
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from torsionnet.core.errors import UsageError
+from torsionnet.core.version import __version__
+from torsionnet.loading import load
+from torsionnet.model.files.reader import find_model
+from torsionnet.model.report import Pair, ReportPlan, parse_band
+from torsionnet.model.report.report_reading import section_fault
+from torsionnet.report.document_tree import Report
+from torsionnet.report.report_data import ReportData, cases_of, digest_of, require_answers
+from torsionnet.report.request import Measured, Request, read_date
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.identification import Fit
+
+Model: TypeAlias = "str | os.PathLike[str] | Drivetrain"
+WRITERS = {".html": "page", ".htm": "page", ".pdf": "pdf", ".tex": "latex", ".md": "markdown"}
+"""Writer by the ending of the file: a module with a function ``write(report, path)``."""
+
+
+def write_report(model: Model, path: str | os.PathLike[str], **options: Any) -> tuple[Path, ...]:
+    """Write the report on a model: HTML, PDF, LaTeX or Markdown, by the ending of the file.
+
+    Parameters
+    ----------
+    model : str, path or Drivetrain
+        A model file, a library model by name, or a drivetrain.
+    path : str or path
+        Ends in .html, .pdf, .tex or .md. LaTeX and Markdown have their figures in the folder ``NAME_figures`` beside
+        it. PDF needs an installed Chromium, Chrome or Edge.
+    **options
+        As for :func:`torsionnet.report.make_report`: configurations, sections, transfer_functions, band, settings,
+        title, author, notes, angle, date, tests, fits.
+
+    Returns
+    -------
+    tuple of Path
+        Every file written, the report first.
+
+    Raises
+    ------
+    UsageError
+        Another ending, an unknown section, configuration or transfer function.
+    MissingExtraError
+        A package or, for PDF, a browser is missing.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import torsionnet as tn
+    >>> path = Path(tempfile.mkdtemp(), "rig.md")
+    >>> [file.name for file in tn.write_report("dmf_rig", path, sections=["modes"], date="2025-03-31")]
+    ['rig.md', 'mode_shapes.svg']
+    """
+    write = writer_for(path)
+    return write(make_report(model, **options), Path(path))
+
+
+def writer_for(path: str | os.PathLike[str]) -> Callable[[Report, Path], tuple[Path, ...]]:
+    """The function that writes a file with this ending.
+
+    Raises
+    ------
+    UsageError
+        There is none.
+    """
+    ending = Path(path).suffix.lower()
+    if ending not in WRITERS:
+        msg = f'cannot write "{path}": a report ends in {", ".join(WRITERS)}'
+        raise UsageError(msg)
+    write: Callable[[Report, Path], tuple[Path, ...]] = importlib.import_module(
+        f"torsionnet.report.writers.{WRITERS[ending]}"
+    ).write
+    return write
+
+
+def make_report(
+    model: Model,
+    *,
+    configurations: Iterable[str] = (),
+    sections: Iterable[str] = (),
+    transfer_functions: Iterable[str | Pair] = (),
+    band: tuple[float, float] | str | None = None,
+    settings: Mapping[str, Any] | None = None,
+    title: str | None = None,
+    author: str | None = None,
+    notes: str | None = None,
+    angle: str | None = None,
+    date: str | dt.date | None = "today",
+    tests: Iterable[Any] | Mapping[str, Any] = (),
+    fits: Iterable[Fit] = (),
+) -> Report:
+    """The report on a model as a tree; what is not given is what the ``report:`` section of its file says.
+
+    Parameters
+    ----------
+    model : str, path or Drivetrain
+    configurations : iterable of str
+        Default: all.
+    sections : iterable of str
+        Out of :data:`torsionnet.model.report.SECTIONS`; default: all that apply.
+    transfer_functions : iterable of str
+        ``"theta_1/T_T"``; default: the first sensors over the first input.
+    band : (float, float) or str
+        Hz, or ``"0.3..40 Hz"``; default: from the modes.
+    settings : mapping
+        Parameter -> value.
+    title, author, notes : str
+    angle : {"rad", "deg"}
+    date : str, dt.date or None
+        ISO; None: without. Equal models with equal dates give equal files.
+    tests : mapping or iterable of FrequencyResponse
+        Measured responses, by configuration if there are several.
+    fits : iterable of Fit
+
+    Raises
+    ------
+    UsageError
+        An unknown section, configuration or transfer function.
+
+    Examples
+    --------
+    >>> make_report("dmf_rig", sections=["schematic"], date=None).title
+    'Torsional model of the DMF test rig'
+    """
+    drivetrain, file, data = _read(model)
+    if settings:
+        drivetrain = drivetrain.configured(**settings)
+    outline = drivetrain.definition.report or ReportPlan()
+    texts = {"title": title, "author": author, "notes": notes, "angle": angle}
+    given: dict[str, Any] = {key: text for key, text in texts.items() if text is not None}
+    lists = {
+        "configurations": tuple(configurations),
+        "sections": _sections(sections),
+        "transfer_functions": tuple(
+            pair if isinstance(pair, Pair) else Pair.parse(pair) for pair in transfer_functions
+        ),
+    }
+    given |= {key: values for key, values in lists.items() if values}
+    given |= {"band": _band(band)} if band else {}
+    outline = replace(outline, **given)
+    today = dt.datetime.now().astimezone().date() if date == "today" else read_date(date)
+    request = Request(
+        outline, tuple((key, str(value)) for key, value in (settings or {}).items()), today, _tests(tests), tuple(fits)
+    )
+    cases = cases_of(drivetrain, outline.configurations)
+    subject = ReportData(drivetrain, cases, request, file, digest_of(data))
+    require_answers(subject)
+    from torsionnet.report.build import build
+
+    return build(subject, __version__)
+
+
+def _read(model: Model) -> tuple[Drivetrain, str, bytes]:
+    """The drivetrain, the name of its file, and the bytes that describe it."""
+    if isinstance(model, (str, os.PathLike)):
+        path = find_model(model)
+        return load(model), path.name, path.read_bytes()
+    return model, "", model.to_yaml().encode()
+
+
+def _sections(names: Iterable[str]) -> tuple[str, ...]:
+    listed = tuple(names)
+    faults = [reason for name in listed if (reason := section_fault(name))]
+    if faults:
+        raise UsageError("\n".join(faults))
+    return listed
+
+
+def _band(raw: tuple[float, float] | str) -> tuple[float, float]:
+    try:
+        return parse_band(raw)
+    except ValueError as error:
+        raise UsageError(str(error)) from None
+
+
+def _tests(raw: Any) -> tuple[Measured, ...]:
+    if isinstance(raw, Mapping):
+        return tuple(Measured(response, str(name)) for name, response in raw.items())
+    return tuple(entry if isinstance(entry, Measured) else Measured(entry) for entry in raw)

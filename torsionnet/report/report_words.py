@@ -1,0 +1,117 @@
+"""Names, units and numbers as a reader of a report sees them."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from torsionnet.model.channels import parse_sensor
+from torsionnet.model.report import Pair
+from torsionnet.report.document_tree import Inline, Math, NumberText, Text
+from torsionnet.symbolic.symbol_names import GREEK, symbol_latex
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+
+MOST_DECIMALS = 4
+LARGE, SMALL, SPREAD = 1e5, 1e-3, 1e4
+"""Sizes and spread of a column beyond which each number has digits of its own."""
+
+
+def plain(name: str) -> str:
+    """A name from the model as words: ``input_shaft`` is the input shaft."""
+    return name.replace("_", " ")
+
+
+def is_symbol(name: str) -> bool:
+    """Whether a name is one letter or a Greek one, perhaps with an index.
+
+    >>> is_symbol("theta_1"), is_symbol("T_T"), is_symbol("k1"), is_symbol("rotor_speed")
+    (True, True, True, False)
+    """
+    match = re.fullmatch(r"([A-Za-z]+?)(\d*)(_\w+)?", name)
+    return match is not None and (len(match[1]) == 1 or match[1] in GREEK)
+
+
+def channel_latex(name: str) -> str:
+    """A sensor, input or node in a formula."""
+    sensor = None if is_symbol(name) else parse_sensor(name)
+    if sensor is not None:
+        at = f", {plain(sensor.at)}" if sensor.at else ""
+        return rf"\text{{{sensor.quantity}({plain(sensor.of)}{at})}}"
+    return symbol_latex(name) if is_symbol(name) else rf"\text{{{plain(name)}}}"
+
+
+def pair_latex(pair: Pair) -> str:
+    """A transfer function as a slanted fraction."""
+    return f"{channel_latex(pair.output)} / {channel_latex(pair.input)}"
+
+
+def named(name: str) -> Inline:
+    """A sensor, input or parameter as symbol or words."""
+    return Math(symbol_latex(name)) if is_symbol(name) else plain(name)
+
+
+def sentence(text: str, rig: Drivetrain) -> Text:
+    """A sentence in which names from the model become words, and those of quantities symbols.
+
+    >>> import torsionnet as tn
+    >>> sentence("cut at T_T, without half_shaft", tn.load("amt_rig"))
+    ('cut at ', Math(latex='T_{T}'), ', without half shaft')
+    """
+    text = text.replace(" %", "\N{NO-BREAK SPACE}%")
+    symbols = {name for table in (rig.inputs, rig.sensors, rig.parameters) for name in table if _can_be_told(name)}
+    words = {name for name in (*rig.nodes, *rig.definition.elements) if "_" in name} - symbols
+    names = sorted({*symbols, *words}, key=len, reverse=True)
+    if not names:
+        return (text,)
+    parts: list[Inline] = []
+    for piece in re.split(rf"(?<!\w)({'|'.join(map(re.escape, names))})(?!\w)", text):
+        if piece in symbols:
+            parts.append(Math(symbol_latex(piece)))
+        elif parts and isinstance(parts[-1], str):
+            parts[-1] += plain(piece) if piece in words else piece
+        elif piece:
+            parts.append(plain(piece) if piece in words else piece)
+    return tuple(parts)
+
+
+def _can_be_told(name: str) -> bool:
+    """Whether a name in a sentence is surely that of a quantity, and no word or article."""
+    return is_symbol(name) and "_" in name
+
+
+def unit(text: str) -> str:
+    """An SI unit as it is printed: ``rad/(N·m)``, a dash for none."""
+    return "–" if text in ("", "1") else text.replace("*", "·").replace("^2", "²").replace("^3", "³")
+
+
+def capital(text: str) -> str:
+    """The text as a sentence begins; names from the model stay as they are.
+
+    >>> capital("measured input"), capital("theta_1 moves")
+    ('Measured input', 'theta_1 moves')
+    """
+    return text if "_" in text.partition(" ")[0] else text[:1].upper() + text[1:]
+
+
+def listed(names: Sequence[str], most: int = 12) -> str:
+    """Names with commas; of many the first."""
+    rest = len(names) - most
+    return ", ".join(names[:most]) + (f", … and {rest} more" if rest > 0 else "")
+
+
+def aligned(values: Sequence[float | None], digits: int = 4) -> list[NumberText]:
+    """Numbers of one column with equally many decimals, so many that the smallest has three digits or more.
+
+    >>> [number.mantissa for number in aligned([3.6909, 40.535, None])]
+    ['3.691', '40.535', '–']
+    """
+    sizes = [abs(value) for value in values if value is not None and math.isfinite(value) and value != 0]
+    if not sizes or max(sizes) >= LARGE or min(sizes) < SMALL or max(sizes) / min(sizes) > SPREAD:
+        return [NumberText(value, digits) for value in values]
+    decimals = digits - 1 - math.floor(math.log10(min(sizes)))
+    decimals = min(max(decimals, 0), max(MOST_DECIMALS, digits - 1 - math.floor(math.log10(max(sizes)))))
+    return [NumberText(value, digits, decimals if value else None) for value in values]

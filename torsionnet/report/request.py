@@ -1,0 +1,84 @@
+"""What a report is asked for: what the model's file says, and what is said against it."""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from torsionnet.core.errors import UsageError
+from torsionnet.model.report import Pair, ReportPlan
+
+if TYPE_CHECKING:
+    from torsionnet.identification import Fit
+    from torsionnet.response import FrequencyResponse
+
+GIVEN_ONLY = ("test", "fit")
+"""Sections that need data."""
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """A measured response, and the configuration it was measured in; empty: that of the report."""
+
+    response: FrequencyResponse
+    configuration: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """Everything that shapes a report.
+
+    Attributes
+    ----------
+    outline : ReportPlan
+        Of the model's file, with what was said against it.
+    settings : tuple of (str, str)
+        Parameters changed for this report.
+    date : dt.date, optional
+        None: without a date.
+    tests : tuple of Measured
+    fits : tuple of Fit
+    """
+
+    outline: ReportPlan = field(default_factory=ReportPlan)
+    settings: tuple[tuple[str, str], ...] = ()
+    date: dt.date | None = None
+    tests: tuple[Measured, ...] = ()
+    fits: tuple[Fit, ...] = ()
+
+    def wants(self, section: str) -> bool:
+        """Whether a section is in the report."""
+        data: dict[str, Sequence[object]] = {"test": self.tests, "fit": self.fits}
+        if section in data and not data[section]:
+            return False
+        return not self.outline.sections or section in self.outline.sections or section in data
+
+    @property
+    def pairs(self) -> tuple[Pair, ...]:
+        return self.outline.transfer_functions
+
+
+def read_date(raw: str | dt.date | None) -> dt.date | None:
+    """A date from ``2025-03-31``; None for none.
+
+    Raises
+    ------
+    UsageError
+        No such date.
+
+    Examples
+    --------
+    >>> read_date("2025-03-31"), read_date("none")
+    (datetime.date(2025, 3, 31), None)
+    """
+    if raw is None or isinstance(raw, dt.date):
+        return raw
+    if raw.strip().lower() in ("none", ""):
+        return None
+    try:
+        return dt.date.fromisoformat(raw.strip())
+    except ValueError:
+        msg = f'a date is written 2025-03-31 (year-month-day), or none; got "{raw}"'
+        raise UsageError(msg) from None

@@ -1,0 +1,77 @@
+"""Findings of the checks, and the results calculated a second way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from torsionnet.core.errors import Fault, UsageError
+from torsionnet.report.document_tree import Block, Cell, Heading, Math, NumberText, Paragraph, Remark, Section
+from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_tables import table
+from torsionnet.report.report_words import capital, pair_latex, sentence
+
+POINTS = 40
+
+
+PASSED = (
+    "The model passed all checks without an error, a warning or a note: names, units and dimensions, connections, gear "
+    "loops, positive values, in every configuration."
+)
+
+
+def findings(subject: ReportData) -> list[Fault]:
+    """Of the model as written, then of each case."""
+    found = list(subject.model.check())
+    for case in subject.cases:
+        known = {fault.message for fault in found}
+        found += [
+            replace(fault, configuration=fault.configuration or case.configuration)
+            for fault in case.drivetrain.check()
+            if fault.message not in known
+        ]
+    return found
+
+
+def warned(subject: ReportData) -> list[Fault]:
+    """What the calculation warned of, each once; that a free drivetrain drifts off is no news."""
+    texts = dict.fromkeys(str(entry.message) for entry in subject.heard)
+    return [Fault(text, severity="warning") for text in texts if "infinite at 0 Hz" not in text]
+
+
+def checks_section(subject: ReportData) -> Section:
+    found = [*findings(subject), *warned(subject)]
+    blocks: list[Block] = []
+    if not found:
+        blocks.append(Paragraph((PASSED,)))
+    blocks += [Remark(fault.severity, sentence(capital(fault.text) + ".", subject.model)) for fault in found]
+    rows = list(_comparisons(subject))
+    if rows:
+        columns = (Heading("Comparison", wide=True), Heading("Largest relative difference", numeric=True))
+        blocks.append(table("Results calculated in two ways", columns, rows))
+    return Section("checks", ("Checks",), tuple(blocks))
+
+
+def _comparisons(subject: ReportData) -> Iterator[tuple[Cell, ...]]:
+    """Transfer functions by elimination along the drivetrain against a solution of the matrices."""
+    if subject.is_large:
+        return
+    frequencies = np.geomspace(*subject.band, POINTS)
+    for pair in subject.pairs:
+        worst = 0.0
+        for case in subject.about(pair).cases:
+            try:
+                first, second = (
+                    case.drivetrain.frequency_response(
+                        pair.output, pair.input, frequencies, excitation=pair.excitation or None, method=method
+                    ).values
+                    for method in ("graph", "dense")
+                )
+            except UsageError:
+                return
+            size = np.maximum(np.abs(second), 1e-300)
+            worst = max(worst, float(np.max(np.abs(first - second) / size)))
+        text = (Math(pair_latex(pair)), f" at {POINTS} frequencies: elimination along the drivetrain, and the matrices")
+        yield text, NumberText(worst, 1)

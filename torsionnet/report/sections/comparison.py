@@ -1,0 +1,78 @@
+"""Tests over the model."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from torsionnet.core.errors import UsageError
+from torsionnet.model.report import Pair
+from torsionnet.report.document_tree import Block, Heading, Math, NumberText, Paragraph, Picture, Section, TableBlock
+from torsionnet.report.report_data import Case, ReportData, cases_of
+from torsionnet.report.report_tables import table
+from torsionnet.report.report_words import capital, channel_latex, sentence, unit
+from torsionnet.report.request import Measured
+from torsionnet.report.sections.responses import finish
+from torsionnet.response import Conventions, FrequencyResponse
+from torsionnet.signals.agreement import agreement
+
+
+def comparison_section(subject: ReportData) -> Section:
+    blocks: list[Block] = []
+    for number, test in enumerate(subject.request.tests, 1):
+        blocks += _test(subject, test, number)
+    return Section("test", ("Test and model",), tuple(blocks))
+
+
+def _case(subject: ReportData, test: Measured) -> Case:
+    if test.configuration:
+        return cases_of(subject.model, (test.configuration,))[0]
+    if len(subject.cases) > 1:
+        names = ", ".join(case.configuration for case in subject.cases)
+        msg = f"a test is of one configuration; say which: {names}"
+        raise UsageError(msg)
+    return subject.cases[0]
+
+
+def _test(subject: ReportData, test: Measured, number: int) -> list[Block]:
+    from torsionnet.plot.comparison import comparison
+
+    case, measured = _case(subject, test), test.response
+    model = calculated(case, measured)
+    shown = subject.conventions
+    where = f", configuration {case.configuration}" if case.configuration else ""
+    pair = f"{channel_latex(measured.outputs[0].name)} / {channel_latex(measured.inputs[0].name)}"
+    caption = (Math(pair), f", test and model{where}. Differences are test minus model.")
+    alt = f"Test over model of {measured.outputs[0].name}/{measured.inputs[0].name}{where}"
+    notes = [capital(note.removeprefix("warning: ")) + "." for note in measured.notes]
+    drawn = comparison(measured, model, conventions=shown, title="")
+    finish(drawn, Pair(measured.outputs[0].name, measured.inputs[0].name))
+    return [
+        Picture(f"test_{number}", drawn, caption, alt),
+        _agreement(measured, model, shown, pair, where),
+        *([Paragraph(sentence(" ".join(notes), case.drivetrain))] if notes else []),
+    ]
+
+
+def calculated(case: Case, measured: FrequencyResponse) -> FrequencyResponse:
+    """The model's response at the frequencies of a test, under the names of the test."""
+    output, into = measured.outputs[0].name, measured.inputs[0].name
+    found = case.drivetrain.frequency_response(output, into, measured.frequencies)
+    return replace(found, outputs=_renamed(found, measured, "outputs"), inputs=_renamed(found, measured, "inputs"))
+
+
+def _renamed(found: FrequencyResponse, measured: FrequencyResponse, side: str) -> tuple:  # type: ignore[type-arg]
+    pairs = zip(getattr(found, side), getattr(measured, side), strict=True)
+    return tuple(replace(mine, name=theirs.name) for mine, theirs in pairs)
+
+
+def _agreement(
+    measured: FrequencyResponse, model: FrequencyResponse, shown: Conventions, pair: str, where: str
+) -> TableBlock:
+    found = agreement(measured, model, shown)
+    columns = (Heading("Quantity"), Heading("At", "Hz", numeric=True), Heading("Value", numeric=True), Heading("Unit"))
+    rows = [
+        (capital(row[0]), NumberText(row[1]) if row[1] is not None else "", NumberText(row[2]), unit(row[3]))
+        for row in found.rows
+    ]
+    notes = [capital(note) + "." for note in found.notes]
+    return table((Math(pair), f", how far test and model are apart{where}"), columns, rows, notes)

@@ -1,0 +1,139 @@
+"""Elements with their values, inputs and sensors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.core.damping import MEASURES, DampingMeasure
+from torsionnet.core.expressions import Expression, Name, Number
+from torsionnet.core.units import expected_unit
+from torsionnet.model.channels import UNITS
+from torsionnet.model.elements import Values
+from torsionnet.model.elements.fields import Count, OneOf, PhysicalQuantity, Spec, TableEntry, Teeth
+from torsionnet.model.elements.laws import Law
+from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, NumberText, Section, TableBlock
+from torsionnet.report.expression_latex import expression_latex
+from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_tables import as_shown, table
+from torsionnet.report.report_words import capital, listed, named, plain, unit
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.model.elements import Element
+
+MOST = 40
+Row = tuple[Cell, ...]
+
+
+def elements_section(subject: ReportData) -> Section:
+    rig = subject.cases[0].drivetrain
+    blocks: list[Block] = [_elements(rig, several=len(subject.cases) > 1)]
+    if rig.inputs or rig.sensors:
+        blocks.append(_channels(rig))
+    return Section("elements", ("Elements",), tuple(blocks))
+
+
+def _elements(rig: Drivetrain, *, several: bool) -> TableBlock:
+    columns = (
+        Heading("Element"),
+        Heading("Type"),
+        Heading("Between"),
+        Heading("Property"),
+        Heading("Symbol"),
+        Heading("Value", numeric=True),
+        Heading("Unit"),
+        Heading("Remark", wide=True),
+    )
+    shown = _alike(rig)
+    rows = [row for group in shown[:MOST] for row in _rows(group, rig)]
+    where = f" in configuration {rig.configuration}" if several and rig.configuration else ""
+    found = table(f"Elements{where}; values in SI units", columns, rows)
+    return replace(found, more=sum(map(len, shown[MOST:])))
+
+
+def _alike(rig: Drivetrain) -> list[list[Element]]:
+    """Elements of one type with equal values together."""
+    groups: dict[str, list[Element]] = {}
+    for element in rig.definition.elements.values():
+        values = [as_shown(row) for row in _values(element, rig)]
+        groups.setdefault(str((element.kind, _remark(element), values)), []).append(element)
+    return list(groups.values())
+
+
+def _rows(group: list[Element], rig: Drivetrain) -> Iterator[Row]:
+    """A row for each property; the elements themselves stand in the first only."""
+    element = group[0]
+    ends = [between(each) for each in group]
+    names, nodes = [plain(each.name) for each in group], list(dict.fromkeys(ends))
+    rest = f"; … and {len(nodes) - MOST} more" if len(nodes) > MOST else ""
+    head: Row = (listed(names, MOST), plain(element.kind), "; ".join(nodes[:MOST]) + rest)
+    values = list(_values(element, rig)) or [("", "", "", "")]
+    for number, row in enumerate(values):
+        yield (*(head if not number else ("", "", "")), *row, _remark(element) if not number else "")
+
+
+def _remark(element: Element) -> str:
+    return "; ".join([*([] if element.enabled else ["switched off"]), *filter(None, [element.description])])
+
+
+def between(element: Element) -> str:
+    """``motor – ground``, or the ports by name where there are others."""
+    if set(element.ports) <= {"first", "second", "node"}:
+        return " – ".join(map(plain, element.ports.values()))
+    return ", ".join(f"{plain(port)}: {plain(node)}" for port, node in element.ports.items())
+
+
+def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cell, Cell]]:
+    """Property, symbol, value and unit of everything that was given."""
+    for name, (spec, value) in element.scalars().items():
+        if isinstance(value, DampingMeasure):
+            yield from _measure(element, value, rig)
+        elif isinstance(spec, PhysicalQuantity) and isinstance(value, Expression):
+            number = float(value.evaluate(rig.exact_values))
+            if number or isinstance(value, Name):
+                yield plain(name), _symbol(value), NumberText(number, 5), unit(expected_unit(spec.dimension))
+        elif isinstance(spec, (Teeth, Count, OneOf, TableEntry)):
+            yield plain(name), "", _plain(spec, value), "–"
+
+
+def _symbol(value: Expression) -> Inline:
+    return "" if isinstance(value, Number) else Math(expression_latex(value))
+
+
+def _plain(spec: Spec, value: Any) -> str:
+    if isinstance(spec, TableEntry):
+        return (
+            f"table of {len(value.frequencies)} frequencies, {value.frequencies[0]:g} to {value.frequencies[-1]:g} Hz"
+        )
+    return " : ".join(map(str, value)) if isinstance(value, tuple) else str(value)
+
+
+def _measure(element: Element, value: DampingMeasure, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cell, Cell]]:
+    """A measure of damping, and the coefficient it comes to."""
+    dimension = MEASURES[value.measure].dimension
+    at = f" at {float(value.at.evaluate(rig.exact_values)):g} Hz" if value.at is not None else ""
+    number = float(value.value.evaluate(rig.exact_values))
+    what = MEASURES[value.measure].description.partition(",")[0]
+    symbol = Math(expression_latex(value.value)) if not isinstance(value.value, Number) else ""
+    yield f"damping as {what}{at}", symbol, NumberText(number, 5), unit(expected_unit(dimension))
+    laws = [part for part in element.parts(Values(rig.exact_values)) if isinstance(part, Law)]
+    if len(laws) == 1 and laws[0].damping:
+        yield "damping, from that", "", NumberText(float(laws[0].damping), 5), unit(expected_unit("damping"))
+
+
+def _channels(rig: Drivetrain) -> TableBlock:
+    columns = (Heading("Symbol"), Heading("Kind"), Heading("Quantity"), Heading("Unit"), Heading("Sign", wide=True))
+    rows: list[Row] = [
+        (named(name), "input", f"{capital(entry.quantity)} on {plain(entry.of)}", unit(UNITS[entry.quantity]), "")
+        for name, entry in rig.inputs.items()
+    ]
+    for name, sensor in rig.sensors.items():
+        element = rig.elements.get(sensor.of) if sensor.quantity == "torque" else None
+        sign = element.sign_at(sensor.at) if element else ""
+        at = f" at {plain(sensor.at)}" if sensor.at else ""
+        link = "through" if sensor.quantity == "torque" else "of"
+        what = f"{capital(sensor.quantity)} {link} {plain(sensor.of)}{at}"
+        rows.append((named(name), "sensor", what, unit(UNITS[sensor.quantity]), sign.replace("_", " ")))
+    return table("Inputs and sensors", columns, rows, most=MOST)

@@ -1,0 +1,214 @@
+"""Equations of motion in symbols, and their matrices in symbols and numbers."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from torsionnet.report.document_tree import (
+    Block,
+    Cell,
+    Code,
+    DefinitionList,
+    Details,
+    Equations,
+    Formula,
+    Heading,
+    Math,
+    NumberText,
+    Paragraph,
+    Remark,
+    Section,
+    Strong,
+    Text,
+)
+from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, Form, ReportData
+from torsionnet.report.report_tables import table
+from torsionnet.report.report_words import plain
+from torsionnet.report.widths import FORMULA, MATRIX, letters, matrix_letters
+from torsionnet.symbolic.equations import bracketed, complex_stiffness, equation_terms, matrix_latex, to_latex
+from torsionnet.symbolic.shown import latex
+
+if TYPE_CHECKING:
+    from torsionnet.response.frequency_response import FloatArray
+    from torsionnet.symbolic.symbolic_system import SymbolicSystem
+
+UNITS = {"M": "kg·m²", "C": "N·m·s/rad", "K": "N·m/rad"}
+DOTS = {"M": r"\ddot{\mathbf{q}}", "C": r"\dot{\mathbf{q}}", "K": r"\mathbf{q}"}
+NAMES = {"M": "inertia", "C": "viscous damping", "K": "stiffness"}
+WIDEST_NUMBERS = 84
+"""Characters of a matrix of numbers that fits the page, roughly."""
+MOST_ENTRIES = 60
+"""Entries of matrices that are listed in full view."""
+COMPLEX = "Stiffness that depends on frequency, or is complex, is not included."
+MOST_FOLDED = 200
+"""Entries that are listed at all."""
+MOST_ROWS = 24
+"""Rows of the matrices of all configurations together."""
+MOST_NUMBERS = 12
+"""Coordinates of a system whose matrices are printed in numbers."""
+
+
+def equations_section(subject: ReportData) -> Section:
+    if subject.size > MOST_SYMBOLIC:
+        lead = f"The model has {subject.size} coordinates; its equations are given by the entries of their matrices."
+        return Section("equations", ("Equations of motion",), (Paragraph((lead,)), *_entries(subject)))
+    few = subject.forms if len(subject.forms) <= FEW_CASES else subject.forms[:1]
+    others = subject.forms[len(few) :]
+    blocks: list[Block] = []
+    for form in few:
+        written = _form(form, several=len(subject.forms) > 1)
+        if _is_short(form.system):
+            blocks += written
+        else:
+            title = f"Equations of motion in symbols{f', configuration {_where(form.cases)}' if len(few) > 1 else ''}"
+            lead = "In symbols the equations are too long to be read; the report as HTML has them."
+            blocks.append(Details((title,), tuple(written), (lead,)))
+    if others:
+        title = f"Equations of motion of the other {sum(len(form.cases) for form in others)} configurations"
+        inner = tuple(block for form in others for block in _form(form, several=True))
+        blocks.append(Details((title,), inner, (f"{title}: in the report as HTML.",)))
+    blocks += _numbers(subject)
+    return Section("equations", ("Equations of motion",), tuple(blocks))
+
+
+def _is_short(system: SymbolicSystem) -> bool:
+    """Whether every entry of the matrices fits a line."""
+    return all(letters(cell) <= FORMULA for key in UNITS for cell in getattr(system, key) if cell != 0)
+
+
+def _where(cases: tuple[Case, ...]) -> str:
+    return ", ".join(case.configuration for case in cases)
+
+
+def _form(form: Form, *, several: bool) -> list[Block]:
+    """One system of equations: as a sum of matrices if they fit, else line by line."""
+    system = form.system
+    blocks: list[Block] = []
+    if several:
+        blocks.append(Paragraph((Strong(f"Configuration {_where(form.cases)}"),)))
+    rows = tuple(DefinitionList(tuple(equation_terms(system, row))) for row in range(len(system.coordinates)))
+    blocks += [Paragraph((_introduction(system),)), Equations(rows)]
+    if all(matrix_letters(getattr(system, key)) <= MATRIX for key in UNITS):
+        blocks += _matrices(system)
+    if system.conditions:
+        zero = [Math(f"{latex(condition)} = 0") for condition in system.conditions]
+        parts: list[Any] = []
+        for number, condition in enumerate(zero):
+            parts += ([", "] if number else []) + [condition]
+        blocks.append(Remark("note", ("The values fulfil, and the equations presume, ", *parts, ".")))
+    return blocks
+
+
+def _matrices(system: SymbolicSystem) -> list[Block]:
+    """The equations as a sum of matrices, and what these are; those without an entry are left out."""
+    filled = [key for key in UNITS if any(getattr(system, key))]
+    terms = [rf"\mathbf{{{key}}}\,{DOTS[key]}" for key in filled]
+    dynamic = complex_stiffness(system)
+    terms += [r"\mathbf{D}(\omega)\,\mathbf{q}"] if any(dynamic) else []
+    load = r"\mathbf{B}\,\mathbf{u}" if system.inputs else r"\mathbf{0}"
+    q = to_latex(system, "q")
+    blocks: list[Block] = [Paragraph(("In matrices:",))]
+    blocks.append(Formula(rf"{' + '.join(terms) or '0'} = {load}, \qquad \mathbf{{q}} = {q}"))
+    blocks += [Formula(rf"\mathbf{{{key}}} = {to_latex(system, key)}") for key in filled]
+    if any(dynamic):
+        blocks.append(Formula(rf"\mathbf{{D}}(\omega) = {matrix_latex(dynamic.tolist())}"))
+    if system.inputs:
+        both = [rf"\mathbf{{{key}}} = {to_latex(system, key)}" for key in ("B", "u")]
+        blocks.append(Formula(r", \qquad ".join(both)))
+    return blocks
+
+
+def _introduction(system: Any) -> str:
+    reflected = any(key.has(symbol) for key in (system.M, system.C, system.K) for symbol in system.T.free_symbols)
+    text = "Angles of the coordinates, a dot for a derivative with respect to time."
+    if reflected:
+        text += " What lies behind a gear stage appears reflected, with the square of its ratio."
+    return text
+
+
+def _numbers(subject: ReportData) -> list[Block]:
+    """M, C, K of every case; a matrix that is the same in all of them once."""
+    found = [(key, [getattr(case.drivetrain.assembly.system, key) for case in subject.cases]) for key in UNITS]
+    if (
+        len(subject.cases) * subject.size > MOST_ROWS
+        or subject.size > MOST_NUMBERS
+        or any(_number_width(matrix) > WIDEST_NUMBERS for _, all_of in found for matrix in all_of)
+    ):
+        return _entries(subject)
+    rows = []
+    for key, matrices in found:
+        alike = all(np.array_equal(matrices[0], other) for other in matrices[1:])
+        shown = [("all" if len(matrices) > 1 else "", matrices[0])] if alike else [
+            (case.configuration, matrix) for case, matrix in zip(subject.cases, matrices, strict=True)
+        ]  # fmt: skip
+        for number, (where, matrix) in enumerate(shown):
+            head = (Math(rf"\mathbf{{{key}}}"), NAMES[key]) if not number else ("", "")
+            rows.append((*head, where, Math(numbers_latex(matrix)), UNITS[key]))
+    columns = (Heading("Matrix"), Heading("Of"), Heading("Configuration"), Heading("Value"), Heading("Unit"))
+    dynamic = any(case.drivetrain.assembly.system.dynamic for case in subject.cases)
+    notes = [COMPLEX] if dynamic else []
+    return [table("Matrices in numbers, in the order of the coordinates", columns, rows, notes)]
+
+
+def numbers_latex(matrix: FloatArray) -> str:
+    """A matrix of numbers, with a power of ten in front where that shortens it."""
+    if not matrix.any():
+        return r"\mathbf{0}"
+    sizes = np.abs(matrix[matrix != 0])
+    power = 3 * math.floor(math.log10(sizes.max()) / 3)
+    power = power if abs(power) > 3 else 0  # noqa: PLR2004
+    rows = [[_cell(value / 10.0**power) for value in row] for row in matrix.tolist()]
+    return (rf"10^{{{power}}} \cdot " if power else "") + bracketed(rows)
+
+
+def _cell(value: float) -> str:
+    number = NumberText(value, 5)
+    return number.mantissa + (rf" \cdot 10^{{{number.exponent}}}" if number.exponent is not None else "")
+
+
+def _number_width(matrix: FloatArray) -> int:
+    return sum(max((len(f"{value:.4g}") for value in column), default=0) + 2 for column in matrix.T.tolist())
+
+
+def _entries(subject: ReportData) -> list[Block]:
+    """What is not zero on and above the diagonals of M, C, K, in numbers."""
+    case = subject.cases[0]
+    system, names = case.drivetrain.assembly.system, case.drivetrain.assembly.kinematics.coordinates
+    matrices = [getattr(system, key) for key in UNITS]
+    filled = np.triu(np.any([matrix != 0 for matrix in matrices], axis=0))
+    rows = [
+        (
+            plain(names[i]),
+            plain(names[j]),
+            *(NumberText(float(m[i, j]), 5) if m[i, j] else "" for m in matrices),
+        )
+        for i, j in np.argwhere(filled).tolist()
+    ]
+    columns = (
+        Heading("Row"),
+        Heading("Column"),
+        *(Heading((Math(rf"\mathbf{{{key}}}"),), shown, numeric=True) for key, shown in UNITS.items()),
+    )
+    where = f" in configuration {case.configuration}" if case.configuration else ""
+    notes: list[Cell] = ["The matrices are symmetric: entries below the diagonal are those above it."]
+    notes += ["In other configurations other values and ratios take their places."] if len(subject.cases) > 1 else []
+    notes += [COMPLEX] if any(one.drivetrain.assembly.system.dynamic for one in subject.cases) else []
+    notes.append(_export())
+    found = table(
+        f"Entries of the matrices of inertia, viscous damping and stiffness{where}",
+        columns,
+        rows,
+        notes,
+        most=MOST_FOLDED,
+    )
+    if len(rows) <= MOST_ENTRIES:
+        return [found]
+    text = f"{len(rows)} entries of M, C and K are not zero"
+    return [Details((text,), (found,), (f"{text}; the report as HTML lists them. ", *_export()))]
+
+
+def _export() -> Text:
+    return (Code("torsionnet export MODEL -o matrices.mat"), " writes them for Matlab and Octave.")

@@ -1,0 +1,204 @@
+"""Transfer functions in symbols: mechanical form, polynomials, limits."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import sympy
+
+from torsionnet.core.errors import UsageError
+from torsionnet.model.report import Pair
+from torsionnet.report.document_tree import (
+    Block,
+    Cell,
+    Code,
+    DefinitionList,
+    Details,
+    Formula,
+    Heading,
+    Math,
+    NumberText,
+    Paragraph,
+    Section,
+    Strong,
+    TableBlock,
+    Text,
+)
+from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, Form, ReportData
+from torsionnet.report.report_tables import table
+from torsionnet.report.report_words import capital, channel_latex, pair_latex, sentence, unit
+from torsionnet.report.widths import FORMULA, letters
+from torsionnet.response import FrequencyResponse
+from torsionnet.symbolic.equations import sum_terms
+from torsionnet.symbolic.shown import latex, polynomial_latex
+from torsionnet.symbolic.symbol_names import symbol_latex
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.symbolic.transfer_function import TransferFunction
+
+SHORT, LONG = 70, 420
+"""Operations of a transfer function that is written in one formula, and of one that is written as a table of steps."""
+FEW_STEPS = 24
+"""Steps that a reader may follow; more are folded away."""
+
+MOST_ORDER = 10
+LONGEST = 14
+"""Terms of a coefficient that is written out."""
+
+
+def formulas_section(subject: ReportData) -> Section | None:
+    if not subject.pairs:
+        return None
+    blocks: list[Block] = []
+    for number, pair in enumerate(subject.pairs, 1):
+        inner: list[Block] = []
+        part = subject.about(pair)
+        for form in _forms(part):
+            if len(form.cases) < len(part.cases):
+                names = ", ".join(case.configuration for case in form.cases)
+                inner.append(Paragraph((Strong(f"Configuration {names}"),)))
+            inner += _function(part, pair, form)
+        blocks.append(Section(f"formula-{number}", (Math(pair_latex(pair)),), tuple(inner)))
+    return Section("formulas", ("Transfer functions in symbols",), tuple(blocks))
+
+
+def _forms(subject: ReportData) -> tuple[Form, ...]:
+    """The equations of all cases if they are few, else those of the first."""
+    if subject.size <= MOST_SYMBOLIC and len(subject.forms) <= FEW_CASES:
+        return subject.forms
+    return (Form(subject.cases[:1], subject.cases[0].drivetrain.symbolic()),)
+
+
+def _function(subject: ReportData, pair: Pair, form: Form) -> list[Block]:
+    try:
+        found = form.system.transfer_function(pair.output, pair.input, pair.excitation or None)
+        operations = found.program.operations
+    except UsageError as error:
+        return [Paragraph((f"Not written in symbols: {error}.",))]
+    rig = form.cases[0].drivetrain
+    blocks: list[Block] = [Paragraph(_introduction(found, rig))]
+    asked = pair in subject.request.pairs
+    if operations > (LONG if asked else SHORT):
+        text = f"Written out it takes {operations} additions, multiplications and divisions"
+        how = f"--tf {pair.output}/{pair.input}" if operations <= LONG else (
+            f'model.symbolic().transfer_function("{pair.output}", "{pair.input}").python_code()'
+        )  # fmt: skip
+        lead = "; " if operations <= LONG else ", which would fill pages; in Python "
+        return [*blocks, Paragraph((f"{text}{lead}", Code(how), " gives them."))]
+    # The formula of a large drivetrain can take hours to write, however few operations its steps have.
+    small = subject.size <= MOST_SYMBOLIC
+    if small and operations <= SHORT and found.nested_leaves <= 10 * SHORT and letters(found.mechanical) <= FORMULA:
+        blocks.append(Formula(rf"{_quotient(pair)} = {latex(found.mechanical)}"))
+        blocks += [*_polynomial(found, pair, form.cases), _limits(found, pair)]
+        return blocks
+    return [*blocks, *_steps(found, pair, limits=small)]
+
+
+def _quotient(pair: Pair) -> str:
+    return rf"\frac{{{channel_latex(pair.output)}}}{{{channel_latex(pair.input)}}}"
+
+
+def _introduction(found: TransferFunction, rig: Drivetrain) -> Text:
+    output, into = found.channels
+    response = FrequencyResponse(np.empty(0), np.empty((0, 1, 1), dtype=complex), (output,), (into,))
+    lead = (
+        f"{capital(response.kind())} in {unit(response.unit())}."
+        if response.unit() != "1"
+        else f"{capital(response.kind())}."
+    )
+    return sentence(" ".join([lead, *(f"{capital(note)}." for note in found.notes)]), rig)
+
+
+def _polynomial(found: TransferFunction, pair: Pair, cases: tuple[Case, ...]) -> list[Block]:
+    rational = found.polynomial
+    order = len(rational.denominator) - 1
+    if order > MOST_ORDER or max(map(_terms, (*rational.numerator, *rational.denominator))) > LONGEST:
+        text = f"As a quotient of polynomials in s it has order {order}; the coefficients are too long to be read."
+        return [Paragraph((text,))]
+    above, below = (
+        polynomial_latex(
+            [sympy.Symbol(f"{letter}_{k}") if value != 0 else sympy.Integer(0) for k, value in enumerate(part)]
+        )
+        for letter, part in (("b", rational.numerator), ("a", rational.denominator))
+    )
+    where = list(rational.where.items())
+    rows = [(Math(symbol_latex(str(name))), DefinitionList(tuple(sum_terms(value)))) for name, value in where]
+    columns = (Heading("Coefficient"), Heading("Expression", wide=True))
+    return [
+        Paragraph(("As a quotient of polynomials in ", Math("s"), ":")),
+        Formula(rf"{_quotient(pair)} = \frac{{{above}}}{{{below}}}"),
+        table(("Coefficients of ", Math(pair_latex(pair))), columns, rows),
+        _numbers(where, pair, cases),
+    ]
+
+
+def _terms(expression: Any) -> int:
+    return max(len(expression.args) if expression.is_Add else 1, int(sympy.count_ops(expression)) // 8)
+
+
+def _numbers(where: list[tuple[Any, Any]], pair: Pair, cases: tuple[Case, ...]) -> TableBlock:
+    columns = [Heading("Coefficient")]
+    columns += [Heading(case.configuration or "Value", numeric=True) for case in cases]
+    values = [
+        {
+            sympy.Symbol(n): sympy.Rational(str(v)) if _exact(v) else sympy.Float(v)
+            for n, v in case.drivetrain.exact_values.items()
+        }
+        for case in cases
+    ]
+    rows: list[tuple[Cell, ...]] = []
+    for name, expression in where:
+        numbers = [_number(expression.xreplace(known)) for known in values]
+        rows.append((Math(symbol_latex(str(name))), *numbers))
+    return table(("Coefficients of ", Math(pair_latex(pair)), " in numbers, SI units"), columns, rows)
+
+
+def _number(value: Any) -> Cell:
+    """A tabulated stiffness stays a function of the frequency."""
+    return NumberText(float(value), 5) if value.is_number else "depends on frequency"
+
+
+def _exact(value: Any) -> bool:
+    return not isinstance(value, float)
+
+
+def _limits(found: TransferFunction, pair: Pair) -> TableBlock:
+    arrow = {"low": r"s \to 0", "high": r"s \to \infty"}
+    static, low, high = found.static_gain, found.low_frequency, found.high_frequency
+    rows: list[tuple[Cell, ...]] = [("Static value", _limit(static))]
+    rows += [(("Low frequency, ", Math(arrow["low"])), _limit(low))] if low != static else []
+    rows.append((("High frequency, ", Math(arrow["high"])), _limit(high)))
+    return table(("Limits of ", Math(pair_latex(pair))), (Heading("Limit"), Heading("Leading term", wide=True)), rows)
+
+
+def _limit(expression: Any) -> Cell:
+    if expression in (sympy.oo, sympy.zoo):
+        return "infinite: nothing holds the drivetrain"
+    if sympy.count_ops(expression) > LONG or max(map(letters, sympy.Add.make_args(expression))) > FORMULA:
+        return "too long to be read"
+    return DefinitionList(tuple(sum_terms(expression)))
+
+
+def _steps(found: TransferFunction, pair: Pair, *, limits: bool) -> list[Block]:
+    names, result = found.program.where()
+    above, below = sympy.fraction(result)
+    names = {**names, sympy.Symbol("N"): above, sympy.Symbol("D"): below}
+    rows = [(Math(symbol_latex(str(name))), DefinitionList(tuple(sum_terms(value)))) for name, value in names.items()]
+    columns = (Heading("Step"), Heading("Expression", wide=True))
+    steps: list[Block] = [
+        table(("Steps of ", Math(pair_latex(pair))), columns, rows),
+        Formula(rf"{_quotient(pair)} = \frac{{N}}{{D}}"),
+    ]
+    after: list[Block] = [_limits(found, pair)] if limits else []
+    if len(rows) <= FEW_STEPS:
+        return [Paragraph(("Written in steps, each of which uses those before it:",)), *steps, *after]
+    title: Text = (f"{len(rows)} steps, each of which uses those before it",)
+    code = Code(f'model.symbolic().transfer_function("{pair.output}", "{pair.input}").python_code()')
+    instead: Text = (
+        f"Written in symbols it takes {len(rows)} steps: the report as HTML has them, in Python ",
+        code,
+        ".",
+    )
+    return [Details(title, tuple(steps), instead), *after]

@@ -1,0 +1,217 @@
+"""Modes of every configuration: frequencies, damping, energies, shapes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsionnet.report.document_tree import (
+    Block,
+    Cell,
+    Details,
+    Heading,
+    Math,
+    NumberText,
+    Paragraph,
+    Picture,
+    Section,
+    TableBlock,
+    TableGroup,
+    Text,
+    inlines,
+)
+from torsionnet.report.report_data import FEW_CASES, MOST_MODES, ReportData
+from torsionnet.report.report_tables import table
+from torsionnet.report.report_words import aligned, capital, named, pair_latex, plain, sentence
+from torsionnet.response.modes import OSCILLATORY
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.response import Modes
+
+NOTEWORTHY, MOST_SHARES = 0.05, 4
+MOST_DRAWN = 6
+"""Configurations whose shapes are drawn."""
+SHOWS_THESE = " shows these, not the modes of the whole drivetrain."
+KINDS = {"oscillatory": "vibration"}
+COLUMNS = (
+    Heading("Mode", numeric=True),
+    Heading("Kind"),
+    Heading((Math("f_{n}"),), "Hz", numeric=True),
+    Heading((Math("f_{d}"),), "Hz", numeric=True),
+    Heading((Math(r"\zeta"),), "%", numeric=True),
+    Heading("Description", wide=True),
+)
+
+
+def modes_section(subject: ReportData) -> Section:
+    blocks: list[Block] = [Paragraph(_introduction(subject))]
+    caption = "Modes by configuration" if 1 < len(subject.cases) <= FEW_CASES else "Modes"
+    if not any(map(len, subject.modes)):
+        return Section("modes", ("Modes",), (Paragraph(("Nothing can move: there are no modes.",)),))
+    blocks += listed_modes(subject, subject.modes, (caption,), energies=True)
+    blocks.append(_shapes(subject))
+    for pair in subject.pairs:
+        part = subject.about(pair)
+        cut = part.cut_modes(pair)
+        if cut is not None and len(cut[0]):
+            blocks += _cut(part, pair_latex(pair), pair.input, cut)
+    return Section("modes", ("Modes",), tuple(blocks))
+
+
+def _introduction(subject: ReportData) -> Text:
+    text: Text = (
+        "Free vibration with damping: ", Math(r"f_{n} = \left|\lambda\right|/2\pi"), " is the natural frequency, ",
+        Math(r"f_{d} = \mathrm{Im}\,\lambda/2\pi"), " the frequency of the damped vibration, ",
+        Math(r"\zeta = -\mathrm{Re}\,\lambda/\left|\lambda\right|"), " the damping ratio.",
+    )  # fmt: skip
+    if subject.is_large or any(len(modes) == MOST_MODES < subject.size for modes in subject.modes):
+        text = (*text, f" The model has {subject.size} coordinates; the lowest {MOST_MODES} modes are shown.")
+    return text
+
+
+def modes_table(subject: ReportData, found: tuple[Modes, ...], caption: Text) -> TableBlock:
+    """A group of rows for each case."""
+    groups = []
+    for case, modes in zip(subject.cases, found, strict=True):
+        title = f"Configuration {case.configuration}" if len(subject.cases) > 1 else ""
+        groups.append(TableGroup(_rows(modes, case.drivetrain), title))
+    return TableBlock(caption, COLUMNS, tuple(groups), tuple(_notes(subject, found)))
+
+
+def listed_modes(
+    subject: ReportData, found: tuple[Modes, ...], caption: Text, *, energies: bool = False
+) -> list[Block]:
+    """The modes of every case; of many cases those of the first, and how frequencies and damping vary."""
+
+    def full(part: ReportData, modes: tuple[Modes, ...], said: Text) -> list[Block]:
+        return [modes_table(part, modes, said), *([_energies(part, modes)] if energies else [])]
+
+    if len(subject.cases) <= FEW_CASES:
+        return full(subject, found, caption)
+    first, rest = replace(subject, cases=subject.cases[:1]), replace(subject, cases=subject.cases[1:])
+    where = f", configuration {subject.cases[0].configuration}"
+    folded = Details(
+        (f"Modes of the other {len(rest.cases)} configurations in full",),
+        tuple(full(rest, found[1:], caption)),
+        ("The report as HTML has the modes of the other configurations in full.",),
+    )
+    compared = [_compared(subject, found, caption, damping=damping) for damping in (False, True)]
+    return [*full(first, found[:1], (*caption, where)), *[each for each in compared if each], folded]
+
+
+def _compared(subject: ReportData, found: tuple[Modes, ...], caption: Text, *, damping: bool) -> TableBlock | None:
+    """Natural frequencies or damping ratios, a row for each case."""
+    swings = [[index for index, kind in enumerate(modes.kinds) if kind == OSCILLATORY] for modes in found]
+    letter, shown = (r"\zeta", "%") if damping else ("f", "Hz")
+    columns = [Heading("Configuration")]
+    lists: list[list[Cell]] = [[case.configuration for case in subject.cases]]
+    for place in range(max(map(len, swings))):
+        values = [
+            (100 * float(modes.damping_ratios[at[place]]) if damping else float(modes.natural_frequencies[at[place]]))
+            if place < len(at)
+            else None
+            for modes, at in zip(found, swings, strict=True)
+        ]
+        columns.append(Heading((Math(f"{letter}_{{{place + 1}}}"),), shown, numeric=True))
+        lists.append(list(aligned(values, 3 if damping else 4)))
+    if len(columns) == 1:
+        return None
+    what = "damping ratios" if damping else "natural frequencies"
+    said = (*caption, f": {what} of the vibrations in every configuration")
+    return table(said, columns, list(zip(*lists, strict=True)))
+
+
+def _rows(modes: Modes, rig: Drivetrain) -> tuple[tuple[Cell, ...], ...]:
+    swings = [kind == OSCILLATORY for kind in modes.kinds]
+
+    def column(values: np.ndarray[tuple[int], np.dtype[np.float64]]) -> list[NumberText]:
+        return aligned([float(value) if shown else None for value, shown in zip(values, swings, strict=True)], 5)
+
+    natural, damped = column(modes.natural_frequencies), column(modes.damped_frequencies)
+    ratios = aligned(
+        [100 * float(value) if shown else None for value, shown in zip(modes.damping_ratios, swings, strict=True)], 3
+    )
+    return tuple(
+        (
+            NumberText(index + 1), KINDS.get(modes.kinds[index], modes.kinds[index]), natural[index], damped[index],
+            ratios[index], sentence(capital(modes.descriptions[index]), rig),
+        )
+        for index in range(len(modes))
+    )  # fmt: skip
+
+
+def _notes(subject: ReportData, found: tuple[Modes, ...]) -> list[Text]:
+    """Undamped natural frequencies, and what the calculation has to say."""
+    notes: list[Text] = []
+    for case, modes in zip(subject.cases, found, strict=True):
+        where = f"{case.configuration}: " if len(subject.cases) > 1 else ""
+        undamped = [f"{value:.4g}" for value in modes.undamped_natural_frequencies[:MOST_MODES] if value > 0]
+        notes.append((f"{where}{', '.join(undamped)} Hz",))
+    listed = "; ".join(str(note[0]) for note in notes)
+    remarks = dict.fromkeys(note for modes in found for note in modes.notes)
+    lead = ("Undamped natural frequencies: " + listed,)
+    return [lead, *(sentence(capital(note) + ".", subject.model) for note in remarks)]
+
+
+def _energies(subject: ReportData, found: tuple[Modes, ...]) -> TableBlock:
+    columns = (
+        Heading("Mode", numeric=True),
+        Heading("Kinetic energy", wide=True),
+        Heading("Strain energy", wide=True),
+        Heading("Dissipated power", wide=True),
+    )
+    groups = []
+    for case, modes in zip(subject.cases, found, strict=True):
+        rows = tuple((NumberText(index + 1), *_energy(modes, index)) for index in range(len(modes)))
+        groups.append(TableGroup(rows, f"Configuration {case.configuration}" if len(subject.cases) > 1 else ""))
+    note = f"Shares of at least {100 * NOTEWORTHY:.0f} %, the {MOST_SHARES} largest."
+    return TableBlock(("Where the energy of each mode is",), columns, tuple(groups), ((note,),))
+
+
+def _energy(modes: Modes, index: int) -> tuple[str, str, str]:
+    """Kinetic, elastic, dissipated, in words."""
+    return (
+        _shares(modes.elements, modes.kinetic[:, index]),
+        _shares(modes.elements, modes.strain[:, index]),
+        _shares(modes.elements, modes.dissipated[:, index]),
+    )
+
+
+def _shares(elements: tuple[str, ...], shares: np.ndarray[tuple[int], np.dtype[np.float64]]) -> str:
+    """``dmf 79 %, half shaft 21 %``."""
+    order = np.argsort(-np.round(shares, 9), kind="stable")[:MOST_SHARES]
+    kept = [index for index in order if shares[index] >= NOTEWORTHY]
+    if not kept and shares.any():
+        return (
+            f"spread over many, at most {100 * shares[order[0]]:.1f}\N{NO-BREAK SPACE}% in {plain(elements[order[0]])}"
+        )
+    return ", ".join(f"{plain(elements[index])} {100 * shares[index]:.0f}\N{NO-BREAK SPACE}%" for index in kept) or "–"
+
+
+def _shapes(subject: ReportData) -> Picture:
+    from torsionnet.plot.shape_grid import shape_grid
+    from torsionnet.plot.shapes import view_of
+
+    cases, modes = subject.cases[:MOST_DRAWN], subject.modes[:MOST_DRAWN]
+    drawn = shape_grid(modes, [case.drivetrain for case in cases], [case.configuration for case in cases])
+    rest = len(subject.cases) - len(cases)
+    views = [view_of(one, case.drivetrain) for one, case in zip(modes, cases, strict=True)]
+    geared = any(join.kind == "gear" for view in views for join in view.axis.joins)
+    caption = (
+        f"Mode shapes: {views[0].label.removesuffix(' [-]')}, the largest 1. Filled dots are the real part; open dots "
+        "the imaginary part, where the nodes do not move in phase or against each other."
+        + (" Dotted lines are gears." if geared else "")
+        + (f" The first {len(cases)} of {len(subject.cases)} configurations." if rest else "")
+    )
+    alt = "Mode shapes of " + "; ".join(modes[index].title for index in range(len(modes)))
+    return Picture("mode_shapes", drawn, (caption,), alt)
+
+
+def _cut(subject: ReportData, pair: str, measured: str, cut: tuple[Modes, ...]) -> list[Block]:
+    poles = " the poles are others: those of the drivetrain cut where it is measured. A test of "
+    text: Text = ("Against the measured ", *inlines(named(measured)), poles, Math(pair), SHOWS_THESE)
+    caption: Text = ("Poles of ", Math(pair), ", the drivetrain cut at ", *inlines(named(measured)))
+    return [Paragraph(text), *listed_modes(subject, cut, caption)]

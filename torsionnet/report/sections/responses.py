@@ -1,0 +1,162 @@
+"""Transfer functions over frequency: Bode plots overlaid by configuration, static values and peaks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from torsionnet.model.report import Pair
+from torsionnet.report.document_tree import (
+    Block,
+    Cell,
+    Heading,
+    Math,
+    NumberText,
+    Paragraph,
+    Picture,
+    Section,
+    TableBlock,
+    TableGroup,
+)
+from torsionnet.report.report_data import FEW_CASES, ReportData, is_damped
+from torsionnet.report.report_tables import table
+from torsionnet.report.report_words import aligned, pair_latex, sentence, unit
+from torsionnet.response import FrequencyResponse
+from torsionnet.response.phase import phase_at_rest
+from torsionnet.solve.peaks import Peak, peaks, static_value
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MOST_PEAKS, FEW_PEAKS = 6, 3
+"""Peaks listed of each configuration, and of each of many."""
+PROMINENCE = 1.001
+MOST_CURVES = 7
+"""Curves that can be told apart in one plot."""
+
+
+def responses_section(subject: ReportData) -> Section | None:
+    if not subject.pairs:
+        return None
+    blocks: list[Block] = []
+    for number, pair in enumerate(subject.pairs, 1):
+        part = subject.about(pair)
+        found = part.responses(pair)
+        listing = peaks_table if len(part.cases) <= FEW_CASES else highest_peaks
+        blocks += [_picture(part, pair, found, number), listing(part, pair, found), *left_out(subject, pair)]
+    return Section("responses", ("Frequency responses",), tuple(blocks))
+
+
+def left_out(subject: ReportData, pair: Pair) -> Iterator[Block]:
+    """Which configurations lack the transfer function, and why."""
+    part = subject.about(pair)
+    if part is not subject:
+        for case in subject.cases:
+            refusal = subject.refusal(case, pair)
+            if refusal is not None:
+                yield Paragraph(sentence(f"Not in configuration {case.configuration}: {refusal}.", subject.model))
+
+
+def _picture(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ...], number: int) -> Picture:
+    from torsionnet.plot.bode import bode
+
+    shown = found[:MOST_CURVES]
+    labels = [case.configuration for case in subject.cases[:MOST_CURVES]] if len(shown) > 1 else None
+    drawn = bode(shown, conventions=subject.conventions, labels=labels, title="")
+    finish(drawn, pair)
+    rest = f"; the first {len(shown)} of {len(found)} configurations" if len(found) > len(shown) else ""
+    overlaid = ", by configuration" if len(found) > 1 else ""
+    kind = found[0].kind()
+    caption = (Math(pair_latex(pair)), f" ({kind}): magnitude and phase{overlaid}{rest}.")
+    low, high = subject.band
+    alt = f"Bode plot of {pair}, {low:g} to {high:g} Hz{overlaid}"
+    return Picture(f"bode_{number}", drawn, caption, alt)
+
+
+def finish(figure: Figure, pair: Pair) -> None:
+    """The names of output and input on the axis as symbols, and no ticks without a number, which take long to draw."""
+    from torsionnet.plot.labels import symbol
+
+    for panel in figure.axes:
+        panel.minorticks_off()
+    axes = figure.axes[0]
+    shown = "/".join(symbol(name) for name in (pair.output, pair.input))
+    axes.set_ylabel(axes.get_ylabel().replace(str(pair), shown))
+
+
+def peaks_table(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ...]) -> TableBlock:
+    """Static value and peaks of every case."""
+    scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
+    groups = []
+    for case, response in zip(subject.cases, found, strict=True):
+        points = read_off(subject, pair, response, list(subject.cases).index(case))
+        groups.append((case.configuration, points))
+    several = len(groups) > 1
+    columns = (
+        *([Heading("Configuration")] if several else []),
+        Heading("At"),
+        Heading("Frequency", "Hz", numeric=True),
+        Heading("Magnitude", shown, numeric=True),
+        Heading("Phase", "deg", numeric=True),
+    )
+    flat = [(name, what, peak) for name, points in groups for what, peak in points]
+    cells = zip(
+        aligned([peak.frequency for *_, peak in flat]),
+        aligned([peak.magnitude * scale for *_, peak in flat]),
+        [NumberText(peak.phase, 4, 1) for *_, peak in flat],
+        strict=True,
+    )
+    rows: list[tuple[Cell, ...]] = []
+    for (name, what, _), row in zip(flat, cells, strict=True):
+        first = not rows or what == "static value"
+        rows.append((*([name if first else ""] if several else []), what, *row))
+    notes = (("A negative phase is a lag. Torques are positive as their signs are given with the sensors.",),)
+    caption = ("Static values and peaks of ", Math(pair_latex(pair)))
+    return TableBlock(caption, columns, (TableGroup(tuple(rows)),), notes)
+
+
+def highest_peaks(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ...]) -> TableBlock:
+    """Static value and the highest peaks in the order of frequency, a row for each case."""
+    scale, shown = found[0].scale(subject.conventions), unit(found[0].unit(conventions=subject.conventions))
+    read = [read_off(subject, pair, response, index) for index, response in enumerate(found)]
+    columns = [Heading("Configuration"), Heading("Static value", shown, numeric=True)]
+    lists: list[list[Cell]] = [[case.configuration for case in subject.cases]]
+    lists.append(list(aligned([points[0][1].magnitude * scale for points in read])))
+    best = [sorted(sorted((peak for _, peak in points[1:]), key=lambda peak: -peak.magnitude)[:FEW_PEAKS],
+                   key=lambda peak: peak.frequency) for points in read]  # fmt: skip
+    for place in range(max(map(len, best))):
+        picked = [peaks_[place] if place < len(peaks_) else None for peaks_ in best]
+        columns += [Heading(f"Peak {place + 1}", "Hz", numeric=True), Heading("magnitude", shown, numeric=True)]
+        lists.append(list(aligned([None if peak is None else peak.frequency for peak in picked])))
+        lists.append(list(aligned([None if peak is None else peak.magnitude * scale for peak in picked])))
+    caption = ("Static values of ", Math(pair_latex(pair)), f" and its {FEW_PEAKS} highest peaks")
+    return table(caption, columns, list(zip(*lists, strict=True)))
+
+
+def _stands_out(response: FrequencyResponse, frequency: float) -> bool:
+    """Whether the response falls by a thousandth or more to either side before it rises above the peak."""
+    size = response.magnitude[:, 0, 0]
+    place = int(np.argmin(np.abs(response.frequencies - frequency)))
+    window = slice(max(place - 1, 0), place + 2)
+    top = int(np.argmax(size[window])) + window.start
+    valleys = []
+    for side in (size[top::-1], size[top:]):
+        higher = np.flatnonzero(side > size[top])
+        valleys.append(float(side[: higher[0] if higher.size else None].min()))
+    return bool(size[top] > PROMINENCE * max(valleys))
+
+
+def read_off(subject: ReportData, pair: Pair, response: FrequencyResponse, index: int) -> list[tuple[str, Peak]]:
+    """What it is and where, of one case."""
+    solve = subject.solver(subject.cases[index], pair)
+    value = static_value(solve, 0, 0)
+    found = [peak for peak in peaks(response, solve, 0, 0) if _stands_out(response, peak.frequency)]
+    if not is_damped(subject.cases[index]):
+        found = [replace(peak, magnitude=math.inf, phase=math.nan) for peak in found]
+    highest = sorted(sorted(found, key=lambda peak: -peak.magnitude)[:MOST_PEAKS], key=lambda peak: peak.frequency)
+    rest = [(f"peak {number}", peak) for number, peak in enumerate(highest, 1)]
+    return [("static value", Peak(0.0, abs(value), phase_at_rest(value))), *rest]

@@ -1,0 +1,23 @@
+"""The drivetrain drawn."""
+
+from __future__ import annotations
+
+from torsionnet.report.document_tree import Picture, Section
+from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_words import listed, plain
+
+
+def schematic_section(subject: ReportData) -> Section:
+    """The picture of the first configuration, in which the others differ by values or by what is switched on."""
+    from torsionnet.plot.schematic import schematic
+
+    case = subject.cases[0]
+    rig = case.drivetrain
+    where = f", configuration {case.configuration}" if len(subject.cases) > 1 else ""
+    caption = (
+        f"The drivetrain{where}. Discs are inertias; curved arrows mark inputs, dots sensors of motion and diamonds "
+        "sensors of torque."
+    )
+    nodes = listed([plain(node) for node in rig.nodes])
+    alt = f"Schematic of {rig.name}: {len(rig.elements)} elements between the nodes {nodes}"
+    return Section("schematic", ("Drivetrain",), (Picture("schematic", schematic(rig, title=""), (caption,), alt),))

@@ -1,0 +1,106 @@
+"""What the results rest on: only what applies to this model."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from torsionnet.model.elements import (
+    Differential,
+    Gear,
+    HystereticSpring,
+    Lock,
+    Planetary,
+    RigidCoupling,
+    Shaft,
+    TabulatedSpring,
+)
+from torsionnet.report.document_tree import Cell, Listing, Math, Section, inlines
+from torsionnet.report.report_data import ReportData, is_damped
+from torsionnet.report.report_words import listed, named, pair_latex, plain
+
+if TYPE_CHECKING:
+    from torsionnet.model.elements import Element
+
+FEW = 6
+
+LINEAR = (
+    "Linear: small torsional vibrations{about}. Backlash, clearances, friction that sticks, slipping clutches and "
+    "stops are not in the model; where a gear unloads or a spring reaches another stage it does not hold."
+)
+LUMPED = (
+    "Lumped: what is no shaft from its dimensions is a disc or a spring between discs. It holds well below the first "
+    "torsional resonance within any one part. Bending, lateral and axial motion are not considered."
+)
+VISCOUS = (
+    "Viscous damping: its torque is proportional to frequency and fades out towards 0 Hz. Parts whose losses do not "
+    "depend on frequency lag more at low frequency than the model says, and less at high frequency."
+)
+UNDAMPED = "Without damping: peaks are unbounded; their heights in a plot say nothing."
+HYSTERETIC = "Hysteretic damping ({names}) is meant for steady vibration; it cannot be simulated over time."
+TABULATED = "Stiffness from a table ({names}) holds at the amplitude, preload and temperature it was measured at."
+SHAFTS = (
+    "Shafts from their dimensions ({names}) are uniform and of circular section, in segments with inertia of their "
+    "own; modes with a node of vibration in nearly every segment are not to be trusted: use more segments."
+)
+GEARS = (
+    "Gears ({names}) transmit without play and without errors of the teeth, always in contact. What lies behind a "
+    "stage counts with the square of its ratio: an error of 1 % in a ratio is one of 2 % there."
+)
+CLAMPS = "Clamps ({names}) are rigid. A real support gives way, which lowers natural frequencies."
+COUPLINGS = "Rigid couplings ({names}) neither twist nor damp; their own resonances are taken to lie above the band."
+FREE = (
+    "The drivetrain can turn freely: angles over torques grow without bound towards 0 Hz. Twists, torques and "
+    "differences of angles have a static value, speeds only where something drags on the whole of it."
+)
+CUT = (
+    ". What lies upstream of it has no influence on this transfer function, and a test of it says nothing about that "
+    "part."
+)
+IMPOSED = "Imposed angles ({names}): the drive follows its set-point whatever the torque; elsewhere that node rests."
+
+
+def validity_section(subject: ReportData) -> Section:
+    return Section("validity", ("Validity",), (Listing(tuple(map(inlines, _notes(subject)))),))
+
+
+def _notes(subject: ReportData) -> Iterator[Cell]:
+    model = subject.model
+    loaded = any(model.mean_speeds.values()) or any(model.mean_torques.values())
+    yield LINEAR.format(about=" about the operating point" if loaded else "")
+    yield LUMPED
+    yield from _about(subject, SHAFTS, Shaft)
+    if any((case.drivetrain.assembly.system.damping > 0).any() for case in subject.cases):
+        yield VISCOUS
+    if not any(map(is_damped, subject.cases)):
+        yield UNDAMPED
+    yield from _about(subject, HYSTERETIC, HystereticSpring)
+    yield from _about(subject, TABULATED, TabulatedSpring)
+    yield from _about(subject, GEARS, Gear, Planetary, Differential)
+    yield from _about(subject, CLAMPS, Lock)
+    yield from _about(subject, COUPLINGS, RigidCoupling)
+    yield from _readings(subject)
+
+
+def _about(subject: ReportData, text: str, *kinds: type[Element]) -> Iterator[str]:
+    """The text with the names of the elements of these types, if any takes part in a case."""
+    found = {
+        name: None
+        for case in subject.cases
+        for name, element in case.drivetrain.elements.items()
+        if isinstance(element, kinds)
+    }
+    if found:
+        yield text.format(names=listed([plain(name) for name in found], FEW))
+
+
+def _readings(subject: ReportData) -> Iterator[Cell]:
+    if any("rigid body" in modes.kinds for modes in subject.modes):
+        yield FREE
+    for pair in subject.pairs:
+        if pair.input in subject.model.sensors:
+            where = " are those of the drivetrain cut at "
+            yield ("Poles of ", Math(pair_latex(pair)), where, *inlines(named(pair.input)), CUT)
+    imposed = [name for name, channel in subject.model.inputs.items() if channel.quantity == "angle"]
+    if imposed:
+        yield IMPOSED.format(names=listed(imposed, FEW))

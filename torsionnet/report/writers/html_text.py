@@ -1,0 +1,77 @@
+"""What stands inside a line of HTML. Every text passes :func:`escaped`; nothing else reaches the page."""
+
+from __future__ import annotations
+
+import html
+import unicodedata
+
+from torsionnet.report.document_tree import Cell, Code, DefinitionList, Inline, Math, NumberText, Strong, inlines
+from torsionnet.report.writers.mathml import mathml
+
+
+def escaped(text: str) -> str:
+    """Text in which markup is text.
+
+    >>> escaped('<b>A & "B"</b>')
+    '&lt;b&gt;A &amp; &quot;B&quot;&lt;/b&gt;'
+    """
+    return html.escape("".join("\N{REPLACEMENT CHARACTER}" if _is_control(char) else char for char in text))
+
+
+def _is_control(char: str) -> bool:
+    return unicodedata.category(char) in ("Cc", "Cs") and char not in "\n\t"
+
+
+def inline(cell: Cell) -> str:
+    """A cell, caption or paragraph as HTML."""
+    return "".join(map(_part, inlines(cell)))
+
+
+def _part(part: Inline) -> str:
+    match part:
+        case Math(latex):
+            return mathml(latex)
+        case DefinitionList(parts):
+            return " ".join(_infix(mathml(latex), latex) for latex in parts)
+        case Strong(text):
+            return f"<strong>{escaped(text)}</strong>"
+        case Code(text):
+            return f"<code>{escaped(text)}</code>"
+        case NumberText():
+            return number(part)
+    return escaped(part)
+
+
+def _infix(text: str, latex: str) -> str:
+    """A sign that begins a formula stands between two terms here, and keeps its distance from both."""
+    return text.replace("<mo>", "<mo form=infix>", 1) if latex[:1] in ("+", "-", "=") else text
+
+
+def number(value: NumberText, decimals: int = 0) -> str:
+    """A number; invisible digits make up for the decimals that others in its column have."""
+    text = value.mantissa.replace("-", "−")
+    if value.exponent is not None:
+        return f"{text}·10<sup>{str(value.exponent).replace('-', '−')}</sup>"
+    missing = decimals - value.decimals_shown
+    if missing <= 0 or not text[-1:].isdigit():
+        return text
+    point = "" if value.decimals_shown else "."
+    return f'{text}<span class="pad" aria-hidden="true">{point}{"0" * missing}</span>'
+
+
+def plain_text(cell: Cell) -> str:
+    """Without markup and formulas' structure, for titles and descriptions."""
+    return escaped("".join(_words(part) for part in inlines(cell)))
+
+
+def _words(part: Inline) -> str:
+    match part:
+        case Math(latex):
+            return latex
+        case DefinitionList(parts):
+            return " ".join(parts)
+        case Strong(text) | Code(text):
+            return text
+        case NumberText():
+            return part.mantissa
+    return part

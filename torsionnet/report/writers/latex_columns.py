@@ -1,0 +1,189 @@
+r"""Which columns of a table stand side by side in LaTeX, and how wide each is: none beyond the margin.
+
+Widths are counted in letters of the size of tables. A table that is too wide first breaks its headings and its texts;
+if that is not enough it goes on below, its first column repeated.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from torsionnet.report.document_tree import (
+    Cell,
+    Code,
+    DefinitionList,
+    Heading,
+    Inline,
+    Math,
+    NumberText,
+    Strong,
+    TableBlock,
+    inlines,
+)
+
+PAGE, GAP, FEWEST = 98, 2, 10
+"""Letters across the page, of the gap between two columns, and of the narrowest column of text."""
+MATRIX = 48
+"""Letters that a matrix in a table may be wide before it is made smaller."""
+LONGEST_WORD = 20
+"""Letters of a word that stays in one piece."""
+
+_MARKUP = re.compile(r"(begin|end)\{bmatrix\}|\\[a-zA-Z]+|[{}_^~\\ &]")
+_BREAKS = re.compile(r"(?<=[=,/_+])|(?<=\S)\s+")
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Columns of one piece of a table: their numbers in the whole, their widths if they break, and their headings."""
+
+    indices: tuple[int, ...]
+    widths: tuple[float | None, ...]
+    headings: tuple[tuple[Cell, ...], ...]
+
+    def spec(self, block: TableBlock) -> str:
+        """The columns of a ``longtable``, each as wide as said, or as what was measured before in its length."""
+        parts = []
+        for place, (index, width) in enumerate(zip(self.indices, self.widths, strict=True)):
+            side = "left" if block.columns[index].numeric else "right"
+            wide = length(place) if width is None else rf"{width / PAGE:.3f}\linewidth"
+            parts.append(rf">{{\ragged{side}\arraybackslash}}p{{{wide}}}")
+        return "@{}" + "".join(parts) + "@{}"
+
+
+def length(place: int) -> str:
+    r"""The name of the length that holds the width of a column.
+
+    >>> length(0), length(27)
+    ('\\widthA', '\\widthAB')
+    """
+    letters = chr(ord("A") + place % 26)
+    return rf"\width{'A' * (place // 26)}{letters}"
+
+
+def pieces(block: TableBlock) -> list[Columns]:
+    """The table as it is if it fits, else with broken texts, else in several pieces below each other."""
+    everything = tuple(range(len(block.columns)))
+    loose = [natural(block, index) for index in everything]
+    if sum(loose) + GAP * len(loose) <= PAGE:
+        return [Columns(everything, (None,) * len(loose), tuple((_title(column),) for column in block.columns))]
+    least = [_least(block, index) for index in everything]
+    groups: list[list[int]] = [[0]]
+    for index in everything[1:]:
+        if len(groups[-1]) > 1 and sum(least[i] + GAP for i in (*groups[-1], index)) > PAGE:
+            groups.append([0])
+        groups[-1].append(index)
+    return [_fitted(block, tuple(group), least) for group in groups]
+
+
+def _fitted(block: TableBlock, indices: tuple[int, ...], least: Sequence[float]) -> Columns:
+    """Columns of text share the room that the others leave, those with much text more of it."""
+    room = PAGE - GAP * len(indices) - sum(least[index] for index in indices)
+    wanted = {index: max(natural(block, index) - least[index], 0) for index in indices}
+    total = sum(wanted.values())
+    share = min(1.0, max(room, 0) / total) if total else 0.0
+    wide = {index: least[index] + share * wanted[index] for index in indices}
+    widths = tuple(wide[index] if wanted[index] and breaks(block, index) else None for index in indices)
+    headings = tuple(
+        (_title(block.columns[index]),) if width is not None else heading_lines(block.columns[index], wide[index])
+        for index, width in zip(indices, widths, strict=True)
+    )
+    return Columns(indices, widths, headings)
+
+
+def is_matrix(cell: Cell) -> bool:
+    return isinstance(cell, Math) and "matrix" in cell.latex
+
+
+def breaks(block: TableBlock, index: int) -> bool:
+    """Whether lines may break in a column: in texts, not in numbers and matrices."""
+    return not block.columns[index].numeric and not any(map(is_matrix, _column(block, index)))
+
+
+def _title(column: Heading) -> Cell:
+    unit = f" [{column.unit}]" if column.unit and column.unit != "–" else ""
+    return (*inlines(column.text), unit) if unit else column.text
+
+
+def heading_lines(column: Heading, width: float) -> tuple[Cell, ...]:
+    """A heading in lines no wider than its column, as far as it has spaces; the unit on a line of its own."""
+    unit = [f"[{column.unit}]"] if column.unit and column.unit != "–" else []
+    if not isinstance(column.text, str):
+        whole = _title(column)
+        return (whole,) if len(shown(whole)) <= width else (column.text, *unit)
+    lines: list[str] = []
+    for word in [*column.text.split(), *unit]:
+        if lines and len(lines[-1]) + 1 + len(word) <= width:
+            lines[-1] += f" {word}"
+        else:
+            lines.append(word)
+    return tuple(lines)
+
+
+def natural(block: TableBlock, index: int) -> float:
+    """Letters of the widest cell, or of the heading."""
+    return max(len(shown(_title(block.columns[index]))), _content(block, index))
+
+
+def _content(block: TableBlock, index: int) -> int:
+    cells = _column(block, index)
+    numbers = [cell for cell in cells if isinstance(cell, NumberText)]
+    decimals = max((number.decimals_shown for number in numbers), default=0)
+    whole = max((len(number.mantissa.partition(".")[0]) for number in numbers), default=0)
+    aligned = whole + decimals + (decimals > 0)
+    return max([aligned, *(min(len(shown(c)), MATRIX) if is_matrix(c) else len(shown(c)) for c in cells)], default=0)
+
+
+def _least(block: TableBlock, index: int) -> float:
+    """Letters that a column needs at least."""
+    column = block.columns[index]
+    words = [len(word) for word in shown(column.text).split()] + [len(column.unit) + 2 if column.unit else 0]
+    if any(is_matrix(cell) for cell in _column(block, index)):
+        return min(_content(block, index), MATRIX)
+    if not breaks(block, index):
+        return min(max([_content(block, index), *words]), PAGE - 2 * GAP)
+    longest = max((_longest(cell) for cell in _column(block, index)), default=0)
+    return min(natural(block, index), max(FEWEST, longest, *words))
+
+
+def _longest(cell: Cell) -> int:
+    """Letters of the longest part that cannot be broken."""
+    found = [0]
+    for part in inlines(cell):
+        if isinstance(part, str):
+            found += [min(len(word), LONGEST_WORD) for word in _BREAKS.split(part)]
+        elif isinstance(part, DefinitionList):
+            found += [len(shown(Math(latex))) + 2 for latex in part.parts]
+        else:
+            found.append(len(shown(part)))
+    return max(found)
+
+
+def _column(block: TableBlock, index: int) -> list[Cell]:
+    return [row[index] for group in block.groups for row in group.rows]
+
+
+def shown(cell: Cell) -> str:
+    """Roughly what a cell looks like, for counting letters."""
+    return "".join(map(_letters, inlines(cell)))
+
+
+def _letters(part: Inline) -> str:
+    match part:
+        case Math(latex):
+            rows = (_rowed(row) for row in latex.split(r"\\"))
+            return max(rows, key=len)
+        case DefinitionList(parts):
+            return "   ".join(_letters(Math(latex)) for latex in parts)
+        case Strong(text) | Code(text):
+            return text
+        case NumberText():
+            return part.mantissa + ("·10^-9" if part.exponent is not None else "")
+    return part
+
+
+def _rowed(latex: str) -> str:
+    """Letters of a formula; between the columns of a matrix there are gaps, operators stand apart."""
+    bare = re.sub(_MARKUP, "", latex.replace("&", "ooo").replace(r"\cdot", "o"))
+    return re.sub(r"(?<=[^ ])[-+=](?=[^ ])", "- ", bare)

@@ -1,0 +1,86 @@
+r"""Tables in LaTeX: ``longtable``, so that long ones break over pages with their head repeated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from torsionnet.report.document_tree import Cell, NumberText, TableBlock, inlines
+from torsionnet.report.writers.latex_columns import MATRIX, PAGE, Columns, is_matrix, length, pieces
+from torsionnet.report.writers.latex_text import breakable, displayed, escaped, inline, number
+
+
+def table_latex(block: TableBlock) -> str:
+    """A table with caption, head and notes; one that is too wide for the page goes on below."""
+    decimals = [_decimals(block, index) for index in range(len(block.columns))]
+    lines = []
+    for place, columns in enumerate(pieces(block)):
+        caption = r"\caption*{(continued)}" if place else rf"\caption{{{inline(block.caption)}}}"
+        lines += _piece(block, columns, caption, decimals)
+    notes = [*map(inline, block.notes), *([escaped(f"… and {block.more} more")] if block.more else [])]
+    return "\n".join([*lines, *(rf"{{\footnotesize {note}\par}}" for note in notes)])
+
+
+def _piece(block: TableBlock, columns: Columns, caption: str, decimals: Sequence[int]) -> list[str]:
+    head = " & ".join(
+        _heading(lines, numeric=block.columns[index].numeric)
+        for index, lines in zip(columns.indices, columns.headings, strict=True)
+    )
+    lines = [rf"\begin{{longtable}}{{{columns.spec(block)}}}"]
+    lines[:0] = _measured(block, columns, decimals)
+    lines += [rf"{caption}\\", r"\toprule", rf"{head} \\", r"\midrule", r"\endfirsthead"]
+    lines += [r"\toprule", rf"{head} \\", r"\midrule", r"\endhead", r"\bottomrule", r"\endlastfoot"]
+    for number_, group in enumerate(block.groups):
+        if group.title:
+            lines += [r"\addlinespace"] if number_ else []
+            lines.append(rf"\multicolumn{{{len(columns.indices)}}}{{@{{}}l}}{{\textbf{{{inline(group.title)}}}}} \\*")
+        lines += [f"{_row(row, columns, decimals)} \\\\{_gap(row)}" for row in group.rows]
+    return [*lines, r"\end{longtable}"]
+
+
+def _measured(block: TableBlock, columns: Columns, decimals: Sequence[int]) -> list[str]:
+    """Widths of the columns that do not break, so that the table need not find them in runs of its own."""
+    lines = []
+    for place, (index, width, heading) in enumerate(
+        zip(columns.indices, columns.widths, columns.headings, strict=True)
+    ):
+        if width is None:
+            cells = (_cell(cell, decimals[index], None) for cell in _column(block, index))
+            texts = dict.fromkeys([_heading(heading, numeric=block.columns[index].numeric), *filter(None, cells)])
+            lines.append(rf"\measured{{{length(place)}}}" + "".join(rf"\widen{{{text}}}" for text in texts))
+    return lines
+
+
+def _heading(lines: tuple[Cell, ...], *, numeric: bool) -> str:
+    shown = [rf"\textbf{{{inline(line)}}}" for line in lines]
+    if len(shown) == 1:
+        return shown[0]
+    side = "r" if numeric else "l"
+    stacked = r" \\ ".join(shown)
+    return rf"\begin{{tabular}}[b]{{@{{}}{side}@{{}}}}{stacked}\end{{tabular}}"
+
+
+def _gap(row: tuple[Cell, ...]) -> str:
+    """Matrices need room below them."""
+    return "[9pt]" if any(is_matrix(cell) for cell in row) else ""
+
+
+def _row(row: tuple[Cell, ...], columns: Columns, decimals: Sequence[int]) -> str:
+    cells = zip(columns.indices, columns.widths, strict=True)
+    return " & ".join(_cell(row[index], decimals[index], width) for index, width in cells)
+
+
+def _cell(cell: Cell, decimals: int, width: float | None) -> str:
+    if isinstance(cell, NumberText):
+        return number(cell, decimals)
+    if is_matrix(cell):
+        return rf"\fitted{{{MATRIX / PAGE:.2f}\linewidth}}{{{displayed(inline(cell)[1:-1])}}}"
+    text = inline(cell) if width is None else "".join(map(breakable, inlines(cell)))
+    return displayed(text)
+
+
+def _decimals(block: TableBlock, index: int) -> int:
+    return max((cell.decimals_shown for cell in _column(block, index) if isinstance(cell, NumberText)), default=0)
+
+
+def _column(block: TableBlock, index: int) -> list[Cell]:
+    return [row[index] for group in block.groups for row in group.rows]

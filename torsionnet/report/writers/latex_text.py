@@ -1,0 +1,106 @@
+r"""Text in LaTeX: every character that means something there is escaped, what pdfTeX cannot print is spelt out."""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+from torsionnet.report.document_tree import Cell, Code, DefinitionList, Inline, Math, NumberText, Strong, inlines
+from torsionnet.symbolic import symbol_names
+
+SPECIAL = {
+    "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "%": r"\%", "_": r"\_",
+    "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", "<": r"\textless{}", ">": r"\textgreater{}",
+    "|": r"\textbar{}", '"': r"\textquotedbl{}", "`": r"\textasciigrave{}",
+    "–": "--", "—": "---", "…": r"\ldots{}", "−": "$-$", "∞": r"$\infty$", "×": r"$\times$", "·": r"$\cdot$",
+    "²": r"$^2$", "³": r"$^3$", "°": r"$^\circ$", "µ": r"$\mu$", "±": r"$\pm$", "\N{NO-BREAK SPACE}": "~",
+    "‘": "`", "’": "'", "“": "``", "”": "''", "≤": r"$\le$", "≥": r"$\ge$", "→": r"$\to$",
+}  # fmt: skip
+GREEK = {
+    unicodedata.lookup(f"GREEK {size} LETTER {name.upper().replace('LAMBDA', 'LAMDA')}"): rf"$\{name}$"
+    for name in sorted(symbol_names.GREEK)
+    for size in ("CAPITAL" if name[0].isupper() else "SMALL",)
+}
+LONGEST_WORD, PIECE = 20, 10
+"""Letters of a word that stays in one piece, and after which a longer one may break."""
+_BREAK = r"\allowbreak{}"
+LATIN = 0x180
+"""Code points below are letters that T1 fonts have, or are taken apart into such."""
+
+
+def escaped(text: str) -> str:
+    r"""Text as LaTeX prints it.
+
+    >>> print(escaped("<b>A & B</b> $x_1$ 100%"))
+    \textless{}b\textgreater{}A \& B\textless{}/b\textgreater{} \$x\_1\$ 100\%
+    """
+    return "".join(map(_char, unicodedata.normalize("NFC", text)))
+
+
+def _char(char: str) -> str:
+    known = SPECIAL.get(char) or GREEK.get(char)
+    if known:
+        return known
+    if char in "\n\t" or (char.isprintable() and ord(char) < 0x7F):  # noqa: PLR2004
+        return char
+    if char.isalpha() and ord(char) < LATIN:
+        return char
+    return rf"[U+{ord(char):04X}]"
+
+
+def inline(cell: Cell) -> str:
+    """A cell, caption or paragraph."""
+    return "".join(map(_part, inlines(cell)))
+
+
+def breakable(part: Inline) -> str:
+    r"""A part of a cell in a narrow column: words may also break behind signs, and very long ones anywhere.
+
+    >>> print(breakable("gear=V,clutch=open"))
+    gear=\allowbreak{}V,\allowbreak{}clutch=\allowbreak{}open
+    """
+    if not isinstance(part, str):
+        return _part(part)
+    return " ".join(_BREAK.join(map(escaped, _syllables(word))) for word in part.split(" "))
+
+
+def _syllables(word: str) -> list[str]:
+    found = []
+    for piece in re.split(r"(?<=[=,/_+])", word):
+        size = PIECE if len(piece) > LONGEST_WORD else len(piece) or 1
+        found += [piece[start : start + size] for start in range(0, len(piece), size)]
+    return found
+
+
+def _part(part: Inline) -> str:
+    match part:
+        case Math(latex):
+            return f"${latex}$"
+        case DefinitionList(parts):
+            return " ".join(f"${'{} ' if latex[:1] in ('+', '-', '=') else ''}{latex}$" for latex in parts)
+        case Strong(text):
+            return rf"\textbf{{{escaped(text)}}}"
+        case Code(text):
+            pieces = (escaped(piece).replace("--", "-{}-") for piece in re.split(r"(?<=[(,._/])", text))
+            return rf"\texttt{{{_BREAK.join(pieces)}}}"
+        case NumberText():
+            return number(part)
+    return escaped(part)
+
+
+def number(value: NumberText, decimals: int = 0) -> str:
+    """A number; a gap makes up for the decimals that others in its column have."""
+    text = value.mantissa
+    if not text[-1:].isdigit():
+        return escaped(text)
+    if value.exponent is not None:
+        return rf"${text}\cdot10^{{{value.exponent}}}$"
+    missing = decimals - value.decimals_shown
+    gap = rf"\phantom{{{'' if value.decimals_shown else '.'}{'0' * missing}}}" if missing > 0 else ""
+    return f"${text}{gap}$"
+
+
+def displayed(latex: str) -> str:
+    """A formula on a line of its own: fractions within fractions as large as the others, room between rows of them."""
+    large = re.sub(r"\\frac(?![a-z])", r"\\dfrac", latex)
+    return large.replace(r" \\ ", r" \\[5pt] ") if r"\dfrac" in large and "matrix" in large else large

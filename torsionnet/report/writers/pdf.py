@@ -1,0 +1,71 @@
+"""A report as PDF: its page, printed by a browser."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+
+from torsionnet.core.atomic import write_bytes
+from torsionnet.core.errors import SolveError
+from torsionnet.report.document_tree import Report
+from torsionnet.report.writers.browser import find_browser
+from torsionnet.report.writers.html import html_page
+
+PATIENCE = 120
+"""Seconds after which the browser is given up."""
+_DATE = re.compile(rb"/(CreationDate|ModDate) \(D:\d{14}")
+_FIXED = b"20000101000000"
+
+
+def write(report: Report, path: Path) -> tuple[Path, ...]:
+    """Print the page into a file."""
+    browser = find_browser()
+    with tempfile.TemporaryDirectory(prefix="torsionnet-") as folder:
+        page, printed = Path(folder, "report.html"), Path(folder, "report.pdf")
+        page.write_text(html_page(report, folds=False), encoding="utf-8")
+        _print(browser, page, printed)
+        write_bytes(path, undated(printed.read_bytes()))
+    return (path,)
+
+
+def _print(browser: str, page: Path, printed: Path) -> None:
+    command = [
+        browser,
+        "--headless",
+        "--disable-gpu",
+        "--no-first-run",
+        "--disable-extensions",
+        f"--user-data-dir={page.parent / 'profile'}",
+        "--no-pdf-header-footer",
+        f"--print-to-pdf={printed}",
+        *(["--no-sandbox"] if _is_root() else []),
+        page.as_uri(),
+    ]
+    try:
+        done = subprocess.run(command, capture_output=True, timeout=PATIENCE, check=False)  # noqa: S603
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise _failed(browser, str(error)) from None
+    if not printed.is_file() or not printed.stat().st_size:
+        lines = done.stderr.decode(errors="replace").strip().splitlines()
+        raise _failed(browser, lines[-1] if lines else f"exit code {done.returncode}")
+
+
+def _is_root() -> bool:
+    """Chromium's sandbox refuses to run as root, as in containers."""
+    return hasattr(os, "geteuid") and os.geteuid() == 0
+
+
+def _failed(browser: str, reason: str) -> SolveError:
+    return SolveError(f"{browser} did not print the report: {reason}; write -o report.html and print that")
+
+
+def undated(data: bytes) -> bytes:
+    """A PDF without the time of its printing, byte for byte of the same length.
+
+    >>> undated(b"/CreationDate (D:20250331120000+00'00')")
+    b"/CreationDate (D:20000101000000+00'00')"
+    """
+    return _DATE.sub(lambda match: b"/" + match[1] + b" (D:" + _FIXED, data)

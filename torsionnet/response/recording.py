@@ -1,0 +1,152 @@
+"""A recording: signals sampled together on a test bench, real or simulated."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.response.table import Column, Table
+
+FloatArray = NDArray[np.float64]
+
+QUANTITY_UNITS = {"torque": "N*m", "angle": "rad", "velocity": "rad/s", "acceleration": "rad/s^2"}
+"""What a signal may be, and the SI unit it is kept in."""
+
+
+@dataclass(frozen=True, eq=False)
+class Signal:
+    """One channel of a recording.
+
+    Attributes
+    ----------
+    name : str
+    quantity : str
+        A key of ``QUANTITY_UNITS``, or empty where it is not known.
+    values : (n,) array
+        In the SI unit of the quantity.
+    notes : tuple of str
+        Where the values come from and what was done to them.
+    """
+
+    name: str
+    quantity: str
+    values: FloatArray
+    notes: tuple[str, ...] = ()
+
+    @property
+    def unit(self) -> str:
+        """SI unit; empty where the quantity is not known."""
+        return QUANTITY_UNITS.get(self.quantity, "")
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Signals with common time stamps.
+
+    Attributes
+    ----------
+    signals : tuple of Signal
+        All of one length.
+    sampling_rate : float
+        Hz.
+    start : float
+        Time of the first sample, s.
+    times : (n,) array, optional
+        Time stamps in s where sampling is not uniform; the sampling rate is then their mean rate.
+    title : str
+    notes : tuple of str
+        Provenance: file, what was assumed in reading it, what was done since.
+
+    Examples
+    --------
+    >>> record = Recording((Signal("T_T", "torque", np.array([0.0, 1.0])),), sampling_rate=10e3)
+    >>> record["T_T"].unit, record.duration
+    ('N*m', 0.0002)
+    """
+
+    signals: tuple[Signal, ...]
+    sampling_rate: float
+    start: float = 0.0
+    times: FloatArray | None = None
+    title: str = ""
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        lengths = {len(signal.values) for signal in self.signals}
+        if len(lengths) > 1:
+            sizes = ", ".join(f"{signal.name} has {len(signal.values)}" for signal in self.signals)
+            msg = f"the signals of a recording must be of one length: {sizes}"
+            raise UsageError(msg)
+        if not (np.isfinite(self.sampling_rate) and self.sampling_rate > 0):
+            msg = f"the sampling rate must be a positive number of Hz, got {self.sampling_rate}"
+            raise UsageError(msg)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return tuple(signal.name for signal in self.signals)
+
+    def __len__(self) -> int:
+        """Number of samples."""
+        return len(self.signals[0].values) if self.signals else 0
+
+    def __iter__(self) -> Iterator[Signal]:
+        return iter(self.signals)
+
+    def __getitem__(self, name: str) -> Signal:
+        for signal in self.signals:
+            if signal.name == name:
+                return signal
+        msg = f'no signal is named "{name}"{did_you_mean(name, self.names)}; there is {", ".join(self.names) or "none"}'
+        raise UsageError(msg)
+
+    @property
+    def duration(self) -> float:
+        """Length in s, one sampling interval for every sample."""
+        return len(self) / self.sampling_rate
+
+    @property
+    def time(self) -> FloatArray:
+        """Time of every sample, s."""
+        return self.start + np.arange(len(self)) / self.sampling_rate if self.times is None else self.times
+
+    def select(self, names: Iterable[str]) -> Recording:
+        """Only the signals named, in that order."""
+        return replace(self, signals=tuple(self[name] for name in names))
+
+    def with_signals(self, *signals: Signal) -> Recording:
+        """With signals added, or exchanged for those of the same name."""
+        new = {signal.name: signal for signal in signals}
+        kept = [new.pop(signal.name, signal) for signal in self.signals]
+        return replace(self, signals=(*kept, *new.values()))
+
+    def noted(self, *notes: str) -> Recording:
+        """With more notes."""
+        return replace(self, notes=(*self.notes, *notes))
+
+    def __repr__(self) -> str:
+        size = f"{len(self)} samples at {self.sampling_rate:g} Hz, {self.duration:g} s"
+        return f"<Recording {', '.join(self.names)}: {size}>"
+
+    def table(self) -> Table:
+        """Its signals: unit, mean, standard deviation and range of each.
+
+        >>> Recording((Signal("T_T", "torque", np.array([0.0, 2.0])),), sampling_rate=10).table().rows
+        (('T_T', 'torque', 'N*m', 1.0, 1.0, 0.0, 2.0),)
+        """
+        columns = tuple(map(Column, ("signal", "quantity", "unit", "mean", "standard deviation", "lowest", "highest")))
+        rows = tuple(_described(signal) for signal in self.signals)
+        span = f"{len(self)} samples at {self.sampling_rate:g} Hz, {self.duration:g} s"
+        return Table(self.title or "Recording", columns, rows, (span, *self.notes))
+
+    def _repr_html_(self) -> str:
+        return self.table().to_html()
+
+
+def _described(signal: Signal) -> tuple[str | float | None, ...]:
+    known = signal.values[np.isfinite(signal.values)]
+    numbers = (known.mean(), known.std(), known.min(), known.max()) if len(known) else (None,) * 4
+    return (signal.name, signal.quantity, signal.unit, *(None if x is None else float(x) for x in numbers))

@@ -1,0 +1,87 @@
+"""What all excitations have in common."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, fields
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.core.errors import UsageError
+
+FloatArray = NDArray[np.float64]
+
+POINTS_PER_CYCLE = 2.0
+"""Sampling theorem."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Excitation(ABC):
+    """A signal of finite length around a mean value.
+
+    Attributes
+    ----------
+    amplitude : float
+        Peak of the alternating part, in the unit of the input: N m for a torque.
+    mean : float
+        Added throughout.
+    """
+
+    kind: ClassVar[str] = ""
+
+    amplitude: float = 1.0
+    mean: float = 0.0
+
+    def __post_init__(self) -> None:
+        faults = [
+            f"{entry.name} must be a positive number, got {value!r}"
+            for entry in fields(self)
+            if entry.name != "mean" and isinstance(value := getattr(self, entry.name), int | float)
+            if not (np.isfinite(value) and (value > 0 or (value == 0 and entry.name in self._may_be_zero)))
+        ]
+        if not np.isfinite(self.mean):
+            faults.append(f"mean must be a number, got {self.mean!r}")
+        faults += self._contradictions() if not faults else []
+        if faults:
+            msg = f"{self.kind}: {'; '.join(faults)}"
+            raise UsageError(msg)
+
+    _may_be_zero: ClassVar[tuple[str, ...]] = ("seed",)
+
+    def _contradictions(self) -> list[str]:
+        """What is wrong with values that are sound one by one."""
+        return []
+
+    @property
+    @abstractmethod
+    def length(self) -> float:
+        """Duration in s."""
+
+    @property
+    @abstractmethod
+    def highest_frequency(self) -> float:
+        """Highest frequency excited, Hz."""
+
+    @abstractmethod
+    def _alternating(self, time: FloatArray, sampling_rate: float) -> FloatArray:
+        """The signal without its mean, for unit amplitude, at times in s."""
+
+    def time(self, sampling_rate: float) -> FloatArray:
+        """Times of the samples, s."""
+        return np.arange(round(self.length * sampling_rate)) / sampling_rate
+
+    def samples(self, sampling_rate: float) -> FloatArray:
+        """The signal at ``sampling_rate`` Hz, (n,) array.
+
+        Raises
+        ------
+        UsageError
+            The sampling rate is not above twice the highest frequency.
+        """
+        if not sampling_rate > POINTS_PER_CYCLE * self.highest_frequency:
+            top = f"{self.kind} up to {self.highest_frequency:g} Hz"
+            msg = f"{top} needs more than twice that rate, not {sampling_rate:g} Hz"
+            raise UsageError(msg)
+        return self.mean + self.amplitude * self._alternating(self.time(sampling_rate), sampling_rate)

@@ -1,6 +1,0 @@
-"""Recordings from and into files: read_recording, write_recording, iter_blocks."""
-
-from torsionnet.signals.files.reading import channel_names, iter_blocks, read_recording
-from torsionnet.signals.files.writing import write_recording
-
-__all__ = ["channel_names", "iter_blocks", "read_recording", "write_recording"]

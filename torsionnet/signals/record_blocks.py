@@ -1,0 +1,61 @@
+"""Recordings that come in blocks: parts of a long one, or repeated tests."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import TypeAlias
+
+import numpy as np
+
+from torsionnet.core.errors import UsageError
+from torsionnet.response.recording import FloatArray, Recording
+
+Recordings: TypeAlias = Recording | Iterable[Recording]
+
+
+def in_order(recordings: Recordings) -> Iterator[tuple[Recording, bool]]:
+    """Each block, and whether it begins where the one before it ended.
+
+    A block that does not is a test of its own: nothing is averaged or filtered across the gap.
+
+    Raises
+    ------
+    UsageError
+        The blocks are not alike, or one cannot be processed: its sampling is not uniform, or values are not finite.
+    """
+    end: float | None = None
+    first: Recording | None = None
+    for block in [recordings] if isinstance(recordings, Recording) else recordings:
+        first = first or block
+        _check_alike(block, first)
+        check_processable(block)
+        half_a_sample = 0.5 / block.sampling_rate
+        yield block, end is not None and abs(block.start - end) < half_a_sample
+        end = block.start + block.duration
+
+
+def stacked(recording: Recording) -> FloatArray:
+    """Values of all signals, shape (n_signals, n)."""
+    return np.array([signal.values for signal in recording], dtype=np.float64)
+
+
+def check_processable(block: Recording) -> None:
+    """Refuse a recording with time stamps, or with values that are not finite."""
+    if block.times is not None:
+        msg = "sampling is not uniform: the recording has time stamps; resample it first"
+        raise UsageError(msg)
+    for signal in block:
+        missing = int(np.count_nonzero(~np.isfinite(signal.values)))
+        if missing:
+            msg = f"{signal.name} has {missing} values that are not finite; repair or leave them out first"
+            raise UsageError(msg)
+
+
+def _check_alike(block: Recording, first: Recording) -> None:
+    if block.names != first.names:
+        msg = f"blocks of one test must have the same signals: {', '.join(first.names)}; then {', '.join(block.names)}"
+        raise UsageError(msg)
+    if block.sampling_rate != first.sampling_rate:
+        rates = f"{first.sampling_rate:g} Hz, then {block.sampling_rate:g} Hz"
+        msg = f"blocks of one test must have the same sampling rate: {rates}"
+        raise UsageError(msg)

@@ -1,0 +1,194 @@
+"""What is wrong with a recording, in sentences an engineer can act on."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from torsionnet.core.errors import Fault, UsageError
+from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording, Signal
+from torsionnet.signals.faults_in_values import Stretches, flat_tops, leaps, stretches, wraps
+from torsionnet.signals.pulses import repaired_pulses
+from torsionnet.signals.resolution import step_of
+from torsionnet.signals.spikes import spikes
+from torsionnet.signals.standstill import frozen
+from torsionnet.signals.timing import gaps, jitter
+
+SHOWN = 3
+MOST_JITTER = 0.01
+FEW_WINDOWS = 4
+
+
+def check_recording(
+    recording: Recording, window: float = 2.0, ranges: Mapping[str, float] | None = None
+) -> tuple[Fault, ...]:
+    """Everything that makes a recording unfit for estimating frequency responses, or doubtful.
+
+    Parameters
+    ----------
+    recording : Recording
+    window : float
+        Length of the windows it is to be cut into, s.
+    ranges : mapping, optional
+        Largest value that a channel can measure, in SI; a value that reaches it is clipped.
+
+    Returns
+    -------
+    tuple of Fault
+        Errors first, then warnings, then notes.
+
+    Examples
+    --------
+    >>> record = Recording((Signal("T_T", "torque", np.ones(100)),), sampling_rate=100.0)
+    >>> for fault in check_recording(record):
+    ...     print(fault)
+    channels: error: the record lasts 1 s, less than one window of 2 s; record longer or take a shorter window
+    channels.T_T: warning: constant at 1 N*m: the sensor may be dead, or not connected
+    """
+    found = [*_names(recording), *_length(recording, window), *_times(recording)]
+    for signal in recording:
+        found += [fault.under("channels", signal.name) for fault in _signal(signal, recording, ranges or {})]
+    order = ("error", "warning", "note")
+    return tuple(sorted(found, key=lambda fault: order.index(fault.severity)))
+
+
+def _names(recording: Recording) -> Iterator[Fault]:
+    for name, count in Counter(recording.names).items():
+        if count > 1:
+            yield Fault(f"{count} channels are named {name}; rename all but one", ("channels", name))
+
+
+def _length(recording: Recording, window: float) -> Iterator[Fault]:
+    windows = recording.duration / window
+    if len(recording) < round(window * recording.sampling_rate):
+        text = f"the record lasts {recording.duration:.6g} s, less than one window of {window:g} s"
+        yield Fault(f"{text}; record longer or take a shorter window", ("channels",))
+    elif windows < FEW_WINDOWS:
+        text = f"the record has only {windows:.2g} windows of {window:g} s: few averages, large random errors"
+        yield Fault(text, ("channels",), "warning")
+
+
+def _times(recording: Recording) -> Iterator[Fault]:
+    times = recording.times
+    if times is None or len(times) < 2:  # noqa: PLR2004
+        return
+    if not np.all(np.diff(times) > 0):
+        at = int(np.flatnonzero(~(np.diff(times) > 0))[0])
+        yield Fault(f"time stamps do not increase: {times[at + 1]:.9g} s follows {times[at]:.9g} s", ("time",))
+        return
+    if any(_counts_steps(signal) for signal in recording):
+        yield from _pulses(times)
+        return
+    found = gaps(times)
+    if len(found):
+        where = _listed([f"{times[at + 1] - times[at]:.4g} s after {times[at]:.6g} s" for at in found])
+        yield Fault(f"{len(found)} gap{'s' * (len(found) > 1)} in the time stamps: {where}", ("time",))
+    spread = jitter(times)
+    if spread > MOST_JITTER:
+        text = f"sampling is not uniform: intervals vary by {100 * spread:.2g} % (standard deviation)"
+        yield Fault(f"{text}; resampled() makes it uniform", ("time",), "warning")
+
+
+def _counts_steps(signal: Signal) -> bool:
+    """Whether every sample is one step of an encoder further: stamped pulses."""
+    if signal.quantity != "angle" or len(signal.values) < 3:  # noqa: PLR2004
+        return False
+    steps = np.diff(signal.values)
+    return bool(steps[0] != 0 and np.allclose(steps, steps[0], rtol=1e-6, atol=0.0))
+
+
+def _pulses(times: FloatArray) -> Iterator[Fault]:
+    try:
+        found = repaired_pulses(times)
+    except UsageError as error:
+        yield Fault(str(error), ("time",))
+        return
+    lost = found.irregular
+    if lost.total:
+        after = zip(found.times[lost.after], lost.counts, strict=True)
+        where = _listed([f"{count} after {time:.6g} s" for time, count in after])
+        text = f"{lost.total} encoder pulses are missing: {where}; angle_from_pulses() counts them"
+        yield Fault(text, ("time",))
+    if len(found.left_out):
+        where = _listed([f"{time:.6g} s" for time in found.left_out])
+        text = f"{len(found.left_out)} encoder pulses too many: at {where}; angle_from_pulses() leaves them out"
+        yield Fault(text, ("time",))
+
+
+def _signal(signal: Signal, recording: Recording, ranges: Mapping[str, float]) -> Iterator[Fault]:
+    if signal.quantity not in QUANTITY_UNITS:
+        says = f'unknown quantity "{signal.quantity}"' if signal.quantity else "quantity and unit are missing"
+        yield Fault(f"{says}; give one of {', '.join(QUANTITY_UNITS)}")
+    if not len(signal.values):
+        return
+    finite = np.isfinite(signal.values)
+    if not finite.all():
+        yield _not_finite(stretches(~finite), recording)
+        if not finite.any():
+            return
+    values = signal.values[finite]
+    if np.ptp(values) == 0 and len(values) > 1:
+        yield Fault(f"constant at {values[0]:g} {signal.unit}: the sensor may be dead, or not connected", (), "warning")
+    else:
+        yield from _limits(signal, recording, ranges.get(signal.name))
+        if signal.quantity in QUANTITY_UNITS and finite.all():
+            yield from _disturbed(signal, recording)
+        if signal.quantity == "angle" and finite.all():
+            yield from _jumps(signal, recording)
+
+
+def _not_finite(found: Stretches, recording: Recording) -> Fault:
+    count = sum(last - first + 1 for first, last in found)
+    where = _listed([_stretch(first, last, recording) for first, last in found])
+    return Fault(f"{count} value{'s' * (count > 1)} NaN or infinite: {where}; cut them out or mend the record")
+
+
+def _limits(signal: Signal, recording: Recording, limit: float | None) -> Iterator[Fault]:
+    values = signal.values
+    found = stretches(np.abs(values) >= limit) if limit is not None else flat_tops(values)
+    if found:
+        count = sum(last - first + 1 for first, last in found)
+        where = _listed([_stretch(first, last, recording) for first, last in found])
+        at = float(np.abs(values[found[0][0]]))
+        yield Fault(f"clipped: {count} samples at the range of {at:.6g} {signal.unit}, {where}; take a larger range")
+
+
+def _disturbed(signal: Signal, recording: Recording) -> Iterator[Fault]:
+    """Spikes and stretches that stand still."""
+    step = step_of(signal.values)
+    found = spikes(signal.values, step)
+    if len(found):
+        where = _listed([f"{signal.values[at]:.6g} {signal.unit} at {recording.time[at]:.6g} s" for at in found])
+        text = f"{len(found)} single sample{'s' * (len(found) > 1)} far from those around: {where}"
+        yield Fault(f"{text}; a disturbance, to be mended or cut out", (), "warning")
+    still = frozen(signal.values, recording.sampling_rate, step)
+    if still:
+        where = _listed([_stretch(first, last, recording) for first, last in still])
+        text = f"stands still where it moves before and after: {where}"
+        yield Fault(f"{text}; samples may have been lost", (), "warning")
+
+
+def _jumps(signal: Signal, recording: Recording) -> Iterator[Fault]:
+    jumps, size = wraps(signal.values)
+    if len(jumps):
+        text = (
+            f"the encoder wraps around: {len(jumps)} jumps of {size:.4g} rad, first at {recording.time[jumps[0]]:.6g} s"
+        )
+        yield Fault(f"{text}; unwrapped() removes them")
+        return
+    found = leaps(signal.values)
+    if len(found):
+        where = _listed([f"{recording.time[at]:.6g} s" for at in found])
+        yield Fault(f"the angle leaps by encoder steps at {where}: pulses are missing or too many", (), "warning")
+
+
+def _stretch(first: int, last: int, recording: Recording) -> str:
+    time = recording.time
+    return f"at {time[first]:.6g} s" if first == last else f"from {time[first]:.6g} to {time[last]:.6g} s"
+
+
+def _listed(parts: Sequence[str]) -> str:
+    rest = len(parts) - SHOWN
+    return ", ".join(parts[:SHOWN]) + (f" and {rest} more" if rest > 0 else "")

@@ -1,0 +1,263 @@
+"""Motions under loads and under readings, by elimination on the graph, and the derivatives they give.
+
+A reading y = c . [theta, lambda] under a load has the derivative dc . [theta, lambda] - z . dK [theta, lambda], where K
+is the matrix of :mod:`torsionnet.solve.sensitivity.augmented` and K z = c: the motion under the reading taken for a
+load. A torque that is read opens a gap by one in it. Of a law with the twist gamma under the load and zeta under the
+reading there remains
+
+    dy = -(dkappa gamma zeta + kappa (dgamma zeta + gamma dzeta))
+
+with dgamma, dzeta for the change of its row. What an element adds to its own torque is in zeta, so that nothing cancels
+between the two parts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from torsionnet.assembly.functionals import port_of
+from torsionnet.assembly.law_stiffness import LawStiffness
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.elements import Element, Values
+from torsionnet.model.elimination import exact, reduce_rows
+from torsionnet.model.kinematics import UNIT
+from torsionnet.solve.response_problem import Loading, ResponseProblem
+from torsionnet.solve.row_algebra import Row
+from torsionnet.solve.sensitivity.augmented import Augmented
+from torsionnet.solve.sensitivity.dual import DUALS, value_of
+from torsionnet.solve.sensitivity.forms import moved_by
+from torsionnet.solve.sensitivity.sensor_derivatives import POWERS, ReadingDerivative, reading
+
+ExactRow = Mapping[str, Fraction]
+
+
+@dataclass(frozen=True)
+class GapDerivative:
+    """A torque that is read: the virtual motion that opens it, and what the element's own laws add, by law."""
+
+    motion: ExactRow
+    own: Mapping[int, Fraction] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class SolvedReadings:
+    """A sensor: its row of motion, or the gap of its torque; and its slopes."""
+
+    power: int
+    row: ExactRow | None
+    gap: int
+    slopes: ReadingDerivative
+
+
+class Arranged:
+    """A problem for one set of rows, and where its solution says what.
+
+    Parameters
+    ----------
+    system : Augmented
+    sensors : sequence of Sensor
+    elements : mapping
+    values : mapping
+        Of all parameters, as duals.
+    loads : sequence of Input
+    names : mapping
+        Input -> name.
+    nodes : sequence of str
+    """
+
+    def __init__(
+        self,
+        system: Augmented,
+        sensors: Sequence[Sensor],
+        elements: Mapping[str, Element],
+        values: Mapping[str, Any],
+        loads: Sequence[Input],
+        names: Mapping[Input, str],
+        nodes: Sequence[str],
+    ) -> None:
+        self.system, self.nodes, self.n_loads = system, nodes, len(loads)
+        self.driven = [name for name in system.condition_owners if name.startswith("input:")]
+        order = {node: index for index, node in enumerate(nodes)}
+        self.reduction = reduce_rows(system.exact_conditions, order, set(self.driven))
+        free = [node for node in nodes if self.reduction.is_free(node)]
+        self.columns = {name: column for column, name in enumerate((*free, *self.driven))}
+        self.n_free = len(free)
+        self.gaps: list[GapDerivative] = []
+        self.multipliers = {
+            condition: self._gap(GapDerivative(self._opened(condition)))
+            for condition in np.flatnonzero(system.conditions.slopes.any(axis=(1, 2))).tolist()
+        }
+        self.asked = [self._asked(sensor, elements, values) for sensor in sensors]
+        self._place(loads, names)
+
+    # --- rows -------------------------------------------------------------------------------------------------------
+
+    def _gap(self, gap: GapDerivative) -> int:
+        self.gaps.append(gap)
+        return len(self.gaps) - 1
+
+    def _opened(self, condition: int) -> ExactRow:
+        """Motion that violates one condition by one and no other; driven nodes stand still."""
+        rows = [dict(row) for row in self.system.exact_conditions]
+        for name in self.driven:
+            for row in rows:
+                row.pop(name, None)
+        last = {**rows.pop(condition), UNIT: Fraction(-1)}
+        order = {node: index for index, node in enumerate(self.nodes)}
+        reduction = reduce_rows([*rows, last], order, {UNIT})
+        return {node: row[UNIT] for node, row in reduction.solved.items() if UNIT in row}
+
+    def _asked(self, sensor: Sensor, elements: Mapping[str, Element], values: Mapping[str, Any]) -> SolvedReadings:
+        slopes = reading(sensor, elements, self.system, self.nodes, values)
+        if sensor.quantity in POWERS:
+            return SolvedReadings(POWERS[sensor.quantity], {sensor.of: Fraction(1)}, -1, slopes)
+        element = elements[sensor.of]
+        if sensor.quantity == "twist":
+            row = element.twist(Values(values, DUALS))
+            return SolvedReadings(0, {node: exact(value_of(a)) for node, a in row.items()}, -1, slopes)
+        node, sign = port_of(element, sensor.at)
+        motion: dict[str, Fraction] = {}
+        owners, rows = self.system.condition_owners, self.system.exact_conditions
+        for condition, conditions in self._owned(owners, rows, element.name):
+            for moved, angle in self._opened(condition).items() if node in conditions else ():
+                motion[moved] = motion.get(moved, Fraction(0)) + sign * conditions[node] * angle
+        laws = self._owned(self.system.law_owners, self.system.exact_laws, element.name)
+        own = {law: sign * row[node] for law, row in laws if node in row}
+        return SolvedReadings(0, None, self._gap(GapDerivative(motion, own)), slopes)
+
+    @staticmethod
+    def _owned(owners: Sequence[str], rows: Sequence[ExactRow], name: str) -> list[tuple[int, ExactRow]]:
+        return [(index, row) for index, (owner, row) in enumerate(zip(owners, rows, strict=True)) if owner == name]
+
+    def _row(self, row: ExactRow, own: Mapping[int, Fraction] | None = None) -> Row:
+        """A row over nodes as one over columns; ``own``: gap -> what has to be taken off there."""
+        found = {self.columns[name]: float(a) for name, a in self.reduction.reduced(row).items()}
+        for number, gap in enumerate(self.gaps):
+            opened = sum((a * gap.motion[node] for node, a in row.items() if node in gap.motion), start=Fraction(0))
+            opened -= (own or {}).get(number, Fraction(0))
+            if opened:
+                found[len(self.columns) + number] = float(opened)
+        return found
+
+    def _law_row(self, law: int) -> Row:
+        own = {number: gap.own[law] for number, gap in enumerate(self.gaps) if law in gap.own}
+        return self._row(self.system.exact_laws[law], own)
+
+    def _slope_row(self, slopes: FloatArray, law: int = -1, p: int = -1) -> Row:
+        """The change (n_nodes,) of a row; of a law also what it changes in readings of its own torque."""
+        own = {one.gap: exact(float(one.slopes.law_slopes[law, p])) for one in self.asked if law >= 0 and one.gap >= 0}
+        return self._row({self.nodes[i]: exact(float(slopes[i])) for i in np.flatnonzero(slopes).tolist()}, own)
+
+    # --- the problem ------------------------------------------------------------------------------------------------
+
+    def _place(self, loads: Sequence[Input], names: Mapping[Input, str]) -> None:
+        """Everything that has to be solved for, and its places among what is."""
+        system, outputs = self.system, _Outputs()
+        count = system.inertia.slopes.shape[1]
+        laws = [self._law_row(law) for law in range(len(system.law_owners))]
+        self.twists = {law: outputs.add(laws[law]) for law in system.varied}
+        self.law_slopes = {
+            (law, int(p)): outputs.add(self._slope_row(system.laws.slopes[law][:, p], law, int(p)))
+            for law in system.varied
+            for p in moved_by(system.laws.slopes[law])
+        }
+        self.condition_slopes = {
+            (condition, int(p)): outputs.add(self._slope_row(system.conditions.slopes[condition][:, p]))
+            for condition in self.multipliers
+            for p in moved_by(system.conditions.slopes[condition])
+        }
+        self.motions = [None if one.row is None else outputs.add(self._row(one.row)) for one in self.asked]
+        self.motion_slopes = {
+            (number, int(p)): outputs.add(self._slope_row(one.slopes.motion_slopes[:, p]))
+            for number, one in enumerate(self.asked)
+            for p in range(count)
+            if one.slopes.motion_slopes[:, p].any()
+        }
+        self.first_gap = len(outputs.rows)
+        excitations = [self._load(load, names) for load in loads]
+        excitations += [
+            Loading(motion={len(self.columns) + one.gap: 1.0}) if one.row is None else Loading(load=self._row(one.row))
+            for one in self.asked
+        ]
+        gaps = tuple(len(self.columns) + number for number in range(len(self.gaps)))
+        self.problem = ResponseProblem(laws, self.n_free, tuple(excitations), tuple(outputs.rows), gaps)
+
+    def _load(self, load: Input, names: Mapping[Input, str]) -> Loading:
+        if load.quantity == "torque":
+            return Loading(load=self._row({load.of: Fraction(1)}))
+        return Loading(motion={self.columns[f"input:{names[load]}"]: 1.0})
+
+    def _adjoint(self, one: SolvedReadings) -> Loading:
+        if one.row is None:
+            return Loading(motion={len(self.columns) + one.gap: 1.0})
+        return Loading(load=self._row(one.row))
+
+    # --- what its solution says -------------------------------------------------------------------------------------
+
+    def values(self, solved: ComplexArray, omega: FloatArray) -> ComplexArray:
+        """Readings (n_f, n_readings, n_loads)."""
+        found = np.empty((len(omega), len(self.asked), self.n_loads), dtype=complex)
+        for number, one in enumerate(self.asked):
+            motion = self.motions[number]
+            place = self.first_gap + one.gap if motion is None else motion
+            found[:, number] = ((1j * omega) ** one.power * solved[place, : self.n_loads]).T
+        return found
+
+    def slopes(self, solved: ComplexArray, system: Augmented, kappa: ComplexArray, omega: FloatArray) -> ComplexArray:
+        """Derivatives of readings (n_f, n_readings, n_loads, n_p)."""
+        count = system.inertia.slopes.shape[1]
+        found = np.zeros((len(omega), len(self.asked), self.n_loads, count), dtype=complex)
+        for number, one in enumerate(self.asked):
+            for load in range(self.n_loads):
+                x, z = solved[:, load], solved[:, self.n_loads + number]
+                found[:, number, load] = -self._equation_slopes(system, kappa, omega, x, z)
+                for p in range(count):
+                    if (number, p) in self.motion_slopes:
+                        found[:, number, load, p] += x[self.motion_slopes[number, p]]
+                    for condition, gap in self.multipliers.items():
+                        found[:, number, load, p] += one.slopes.condition_slopes[condition, p] * x[self.first_gap + gap]
+            found[:, number] *= ((1j * omega) ** one.power)[:, None, None]
+        return found
+
+    def _equation_slopes(
+        self, system: Augmented, kappa: ComplexArray, omega: FloatArray, x: ComplexArray, z: ComplexArray
+    ) -> ComplexArray:
+        """Z . dK x for every parameter, (n_f, n_p)."""
+        total = np.zeros((len(omega), system.inertia.slopes.shape[1]), dtype=complex)
+        for law, place in self.twists.items():
+            for p, slope in system.kappa_slopes(law, omega):
+                total[:, p] += slope * x[place] * z[place]
+        for (law, p), place in self.law_slopes.items():
+            twist = self.twists[law]
+            total[:, p] += kappa[:, law] * (x[place] * z[twist] + x[twist] * z[place])
+        for (condition, p), place in self.condition_slopes.items():
+            gap = self.first_gap + self.multipliers[condition]
+            total[:, p] += z[gap] * x[place] + x[gap] * z[place]
+        return total
+
+
+@dataclass
+class _Outputs:
+    rows: list[Row] = field(default_factory=list)
+
+    def add(self, row: Row) -> int:
+        self.rows.append(row)
+        return len(self.rows) - 1
+
+
+def law_stiffness_of(system: Augmented, omega: FloatArray) -> LawStiffness:
+    """Dynamic stiffness of the laws of a system."""
+    sampled: dict[int, ComplexArray] = {
+        law: np.full((1, len(omega)), 1j * system.hysteretic.values[law])
+        for law in np.flatnonzero(system.hysteretic.values).tolist()
+    }
+    for law, table in system.tables:
+        sampled[law] = sampled.get(law, 0.0) + table.kappa(omega)[None]
+    parts = (system.inertia.values[None], system.damping.values[None], system.stiffness.values[None])
+    return LawStiffness(*parts, omega=omega, sampled=tuple(sampled.items()))

@@ -1,0 +1,170 @@
+"""The equations of motion before the constraints are solved, with derivatives to chosen parameters.
+
+All node angles theta and the torques lambda of all rigid conditions are unknowns,
+
+    [ D(s)  A^T ] [ theta  ]   [ B u ]
+    [ A     0   ] [ lambda ] = [ x   ]        D(s) = sum_i kappa_i(s) a_i a_i^T
+
+so a parameter may sit in a law, in a ratio, or in both, and its derivative stays a sum over laws and conditions. The
+matrix is symmetric: the same factors serve readings and loads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.core.errors import UsageError
+from torsionnet.model.elements import Row, Values
+from torsionnet.model.elements.stiffness_table import StiffnessTable
+from torsionnet.model.elimination import exact
+from torsionnet.model.kinematics import OwnedPart, constraints_of, imposed_rows, owned_parts
+from torsionnet.solve.sensitivity.dual import DUALS, gradient_of, value_of
+from torsionnet.solve.sensitivity.unknowns import Unknowns
+
+
+@dataclass(frozen=True, eq=False)
+class LawCoefficients:
+    """One number of every law: values (n_laws,) and derivatives (n_laws, n_p)."""
+
+    values: FloatArray
+    slopes: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class DerivativeRows:
+    """Rows over nodes: values (n_rows, n_nodes) and derivatives (n_rows, n_nodes, n_p)."""
+
+    values: FloatArray
+    slopes: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Augmented:
+    """Numbers of one set of parameter values.
+
+    Attributes
+    ----------
+    laws, conditions : DerivativeRows
+    inertia, damping, stiffness, hysteretic : LawCoefficients
+        J, c, k, and k eta of every law.
+    tables : tuple of (law index, table)
+    law_owners, condition_owners : tuple of str
+        Elements; of a condition that imposes an angle ``input:NAME``.
+    exact_laws, exact_conditions : tuple of dict
+        The rows as rationals by node; of a condition also over the angle ``input:NAME`` that it imposes.
+    """
+
+    laws: DerivativeRows
+    conditions: DerivativeRows
+    inertia: LawCoefficients
+    damping: LawCoefficients
+    stiffness: LawCoefficients
+    hysteretic: LawCoefficients
+    tables: tuple[tuple[int, StiffnessTable], ...]
+    law_owners: tuple[str, ...]
+    condition_owners: tuple[str, ...]
+    exact_laws: tuple[dict[str, Fraction], ...]
+    exact_conditions: tuple[dict[str, Fraction], ...]
+
+    def kappa(self, omega: FloatArray | ComplexArray) -> ComplexArray:
+        """Dynamic stiffness of every law, (n_f, n_laws), omega = s/j in rad/s; tables at its real part."""
+        w = omega[:, None]
+        real = self.stiffness.values - w**2 * self.inertia.values
+        kappa: ComplexArray = (real + 1j * (w * self.damping.values + self.hysteretic.values)).astype(complex)
+        for law, table in self.tables:
+            kappa[:, law] += table.kappa(np.abs(np.real(omega)))
+        return kappa
+
+    @cached_property
+    def varied(self) -> tuple[int, ...]:
+        """Laws in which a parameter sits."""
+        slopes = (self.inertia.slopes, self.damping.slopes, self.stiffness.slopes, self.hysteretic.slopes)
+        moved = np.any([slope.any(axis=1) for slope in slopes], axis=0) | self.laws.slopes.any(axis=(1, 2))
+        return tuple(int(law) for law in np.flatnonzero(moved))
+
+    def kappa_slopes(self, law: int, omega: FloatArray | ComplexArray) -> Iterator[tuple[int, ComplexArray]]:
+        """Derivative of the dynamic stiffness of one law, (n_f,), to every parameter that it depends on."""
+        slopes = (self.stiffness.slopes[law], self.inertia.slopes[law])
+        losses = (self.hysteretic.slopes[law], self.damping.slopes[law])
+        for p in np.flatnonzero(np.any([*slopes, *losses], axis=0)):
+            real = slopes[0][p] - omega**2 * slopes[1][p]
+            yield int(p), np.asarray(real + 1j * (losses[0][p] + omega * losses[1][p]))
+
+    def matrix(self, kappa: ComplexArray, scale: float) -> ComplexArray:
+        """The matrix (n_f, n, n) at dynamic stiffnesses (n_f, n_laws); conditions times ``scale``."""
+        A = scale * self.conditions.values
+        n_nodes = self.laws.values.shape[1]
+        n = n_nodes + len(A)
+        matrix = np.zeros((len(kappa), n, n), dtype=complex)
+        for law, row in enumerate(self.laws.values):  # a few entries each: quicker than products of matrices
+            for i in np.flatnonzero(row):
+                for j in np.flatnonzero(row):
+                    matrix[:, i, j] += kappa[:, law] * (row[i] * row[j])
+        matrix[:, :n_nodes, n_nodes:] = A.T
+        matrix[:, n_nodes:, :n_nodes] = A
+        return matrix
+
+
+def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], redundant: Sequence[int]) -> Augmented:
+    """Numbers for these values of the unknowns; conditions that follow from others are left out."""
+    parts = owned_parts(unknowns.definition, Values(unknowns.values(at), DUALS))
+    count, place = len(unknowns.names), {node: index for index, node in enumerate(nodes)}
+    owned = [(part.element, part.part) for part in parts if hasattr(part.part, "inertia")]
+    laws: list[Any] = [law for _, law in owned]
+    conditions, owners = _conditions(unknowns, parts, nodes)
+    kept = [index for index in range(len(conditions)) if index not in set(redundant)]
+    _refuse_redundant([owners[i] for i in redundant], [conditions[i] for i in redundant], count)
+    return Augmented(
+        laws=_rows([law.row for law in laws], place, count),
+        conditions=_rows([conditions[index] for index in kept], place, count),
+        inertia=_coefficients([law.inertia for law in laws], count),
+        damping=_coefficients([law.damping for law in laws], count),
+        stiffness=_coefficients([law.stiffness for law in laws], count),
+        hysteretic=_coefficients([law.stiffness * law.loss_factor for law in laws], count),
+        tables=tuple((index, law.table) for index, law in enumerate(laws) if law.table is not None),
+        law_owners=tuple(owner for owner, _ in owned),
+        condition_owners=tuple(owners[index] for index in kept),
+        exact_laws=tuple(_exact(law.row) for law in laws),
+        exact_conditions=tuple(_exact(conditions[index]) for index in kept),
+    )
+
+
+def _exact(row: Row) -> dict[str, Fraction]:
+    return {node: exact(value_of(coefficient)) for node, coefficient in row.items()}
+
+
+def _conditions(unknowns: Unknowns, parts: Sequence[OwnedPart], nodes: Sequence[str]) -> tuple[list[Row], list[str]]:
+    """Rows over nodes: imposed angles first, then the elements' own, as the kinematics has them."""
+    imposed = imposed_rows(unknowns.definition, nodes)
+    owned = constraints_of(parts)
+    rows: list[Any] = [*imposed.values(), *(row for _, row in owned)]
+    return rows, [*(f"input:{name}" for name in imposed), *(owner for owner, _ in owned)]
+
+
+def _refuse_redundant(owners: Sequence[str], rows: Sequence[Mapping[str, Any]], count: int) -> None:
+    for owner, row in zip(owners, rows, strict=True):
+        if any(gradient_of(coefficient, count).any() for coefficient in row.values()):
+            msg = f"the ratio of {owner} is fixed by the other ratios of its rigid loop and cannot be varied alone"
+            raise UsageError(msg)
+
+
+def _rows(rows: Sequence[Mapping[str, Any]], place: Mapping[str, int], count: int) -> DerivativeRows:
+    values, slopes = np.zeros((len(rows), len(place))), np.zeros((len(rows), len(place), count))
+    for index, row in enumerate(rows):
+        for node, coefficient in row.items():
+            if node in place:  # an imposed angle is no node
+                values[index, place[node]] = float(coefficient)
+                slopes[index, place[node]] = gradient_of(coefficient, count)
+    return DerivativeRows(values, slopes)
+
+
+def _coefficients(numbers: Sequence[Any], count: int) -> LawCoefficients:
+    slopes = np.array([gradient_of(number, count) for number in numbers]).reshape(len(numbers), count)
+    return LawCoefficients(np.array([float(number) for number in numbers]), slopes)

@@ -1,0 +1,94 @@
+"""Numbers that carry their derivatives along: every element's law becomes its own derivative."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.expressions import Algebra
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Dual:
+    """A value and its gradient, (n_p,); equal to a number only if it does not move either.
+
+    >>> x = Dual(3.0, np.array([1.0]))
+    >>> y = 1 / x**2 - x
+    >>> round(float(y.value), 6), (y.gradient * 27).round(9).tolist()
+    (-2.888889, [-29.0])
+    """
+
+    value: Fraction | float
+    gradient: FloatArray
+
+    def __add__(self, other: Any) -> Dual:
+        if isinstance(other, Dual):
+            return Dual(self.value + other.value, self.gradient + other.gradient)
+        return Dual(self.value + other, self.gradient)
+
+    def __mul__(self, other: Any) -> Dual:
+        if isinstance(other, Dual):
+            moved = float(self.value) * other.gradient + float(other.value) * self.gradient
+            return Dual(self.value * other.value, moved)
+        return Dual(self.value * other, self.gradient * float(other))
+
+    def __truediv__(self, other: Any) -> Dual:
+        if isinstance(other, Dual):
+            quotient = self.value / other.value
+            return Dual(quotient, (self.gradient - float(quotient) * other.gradient) / float(other.value))
+        return Dual(self.value / other, self.gradient / float(other))
+
+    def __rtruediv__(self, other: Any) -> Dual:
+        quotient = other / self.value
+        return Dual(quotient, self.gradient * (-float(quotient) / float(self.value)))
+
+    def __neg__(self) -> Dual:
+        return Dual(-self.value, -self.gradient)
+
+    def __sub__(self, other: Any) -> Dual:
+        return self.__add__(-other)
+
+    def __rsub__(self, other: Any) -> Dual:
+        return (-self).__add__(other)
+
+    def __pow__(self, power: Any) -> Dual:
+        slope = float(power) * float(self.value) ** (float(power) - 1)
+        return Dual(self.value**power, self.gradient * slope)
+
+    __radd__ = __add__
+    __rmul__ = __mul__
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, Dual):
+            return bool(self.value == other.value) and bool(np.array_equal(self.gradient, other.gradient))
+        return bool(self.value == other) and not self.gradient.any()
+
+    def __hash__(self) -> int:
+        return hash(self.value)
+
+    def __float__(self) -> float:
+        return float(self.value)
+
+
+def _root(number: Any) -> Any:
+    root = math.sqrt(float(number))
+    return Dual(root, number.gradient / (2 * root)) if isinstance(number, Dual) else root
+
+
+DUALS = Algebra(number=Fraction, sqrt=_root, pi=math.pi)
+"""Algebra of expressions in which some parameters are :class:`Dual`."""
+
+
+def gradient_of(number: Any, count: int) -> FloatArray:
+    """Derivatives of a dual, zeros of anything else, (count,)."""
+    return number.gradient if isinstance(number, Dual) else np.zeros(count)
+
+
+def value_of(number: Any) -> Any:
+    """The number without its derivatives."""
+    return number.value if isinstance(number, Dual) else number

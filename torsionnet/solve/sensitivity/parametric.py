@@ -1,0 +1,203 @@
+"""A transfer function as a function of parameters, with exact derivatives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.law_stiffness import LawStiffness
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.core.expressions import ExpressionError
+from torsionnet.model.channels import Input, Sensor
+from torsionnet.solve.sensitivity.arranged import Arranged, law_stiffness_of
+from torsionnet.solve.sensitivity.augmented import Augmented, augmented
+from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
+from torsionnet.solve.starmesh import respond
+from torsionnet.solve.transfer import frequency_response
+from torsionnet.solve.transfer_request import TransferRequest, as_sensor, ask
+from torsionnet.solve.uncertain import ENOUGH, expected_errors
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """Values (n_f, n_out, n_in) and derivatives (n_f, n_out, n_in, n_p)."""
+
+    values: ComplexArray
+    jacobian: ComplexArray
+
+
+@dataclass(frozen=True, eq=False)
+class ParametricResponse:
+    """Transfer functions of one drivetrain in some of its parameters.
+
+    Nothing is checked again from one set of values to the next, so a fit can ask thousands of times.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> response = parametric_response(tn.load("dmf_rig"), "theta_1", "T_T", [8.0], ["c_2", "k_2"])
+    >>> found = response.at([4.0, 460.0])
+    >>> bool(abs(found.jacobian[0, 0, 0, 0]) > 0), found.jacobian.shape
+    (True, (1, 1, 1, 2))
+    """
+
+    drivetrain: AssembledModel
+    question: TransferRequest
+    frequencies: FloatArray
+    unknowns: Unknowns
+    sensors: tuple[Sensor, ...]
+    loads: tuple[Input, ...]
+    _redundant: tuple[int, ...] = field(repr=False, default=())
+    _known: list[tuple[Any, Arranged]] = field(repr=False, default_factory=list)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return self.unknowns.names
+
+    @property
+    def start(self) -> FloatArray:
+        """Values in the drivetrain as it is, SI."""
+        return np.array(self.unknowns.start)
+
+    @cached_property
+    def _nodes(self) -> tuple[str, ...]:
+        return self.drivetrain.assembly.kinematics.nodes
+
+    def at(self, values: Sequence[float] | FloatArray) -> Evaluation:
+        """Transfer functions and derivatives for these values of the parameters.
+
+        Raises
+        ------
+        SolveError
+            They are not finite there.
+        ModelError
+            A derived parameter cannot be calculated.
+        """
+        numbers = [float(value) for value in values]
+        try:
+            whole = augmented(self.unknowns, numbers, self._nodes, self._redundant)
+        except (ZeroDivisionError, OverflowError, ExpressionError) as error:
+            msg = f"the drivetrain cannot be calculated at {self._given(numbers)}: {error}"
+            raise SolveError(msg) from None
+        arranged, omega = self._arranged(whole, numbers), 2 * np.pi * self.frequencies
+        kappa = law_stiffness_of(whole, omega)
+        solved = respond(arranged.problem, kappa)
+        y = arranged.values(solved.values, omega)
+        found = self._quotient(y, arranged.slopes(solved.values, whole, kappa.by_law.T, omega))
+        lanes = np.flatnonzero(solved.doubtful)
+        if len(lanes) and np.isfinite(numbers).all():
+            found.values[lanes] = self._settled(arranged, kappa.at(lanes), found.values[lanes], lanes, numbers)
+        if not (np.isfinite(found.values).all() and np.isfinite(found.jacobian).all()):
+            msg = f"the response is not finite at {self._given(numbers)}"
+            raise SolveError(msg)
+        return found
+
+    def _arranged(self, system: Augmented, numbers: Sequence[float]) -> Arranged:
+        """The problem for these rows; one for all values where no parameter moves a row."""
+        slopes = (system.laws.slopes, system.conditions.slopes)
+        key = (system.exact_laws, system.exact_conditions, *(part.tobytes() for part in slopes))
+        if self._known and self._known[0][0] == key:
+            return self._known[0][1]
+        elements, names = dict(self.unknowns.definition.elements), self.drivetrain.inputs.items()
+        channels = {channel: name for name, channel in names}
+        values = self.unknowns.values(numbers)
+        arranged = Arranged(system, self.sensors, elements, values, self.loads, channels, self._nodes)
+        self._known[:] = [(key, arranged)]
+        return arranged
+
+    def _given(self, numbers: Sequence[float]) -> str:
+        return ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.names, numbers, strict=True))
+
+    def _settled(
+        self,
+        arranged: Arranged,
+        kappa: LawStiffness,
+        values: ComplexArray,
+        lanes: NDArray[np.intp],
+        numbers: Sequence[float],
+    ) -> ComplexArray:
+        """Values of lanes in doubt; those in which rounding would show as the drivetrain itself solves them."""
+
+        def evaluate(some: LawStiffness, turned: bool) -> ComplexArray:
+            problem = arranged.problem.otherwise if turned else arranged.problem
+            y = arranged.values(respond(problem, some).values, kappa.omega)
+            return self._quotient(y, np.zeros((*y.shape, 0))).values
+
+        poor = (expected_errors(evaluate, kappa, values) > ENOUGH).any(axis=(1, 2))
+        if poor.any():
+            changed = AssembledModel.from_definition(self.unknowns.definition).configured(
+                **dict(zip(self.unknowns.parameters, numbers, strict=True))
+            )
+            n_out = len(self.question.outputs)
+            measured = {"input": list(self.sensors[n_out:]), "excitation": list(self.loads)}
+            asked = measured if self.question.is_measured else {"input": list(self.loads)}
+            f = self.frequencies[lanes[poor]]
+            values[poor] = frequency_response(changed, list(self.sensors[:n_out]), frequencies=f, **asked).values
+        return values
+
+    def _quotient(self, y: ComplexArray, dy: ComplexArray) -> Evaluation:
+        if not self.question.is_measured:
+            return Evaluation(y, dy)
+        n_out = len(self.question.outputs)
+        with np.errstate(all="ignore"):
+            try:
+                inverse = np.linalg.inv(y[:, n_out:])
+            except np.linalg.LinAlgError:
+                inverse = np.full(y[:, n_out:].shape, np.nan, dtype=complex)
+            values = y[:, :n_out] @ inverse
+            moved = dy[:, :n_out] - np.einsum("fom,fmip->foip", values, dy[:, n_out:])
+            return Evaluation(values, np.einsum("foip,fij->fojp", moved, inverse))
+
+
+def parametric_response(
+    drivetrain: AssembledModel,
+    output: str | Sensor | Sequence[str | Sensor],
+    input: str | Sensor | Sequence[str | Sensor],
+    frequencies: ArrayLike,
+    parameters: Sequence[str],
+    *,
+    excitation: str | Sequence[str] | None = None,
+) -> ParametricResponse:
+    """Transfer functions of a drivetrain as a function of some of its parameters.
+
+    Parameters
+    ----------
+    drivetrain : Drivetrain
+        In the configuration wanted; values not varied are taken from it.
+    output, input, excitation
+        As for :meth:`torsionnet.Drivetrain.frequency_response`.
+    frequencies : (n_f,) array
+        Hz, above 0.
+    parameters : sequence of str
+        Names of parameters, or ``element.field`` for a number in an element.
+
+    Raises
+    ------
+    UsageError
+        An unknown name, or a frequency that is not above 0.
+    """
+    f = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    if f.ndim != 1 or not np.all(np.isfinite(f)) or not np.all(f > 0):
+        msg = "derivatives are taken at frequencies above 0, in Hz"
+        raise UsageError(msg)
+    question = ask(drivetrain, output, input, excitation)
+    asked = [output] if isinstance(output, str | Sensor) else list(output)
+    if question.is_measured:
+        asked += [input] if isinstance(input, str | Sensor) else list(input)
+    sensors = tuple(_sensor(drivetrain, entry) for entry in asked)
+    redundant = tuple(sorted(drivetrain.assembly.kinematics.reduction.redundant))
+    return ParametricResponse(
+        drivetrain, question, f, unknowns(drivetrain, parameters), sensors, question.excitations, redundant
+    )
+
+
+def _sensor(drivetrain: AssembledModel, entry: str | Sensor) -> Sensor:
+    found = as_sensor(drivetrain, entry)
+    return Sensor("angle", str(entry)) if found is None else found

@@ -1,0 +1,296 @@
+"""What a user asks for: names turned into readings and excitations, or a clear answer why not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.functionals import Functional, functional
+from torsionnet.assembly.system import Assembly
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.model.channels import ELEMENT_QUANTITIES, Input, Sensor, parse_sensor
+from torsionnet.solve.posed import PosedProblem, pose
+
+
+@dataclass(frozen=True)
+class TransferRequest:
+    """Readings of a transfer function: outputs over measured inputs (or over the excitations themselves).
+
+    ``assembly`` is one in which the names were looked up; others with the same rows may be asked the same.
+    """
+
+    outputs: tuple[Functional, ...]
+    measured: tuple[Functional, ...]
+    excitations: tuple[Input, ...]
+    is_measured: bool
+    assembly: Assembly
+    notes: tuple[str, ...] = ()
+
+    @cached_property
+    def posed(self) -> PosedProblem:
+        """The question in rows."""
+        return pose(self.assembly, self.outputs, self.measured if self.is_measured else (), self.excitations)
+
+    def require_felt(self) -> None:
+        """Refuse measured inputs that stay zero whatever the values.
+
+        Raises
+        ------
+        UsageError
+            An excitation does not reach a measured input, or a measured input is reached by none.
+        """
+        if not self.is_measured:
+            return
+        felt = [self.posed.felt_by(len(self.outputs) + number) for number in range(len(self.measured))]
+        driven = " and ".join(str(excitation) for excitation in self.excitations)
+        for reading, reached in zip(self.measured, felt, strict=True):
+            if not reached:
+                msg = f"{reading.name} stays zero under a {driven} at every frequency; it cannot be a measured input"
+                raise UsageError(msg)
+        names = " and ".join(reading.name for reading in self.measured)
+        for number, excitation in enumerate(self.excitations):
+            if not any(number in reached for reached in felt):
+                msg = f"{names} stay zero under a {excitation} at every frequency; they cannot be its measured inputs"
+                raise UsageError(msg)
+
+    def dependent(self) -> UsageError:
+        """What to say where measured inputs never tell the excitations apart."""
+        driven = " and ".join(str(excitation) for excitation in self.excitations)
+        names = " and ".join(reading.name for reading in self.measured)
+        if len(self.measured) == 1:
+            return UsageError(f"{names} stays zero under a {driven} at every frequency; it cannot be a measured input")
+        return UsageError(f"{names} depend on each other under {driven}: they cannot be measured inputs together")
+
+
+def remembered(
+    drivetrain: AssembledModel,
+    output: str | Sensor | Sequence[str | Sensor],
+    input: str | Sensor | Sequence[str | Sensor],
+    excitation: str | Sequence[str] | None,
+) -> TransferRequest:
+    """As :func:`ask`, but asked once for all configurations with the same rows."""
+    parts = tuple(tuple(entry) if isinstance(entry, list) else entry for entry in (output, input, excitation))
+    key, plans = ("question", *parts), drivetrain.assembly.system.plans
+    try:
+        known = plans.get(key)
+    except TypeError:  # something that is no name, for ask to refuse in words
+        return ask(drivetrain, output, input, excitation)
+    if known is None:
+        known = ask(drivetrain, output, input, excitation)
+        known.require_felt()
+    question: TransferRequest = known
+    plans[key] = question
+    return question
+
+
+def ask(
+    drivetrain: AssembledModel,
+    output: str | Sensor | Sequence[str | Sensor],
+    input: str | Sensor | Sequence[str | Sensor],
+    excitation: str | Sequence[str] | None,
+) -> TransferRequest:
+    """Resolve the names of a transfer function.
+
+    Raises
+    ------
+    UsageError
+        An unknown name, no or an ambiguous excitation, or not as many measured inputs as excitations.
+    """
+    outputs = tuple(_output(drivetrain, entry) for entry in _listed(output, "an output", (str, Sensor)))
+    entries = _listed(input, "an input", (str, Sensor, Input))
+    if not outputs or not entries:
+        msg = "name at least one output and one input"
+        raise UsageError(msg)
+    resolved = [_input(drivetrain, entry) for entry in entries]
+    if all(isinstance(entry, Input) for entry in resolved):
+        excitations = tuple(entry for entry in resolved if isinstance(entry, Input))
+        labels = [entry if isinstance(entry, str) else str(entry) for entry in entries]
+        measured = tuple(_excitation_reading(label, entry) for label, entry in zip(labels, excitations, strict=True))
+        if excitation is not None and _chosen(drivetrain, excitation) != excitations:
+            msg = "excitation= goes with measured inputs; here the input itself is the excitation"
+            raise UsageError(msg)
+        return TransferRequest(outputs, measured, excitations, is_measured=False, assembly=drivetrain.assembly)
+    return _measured(drivetrain, outputs, entries, resolved, excitation)
+
+
+def _measured(
+    drivetrain: AssembledModel,
+    outputs: tuple[Functional, ...],
+    entries: Sequence[str | Sensor],
+    resolved: Sequence[Input | Functional],
+    excitation: str | Sequence[str] | None,
+) -> TransferRequest:
+    unmeasured = [str(entry) for entry, found in zip(entries, resolved, strict=True) if isinstance(found, Input)]
+    if unmeasured:
+        msg = (
+            f"{', '.join(unmeasured)} is an excitation and the other inputs are measured; "
+            "put a sensor where the excitation acts, or name measured inputs only"
+        )
+        raise UsageError(msg)
+    measured = tuple(entry for entry in resolved if isinstance(entry, Functional))
+    excitations = _chosen(drivetrain, excitation) if excitation is not None else _default(drivetrain)
+    if len(excitations) != len(measured):
+        msg = (
+            f"{len(measured)} measured input(s) but {len(excitations)} excitation(s); "
+            f"there must be as many of one as of the other{_known_inputs(drivetrain)}"
+        )
+        raise UsageError(msg)
+    names = ", ".join(str(entry) for entry in excitations)
+    return TransferRequest(
+        outputs,
+        measured,
+        excitations,
+        is_measured=True,
+        assembly=drivetrain.assembly,
+        notes=(f"measured input; excitation: {names}",),
+    )
+
+
+def _default(drivetrain: AssembledModel) -> tuple[Input, ...]:
+    inputs = tuple(drivetrain.inputs.values())
+    if len(inputs) == 1:
+        return (_present(drivetrain, next(iter(drivetrain.inputs))),)
+    if not inputs:
+        msg = "a measured input needs an excitation; declare an input in the model or name a node with excitation="
+    else:
+        msg = f"the model has several inputs; say with excitation= which one drives{_known_inputs(drivetrain)}"
+    raise UsageError(msg)
+
+
+def _torque_on(drivetrain: AssembledModel, node: str) -> Input:
+    """A torque on a node that can move; anywhere else every response would silently be zero."""
+    solved = drivetrain.assembly.kinematics.reduction.solved
+    driven = [name for name, channel in drivetrain.inputs.items() if channel.quantity == "angle" and channel.of == node]
+    if driven:
+        msg = f'the angle of "{node}" is imposed by {driven[0]}; name that input, or another node'
+        raise UsageError(msg)
+    if node in solved and solved[node].keys().isdisjoint(drivetrain.assembly.kinematics.coordinates):
+        held = "its motion is imposed" if solved[node] else "it is locked"
+        msg = f'a torque on "{node}" moves nothing: {held}'
+        raise UsageError(msg)
+    return Input("torque", node)
+
+
+def _present(drivetrain: AssembledModel, name: str) -> Input:
+    channel = drivetrain.inputs[name]
+    if channel.of not in drivetrain.nodes:
+        msg = f'input {name} acts on node "{channel.of}", which is not there in this configuration'
+        raise UsageError(msg)
+    if drivetrain.assembly.kinematics.holds(channel.of):
+        msg = f'input {name} does nothing: "{channel.of}" is locked in this configuration'
+        raise UsageError(msg)
+    return channel
+
+
+def _known_inputs(drivetrain: AssembledModel) -> str:
+    return f": {', '.join(drivetrain.inputs)}" if drivetrain.inputs else ""
+
+
+def _chosen(drivetrain: AssembledModel, excitation: str | Input | Sequence[str | Input]) -> tuple[Input, ...]:
+    return tuple(_named_input(drivetrain, name) for name in _listed(excitation, "an excitation", (str, Input)))
+
+
+def _named_input(drivetrain: AssembledModel, name: Any) -> Input:
+    if isinstance(name, Input):
+        return _given(drivetrain, name)
+    if name in drivetrain.inputs:
+        return _present(drivetrain, name)
+    if name in drivetrain.nodes:
+        return _torque_on(drivetrain, name)
+    known = [*drivetrain.inputs, *drivetrain.nodes]
+    declared = ", ".join(drivetrain.inputs) or "none"
+    msg = f'no input or node is named "{name}"{did_you_mean(name, known)}; inputs: {declared}'
+    raise UsageError(msg)
+
+
+def _given(drivetrain: AssembledModel, channel: Input) -> Input:
+    """An excitation given as an object: a torque anywhere, an imposed angle only where the model declares it."""
+    if channel.quantity == "torque" and channel.of in drivetrain.nodes:
+        return _torque_on(drivetrain, channel.of)
+    for name, declared in drivetrain.inputs.items():
+        if channel == declared:
+            return _present(drivetrain, name)
+    msg = f"the model has no {channel}; declare an imposed angle as an input of the model, a torque needs a node"
+    raise UsageError(msg)
+
+
+def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:
+    """One name or several as a list; anything else is refused in words."""
+    entries = [names] if isinstance(names, kinds) else list(names) if isinstance(names, list | tuple) else [None]
+    for entry in entries:
+        if not isinstance(entry, kinds):
+            msg = f"{what} is a name or a list of names, got {names!r}"
+            raise UsageError(msg)
+    return entries
+
+
+def as_sensor(drivetrain: AssembledModel, entry: str | Sensor) -> Sensor | None:
+    """The sensor meant: an object, a declared name, or text such as ``torque(gearbox)``."""
+    if isinstance(entry, Sensor):
+        return entry
+    return drivetrain.sensors[entry] if entry in drivetrain.sensors else parse_sensor(entry)
+
+
+def _output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:
+    sensor = as_sensor(drivetrain, entry)
+    if sensor is None and entry in drivetrain.nodes:
+        sensor = Sensor("angle", str(entry))
+    if sensor is not None:
+        _require_moving(drivetrain, sensor, str(entry))
+        return functional(drivetrain, sensor, str(entry))
+    known = [*drivetrain.sensors, *drivetrain.nodes]
+    hint = did_you_mean(str(entry), known)
+    declared = ", ".join(drivetrain.sensors) or "none"
+    others = "or write torque(element), twist(element), velocity(node)"
+    msg = f'no sensor or node is named "{entry}"{hint}; sensors: {declared}; {others}'
+    raise UsageError(msg)
+
+
+def usable(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
+    """Names of the inputs and of the sensors that can be used: on what is there, and not locked.
+
+    >>> import torsionnet as tn
+    >>> usable(tn.load("dmf_rig"))
+    (['T_M'], ['theta_1', 'T_T'])
+    """
+    nodes, holds = set(drivetrain.nodes), drivetrain.assembly.kinematics.holds
+
+    def acts(channel: Input | Sensor) -> bool:
+        if channel.quantity in ELEMENT_QUANTITIES and isinstance(channel, Sensor):
+            return channel.of in drivetrain.elements
+        return channel.of in nodes and not holds(channel.of)
+
+    tables: tuple[Any, Any] = (drivetrain.inputs, drivetrain.sensors)
+    inputs, sensors = ([name for name, channel in table.items() if acts(channel)] for table in tables)
+    return inputs, sensors
+
+
+def _require_moving(drivetrain: AssembledModel, sensor: Sensor, name: str) -> None:
+    """Refuse a sensor of the model on a node that this configuration locks; a node asked for by name is zero there."""
+    of_node = name in drivetrain.sensors and sensor.quantity not in ELEMENT_QUANTITIES
+    if of_node and sensor.of in drivetrain.nodes and drivetrain.assembly.kinematics.holds(sensor.of):
+        msg = f'{name} reads zero: "{sensor.of}" is locked in this configuration'
+        raise UsageError(msg)
+
+
+def _input(drivetrain: AssembledModel, entry: str | Sensor | Input) -> Input | Functional:
+    if isinstance(entry, Input):
+        return _given(drivetrain, entry)
+    if isinstance(entry, str) and entry in drivetrain.inputs:
+        return _present(drivetrain, entry)
+    sensor = as_sensor(drivetrain, entry)
+    if sensor is not None:
+        _require_moving(drivetrain, sensor, str(entry))
+        return functional(drivetrain, sensor, str(entry))
+    if entry in drivetrain.nodes:
+        return _torque_on(drivetrain, str(entry))
+    known = [*drivetrain.inputs, *drivetrain.sensors, *drivetrain.nodes]
+    msg = f'no input, sensor or node is named "{entry}"{did_you_mean(str(entry), known)}'
+    raise UsageError(msg)
+
+
+def _excitation_reading(label: str, excitation: Input) -> Functional:
+    return Functional(label, "N*m" if excitation.quantity == "torque" else "rad", ())

@@ -1,0 +1,43 @@
+"""The determinant of a network and the bilinear forms of its adjugate, each recursion taken down once."""
+
+from __future__ import annotations
+
+from torsionnet.symbolic.bundle import Quotient, quotient
+from torsionnet.symbolic.loops import tied
+from torsionnet.symbolic.network import Network, NetworkMember, Stiffness, SymbolRow, added_up, reflected
+from torsionnet.symbolic.program import Program, ProgramNode
+from torsionnet.symbolic.recursion import Recursion
+
+
+def seen_from(root: str, network: Network[Stiffness], program: Program) -> Recursion:
+    """The recursion from a root, taken down once."""
+    key = (network, root)
+    if key not in program.memory:
+        program.memory[key] = Recursion(quotients(network, program), program, root, tied)
+    found: Recursion = program.memory[key]
+    return found
+
+
+def quotients(network: Network[Stiffness], program: Program) -> Network[Quotient]:
+    """The network with parallel laws added up, its laws as steps of a program."""
+    if network not in program.memory:
+        members = (
+            NetworkMember(member.row, quotient(member.law, program)) for member in added_up(network, reflected).members
+        )
+        program.memory[network] = Network(network.coordinates, tuple(members))
+    found: Network[Quotient] = program.memory[network]
+    return found
+
+
+def determinant(network: Network[Stiffness], program: Program, first: str = "") -> ProgramNode:
+    """Det D."""
+    root = first or next(iter(network.coordinates), "")
+    return seen_from(root, network, program).determinant if root else program.leaf(1)
+
+
+def bilinear(network: Network[Stiffness], program: Program, reading: SymbolRow, load: SymbolRow) -> ProgramNode:
+    """Reading^T adj(D) load."""
+    total = program.leaf(0)
+    for root, share in load.items():
+        total = total + program.leaf(share) * seen_from(root, network, program).reading(reading)
+    return total

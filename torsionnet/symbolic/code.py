@@ -1,0 +1,136 @@
+"""Source text of numpy functions, from the straight-line program. Nothing is run here."""
+
+from __future__ import annotations
+
+import keyword
+import re
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import sympy
+
+from torsionnet.core.errors import UsageError
+from torsionnet.symbolic.algebras import S
+from torsionnet.symbolic.where import WhereTable, continued_table, where_table
+
+if TYPE_CHECKING:
+    from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
+
+IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
+MOST_FACTORS = 25
+"""With more coordinates the products of numerator and denominator may leave the range of floats."""
+
+
+def python_code(function: SymbolicFraction, name: str) -> str:
+    """See :meth:`TransferFunction.python_code`.
+
+    Own names of the function begin with an underscore, parameters never do.
+
+    Raises
+    ------
+    UsageError
+        ``name`` or a parameter is no plain identifier.
+    """
+    table = _table(function)
+    arguments = {symbol: checked(str(symbol)) for symbol in _symbols(table) - {S}}
+    tables = {kappa: f"_{checked(kappa.func.__name__)}" for kappa in sorted(_tables(table), key=str)}
+    return "\n".join(
+        [
+            "import numpy as _np",
+            "",
+            "",
+            f"def {checked(name)}({_signature(function, arguments, tables)}):",
+            *_docstring(function, bool(tables)),
+            "    _s = 2j * _np.pi * _np.asarray(_f, dtype=float)",
+            *_body(table, {**arguments, **tables, S: "_s"}),
+            "",
+        ]
+    )
+
+
+def _table(function: SymbolicFraction) -> WhereTable:
+    if len(function.values) > 3 * MOST_FACTORS or len(function.steps.steps) > 20 * MOST_FACTORS:
+        return continued_table(function) or where_table(function)
+    return where_table(function)
+
+
+def checked(name: str) -> str:
+    """A name that is safe in source text.
+
+    >>> checked("k_1")
+    'k_1'
+    """
+    if not IDENTIFIER.fullmatch(name) or keyword.iskeyword(name):
+        msg = f'"{name}" cannot be a name in Python code; use letters, digits and underscores'
+        raise UsageError(msg)
+    return name
+
+
+def _leaves(table: WhereTable) -> list[Any]:
+    steps = table.program.steps
+    return [steps[i][1] for i in table.program.needed([table.result]) if steps[i][0] == "leaf"]
+
+
+def _symbols(table: WhereTable) -> set[Any]:
+    found: set[Any] = set()
+    for leaf in _leaves(table):
+        found |= getattr(leaf, "free_symbols", set())
+    return found - {sympy.Symbol("omega")}
+
+
+def _tables(table: WhereTable) -> set[Any]:
+    return {leaf for leaf in _leaves(table) if isinstance(leaf, sympy.core.function.AppliedUndef)}
+
+
+def _signature(function: SymbolicFraction, arguments: dict[Any, str], tables: dict[Any, str]) -> str:
+    ordered = sorted(arguments, key=str)
+    named = [arguments[symbol] + _default(function.values.get(symbol)) for symbol in ordered]
+    named = [*tables.values(), *named]
+    return ", ".join(["_f", "/", *(["*", *named] if named else [])])
+
+
+def _default(value: Any) -> str:
+    return "" if value is None else f"={float(value)!r}"
+
+
+def _docstring(function: SymbolicFraction, has_tables: bool) -> list[str]:
+    above, below = function.channels
+    names = re.sub(r"[^\w ()+,.*/^-]", "", f"{above.name} / {below.name}", flags=re.ASCII)
+    extra = " Each _kappa is the tabulated complex stiffness at these frequencies." if has_tables else ""
+    return [f'    """{names}; _f: frequencies > 0 in Hz, parameters in SI units.{extra}"""']
+
+
+def _body(table: WhereTable, names: dict[Any, str]) -> list[str]:
+    written: dict[int, str] = {}
+    lines: list[str] = []
+    for index in table.program.needed([table.result]):
+        operation, *operands = table.program.steps[index]
+        if operation == "leaf":
+            written[index] = _leaf(operands[0], names)
+        else:
+            left, right = (written[operand] for operand in operands)
+            written[index] = f"_{len(lines) + 1}"
+            lines.append(f"    {written[index]} = {left} {operation} {right}")
+    return [*lines, f"    return {written[table.result.index]} + 0 * _s"]
+
+
+def _leaf(payload: Any, names: dict[Any, str]) -> str:
+    if isinstance(payload, Fraction):
+        return repr(float(payload)) if payload >= 0 else f"({float(payload)!r})"
+    if payload in names:
+        return names[payload]
+    if payload == sympy.I:
+        return "1j"
+    if isinstance(payload, sympy.Pow):
+        return f"_np.power({_written(payload.base, names)}, {float(payload.exp)!r})"
+    return repr(float(payload))
+
+
+def _written(expression: Any, names: dict[Any, str]) -> str:
+    """A small expression under a root."""
+    if isinstance(expression, sympy.Add | sympy.Mul):
+        sign = " + " if isinstance(expression, sympy.Add) else " * "
+        return f"({sign.join(_written(part, names) for part in expression.args)})"
+    if isinstance(expression, sympy.Pow):
+        return f"_np.power({_written(expression.base, names)}, {float(expression.exp)!r})"
+    return names[expression] if expression in names else f"({float(expression)!r})"

@@ -1,0 +1,123 @@
+"""Equations of motion in LaTeX: as a matrix equation, or one coordinate after the other."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.symbolic.shown import latex
+from torsionnet.symbolic.symbol_names import angle_latex, symbol_latex
+
+if TYPE_CHECKING:
+    from torsionnet.assembly.symbolic import SymbolicMatrices
+
+PARTS = ("M", "C", "K", "H", "q", "B", "u")
+DOTS = {"M": r"\ddot", "C": r"\dot", "K": ""}
+
+
+def to_latex(system: SymbolicMatrices, part: str = "") -> str:
+    """See :meth:`torsionnet.symbolic.symbolic_system.SymbolicSystem.to_latex`.
+
+    Raises
+    ------
+    UsageError
+        No such part.
+    """
+    if part in ("M", "C", "K", "H", "B"):
+        return matrix_latex(getattr(system, part).tolist())
+    if part == "q":
+        return column([angle_latex(name) for name in system.coordinates])
+    if part == "u":
+        return column([symbol_latex(name) for name in system.inputs])
+    if part:
+        msg = f'"{part}" is no part of the equations{did_you_mean(part, PARTS)}; choose {", ".join(PARTS)}'
+        raise UsageError(msg)
+    terms = [f"{to_latex(system, key)} {dotted(system.coordinates, dots)}" for key, dots in DOTS.items()]
+    rest = complex_stiffness(system)
+    terms += [f"{matrix_latex(rest.tolist())} {to_latex(system, 'q')}"] if any(rest) else []
+    load = f"{to_latex(system, 'B')} {to_latex(system, 'u')}" if system.inputs else "0"
+    return f"{' + '.join(terms)} = {load}"
+
+
+def complex_stiffness(system: SymbolicMatrices) -> Any:
+    """What the stiffness has beside K: j times hysteretic damping, and tables."""
+    import sympy
+
+    return sympy.I * system.H + system.tables
+
+
+def matrix_latex(rows: list[list[Any]]) -> str:
+    """Rows of expressions in brackets."""
+    return bracketed([[latex(cell) for cell in row] for row in rows])
+
+
+def column(entries: list[str]) -> str:
+    return bracketed([[entry] for entry in entries])
+
+
+def bracketed(rows: list[list[str]]) -> str:
+    r"""Cells in LaTeX as a matrix in brackets.
+
+    >>> print(bracketed([["a", "b"], ["c", "d"]]))
+    \begin{bmatrix} a & b \\ c & d \end{bmatrix}
+    """
+    lines = r" \\ ".join(" & ".join(row) for row in rows)
+    return rf"\begin{{bmatrix}} {lines} \end{{bmatrix}}"
+
+
+def dotted(coordinates: tuple[str, ...], dots: str) -> str:
+    return column([dotted_angle(name, dots) for name in coordinates])
+
+
+def dotted_angle(node: str, dots: str) -> str:
+    """The angle of a node, differentiated."""
+    base, index = angle_latex(node).split("_", 1)
+    return f"{dots}{{{base}}}_{index}" if dots else f"{base}_{index}"
+
+
+def equation_terms(system: SymbolicMatrices, row: int) -> list[str]:
+    r"""One equation of motion, apart before every sign: what stands first, then ``+ ...``, ``= ...``.
+
+    >>> import torsionnet as tn
+    >>> equation_terms(tn.load("dmf_rig").symbolic(), 0)[-1]
+    '= T_{M}'
+    """
+    terms = list(_terms(system, row))
+    loads = [_signed(system.B[row, i], symbol_latex(name)) for i, name in enumerate(system.inputs)]
+    given = [text for text in loads if text]
+    return [*_first(terms), *(f"= {text}" if not number else text for number, text in enumerate(_first(given)))]
+
+
+def _first(terms: list[str]) -> list[str]:
+    return [terms[0].removeprefix("+ "), *terms[1:]] if terms else ["0"]
+
+
+def _terms(system: SymbolicMatrices, row: int) -> Iterator[str]:
+    stiffness = system.K + complex_stiffness(system)
+    for matrix, dots in ((system.M, r"\ddot"), (system.C, r"\dot"), (stiffness, "")):
+        for place, name in enumerate(system.coordinates):
+            text = _signed(matrix[row, place], dotted_angle(name, dots))
+            if text:
+                yield text
+
+
+def _signed(coefficient: Any, factor: str) -> str:
+    if coefficient == 0:
+        return ""
+    negative = bool(coefficient.could_extract_minus_sign())
+    size = -coefficient if negative else coefficient
+    text = latex(size)
+    shown = "" if size == 1 else rf"\left({text}\right) " if size.is_Add else f"{text} "
+    return f"{'-' if negative else '+'} {shown}{factor}"
+
+
+def sum_terms(expression: Any) -> list[str]:
+    """An expression apart before every sign of its outermost sum, for lines that may break there."""
+    if not expression.is_Add:
+        return [latex(expression)]
+    parts = []
+    for term in expression.as_ordered_terms():
+        negative = bool(term.could_extract_minus_sign())
+        parts.append(f"{'-' if negative else '+'} {latex(-term if negative else term)}")
+    return _first(parts)

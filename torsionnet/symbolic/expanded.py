@@ -1,0 +1,81 @@
+"""Fully expanded numerator and denominator."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import sympy
+
+from torsionnet.core.errors import UsageError
+from torsionnet.symbolic.algebras import TermCounts
+from torsionnet.symbolic.shown import shown
+from torsionnet.symbolic.sparse import Monomials, Sparse, monomials_for
+
+MOST_PRINTED = 100
+"""Terms of a quotient that is printed."""
+
+if TYPE_CHECKING:
+    from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
+
+
+@dataclass(frozen=True, repr=False)
+class Expanded:
+    """Numerator and denominator without brackets; making sympy expressions of them takes longer than making them.
+
+    Attributes
+    ----------
+    numerator, denominator : Sparse
+    algebra : Monomials
+    """
+
+    numerator: Sparse
+    denominator: Sparse
+    algebra: Monomials
+
+    @property
+    def terms(self) -> int:
+        """How many there are."""
+        return sum(sum(map(bool, part.terms.values())) for part in (self.numerator, self.denominator))
+
+    def __repr__(self) -> str:
+        return f"<Expanded: {self.terms} terms>"
+
+    def __str__(self) -> str:
+        return str(shown(self.expression)) if self.terms <= MOST_PRINTED else repr(self)
+
+    @cached_property
+    def expression(self) -> Any:
+        """The quotient as a sympy expression."""
+        depth = max(self.numerator.depth, self.denominator.depth)
+        above, below = (
+            self.algebra.expression(part.at_depth(depth), part.scale**depth)
+            for part in (self.numerator, self.denominator)
+        )
+        return above / below
+
+    def to_ring(self) -> tuple[Any, Any]:
+        """Numerator and denominator as elements of a sympy polynomial ring over the rationals."""
+        ring = sympy.polys.rings.PolyRing(self.algebra.generators, sympy.QQ, sympy.polys.orderings.lex)
+        return ring(self.algebra.as_dict(self.numerator)), ring(self.algebra.as_dict(self.denominator))
+
+
+def predicted_terms(function: SymbolicFraction) -> int:
+    """Terms of numerator and denominator, at most; exact where every parameter appears once."""
+    return int(sum(function.steps.run(TermCounts(), [function.numerator, function.denominator])))
+
+
+def expanded(function: SymbolicFraction, cap: int) -> Expanded:
+    """See :meth:`TransferFunction.expanded`."""
+    predicted = predicted_terms(function)
+    if predicted > cap:
+        msg = (
+            f"fully expanded, this transfer function has up to {predicted:,} terms, more than {cap:,}; "
+            "use .mechanical or .program, keep(...) fewer parameters, or raise cap="
+        )
+        raise UsageError(msg)
+    program, outputs = function.steps, [function.numerator, function.denominator]
+    algebra = monomials_for(program.payloads(outputs))
+    above, below = program.run(algebra, outputs)
+    return Expanded(above, below, algebra)

@@ -1,0 +1,50 @@
+"""What is left of a transfer function at very low and at very high frequency."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import sympy
+
+from torsionnet.symbolic.algebras import InPowersOfS, S
+from torsionnet.symbolic.numbers import first_term, lowest, surely_zero
+from torsionnet.symbolic.program import Program, ProgramNode
+from torsionnet.symbolic.rational import factored, tidy
+
+if TYPE_CHECKING:
+    from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
+
+
+def static_gain(function: SymbolicFraction) -> Any:
+    """The limit for s -> 0."""
+    above, below = lowest(function, Program().leaf, surely_zero)
+    if above is None or above[0] > below[0]:
+        return sympy.Integer(0)
+    return sympy.oo if above[0] < below[0] else _quotient(above[1], below[1])
+
+
+def low_frequency(function: SymbolicFraction) -> Any:
+    """The leading term for s -> 0."""
+    above, below = lowest(function, Program().leaf, surely_zero)
+    return sympy.Integer(0) if above is None else _quotient(above[1], below[1]) * S ** (above[0] - below[0])
+
+
+def high_frequency(function: SymbolicFraction) -> Any:
+    """The leading term for s -> oo."""
+    algebra = InPowersOfS(Program().leaf)
+    above, below = (
+        (len(polynomial.coefficients), first_term(polynomial.coefficients[::-1], surely_zero))
+        for polynomial in function.steps.run(algebra, [function.numerator, function.denominator])
+    )
+    if above[1] is None or below[1] is None:
+        return sympy.Integer(0)
+    power = (above[0] - above[1][0]) - (below[0] - below[1][0])
+    return _quotient(above[1][1], below[1][1]) * S**power
+
+
+def _quotient(above: Any, below: Any) -> Any:
+    """The quotient of two steps, common factors left out."""
+    program = (above if isinstance(above, ProgramNode) else below).program
+    numerator, denominator = program.reduced(above, below)
+    above, below = (tidy(node) for node in (numerator, denominator))
+    return factored(above / below)

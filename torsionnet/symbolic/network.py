@@ -1,0 +1,200 @@
+"""The drivetrain as the recursion sees it: coordinates, and laws on rows over them, in symbols."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Generic, TypeAlias, TypeVar
+
+import sympy
+
+SymbolRow: TypeAlias = Mapping[str, Any]
+"""Coordinate -> sympy expression, nowhere zero."""
+
+ONE = sympy.Integer(1)
+ZERO = sympy.Integer(0)
+
+MOST_TERMS = 1000
+"""Terms of a sum that is still multiplied out."""
+
+
+@dataclass(frozen=True)
+class Stiffness:
+    """Dynamic stiffness J s^2 + c s + k; hysteresis and tables stand in k."""
+
+    stiffness: Any = ZERO
+    damping: Any = ZERO
+    inertia: Any = ZERO
+
+    @property
+    def parts(self) -> tuple[Any, Any, Any]:
+        """Coefficients of 1, s, s^2."""
+        return self.stiffness, self.damping, self.inertia
+
+
+L = TypeVar("L")
+
+
+@dataclass(frozen=True, eq=False)
+class NetworkMember(Generic[L]):
+    """A law on a row over coordinates."""
+
+    row: SymbolRow
+    law: L
+
+
+@dataclass(frozen=True, eq=False)
+class Network(Generic[L]):
+    """D(s) = sum of law * row row^T over the coordinates."""
+
+    coordinates: tuple[str, ...]
+    members: tuple[NetworkMember[L], ...]
+
+    @cached_property
+    def grounds(self) -> Mapping[str, list[L]]:
+        """Laws on one coordinate alone."""
+        found: dict[str, list[L]] = {}
+        for member in self.members:
+            if len(member.row) == 1:
+                found.setdefault(next(iter(member.row)), []).append(member.law)
+        return found
+
+    def contracted(self, row: SymbolRow, keep: str = "") -> Contraction[L]:
+        """The network on the motions with row = 0, with one coordinate other than ``keep`` expressed by the others.
+
+        The coefficient of kappa in det(D + kappa a a^T) is a_v^2 times the determinant of what is left, v being the
+        coordinate expressed, and so for every bilinear form of the adjugate.
+        """
+        pivot = self._pivot(row, keep)
+        solution = {name: -value / row[pivot] for name, value in row.items() if name != pivot}
+        members = [NetworkMember(substituted(member.row, pivot, solution), member.law) for member in self.members]
+        rest = tuple(name for name in self.coordinates if name != pivot)
+        left = Network(rest, tuple(member for member in members if member.row))
+        idle = tuple(member.law for member in members if not member.row)
+        return Contraction(left, pivot, solution, row[pivot] ** 2, idle)
+
+    def _pivot(self, row: SymbolRow, keep: str) -> str:
+        """The last of the coordinates; of more than two, one on which few laws act, so that few rows get longer."""
+        names = [name for name in row if name != keep]
+        uses: Counter[str] = Counter()
+        if len(row) > 2:  # noqa: PLR2004
+            uses.update(name for member in self.members if len(member.row) > 1 for name in member.row)
+        return max(names, key=lambda name: (-uses[name], self.coordinates.index(name)))
+
+    def without(self, member: NetworkMember[L]) -> Network[L]:
+        """The network with one law less."""
+        return Network(self.coordinates, tuple(other for other in self.members if other is not member))
+
+
+@dataclass(frozen=True)
+class Contraction(Generic[L]):
+    """A network with one coordinate less, what became of it, and the factor of its determinant.
+
+    ``idle`` are the laws on motions that are no longer possible.
+    """
+
+    network: Network[L]
+    pivot: str
+    solution: SymbolRow
+    factor: Any
+    idle: tuple[L, ...]
+
+    def row(self, row: SymbolRow) -> SymbolRow:
+        """A row over the coordinates before as one over those left."""
+        return substituted(row, self.pivot, self.solution)
+
+
+def added_up(network: Network[L], total: Callable[[Sequence[tuple[L, Any]]], L]) -> Network[L]:
+    """The network with the laws on parallel rows added up; ``total`` adds laws, each on a multiple of one row."""
+    groups: dict[tuple[tuple[str, Any], ...], list[tuple[L, Any]]] = {}
+    for member in network.members:
+        direction, scale = _direction(member.row, groups)
+        groups.setdefault(direction, []).append((member.law, scale))
+    members = (NetworkMember(dict(direction), total(laws)) for direction, laws in groups.items())
+    return Network(network.coordinates, tuple(members))
+
+
+def _direction(row: SymbolRow, known: Collection[Any]) -> tuple[tuple[tuple[str, Any], ...], Any]:
+    """The row over one of its coefficients, the same for parallel rows, and that coefficient."""
+    names = sorted(row, key=lambda name: row[name] not in (1, -1))
+    first, last = row[names[0]], row[names[-1]]
+    if len(names) == 2:  # noqa: PLR2004
+        back = ((names[1], ONE), (names[0], first / last))
+        return (back, last) if back in known else (((names[0], ONE), (names[1], last / first)), first)
+    return tuple((name, row[name] / first) for name in sorted(names)), first
+
+
+def reflected(laws: Sequence[tuple[Stiffness, Any]]) -> Stiffness:
+    """Sum of law * ratio^2, each term collected by the ratios it is reflected with."""
+    total = _Collected()
+    for law, ratio in laws:
+        total.add(law, ratio)
+    return total.law()
+
+
+class _Collected:
+    """A sum of laws times squared ratios."""
+
+    def __init__(self) -> None:
+        self.parts: tuple[dict[Any, Any], ...] = ({}, {}, {})
+
+    def add(self, law: Stiffness, ratio: Any) -> None:
+        number, reflected = (ONE, ONE) if ratio in (1, -1) else (ratio**2).as_coeff_Mul()
+        for groups, part in zip(self.parts, law.parts, strict=True):
+            if part != 0:
+                more = part if number is ONE else number * part
+                groups[reflected] = groups[reflected] + more if reflected in groups else more
+
+    def law(self) -> Stiffness:
+        return Stiffness(*(collected(groups) for groups in self.parts))
+
+
+def collected(groups: Mapping[Any, Any]) -> Any:
+    """Sum of ratio * total, each total expanded by itself."""
+    if not groups:
+        return ZERO
+    if list(groups) == [ONE]:
+        return _expanded(groups[ONE])
+    return sympy.Add(*(ratio * _expanded(total) for ratio, total in groups.items()))
+
+
+def _expanded(total: Any) -> Any:
+    """The sum with its products multiplied out, unless that would take more terms than anyone reads."""
+    return total if total.is_Atom or _terms(total) > MOST_TERMS else sympy.expand(total)
+
+
+def _terms(expression: Any) -> int:
+    """How many terms an expression has at most when it is multiplied out."""
+    if expression.is_Add:
+        return sum(map(_terms, expression.args))
+    if expression.is_Mul:
+        return math.prod(map(_terms, expression.args))
+    if expression.is_Pow and expression.exp.is_Integer:
+        power: int = _terms(expression.base) ** abs(int(expression.exp))
+        return power
+    return 1
+
+
+def row_sum(rows: Iterable[tuple[Any, SymbolRow]]) -> dict[str, Any]:
+    """Sum of factor * row; what is zero for all values of the symbols drops out."""
+    total: dict[str, Any] = {}
+    for factor, row in rows:
+        for name, value in row.items():
+            total[name] = total[name] + factor * value if name in total else factor * value
+    return {name: value for name, value in total.items() if not vanishes(value)}
+
+
+def substituted(row: SymbolRow, pivot: str, solution: SymbolRow) -> SymbolRow:
+    """The row with one coordinate replaced."""
+    if pivot not in row:
+        return row
+    rest = {name: value for name, value in row.items() if name != pivot}
+    return row_sum([(ONE, rest), (row[pivot], solution)])
+
+
+def vanishes(expression: Any) -> bool:
+    """Whether an expression is zero for all values of its symbols."""
+    return bool(expression == 0 or (expression.is_Add and sympy.cancel(expression) == 0))

@@ -1,0 +1,205 @@
+"""Gain and factors: 1 + s/omega of first order, 1 + 2 zeta s/omega_n + s^2/omega_n^2 of second order."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import sympy
+
+from torsionnet.symbolic.algebras import InPowersOfS, S, TermCounts, in_s
+from torsionnet.symbolic.numbers import surely_zero
+from torsionnet.symbolic.program import Program, ProgramNode
+from torsionnet.symbolic.rational import factored, tidy
+from torsionnet.symbolic.shown import latex, polynomial_text, shown
+
+if TYPE_CHECKING:
+    from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
+
+MOST_TERMS = 30
+"""Polynomials of more terms are not searched for factors that the recursion did not give."""
+
+MOST_OPERATIONS, MOST_SYMBOLS = 100, 10
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A polynomial with constant term 1, to a power.
+
+    Attributes
+    ----------
+    coefficients : tuple
+        Of 1, s, s^2, ...; the first is 1.
+    power : int
+    """
+
+    coefficients: tuple[Any, ...]
+    power: int = 1
+
+    @property
+    def order(self) -> int:
+        return len(self.coefficients) - 1
+
+    @property
+    def omega_n(self) -> Any:
+        """Corner or natural frequency in rad/s, of first and second order."""
+        if self.order == 1:
+            return sympy.simplify(1 / self.coefficients[1])
+        return sympy.sqrt(sympy.simplify(1 / self.coefficients[2])) if self.order == 2 else None  # noqa: PLR2004
+
+    @property
+    def zeta(self) -> Any:
+        """Damping ratio, of second order."""
+        if self.order != 2:  # noqa: PLR2004
+            return None
+        p_1, p_2 = (sympy.fraction(sympy.together(value)) for value in self.coefficients[1:])
+        p_0 = sympy.lcm(p_1[1], p_2[1])
+        if not _is_positive(p_0):
+            return self.coefficients[1] * self.omega_n / 2
+        first, second = (sympy.cancel(value * p_0) for value in self.coefficients[1:])
+        return first / (2 * sympy.sqrt(p_0 * second))
+
+    @property
+    def expression(self) -> Any:
+        return in_s(self.coefficients) ** self.power
+
+    def text(self, values: Mapping[Any, Any]) -> str:
+        """The factor in words, with numbers beside the symbols."""
+        power = f"({{}})**{self.power}" if self.power != 1 else "{}"
+        if self.order == 1:
+            return f"{power.format('1 + s/omega_n')} with omega_n = {_both(self.omega_n, values)} rad/s"
+        if self.order == 2:  # noqa: PLR2004
+            form = power.format("1 + 2*zeta*s/omega_n + s**2/omega_n**2")
+            return f"{form} with omega_n = {_both(self.omega_n, values)} rad/s, zeta = {_both(self.zeta, values)}"
+        return power.format(
+            polynomial_text(f"({shown(value)})" if n else "1" for n, value in enumerate(self.coefficients))
+        )
+
+
+def _both(expression: Any, values: Mapping[Any, Any]) -> str:
+    """In symbols, and if all have values as a number."""
+    number = expression.xreplace(dict(values))
+    in_figures = f"{float(number):.6g}" if number.is_real and not number.free_symbols else ""
+    in_symbols = str(shown(expression)) if expression.free_symbols or not in_figures else ""
+    return " = ".join(part for part in (in_symbols, in_figures) if part)
+
+
+def _is_positive(expression: Any) -> bool:
+    """Whether it is for positive symbols."""
+    positive = {name: sympy.Dummy(positive=True) for name in expression.free_symbols}
+    return bool(expression.xreplace(positive).is_positive)
+
+
+@dataclass(frozen=True, repr=False)
+class Normalised:
+    """gain * s^power * product of numerator factors / product of denominator factors.
+
+    Attributes
+    ----------
+    gain : expression
+    power : int
+    numerator, denominator : tuple of Factor
+    values : dict
+        Symbol -> value, for the numbers beside the symbols.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T").normalised
+    >>> H.denominator[0].omega_n, H.denominator[0].zeta
+    (sqrt(k_2/I_2), (c_2 + c_B)/(2*sqrt(I_2*k_2)))
+    >>> print(H.denominator[1].text(H.values))
+    1 + s/omega_n with omega_n = k_1/c_1 = 133000 rad/s
+    """
+
+    gain: Any
+    power: int
+    numerator: tuple[Factor, ...]
+    denominator: tuple[Factor, ...]
+    values: Mapping[Any, Any] = field(default_factory=dict)
+
+    @property
+    def expression(self) -> Any:
+        """The whole as a sympy expression."""
+        above = sympy.Mul(*(factor.expression for factor in self.numerator))
+        below = sympy.Mul(*(factor.expression for factor in self.denominator))
+        return self.gain * S**self.power * above / below
+
+    def __str__(self) -> str:
+        lines = [f"gain {_both(self.gain, self.values)}"]
+        lines += [f"s**{self.power}"] if self.power else []
+        lines += [f"numerator: {factor.text(self.values)}" for factor in self.numerator]
+        return "\n".join([*lines, *(f"denominator: {factor.text(self.values)}" for factor in self.denominator)])
+
+    __repr__ = __str__
+
+    def to_latex(self) -> str:
+        """The whole as one product."""
+        return latex(self.expression)
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.to_latex()}$"
+
+
+def normalised(function: SymbolicFraction) -> Normalised:
+    """Factors as the recursion gives them, and those sympy finds in short polynomials."""
+    above, below = (_factors(function, node) for node in (function.numerator, function.denominator))
+    gain, power = factored(above[0] / below[0]), above[1] - below[1]
+    return Normalised(gain, power, above[2], below[2], function.values)
+
+
+def _factors(function: SymbolicFraction, node: ProgramNode) -> tuple[Any, int, tuple[Factor, ...]]:
+    """(Gain, power of s, factors) of a numerator or denominator."""
+    gain, power = sympy.Integer(1), 0
+    factors: list[Factor] = []
+    for index, times in function.steps.factors(node).items():
+        for polynomial, more in _irreducible(function, index):
+            lowest = next((i for i, value in enumerate(polynomial) if value != 0), None)
+            if lowest is None:
+                return sympy.Integer(0), 0, ()
+            power += lowest * more * times
+            gain *= polynomial[lowest] ** (more * times)
+            if len(polynomial) > lowest + 1:
+                scaled = tuple(value / polynomial[lowest] for value in polynomial[lowest:])
+                factors.append(Factor(scaled, more * times))
+    return gain, power, tuple(factors)
+
+
+def _irreducible(function: SymbolicFraction, index: int) -> list[tuple[list[Any], int]]:
+    """(Coefficients, power) of the factors of one step."""
+    (polynomial,) = function.steps.run(InPowersOfS(Program().leaf), [function.steps.at(index)])
+    coefficients = [sympy.Integer(0) if surely_zero(value) else tidy(value) for value in polynomial.coefficients]
+    (count,) = function.steps.run(TermCounts(), [function.steps.at(index)])
+    whole = in_s(coefficients)
+    if count > MOST_TERMS or len(coefficients) < 3 or whole.has(sympy.I):  # noqa: PLR2004
+        return [(coefficients, 1)]
+    number, denominator = sympy.fraction(sympy.together(whole))
+    if (
+        sympy.count_ops(number) > MOST_OPERATIONS
+        or len(number.free_symbols) > MOST_SYMBOLS
+        or not _factors_at_random(number)
+    ):
+        return [(coefficients, 1)]
+    content, found = sympy.factor_list(number, S)
+    return [([content / denominator], 1), *((_coefficients(factor), power) for factor, power in found)]
+
+
+def _factors_at_random(polynomial: Any) -> bool:
+    """Whether it still has factors with random numbers for the parameters; if not, it is irreducible (Hilbert).
+
+    sympy may take hours to find that out of a polynomial in many symbols.
+    """
+    symbols = sorted(polynomial.free_symbols - {S}, key=str)
+    for seed in range(2):
+        draw = random.Random(seed)  # noqa: S311
+        chosen = {symbol: draw.randrange(10**3, 10**4) for symbol in symbols}
+        _, found = sympy.factor_list(polynomial.xreplace(chosen), S)
+        if sum(power for factor, power in found if factor != S) < 2:  # noqa: PLR2004
+            return False
+    return True
+
+
+def _coefficients(polynomial: Any) -> list[Any]:
+    return [sympy.collect(value, S) for value in sympy.Poly(polynomial, S).all_coeffs()[::-1]]

@@ -1,0 +1,162 @@
+"""Numbers from a transfer function in symbols."""
+
+from __future__ import annotations
+
+import random
+import warnings
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import sympy
+from numpy.typing import ArrayLike
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.core.errors import TorsionnetWarning, UsageError
+from torsionnet.model.elimination import exact
+from torsionnet.response import FrequencyResponse
+from torsionnet.symbolic.algebras import InPowersOfS, NumericValues, evaluated
+from torsionnet.symbolic.program import ProgramNode
+from torsionnet.symbolic.scaled import Scaled
+
+if TYPE_CHECKING:
+    from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
+
+ACCURATE = 1e-10
+"""Relative error by rounding that is left."""
+DIGITS = (40, 80, 160, 320)
+
+
+def evaluate(function: SymbolicFraction, frequencies: ArrayLike, given: Mapping[Any, Any]) -> FrequencyResponse:
+    """See :meth:`TransferFunction.evaluate`."""
+    f = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    if f.ndim != 1 or not np.isfinite(f).all() or (f < 0).any():
+        msg = "frequencies must be a list of finite numbers >= 0, in Hz"
+        raise UsageError(msg)
+    values = _complete(function, given)
+    result = np.empty(f.shape, dtype=complex)
+    moving = f > 0
+    if moving.any():
+        result[moving] = _at(function, f[moving], values)
+    if not moving.all():
+        result[~moving] = static_value(function, values)
+    if not np.isfinite(result).all():
+        warnings.warn("the response is infinite at some frequency", TorsionnetWarning, stacklevel=4)
+    above, below = function.channels
+    return FrequencyResponse(f, result[:, None, None], (above,), (below,), function.title, notes=function.notes)
+
+
+def _complete(function: SymbolicFraction, given: Mapping[Any, Any]) -> dict[Any, Any]:
+    values = {name: exact_fraction(value) for name, value in function.values.items()}
+    values |= {name: exact(value) for name, value in given.items()}
+    missing = sorted(str(name) for name in function.free_symbols - set(values))
+    if missing:
+        msg = f"give values for {', '.join(missing)}"
+        raise UsageError(msg)
+    return values
+
+
+def exact_fraction(value: Any) -> Fraction:
+    """A sympy rational as a Fraction."""
+    return Fraction(int(value.p), int(value.q))
+
+
+def _at(function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any, Any]) -> ComplexArray:
+    """In double precision, and in as many digits as it takes where rounding may show."""
+    omega = 2 * np.pi * frequencies
+    known = {name: Scaled.rational(value) for name, value in values.items()}
+    known |= {name: Scaled.of(kappa(omega)) for name, kappa in function.tables.items()}
+    known |= {sympy.I: Scaled.of(1j)}
+    algebra = NumericValues(known, Scaled.rational, Scaled.of(1j * omega))
+    above, below = function.steps.run(algebra, [function.numerator, function.denominator])
+    ratio = above / below
+    found = np.array(np.broadcast_to(ratio.array(), frequencies.shape))
+    for lane in np.flatnonzero(~np.broadcast_to(ratio.relative_error() <= ACCURATE, frequencies.shape)):
+        found[lane] = _in_many_digits(function, float(omega[lane]), values)
+    return found
+
+
+def _in_many_digits(function: SymbolicFraction, omega: float, values: Mapping[Any, Any]) -> complex:
+    """At one frequency, in so many digits that twice as many change nothing."""
+    import mpmath
+
+    def number(value: Fraction) -> Any:
+        return mpmath.mpf(value.numerator) / value.denominator
+
+    last: complex = complex("nan")
+    for digits in DIGITS:
+        with mpmath.workdps(digits):
+            known = {name: number(value) for name, value in values.items()}
+            known |= {name: mpmath.mpc(complex(kappa(np.array([omega]))[0])) for name, kappa in function.tables.items()}
+            algebra = NumericValues(known | {sympy.I: mpmath.mpc(0, 1)}, number, mpmath.mpc(0, omega))
+            above, below = function.steps.run(algebra, [function.numerator, function.denominator])
+            value = complex(above / below) if below else complex(np.inf)
+        if abs(value - last) <= ACCURATE * abs(value):
+            return value
+        last = value
+    return last
+
+
+def static_value(function: SymbolicFraction, values: Mapping[Any, Any]) -> complex:
+    """The limit at zero frequency for exact values."""
+    known = dict(values)
+    for name, kappa in function.tables.items():
+        at_rest = complex(kappa(np.zeros(1))[0])
+        known[name] = exact(at_rest.real)
+    known = {name: sympy.Rational(value.numerator, value.denominator) for name, value in known.items()}
+
+    def coefficient(payload: Any) -> Any:
+        if isinstance(payload, Fraction):
+            return sympy.Rational(payload.numerator, payload.denominator)
+        return payload.xreplace(known)
+
+    above, below = lowest(function, coefficient, lambda value: sympy.expand(value) == 0)
+    if above is None or above[0] > below[0]:
+        return 0j
+    return complex(np.inf) if above[0] < below[0] else complex(above[1] / below[1])
+
+
+def lowest(function: SymbolicFraction, coefficient: Any, vanishes: Any) -> tuple[Any, Any]:
+    """(power, coefficient) of the lowest terms of numerator and denominator; None for a numerator of zero."""
+    limit = 4
+    while True:
+        algebra = InPowersOfS(coefficient, limit)
+        found = [
+            first_term(polynomial.coefficients, vanishes)
+            for polynomial in function.steps.run(algebra, [function.numerator, function.denominator])
+        ]
+        if found[1] is not None and (found[0] is not None or limit > len(function.steps.steps)):
+            return found[0], found[1]
+        if limit > 4 * len(function.steps.steps) + 4:
+            msg = "the transfer function is not determined: numerator and denominator vanish"
+            raise UsageError(msg)
+        limit *= 4
+
+
+def first_term(coefficients: Any, vanishes: Any) -> tuple[int, Any] | None:
+    """The first coefficient that does not vanish, and its power."""
+    for power, value in enumerate(coefficients):
+        if not vanishes(value):
+            return power, value
+    return None
+
+
+def surely_zero(node: ProgramNode | int) -> bool:
+    """Whether a step is zero for all values of the symbols: tried at exact random numbers."""
+    if not isinstance(node, ProgramNode):
+        return node == 0
+    if node.is_zero:
+        return True
+    chosen: dict[Any, Fraction] = {}
+
+    def number(expression: Any) -> Fraction:
+        if expression.is_Rational:
+            return exact_fraction(expression)
+        return chosen.setdefault(expression, Fraction(random.Random(str(expression)).randrange(10**6, 10**7)))  # noqa: S311
+
+    class Chance:
+        def leaf(self, payload: Any) -> Fraction:
+            return payload if isinstance(payload, Fraction) else evaluated(payload, number)
+
+    return bool(node.program.run(Chance(), [node])[0] == 0)

@@ -1,0 +1,190 @@
+"""Numerator and denominator as polynomials in s with named coefficients."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Protocol
+
+import sympy
+
+from torsionnet.symbolic.algebras import InPowersOfS, TermCounts, in_s
+from torsionnet.symbolic.program import Program, ProgramNode
+from torsionnet.symbolic.raw import RawExpressions
+from torsionnet.symbolic.shown import polynomial_latex, polynomial_text, where_text, with_where
+from torsionnet.symbolic.sparse import Monomials, Sparse, monomials_for
+
+if TYPE_CHECKING:
+    from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
+
+SHORT = 60
+"""Coefficients of at most so many terms are written expanded, longer ones nested."""
+FEW = 4000
+"""A transfer function of at most so many terms is expanded as a whole first."""
+
+
+class NamedCoefficients(Protocol):
+    """Calculated coefficients that can be written as expressions."""
+
+    def written(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """Coefficients of 1, s, s^2, ... of numerator and denominator."""
+        ...
+
+
+@dataclass(frozen=True, repr=False)
+class Rational:
+    """(b_0 + b_1 s + ...) / (a_0 + a_1 s + ...).
+
+    Attributes
+    ----------
+    coefficients : NamedCoefficients
+        As calculated; they become expressions when they are asked for.
+    """
+
+    coefficients: NamedCoefficients
+
+    @cached_property
+    def _written(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        above, below = (list(_trimmed(part)) for part in self.coefficients.written())
+        # A drivetrain that turns freely has powers of s above and below.
+        while min(len(above), len(below)) > 1 and above[0] == 0 and below[0] == 0:
+            del above[0], below[0]
+        return tuple(above), tuple(below)
+
+    @property
+    def numerator(self) -> tuple[Any, ...]:
+        """Coefficients of 1, s, s^2, ..."""
+        return self._written[0]
+
+    @property
+    def denominator(self) -> tuple[Any, ...]:
+        """Coefficients of 1, s, s^2, ..."""
+        return self._written[1]
+
+    @property
+    def expression(self) -> Any:
+        """The quotient, with the coefficients written out."""
+        return in_s(self.numerator) / in_s(self.denominator)
+
+    @cached_property
+    def where(self) -> dict[Any, Any]:
+        """Coefficient -> what it stands for; those that are zero are left out."""
+        named = {"b": self.numerator, "a": self.denominator}
+        return {
+            sympy.Symbol(f"{letter}_{power}"): value
+            for letter, coefficients in named.items()
+            for power, value in enumerate(coefficients)
+            if value != 0
+        }
+
+    @property
+    def named(self) -> Any:
+        """The quotient in the names of the coefficients."""
+        above, below = (in_s(names) for names in self._names)
+        return above / below
+
+    @property
+    def _names(self) -> tuple[list[Any], list[Any]]:
+        """Name of every coefficient of numerator and denominator, 0 for those that are zero."""
+        above, below = (
+            [sympy.Symbol(f"{letter}_{power}") if value != 0 else sympy.Integer(0) for power, value in enumerate(part)]
+            for letter, part in (("b", self.numerator), ("a", self.denominator))
+        )
+        return above, below
+
+    def __str__(self) -> str:
+        above, below = (polynomial_text(names) for names in self._names)
+        return where_text(f"({above})/({below})", self.where)
+
+    __repr__ = __str__
+
+    def to_latex(self) -> str:
+        """The quotient in the names of the coefficients, and what they stand for."""
+        above, below = (polynomial_latex(names) for names in self._names)
+        return with_where(rf"\frac{{{above}}}{{{below}}}", self.where)
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.to_latex()}$"
+
+
+def _trimmed(coefficients: Sequence[Any]) -> tuple[Any, ...]:
+    result = list(coefficients) or [sympy.Integer(0)]
+    while len(result) > 1 and result[-1] == 0:
+        result.pop()
+    return tuple(result)
+
+
+def rational(function: SymbolicFraction) -> Rational:
+    """Coefficients in s: expanded where they are short, else as a program of their own."""
+    program, outputs = function.steps, [function.numerator, function.denominator]
+    if sum(program.run(TermCounts(), outputs)) <= FEW or len(function.free_symbols) <= 6:  # noqa: PLR2004
+        algebra = monomials_for(program.payloads(outputs))
+        above, below = program.run(algebra, outputs)
+        return Rational(Flat(above, below, algebra))
+    polynomials = program.run(InPowersOfS(Program().leaf), outputs)
+    return Rational(Stepwise(*(polynomial.coefficients for polynomial in polynomials)))
+
+
+@dataclass(frozen=True)
+class Flat:
+    """Expanded polynomials in parameters and s."""
+
+    above: Sparse
+    below: Sparse
+    algebra: Monomials
+
+    def written(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        depth = max(self.above.depth, self.below.depth)
+        above, below = (
+            tuple(
+                self.algebra.expression(terms, part.scale**depth)
+                for terms in self.algebra.by_power(Sparse(part.at_depth(depth), depth, part.scale))
+            )
+            for part in (self.above, self.below)
+        )
+        return above, below
+
+
+@dataclass(frozen=True)
+class Stepwise:
+    """Coefficients as results of a program."""
+
+    above: Sequence[Any]
+    below: Sequence[Any]
+
+    def written(self) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        nodes = [value for value in (*self.above, *self.below) if isinstance(value, ProgramNode)]
+        found = dict(zip((node.index for node in nodes), tidied(nodes), strict=True))
+        above, below = (
+            tuple(found[value.index] if isinstance(value, ProgramNode) else sympy.Integer(0) for value in part)
+            for part in (self.above, self.below)
+        )
+        return above, below
+
+
+def tidy(node: Any) -> Any:
+    """A step as an expression: expanded if it is short."""
+    return tidied([node])[0]
+
+
+def tidied(nodes: Sequence[ProgramNode]) -> list[Any]:
+    """Steps of one program as expressions."""
+    program = nodes[0].program
+    counts = program.run(TermCounts(), nodes)
+    short = [node for node, terms in zip(nodes, counts, strict=True) if terms <= SHORT]
+    long = [node for node, terms in zip(nodes, counts, strict=True) if terms > SHORT]
+    algebra = monomials_for(program.payloads(short))
+    written = {
+        node.index: algebra.expression(part.terms, part.scale**part.depth)
+        for node, part in zip(short, program.run(algebra, short), strict=True)
+    }
+    raw = zip(long, program.run(RawExpressions(), long), strict=True)
+    written |= {node.index: part.expression for node, part in raw}
+    return [written[node.index] for node in nodes]
+
+
+def factored(expression: Any) -> Any:
+    """A short expression as a product; factors of long or complex ones take sympy too long to find."""
+    easy = not expression.has(sympy.I) and sympy.count_ops(expression) <= SHORT
+    return sympy.factor(expression) if easy else expression

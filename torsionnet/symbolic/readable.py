@@ -1,0 +1,40 @@
+"""What of a transfer function is too long to be written, and how the rest is."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from torsionnet.core.errors import UsageError
+from torsionnet.symbolic.algebras import InPowersOfS, Lengths, TermCounts
+from torsionnet.symbolic.program import Program, ProgramNode
+from torsionnet.symbolic.rational import FEW
+
+if TYPE_CHECKING:
+    from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
+
+MOST_WRITTEN = 20_000
+"""Elements and numbers in the coefficients of a formula; more fill pages, and take minutes."""
+
+
+def require_readable(function: SymbolicFraction) -> None:
+    """Coefficients that are written nested grow without measure with the number of coordinates."""
+    outputs = [function.numerator, function.denominator]
+    if sum(function.steps.run(TermCounts(), outputs)) <= FEW:
+        return
+    polynomials = function.steps.run(InPowersOfS(Program().leaf), outputs)
+    nodes = [value for polynomial in polynomials for value in polynomial.coefficients if isinstance(value, ProgramNode)]
+    leaves = sum(part.leaves for part in nodes[0].program.run(Lengths(), nodes)) if nodes else 0
+    if leaves > MOST_WRITTEN:
+        msg = f'the coefficients would be written with {leaves:,} elements and numbers; ask for "program"'
+        raise UsageError(msg)
+
+
+def require_short(function: SymbolicFraction, most: int) -> None:
+    """Nested expressions repeat themselves; a continued fraction does not."""
+    leaves = function.nested_leaves if function.continued is None else 0
+    if leaves > most:
+        msg = (
+            f"with its closed loops written out, this transfer function is a fraction of {leaves:,} elements and "
+            'numbers; ask for "program"'
+        )
+        raise UsageError(msg)

@@ -1,0 +1,244 @@
+"""Fewer elements before anything is written, with the error that makes measured afterwards.
+
+Terms are never dropped from a result. An element is: a spring becomes rigid, a damper goes; and only if the poles that
+are kept move less than the tolerance.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import ComplexArray
+from torsionnet.core.errors import TorsionnetError, UsageError
+from torsionnet.model.channels import Sensor
+from torsionnet.model.definition import Definition
+from torsionnet.model.elements import GROUND, Element
+from torsionnet.model.elements.gears import Gear
+from torsionnet.model.elements.rigid import RigidCoupling
+from torsionnet.model.elements.springs import Damper, Spring
+from torsionnet.solve.modes import modes
+from torsionnet.solve.transfer import frequency_response
+from torsionnet.solve.transfer_request import as_sensor
+from torsionnet.symbolic.transfer_function import TransferFunction
+
+POINTS = 400
+"""Frequencies in the band at which the responses are compared."""
+
+
+@dataclass(frozen=True)
+class SimplificationRequest:
+    """What the simplified drivetrain has to answer."""
+
+    output: str | Sensor
+    input: str | Sensor
+    excitation: str | None
+    tolerance: float
+    band: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Errors:
+    """How far a simplified drivetrain is off.
+
+    Attributes
+    ----------
+    omega, zeta : float
+        Largest relative change of natural frequency and of damping ratio over the kept modes.
+    decibels : float
+        Largest difference of the magnitudes over the band.
+    """
+
+    omega: float
+    zeta: float
+    decibels: float
+
+    def __str__(self) -> str:
+        return f"omega_n {100 * self.omega:.2g} %, zeta {100 * self.zeta:.2g} %, {self.decibels:.2g} dB over the band"
+
+
+@dataclass(frozen=True)
+class Simplified:
+    """A shorter transfer function and what it cost.
+
+    Attributes
+    ----------
+    transfer_function : TransferFunction
+    drivetrain : Drivetrain
+        The one it belongs to.
+    changes : tuple of str
+        What was taken away.
+    errors : Errors
+        Against the whole drivetrain.
+    band : (low, high)
+        In Hz; the modes in it are kept.
+    """
+
+    transfer_function: TransferFunction
+    drivetrain: AssembledModel
+    changes: tuple[str, ...]
+    errors: Errors
+    band: tuple[float, float]
+
+    def __str__(self) -> str:
+        changes = "; ".join(self.changes) or "nothing could be left out"
+        low, high = self.band
+        return f"{self.transfer_function}\n{changes}\nerror {low:g} to {high:g} Hz: {self.errors}"
+
+
+def simplified(
+    drivetrain: AssembledModel,
+    output: str | Sensor,
+    input: str | Sensor,
+    excitation: str | None = None,
+    *,
+    written: Callable[[AssembledModel], TransferFunction],
+    tolerance: float = 0.01,
+    band: tuple[float, float] | None = None,
+) -> Simplified:
+    """Leave out elements one after the other, the least important first, as long as the kept modes stay in place.
+
+    Parameters
+    ----------
+    drivetrain, output, input, excitation
+        As for a frequency response.
+    written : callable
+        The transfer function of a drivetrain in symbols.
+    tolerance : float
+        Largest relative change of natural frequency and damping ratio of the modes in the band.
+    band : (low, high), optional
+        In Hz; default: up to twice the lowest natural frequency.
+
+    Raises
+    ------
+    UsageError
+        There is no mode in the band, or the band is none.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> short = tn.load("dmf_rig").symbolic().simplified("theta_1", "T_M", tolerance=0.02, band=(0.5, 20))
+    >>> short.changes
+    ('torque_meter rigid',)
+    >>> short.errors.omega < 0.02, short.errors.decibels < 1
+    (True, True)
+    """
+    question = SimplificationRequest(output, input, excitation, tolerance, _band(drivetrain, band))
+    current, changes = drivetrain, []
+    read = {sensor.of for sensor in (as_sensor(drivetrain, name) for name in (output, input)) if sensor is not None}
+    reference = _Reference(drivetrain, question)
+    candidates = list(_candidates(drivetrain.definition, read))
+    costs = {change: reference.cost(_apply(drivetrain, change)) for change in candidates}
+    ranked = sorted(candidates, key=lambda change: (change.text.endswith("damping"), costs[change]))
+    for change in ranked:
+        shorter = _apply(current, change)
+        if shorter is not current and reference.cost(shorter) <= tolerance:
+            current = shorter
+            changes.append(change.text)
+    return Simplified(written(current), current, tuple(changes), reference.errors(current), question.band)
+
+
+def _band(drivetrain: AssembledModel, band: tuple[float, float] | None) -> tuple[float, float]:
+    if band is None:
+        moving = [f for f in modes(drivetrain).natural_frequencies if f > 0]
+        lowest = min(moving, default=1.0)
+        return lowest / 20, 2 * lowest
+    low, high = band
+    if not 0 < low < high < math.inf:
+        msg = "band is two frequencies in Hz, 0 < low < high"
+        raise UsageError(msg)
+    return low, high
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """An element in place of another, or of none."""
+
+    name: str
+    replacement: Element | None
+    text: str
+
+
+def _candidates(definition: Definition, read: set[str]) -> Iterator[Change]:
+    for element in definition.active:
+        if isinstance(element, Damper) and element.name not in read:
+            yield Change(element.name, None, f"{element.name} left out")
+        if isinstance(element, Spring):
+            if GROUND not in element.nodes and element.name not in read:
+                yield Change(element.name, RigidCoupling(element.name, nodes=element.nodes), f"{element.name} rigid")
+            if str(element.damping) != "0":
+                undamped = replace(element, damping=0)
+                yield Change(element.name, undamped, f"{element.name} without its damping")
+        if isinstance(element, Gear) and element.stiffness is not None and element.name not in read:
+            yield Change(element.name, replace(element, stiffness=None, damping=None), f"{element.name} rigid")
+
+
+def _apply(drivetrain: AssembledModel, change: Change) -> AssembledModel:
+    elements = dict(drivetrain.definition.elements)
+    present = elements.get(change.name)
+    if isinstance(present, RigidCoupling) and change.replacement is not None:
+        return drivetrain
+    if change.replacement is None:
+        elements.pop(change.name, None)
+    else:
+        elements[change.name] = change.replacement
+    return drivetrain.with_definition(replace(drivetrain.definition, elements=elements))
+
+
+class _Reference:
+    """The whole drivetrain, against which shorter ones are held."""
+
+    def __init__(self, drivetrain: AssembledModel, question: SimplificationRequest) -> None:
+        self.question = question
+        low, high = question.band
+        self.frequencies = np.geomspace(low, high, POINTS)
+        self.poles = [pole for pole in self._poles(drivetrain) if abs(pole) <= 2 * np.pi * high]
+        if not self.poles:
+            msg = f"there is no mode of vibration up to {high:g} Hz to be kept; widen band="
+            raise UsageError(msg)
+        self.magnitude = self._magnitude(drivetrain)
+
+    def _poles(self, drivetrain: AssembledModel) -> list[complex]:
+        sensor = as_sensor(drivetrain, self.question.input)
+        is_input = isinstance(self.question.input, str) and self.question.input in drivetrain.inputs
+        measured = None if is_input or sensor is None else sensor
+        excitation = self.question.excitation if measured is not None else None
+        found = modes(drivetrain, measured_input=measured, excitation=excitation)
+        pairs = zip(found.eigenvalues, found.kinds, strict=True)
+        return [complex(value) for value, kind in pairs if kind == "oscillatory"]
+
+    def _magnitude(self, drivetrain: AssembledModel) -> ComplexArray:
+        asked = self.question
+        response = frequency_response(
+            drivetrain, asked.output, asked.input, self.frequencies, excitation=asked.excitation
+        )
+        return np.asarray(np.abs(response.values[:, 0, 0]))
+
+    def errors(self, drivetrain: AssembledModel) -> Errors:
+        """How far a drivetrain is off."""
+        found = self._poles(drivetrain)
+        omega = zeta = 0.0
+        for pole in self.poles:
+            near = min(found, key=lambda other: abs(other - pole), default=complex(math.inf))
+            omega = max(omega, abs(abs(near) / abs(pole) - 1))
+            zeta = max(zeta, abs(_zeta(near) - _zeta(pole)) / max(_zeta(pole), 1e-6))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            apart = np.abs(20 * np.log10(self._magnitude(drivetrain) / self.magnitude))
+        return Errors(omega, zeta, float(np.nan_to_num(apart, nan=math.inf).max()))
+
+    def cost(self, drivetrain: AssembledModel) -> float:
+        """The larger of the changes of the kept modes; inf for what cannot be calculated."""
+        try:
+            found = self.errors(drivetrain)
+        except TorsionnetError:
+            return math.inf
+        return max(found.omega, found.zeta)
+
+
+def _zeta(pole: Any) -> float:
+    return -pole.real / abs(pole) if math.isfinite(abs(pole)) else math.inf

@@ -1,0 +1,86 @@
+"""One output over one input as numerator and denominator of a program: what all forms are made from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+import sympy
+
+from torsionnet.response import Channel
+from torsionnet.symbolic.algebras import Expressions, Lengths
+from torsionnet.symbolic.network import Stiffness
+from torsionnet.symbolic.program import Program, ProgramNode
+from torsionnet.symbolic.symbolic_request import SymbolicRequest
+from torsionnet.symbolic.written import continued_expression
+
+
+@dataclass(frozen=True, eq=False)
+class SymbolicFraction:
+    """Numerator and denominator of a transfer function, exact, in the model's own symbols.
+
+    Attributes
+    ----------
+    channels : tuple of Channel
+        Output and input, with their units.
+    numerator, denominator : ProgramNode
+        Results of one program, common factors left out.
+    values : dict
+        Symbol -> exact rational value in the model.
+    asked : SymbolicRequest or None
+        The mechanism behind, for the continued fraction.
+    tables : dict
+        Tabulated stiffness by its symbolic function: kappa(omega).
+    notes : tuple of str
+    """
+
+    channels: tuple[Channel, Channel]
+    numerator: ProgramNode
+    denominator: ProgramNode
+    values: Mapping[Any, Any]
+    asked: SymbolicRequest | None = None
+    tables: Mapping[Any, Any] = field(default_factory=dict)
+    title: str = ""
+    notes: tuple[str, ...] = ()
+    conditions: tuple[Any, ...] = ()
+
+    @property
+    def steps(self) -> Program:
+        """The program of numerator and denominator."""
+        return self.numerator.program
+
+    @cached_property
+    def free_symbols(self) -> frozenset[Any]:
+        """Parameters that appear, as sympy symbols."""
+        found: set[Any] = set()
+        for index in self.steps.needed([self.numerator, self.denominator]):
+            step = self.steps.steps[index]
+            payload = step[1] if step[0] == "leaf" else None
+            for part in payload.parts if isinstance(payload, Stiffness) else (payload,):
+                if isinstance(part, sympy.Basic):
+                    found |= {part} if part.is_Symbol else part.free_symbols
+        return frozenset(found - {sympy.Symbol("omega")})
+
+    @cached_property
+    def nested(self) -> Any:
+        """Numerator over denominator as the recursion gives them, a sympy expression."""
+        above, below = self.steps.run(Expressions(), [self.numerator, self.denominator])
+        return above / below
+
+    @cached_property
+    def nested_leaves(self) -> int:
+        """Elements and numbers of the nested form, those that appear again counted again."""
+        above, below = self.steps.run(Lengths(), [self.numerator, self.denominator])
+        return int(above.leaves + below.leaves)
+
+    @cached_property
+    def continued(self) -> Any:
+        """Continued fraction, a sympy expression; None where there are closed loops."""
+        return None if self.asked is None else continued_expression(self.asked)
+
+    @property
+    def mechanical(self) -> Any:
+        """Continued fraction with the user's groups, a sympy expression; nested where there are closed loops."""
+        return self.nested if self.continued is None else self.continued

@@ -1,0 +1,155 @@
+"""What sensors read, as rows on networks: the symbolic twin of :mod:`torsionnet.assembly.functionals`.
+
+The torque through a rigid connection is read where that connection is taken away: with a law kappa on its row a, the
+torque is kappa a^T theta, and
+
+    kappa a^T adj(D + kappa a a^T) b = kappa a^T adj(D) b
+
+while det(D + kappa a a^T) tends to kappa times the determinant of the rigid drivetrain. So its numerator is the twist
+of the connection in the drivetrain without it: no subtraction, and nothing upstream of it appears but as a factor.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.functionals import port_of
+from torsionnet.assembly.symbolic import law_parts, twin_kinematics
+from torsionnet.assembly.twin import TWINS, twin, twin_parameters
+from torsionnet.model.channels import Sensor
+from torsionnet.model.elements import Values
+from torsionnet.model.elimination import substitute
+from torsionnet.model.kinematics import Kinematics
+from torsionnet.symbolic.adjugate import bilinear, determinant
+from torsionnet.symbolic.network import ONE, Network, NetworkMember, Stiffness, SymbolRow
+from torsionnet.symbolic.program import Program, ProgramNode
+
+PURE_S = Stiffness(damping=ONE)
+POWERS = {"angle": 0, "velocity": 1, "acceleration": 2}
+
+
+@dataclass(frozen=True)
+class SymbolicPart:
+    """factor * s^power * law * (row theta), or the torque through constraint number ``rigid`` times the factor."""
+
+    row: Mapping[str, Any]
+    factor: Any = ONE
+    power: int = 0
+    law: Stiffness | None = None
+    rigid: int | None = None
+
+
+@dataclass(frozen=True)
+class Reduced:
+    """A network with the rigid rows asked for contracted, the rows carried along, and the factor of the determinant."""
+
+    network: Network[Stiffness]
+    rows: tuple[SymbolRow, ...]
+    factor: Any
+
+
+@dataclass(eq=False)
+class Mechanism:
+    """A drivetrain in symbols whose rigid connections in ``loose`` can be read.
+
+    Attributes
+    ----------
+    drivetrain : Drivetrain
+    referred_to : tuple of str
+        Nodes kept as coordinates.
+    loose : tuple of int
+        Constraints whose torque is wanted, by number.
+    """
+
+    drivetrain: AssembledModel
+    referred_to: tuple[str, ...] = ()
+    loose: tuple[int, ...] = ()
+    program: Program = field(default_factory=Program)
+
+    @cached_property
+    def values(self) -> Values:
+        """Parameters as twins."""
+        drivetrain = self.drivetrain
+        return Values(twin_parameters(drivetrain.definition.parameters, drivetrain.exact_values), TWINS)
+
+    @cached_property
+    def kinematics(self) -> Kinematics:
+        """All constraints but the loose ones solved."""
+        plain = self.drivetrain.assembly.kinematics
+        return twin_kinematics(plain, self.values, self.drivetrain.definition, self.referred_to, self.loose)
+
+    def row(self, row: Mapping[str, Any]) -> SymbolRow:
+        """A row over nodes as one over coordinates."""
+        reduced = substitute({node: twin(value) for node, value in row.items()}, self.kinematics.reduction.solved)
+        return {name: value.symbol for name, value in reduced.items()}
+
+    @cached_property
+    def network(self) -> Network[Stiffness]:
+        """The laws over the coordinates; the loose connections hold nothing."""
+        laws = [(law_parts(owner, law), self.row(law.row)) for owner, law in self.kinematics.laws if law.acts]
+        members = tuple(NetworkMember(row, Stiffness(*parts)) for parts, row in laws if row)
+        return Network(self.kinematics.coordinates, members)
+
+    def reduced(self, rows: Collection[SymbolRow], loose: int | None = None) -> Reduced:
+        """The network with all rigid connections but one in place; the row of that one is added to the rows."""
+        rigid = {index: self.row(self.kinematics.constraints[index][1]) for index in self.loose}
+        network, factor = self.network, ONE
+        carried = [*rows, *([rigid[loose]] if loose is not None else [])]
+        waiting = [row for index, row in rigid.items() if index != loose]
+        while waiting:
+            contraction = network.contracted(waiting.pop(0))
+            network, factor = contraction.network, factor * contraction.factor
+            waiting = [contraction.row(row) for row in waiting]
+            carried = [contraction.row(row) for row in carried]
+        return Reduced(network, tuple(carried), factor)
+
+    def determinant(self, load: SymbolRow) -> ProgramNode:
+        """Det D."""
+        found = self.reduced([load])
+        first = next(iter(found.rows[0]), "")
+        return self.program.leaf(found.factor) * determinant(found.network, self.program, first)
+
+    def numerator(self, parts: Collection[SymbolicPart], node: str) -> ProgramNode:
+        """Det D times a reading under a unit torque on a node."""
+        total = self.program.leaf(0)
+        for part in parts:
+            found = self.reduced([self.row(part.row), self.row({node: 1})], part.rigid)
+            row, load = found.rows[-1 if part.rigid is not None else 0], found.rows[1]
+            number = self.program.leaf(part.factor * found.factor)
+            for law in [PURE_S] * part.power + ([part.law] if part.law else []):
+                number = number * self.program.leaf(law)
+            total = total + bilinear(found.network, self.program, row, load) * number
+        return total
+
+
+def parts_of(mechanism: Mechanism, sensor: Sensor) -> list[SymbolicPart]:
+    """The parts of what a sensor reads."""
+    if sensor.quantity in POWERS:
+        return [SymbolicPart({sensor.of: twin(1)}, power=POWERS[sensor.quantity])]
+    element = mechanism.drivetrain.elements[sensor.of]
+    if sensor.quantity == "twist":
+        return [SymbolicPart(element.twist(mechanism.values))]
+    node, sign = port_of(element, sensor.at)
+    laws = [
+        SymbolicPart(law.row, sign * twin(law.row[node]).symbol, law=Stiffness(*law_parts(owner, law)))
+        for owner, law in mechanism.kinematics.laws
+        if owner == sensor.of and law.acts and node in law.row
+    ]
+    rigid = [
+        SymbolicPart({}, sign * twin(row[node]).symbol, rigid=index)
+        for index, (owner, row) in enumerate(mechanism.kinematics.constraints)
+        if owner == sensor.of and node in row
+    ]
+    return laws + rigid
+
+
+def loose_constraints(drivetrain: AssembledModel, sensors: Collection[Sensor]) -> tuple[int, ...]:
+    """Numbers of the constraints through which a torque is read."""
+    owners = {sensor.of for sensor in sensors if sensor.quantity == "torque"}
+    return tuple(
+        index for index, (owner, _) in enumerate(drivetrain.assembly.kinematics.constraints) if owner in owners
+    )

@@ -1,0 +1,193 @@
+"""What ``Drivetrain.symbolic()`` gives: the matrices, and transfer functions in the same symbols."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import TYPE_CHECKING, Any
+
+import sympy
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.symbolic import OMEGA, SymbolicMatrices, symbolic_matrices
+from torsionnet.model.channels import Sensor
+from torsionnet.response import Channel
+from torsionnet.solve.transfer_request import ask
+from torsionnet.symbolic.imposed import at_rest, is_imposed, posed, single
+from torsionnet.symbolic.program import ProgramNode
+from torsionnet.symbolic.symbolic_request import SymbolicRequest, resolve
+from torsionnet.symbolic.symbolic_sensors import Mechanism
+from torsionnet.symbolic.transfer_function import TransferFunction
+from torsionnet.symbolic.transfer_matrix import TransferMatrix, over_measured
+
+if TYPE_CHECKING:
+    from torsionnet.symbolic.simplified import Simplified
+
+
+MOST_SHOWN = 8
+"""Coordinates of a system that a notebook shows as matrices."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SymbolicSystem(SymbolicMatrices):
+    """Matrices over the kept coordinates, and transfer functions; in the matrices imposed angles stand still.
+
+    Attributes
+    ----------
+    drivetrain : Drivetrain
+    referred_to : tuple of str
+    mechanisms : dict
+        What transfer functions before have left behind.
+    """
+
+    drivetrain: AssembledModel | None = None
+    referred_to: tuple[str, ...] = ()
+    mechanisms: dict[tuple[int, ...], Mechanism] = field(default_factory=dict, repr=False)
+
+    def transfer_function(
+        self, output: str | Sensor, input: str | Sensor, excitation: str | None = None
+    ) -> TransferFunction:
+        """One transfer function, exact and in symbols.
+
+        Parameters
+        ----------
+        output, input, excitation
+            As for :meth:`torsionnet.Drivetrain.frequency_response`, one of each. A measured torque that cuts the
+            drivetrain in two removes everything upstream from the result; an imposed angle removes what hangs on the
+            driven node alone.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> tn.load("amt_rig").symbolic().transfer_function("theta_1", "T_T").static_gain
+        (k_1*tau**2 + k_2)/(k_1*k_2)
+        """
+        drivetrain = self._model
+        single(output, input)
+        question = posed(drivetrain, output, input, excitation)
+        memory = self.mechanisms if question.drivetrain is drivetrain else None
+        asked = resolve(question.drivetrain, output, question.input, question.excitation, self.referred_to, memory)
+        if question.channel is not None:
+            asked = replace(asked, channels=(asked.channels[0], question.channel))
+        return replace(self._written(asked.channels, *_fraction(asked), asked.notes), asked=asked)
+
+    def transfer_matrix(
+        self,
+        outputs: Sequence[str | Sensor],
+        inputs: Sequence[str | Sensor],
+        excitation: str | Sequence[str] | None = None,
+    ) -> TransferMatrix:
+        """Several outputs and inputs at once; with several measured inputs, Y_out Y_in^-1.
+
+        Parameters
+        ----------
+        outputs, inputs, excitation
+            As for :meth:`torsionnet.Drivetrain.frequency_response`. At most three inputs are measured at a time.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> print(tn.load("dmf_rig").symbolic().transfer_matrix(["theta_1", "T_T"], ["T_M"])["T_T", "T_M"].static_gain)
+        1
+        """
+        drivetrain = self._model
+        question = ask(drivetrain, list(outputs), list(inputs), excitation)
+        if question.is_measured and len(inputs) > 1:
+            return over_measured(drivetrain, outputs, inputs, excitation, self._written)
+        given = excitation if isinstance(excitation, str | None) else excitation[0]
+        source = given if question.is_measured else None
+        return TransferMatrix(
+            tuple(tuple(self.transfer_function(output, entry, source) for entry in inputs) for output in outputs)
+        )
+
+    def _written(
+        self,
+        channels: tuple[Channel, Channel],
+        numerator: ProgramNode,
+        denominator: ProgramNode,
+        notes: tuple[str, ...],
+    ) -> TransferFunction:
+        drivetrain = self._model
+        return TransferFunction(
+            channels,
+            numerator,
+            denominator,
+            self.values,
+            tables=_tables(drivetrain),
+            title=drivetrain.title,
+            notes=notes,
+            conditions=self.conditions,
+        )
+
+    def simplified(
+        self,
+        output: str | Sensor,
+        input: str | Sensor,
+        excitation: str | None = None,
+        *,
+        tolerance: float = 0.01,
+        band: tuple[float, float] | None = None,
+    ) -> Simplified:
+        """The transfer function of a drivetrain with fewer elements, and how far it is off.
+
+        See :func:`torsionnet.symbolic.simplified.simplified`.
+        """
+        from torsionnet.symbolic.simplified import simplified
+
+        def written(rig: AssembledModel) -> TransferFunction:
+            return symbolic_system(rig).transfer_function(output, input, excitation)
+
+        return simplified(self._model, output, input, excitation, written=written, tolerance=tolerance, band=band)
+
+    def to_latex(self, part: str = "") -> str:
+        r"""LaTeX of the equations of motion as a matrix equation, or of one part: M, C, K, H, q, B, u.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> print(tn.load("amt_rig").symbolic().to_latex("K"))
+        \begin{bmatrix} k_{1} & - k_{1} \\ - k_{1} & k_{1} + \frac{k_{2}}{\tau^{2}} \end{bmatrix}
+        """
+        from torsionnet.symbolic.equations import to_latex
+
+        return to_latex(self, part)
+
+    def __repr__(self) -> str:
+        shown = self.coordinates[:MOST_SHOWN]
+        more = ", ..." if len(self.coordinates) > MOST_SHOWN else ""
+        return f"<SymbolicSystem: M, C, K over {len(self.coordinates)} coordinates, {', '.join(map(str, shown))}{more}>"
+
+    def _repr_latex_(self) -> str | None:
+        return f"$\\displaystyle {self.to_latex()}$" if len(self.coordinates) <= MOST_SHOWN else None
+
+    @property
+    def _model(self) -> AssembledModel:
+        if self.drivetrain is None:
+            msg = "these matrices do not know their drivetrain"
+            raise TypeError(msg)
+        return self.drivetrain
+
+
+def _fraction(asked: SymbolicRequest) -> tuple[ProgramNode, ProgramNode]:
+    """Numerator and denominator without what they have in common."""
+    mechanism = asked.mechanism
+    numerator = mechanism.numerator(asked.output, asked.node) * asked.sign
+    if asked.measured is None:
+        denominator = mechanism.determinant(mechanism.row({asked.node: 1}))
+    else:
+        denominator = mechanism.numerator(asked.measured, asked.node)
+    return mechanism.program.reduced(numerator, denominator)
+
+
+def _tables(drivetrain: AssembledModel) -> Mapping[Any, Any]:
+    """The functions kappa(omega) of tabulated elements by the symbols that stand for them."""
+    laws = drivetrain.assembly.kinematics.laws
+    return {sympy.Function(f"kappa_{owner}")(OMEGA): law.table.kappa for owner, law in laws if law.table is not None}
+
+
+def symbolic_system(drivetrain: AssembledModel, referred_to: Collection[str] = ()) -> SymbolicSystem:
+    """See :meth:`torsionnet.Drivetrain.symbolic`."""
+    names: Sequence[str] = [referred_to] if isinstance(referred_to, str) else list(referred_to)
+    matrices = symbolic_matrices(at_rest(drivetrain) if is_imposed(drivetrain) else drivetrain, names)
+    content = {entry.name: getattr(matrices, entry.name) for entry in fields(SymbolicMatrices)}
+    return SymbolicSystem(**content, drivetrain=drivetrain, referred_to=tuple(names))

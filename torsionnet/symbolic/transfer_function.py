@@ -1,0 +1,236 @@
+"""A transfer function in symbols, and the forms it can be written in."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import sympy
+from numpy.typing import ArrayLike
+
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.response import FrequencyResponse
+from torsionnet.symbolic.algebras import Changed, Derivatives
+from torsionnet.symbolic.program import Program
+from torsionnet.symbolic.readable import require_readable, require_short
+from torsionnet.symbolic.shown import latex, shown, with_where
+from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
+
+if TYPE_CHECKING:
+    from torsionnet.symbolic.expanded import Expanded
+    from torsionnet.symbolic.normalised import Normalised
+    from torsionnet.symbolic.rational import Rational
+    from torsionnet.symbolic.where import WhereTable
+
+MOST_PRINTED = 60
+"""Operations of a transfer function that is printed in one line."""
+MOST_LEAVES = 5000
+"""Elements and numbers of a nested expression that is written out."""
+
+FORMS = ("mechanical", "polynomial", "normalised", "program", "expanded")
+
+
+@dataclass(frozen=True, eq=False)
+class TransferFunction(SymbolicFraction):
+    """One output over one input, exact, in the model's own symbols.
+
+    Everything follows from one straight-line program for numerator and denominator, which has no subtraction and no
+    division; the forms are worked out when they are asked for.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
+    >>> H.mechanical
+    1/(I_2*s**2 + k_2 + s*(c_2 + c_B)) + 1/(c_1*s + k_1)
+    >>> H.static_gain
+    (k_1 + k_2)/(k_1*k_2)
+    """
+
+    @cached_property
+    def polynomial(self) -> Rational:
+        """Polynomials in s, with coefficients a_i, b_i and what they stand for."""
+        from torsionnet.symbolic.rational import rational
+
+        return rational(self)
+
+    @cached_property
+    def normalised(self) -> Normalised:
+        """Static gain, omega_n and zeta of the factors of first and second order."""
+        from torsionnet.symbolic.normalised import normalised
+
+        return normalised(self)
+
+    @cached_property
+    def program(self) -> WhereTable:
+        """Straight-line program: every intermediate result once, under a name."""
+        from torsionnet.symbolic.where import where_table
+
+        return where_table(self)
+
+    def predicted_terms(self) -> int:
+        """Terms of the fully expanded numerator and denominator, at most."""
+        from torsionnet.symbolic.expanded import predicted_terms
+
+        return predicted_terms(self)
+
+    def expanded(self, cap: int = 50_000) -> Expanded:
+        """Fully expanded numerator and denominator, in a polynomial ring.
+
+        Raises
+        ------
+        UsageError
+            More than ``cap`` terms are predicted; the message has the number.
+        """
+        from torsionnet.symbolic.expanded import expanded
+
+        return expanded(self, cap)
+
+    @property
+    def static_gain(self) -> Any:
+        """The limit at zero frequency: an expression, 0, or sympy's infinity."""
+        from torsionnet.symbolic.limits import static_gain
+
+        return static_gain(self)
+
+    @property
+    def low_frequency(self) -> Any:
+        """The leading term for s -> 0, gain * s^power."""
+        from torsionnet.symbolic.limits import low_frequency
+
+        return low_frequency(self)
+
+    @property
+    def high_frequency(self) -> Any:
+        """The leading term for s -> oo, gain * s^power."""
+        from torsionnet.symbolic.limits import high_frequency
+
+        return high_frequency(self)
+
+    def derivative(self, parameter: str) -> TransferFunction:
+        """The derivative with respect to a parameter, again with all forms but the mechanical one.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
+        >>> H.derivative("k_2").static_gain
+        -1/k_2**2
+        """
+        program = Program()
+        algebra = Derivatives(program, self._symbol(parameter))
+        above, below = self.steps.run(algebra, [self.numerator, self.denominator])
+        numerator = above.slope * below.value + below.slope * above.value * -1
+        numerator, denominator = program.reduced(numerator, below.value * below.value)
+        return replace(self, numerator=numerator, denominator=denominator, asked=None)
+
+    def subs(self, values: Mapping[str, Any] | None = None, /, **more: Any) -> TransferFunction:
+        """The transfer function with numbers (exact: 0.5 becomes 1/2) or sympy expressions for parameters."""
+        given = {self._symbol(name): _exact(value) for name, value in {**(values or {}), **more}.items()}
+        return self._changed(given) if given else self
+
+    def keep(self, names: Collection[str]) -> TransferFunction:
+        """Only the named parameters stay symbols; all others get their exact values.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
+        >>> H.keep(["k_2"]).mechanical
+        1/(k_2 + 19*s**2/125 + 43*s/10) + 1/(s/10 + 13300)
+        """
+        kept = {self._symbol(name) for name in names}
+        return self._changed({name: self.values[name] for name in self.free_symbols - kept if name in self.values})
+
+    def _changed(self, given: dict[Any, Any]) -> TransferFunction:
+        def change(expression: Any) -> Any:
+            return given.get(expression, expression) if expression.is_Atom else expression.xreplace(given)
+
+        program = Program()
+        nodes = self.steps.run(Changed(program, change), [self.numerator, self.denominator])
+        numerator, denominator = program.reduced(*nodes)
+        asked = None if self.asked is None else self.asked.changed(change)
+        return replace(self, numerator=numerator, denominator=denominator, asked=asked)
+
+    def _symbol(self, name: str) -> Any:
+        known = {str(symbol): symbol for symbol in {*self.values, *self.free_symbols}}
+        if str(name) not in known:
+            msg = f'no parameter is named "{name}"{did_you_mean(str(name), known)}'
+            raise UsageError(msg)
+        return known[str(name)]
+
+    def evaluate(self, frequencies: ArrayLike, **parameters: float) -> FrequencyResponse:
+        """Numbers at frequencies in Hz, with the values of the model where no others are given.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> H = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
+        >>> round(float(abs(H.evaluate([8.116]).values.item())) * 57.29578, 4)
+        0.2519
+        """
+        from torsionnet.symbolic.numbers import evaluate
+
+        return evaluate(self, frequencies, {self._symbol(name): value for name, value in parameters.items()})
+
+    def python_code(self, name: str = "transfer_function") -> str:
+        """Source text of a numpy function of frequency in Hz and the parameters."""
+        from torsionnet.symbolic.code import python_code
+
+        return python_code(self, name)
+
+    def to_latex(self, form: str = "mechanical") -> str:
+        """LaTeX of a form: mechanical, polynomial, normalised, program or expanded.
+
+        Raises
+        ------
+        UsageError
+            No such form, or one that would fill pages.
+        """
+        if form == "mechanical":
+            require_short(self, MOST_LEAVES)
+            return latex(self.mechanical)
+        if form in ("polynomial", "normalised"):
+            require_readable(self)
+            return (self.polynomial if form == "polynomial" else self.normalised).to_latex()
+        if form == "program":
+            table, result = self.program.where()
+            return with_where(latex(result), table)
+        if form == "expanded":
+            return latex(self.expanded().expression)
+        msg = f'"{form}" is no form{did_you_mean(form, FORMS)}; choose {", ".join(FORMS)}'
+        raise UsageError(msg)
+
+    def _repr_latex_(self) -> str | None:
+        form = self._short_form
+        return f"$\\displaystyle {self.to_latex(form)}$" if form else None
+
+    @property
+    def _short_form(self) -> str:
+        """The form that is shown unasked; none for very long ones."""
+        operations = self.program.operations
+        if operations <= MOST_PRINTED and self.nested_leaves <= MOST_LEAVES:
+            return "mechanical"
+        return "program" if operations <= 10 * MOST_PRINTED else ""
+
+    def __repr__(self) -> str:
+        names = " / ".join(channel.name for channel in self.channels)
+        operations = self.program.operations
+        return f"<TransferFunction {names}: {len(self.free_symbols)} parameters, {operations} operations>"
+
+    def __str__(self) -> str:
+        """The mechanical form if it is short, else its straight-line program."""
+        names = "/".join(channel.name for channel in self.channels)
+        if self._short_form == "mechanical":
+            return f"{names} = {shown(self.mechanical)}"
+        if self._short_form == "program":
+            return f"{names} = {self.program}"
+        return f"{names}: {self.program.operations} operations; print its .program, or ask for .python_code()"
+
+
+def _exact(value: Any) -> Any:
+    from torsionnet.assembly.twin import rational
+
+    return value if isinstance(value, sympy.Basic) else rational(value)

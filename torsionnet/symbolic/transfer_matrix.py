@@ -1,0 +1,183 @@
+"""Several outputs and inputs: a matrix of transfer functions from one program.
+
+For measured inputs m under as many excitations the matrix is Y_out Y_in^-1. The determinant of the drivetrain drops
+out, and so does the strength of every excitation: an imposed angle is as good as the torque that makes it. By Cramer's
+rule the entry for output o and input i is the determinant of Y_in with its row i exchanged for that of the output, over
+the determinant of Y_in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import permutations
+from typing import TypeAlias
+
+import numpy as np
+import sympy
+from numpy.typing import ArrayLike
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.model.channels import Sensor
+from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.solve.transfer_request import TransferRequest, as_sensor, ask
+from torsionnet.symbolic.algebras import InPowersOfS
+from torsionnet.symbolic.imposed import at_rest, is_imposed
+from torsionnet.symbolic.numbers import surely_zero
+from torsionnet.symbolic.program import Program, ProgramNode
+from torsionnet.symbolic.symbolic_request import channel
+from torsionnet.symbolic.symbolic_sensors import Mechanism, loose_constraints, parts_of
+from torsionnet.symbolic.transfer_function import TransferFunction
+
+Write: TypeAlias = Callable[[tuple[Channel, Channel], ProgramNode, ProgramNode, tuple[str, ...]], TransferFunction]
+
+MOST_MEASURED = 3
+"""Measured inputs; the terms of their determinants multiply."""
+
+
+@dataclass(frozen=True, eq=False)
+class TransferMatrix:
+    """Transfer functions by output and input.
+
+    Attributes
+    ----------
+    entries : tuple of tuple of TransferFunction
+        A row for every output.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> G = tn.load("dmf_rig").symbolic().transfer_matrix(["theta_1", "primary"], ["motor", "primary"])
+    >>> G.shape
+    (2, 2)
+    >>> G["primary", "primary"].static_gain
+    1/k_2
+    """
+
+    entries: tuple[tuple[TransferFunction, ...], ...]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        return len(self.entries), len(self.entries[0])
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        return tuple(row[0].channels[0].name for row in self.entries)
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        return tuple(entry.channels[1].name for entry in self.entries[0])
+
+    def __getitem__(self, place: tuple[int | str, int | str]) -> TransferFunction:
+        """The entry at a row and column, given by numbers or names."""
+        row, column = (_place(key, names) for key, names in zip(place, (self.outputs, self.inputs), strict=True))
+        return self.entries[row][column]
+
+    def evaluate(self, frequencies: ArrayLike, **parameters: float) -> FrequencyResponse:
+        """The numbers, as :meth:`TransferFunction.evaluate`."""
+        found = [[entry.evaluate(frequencies, **parameters) for entry in row] for row in self.entries]
+        first = found[0][0]
+        return FrequencyResponse(
+            first.frequencies,
+            np.stack([np.stack([entry.values[:, 0, 0] for entry in row], axis=1) for row in found], axis=1),
+            tuple(row[0].outputs[0] for row in found),
+            tuple(entry.inputs[0] for entry in found[0]),
+            first.title,
+            notes=first.notes,
+        )
+
+    def to_latex(self, form: str = "mechanical") -> str:
+        """LaTeX of a form of every entry, as a matrix."""
+        rows = (" & ".join(entry.to_latex(form) for entry in row) for row in self.entries)
+        return "\\begin{bmatrix}\n" + " \\\\\n".join(rows) + "\n\\end{bmatrix}"
+
+    def _repr_latex_(self) -> str:
+        return f"$\\displaystyle {self.to_latex()}$"
+
+    def __str__(self) -> str:
+        return "\n".join(str(entry) for row in self.entries for entry in row)
+
+    def __repr__(self) -> str:
+        return f"<TransferMatrix {', '.join(self.outputs)} / {', '.join(self.inputs)}>"
+
+
+def _place(key: int | str, names: Sequence[str]) -> int:
+    if isinstance(key, int):
+        return key
+    if key not in names:
+        msg = f'nothing is named "{key}"{did_you_mean(key, names)}; there is {", ".join(names)}'
+        raise UsageError(msg)
+    return names.index(key)
+
+
+def over_measured(
+    drivetrain: AssembledModel,
+    outputs: Sequence[str | Sensor],
+    inputs: Sequence[str | Sensor],
+    excitation: str | Sequence[str] | None,
+    write: Write,
+) -> TransferMatrix:
+    """Transfer functions against several measured inputs under as many excitations.
+
+    ``write`` makes a transfer function of channels, numerator and denominator.
+
+    Raises
+    ------
+    UsageError
+        As for a frequency response; also with more than three measured inputs.
+    """
+    question = ask(drivetrain, outputs, inputs, excitation)
+    if len(inputs) > MOST_MEASURED:
+        msg = f"in symbols at most {MOST_MEASURED} inputs are measured at a time"
+        raise UsageError(msg)
+    sensors = [as_sensor(drivetrain, entry) or Sensor("angle", str(entry)) for entry in (*outputs, *inputs)]
+    program, mechanisms = Program(), dict[str, Mechanism]()
+    columns = []
+    for source in question.excitations:
+        driven = source.of if source.quantity == "angle" else ""
+        mechanism = mechanisms.get(driven) or _mechanism(drivetrain, driven, sensors, program)
+        mechanisms[driven] = mechanism
+        columns.append([mechanism.numerator(parts_of(mechanism, sensor), source.of) for sensor in sensors])
+    return _by_cramer(program, [list(row) for row in zip(*columns, strict=True)], question, write)
+
+
+def _mechanism(drivetrain: AssembledModel, driven: str, sensors: Sequence[Sensor], program: Program) -> Mechanism:
+    """The drivetrain with all imposed angles at rest, but that of ``driven``."""
+    system = at_rest(drivetrain, driven) if is_imposed(drivetrain) else drivetrain
+    return Mechanism(system, loose=loose_constraints(system, sensors), program=program)
+
+
+def _by_cramer(
+    program: Program, readings: list[list[ProgramNode]], question: TransferRequest, write: Write
+) -> TransferMatrix:
+    above, below = readings[: len(question.outputs)], readings[len(question.outputs) :]
+    whole = _determinant(program, below)
+    (polynomial,) = program.run(InPowersOfS(Program().leaf), [whole])
+    if all(surely_zero(value) for value in polynomial.coefficients):
+        msg = "the measured inputs do not tell the excitations apart: the transfer functions do not exist"
+        raise UsageError(msg)
+    return TransferMatrix(
+        tuple(
+            tuple(
+                write(
+                    (channel(output), channel(measured)),
+                    *program.reduced(_determinant(program, [*below[:i], row, *below[i + 1 :]]), whole),
+                    question.notes,
+                )
+                for i, measured in enumerate(question.measured)
+            )
+            for output, row in zip(question.outputs, above, strict=True)
+        )
+    )
+
+
+def _determinant(program: Program, rows: list[list[ProgramNode]]) -> ProgramNode:
+    """Leibniz's sum: the matrices are small."""
+    total = program.leaf(0)
+    for order in permutations(range(len(rows))):
+        term = program.leaf(sympy.LeviCivita(*order))
+        for row, column in zip(rows, order, strict=True):
+            term = term * row[column]
+        total = total + term
+    return total

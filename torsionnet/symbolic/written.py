@@ -1,0 +1,45 @@
+"""The continued fraction as a sympy expression."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+import sympy
+
+from torsionnet.symbolic.algebras import in_s
+from torsionnet.symbolic.mechanical import NoContinuedFractionError, response
+from torsionnet.symbolic.network import Stiffness
+from torsionnet.symbolic.symbolic_request import SymbolicRequest
+
+
+def continued(asked: SymbolicRequest, leaf: Callable[[Any], Any]) -> Any:
+    """The continued fraction with elements from ``leaf``, or None if there is none."""
+
+    def element(payload: Any) -> Any:
+        if isinstance(payload, str):  # s itself
+            return leaf(Stiffness(damping=sympy.Integer(1)))
+        if isinstance(payload, Stiffness):
+            return leaf(Stiffness(*(asked.change(part) for part in payload.parts)))
+        return leaf(asked.change(sympy.Integer(payload) if isinstance(payload, int) else payload))
+
+    try:
+        alone = asked.measured is None
+        above, receptance = response(asked.mechanism, asked.output, asked.node, element, shift=alone)
+        if asked.measured is None:
+            return above * receptance * element(asked.sign)
+        return above / response(asked.mechanism, asked.measured, asked.node, element)[0]
+    except NoContinuedFractionError:
+        return None
+
+
+def continued_expression(asked: SymbolicRequest) -> Any:
+    """The continued fraction, or None if there is none."""
+    return continued(asked, _expression)
+
+
+def _expression(payload: Any) -> Any:
+    if isinstance(payload, Stiffness):
+        return in_s(payload.parts)
+    return sympy.Rational(payload.numerator, payload.denominator) if isinstance(payload, Fraction) else payload
