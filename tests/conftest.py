@@ -3,9 +3,15 @@
 import os
 from collections import Counter
 
+from hypothesis import settings
+
 # Before numpy is loaded: threads of BLAS on tiny matrices cost half the time of all tests, and one worker runs per core.
 for library in ("OPENBLAS", "OMP", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
+
+# How long an example takes depends on what else the machine does.
+settings.register_profile("torsionnet", deadline=None)
+settings.load_profile("torsionnet")
 
 # The plugin of `make mutation` reads its settings from the run that loads it.
 collect_ignore = ["mutation/plugin.py"]

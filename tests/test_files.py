@@ -21,7 +21,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from models import EVERY_ELEMENT
 
-from torsionnet import atomic
+from torsionnet.core import atomic
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.loading import load, loads
 from torsionnet.model.channels import ELEMENT_QUANTITIES

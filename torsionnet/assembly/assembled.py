@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from functools import cached_property
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
-from torsionnet.assembly.system import Assembly, assemble
 from torsionnet.model.configurations import Overlay
 from torsionnet.model.model import Model
+
+if TYPE_CHECKING:
+    from torsionnet.assembly.system import Assembly
 
 
 class AssembledModel(Model):
@@ -19,6 +21,8 @@ class AssembledModel(Model):
     @cached_property
     def assembly(self) -> Assembly:
         """The drivetrain in numbers: coordinates, rows and coefficients."""
+        from torsionnet.assembly.system import assemble  # numpy, which checking a file does without
+
         return assemble(self.definition, self.exact_values, like=self._like)
 
     def _changed(self, choice: Mapping[str, str], changes: Overlay) -> Self:

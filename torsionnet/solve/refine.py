@@ -27,6 +27,7 @@ DIGITS = 80
 STEP = 1e-24
 """Relative step of the numerical derivative; far over the working precision, far under every wanted accuracy."""
 CONVERGED = 1e-15
+BESIDE = 1e-6
 MAX_ITERATIONS = 120
 NEWTON_STEPS = 8
 LOST = 1e-16
@@ -257,7 +258,11 @@ def _move(p: MatrixPolynomial, z: list[Any], j: int, zeros: int) -> bool:
     newton = _inverse_newton(p, z[j])
     if newton is None:
         return True
-    repulsion = sum((1 / (z[j] - other) for i, other in enumerate(z) if i != j), start=zeros / z[j])
+    others = [other for i, other in enumerate(z) if i != j]
+    repulsion = sum((1 / (z[j] - other) for other in others), start=zeros / z[j]) if z[j] not in others else newton
+    if newton == repulsion:  # on another approximation, or as far from it as from the root: start beside it
+        z[j] = z[j] * (1 + BESIDE)
+        return False
     step = 1 / (newton - repulsion)
     z[j] = z[j] - step
     return bool(size_of(step) <= CONVERGED * size_of(z[j]))
