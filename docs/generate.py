@@ -19,14 +19,20 @@ from validation_pages import bench_numbers_page, cases_page, paper_page
 
 import torsionnet as tn
 from torsionnet.core.damping import MEASURES
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import PhysicalQuantity, ValueInUnitOfUse
+from torsionnet.core.entries.spec import Spec, spec_of
+from torsionnet.core.entries.words import Count, Flag, OneOf, Text
 from torsionnet.core.errors import ModelError
 from torsionnet.core.expressions import Algebra
 from torsionnet.core.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimension, expected_unit
 from torsionnet.model.bench import Acquisition, Encoder, Exciter, Transducer
-from torsionnet.model.bench.excitations import EXCITATIONS, specs_of
-from torsionnet.model.bench.fields import BenchEntries, BenchPart
+from torsionnet.model.bench.excitations import EXCITATIONS
 from torsionnet.model.elements import ELEMENT_TYPES, Constraint, Element, Law, Part, Values, make_element
-from torsionnet.model.elements import fields as spec
+from torsionnet.model.elements.damping_entries import LossFactor
+from torsionnet.model.elements.nodes import NodeName, NodePair
+from torsionnet.model.elements.stiffness_rows import TableEntry
+from torsionnet.model.elements.teeth import Teeth
 from torsionnet.model.report import SECTIONS
 
 DOCS = Path(__file__).parent
@@ -79,7 +85,7 @@ def own_fields(cls: type[Element]) -> list[Field[Any]]:
 
 
 def is_port(declared: Field[Any]) -> bool:
-    return isinstance(spec.spec_of(declared), (spec.NodeName, spec.NodePair))
+    return isinstance(spec_of(declared), (NodeName, NodePair))
 
 
 def physics(cls: type[Element]) -> str:
@@ -90,13 +96,13 @@ def physics(cls: type[Element]) -> str:
 def sample(cls: type[Element], *, full: bool, symbolic: bool = False) -> Element:
     """An element with what is required, or with everything that goes together; values are samples or symbols."""
     given = [d for d in own_fields(cls) if d.default is MISSING or (symbolic and isinstance(d.default, str))]
-    given = [d for d in given if d.default is MISSING or isinstance(spec.spec_of(d), spec.PhysicalQuantity)]
+    given = [d for d in given if d.default is MISSING or isinstance(spec_of(d), PhysicalQuantity)]
     data = {declared.name: sample_value(declared, symbolic=symbolic) for declared in given}
     optional = [declared for declared in own_fields(cls) if declared.name not in data]
     for declared in optional:
         if not full and constructible(cls, data):
             break
-        if isinstance(spec.spec_of(declared), (spec.Count, spec.OneOf)):
+        if isinstance(spec_of(declared), (Count, OneOf)):
             continue
         trial = data | {declared.name: sample_value(declared, symbolic=symbolic)}
         if not constructible(cls, data) or constructible(cls, trial):
@@ -113,18 +119,18 @@ def constructible(cls: type[Element], data: dict[str, Any]) -> bool:
 
 
 def sample_value(declared: Field[Any], *, symbolic: bool) -> Any:
-    kind = spec.spec_of(declared)
-    if isinstance(kind, spec.NodePair):
+    kind = spec_of(declared)
+    if isinstance(kind, NodePair):
         return ["a", "b"]
-    if isinstance(kind, spec.NodeName):
+    if isinstance(kind, NodeName):
         return declared.name
-    if isinstance(kind, spec.PhysicalQuantity):
-        loss = 0.1 if isinstance(kind, spec.LossFactor) else SAMPLES[kind.dimension]
+    if isinstance(kind, PhysicalQuantity):
+        loss = 0.1 if isinstance(kind, LossFactor) else SAMPLES[kind.dimension]
         return kind.symbol if symbolic else loss
-    others = {spec.Teeth: [20, 61], spec.Flag: True, spec.Count: 1, spec.Text: "text"}
-    if isinstance(kind, spec.TableEntry):
+    others = {Teeth: [20, 61], Flag: True, Count: 1, Text: "text"}
+    if isinstance(kind, TableEntry):
         return [["1 Hz", "400 N*m/rad", "2 N*m*s/rad"], ["20 Hz", "500 N*m/rad", "1.2 N*m*s/rad"]]
-    return kind.options[0] if isinstance(kind, spec.OneOf) else others[type(kind)]
+    return kind.options[0] if isinstance(kind, OneOf) else others[type(kind)]
 
 
 def laws(cls: type[Element]) -> str:
@@ -136,9 +142,7 @@ def laws(cls: type[Element]) -> str:
 
 
 def described(element: Element) -> str:
-    names = {
-        declared.symbol for declared, _ in element.scalars().values() if isinstance(declared, spec.PhysicalQuantity)
-    }
+    names = {declared.symbol for declared, _ in element.scalars().values() if isinstance(declared, PhysicalQuantity)}
     algebra = Algebra(number=lambda x: sympy.Rational(x.numerator, x.denominator), sqrt=sympy.sqrt, pi=sympy.pi)
     value = Values({name: sympy.Symbol(name, positive=True) for name in names}, algebra)
     return "\n".join(f"$${row_text(part)},\\qquad {law_text(part)}$$\n" for part in element.parts(value))
@@ -188,8 +192,8 @@ def fields_table(cls: type[Element]) -> str:
 
 
 def field_row(declared: Field[Any]) -> list[str]:
-    kind = spec.spec_of(declared)
-    is_quantity = isinstance(kind, spec.PhysicalQuantity)
+    kind = spec_of(declared)
+    is_quantity = isinstance(kind, PhysicalQuantity)
     symbol = f"${sympy.latex(sympy.Symbol(kind.symbol))}$" if is_quantity else ""
     unit = "" if not is_quantity else "-" if kind.dimension == "1" else code(expected_unit(kind.dimension))
     default = "required" if declared.default is MISSING else default_text(declared.default)
@@ -202,19 +206,19 @@ def default_text(default: Any) -> str:
     return code({True: "true", False: "false"}[default] if isinstance(default, bool) else default)
 
 
-def bounds(kind: spec.Spec) -> str:
+def bounds(kind: Spec) -> str:
     match kind:
-        case spec.OneOf():
+        case OneOf():
             text = " or ".join(map(code, kind.options))
-        case spec.Count():
+        case Count():
             text = f"{kind.lower} to {kind.upper}"
-        case spec.Flag():
+        case Flag():
             text = "`true` or `false`"
-        case spec.Teeth():
+        case Teeth():
             text = "whole, not 0"
-        case spec.PhysicalQuantity(lower=None):
+        case PhysicalQuantity(lower=None):
             text = "not 0" if kind.nonzero else ""
-        case spec.PhysicalQuantity():
+        case PhysicalQuantity():
             text = f"{'>' if kind.exclusive else '>='} {kind.lower:g}"
         case _:
             text = ""
@@ -304,26 +308,23 @@ def damping_page() -> str:
 
 def bench_page() -> str:
     """Every entry of a bench: section."""
-    sections = [
-        ("exciter", "`exciter`", _specs(Exciter)),
-        ("transducer", "Channel of `type: transducer`", _specs(Transducer)),
-        ("encoder", "Channel of `type: encoder`", _specs(Encoder)),
-        ("acquisition", "`acquisition`", _specs(Acquisition)),
+    sections: list[tuple[str, type[Declared]]] = [
+        ("`exciter`", Exciter),
+        ("Channel of `type: transducer`", Transducer),
+        ("Channel of `type: encoder`", Encoder),
+        ("`acquisition`", Acquisition),
     ]
-    sections += [(kind, f"`excitation` of `type: {kind}`", specs_of(cls)) for kind, cls in EXCITATIONS.items()]
-    return "\n".join(_entries_table(title, entries) for _, title, entries in sections)
+    sections += [(f"`excitation` of `type: {kind}`", cls) for kind, cls in EXCITATIONS.items()]
+    return "\n".join(_entries_table(title, cls) for title, cls in sections)
 
 
-def _specs(cls: type[BenchPart]) -> dict[str, tuple[spec.Spec, bool]]:
-    return {declared.name: (spec.spec_of(declared), declared.default is MISSING) for declared in cls.declared()}
-
-
-def _entries_table(title: str, entries: dict[str, tuple[spec.Spec, bool]]) -> str:
+def _entries_table(title: str, cls: type[Declared]) -> str:
     rows = []
-    for name, (kind, required) in entries.items():
+    for name, kind in cls.specs():
         unit = getattr(kind, "dimension", "")
-        shown = "of what is measured" if isinstance(kind, BenchEntries) else code(expected_unit(unit)) if unit else ""
-        rows.append([code(name), "required" if required else "", prose(kind.description), shown])
+        of_use = isinstance(kind, ValueInUnitOfUse)
+        shown = "of what is measured" if of_use else code(expected_unit(unit)) if unit else ""
+        rows.append([code(name), "required" if name in cls.required() else "", prose(kind.description), shown])
     return f"**{title}**\n\n" + table(["entry", "", "meaning", "unit"], rows)
 
 

@@ -3,9 +3,11 @@
 from dataclasses import dataclass
 from typing import Any
 
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import entry
 from torsionnet.model.elements import ELEMENT_TYPES, GROUND, Element, Law
-from torsionnet.model.elements.fields import NodeName, NodePair, PhysicalQuantity, entry
 from torsionnet.model.elements.laws import difference, make_row
+from torsionnet.model.elements.nodes import NodeName, NodePair
 
 GLYPHS = sorted({cls.glyph for cls in ELEMENT_TYPES.values()} | {"", "a glyph nobody knows"})
 

@@ -480,10 +480,10 @@ def test_a_model_without_a_bench_says_where_there_are_some():
     ],
 )
 def test_every_excitation_is_written_and_read(excitation):
-    from torsionnet.model.bench.plan import read_plan
+    from torsionnet.model.bench.plan import Plan
 
     written = plan(excitation=excitation).to_data()
-    again, faults = read_plan(written)
+    again, faults = Plan.read(written)
     assert faults == []
     assert again.excitation == excitation
 

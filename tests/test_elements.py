@@ -9,8 +9,8 @@ import pytest
 from models import EVERY_ELEMENT
 
 import torsionnet as tn
+from torsionnet.core.entries.spec import spec_of
 from torsionnet.model.elements import ELEMENT_TYPES, Constraint, Law, Values, make_element
-from torsionnet.model.elements.fields import spec_of
 
 KINDS = sorted(ELEMENT_TYPES)
 

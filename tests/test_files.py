@@ -44,7 +44,7 @@ from torsionnet.model.files.located import PythonParser, compose
 from torsionnet.model.files.model_schema import schema_text
 from torsionnet.model.files.quoting import written
 from torsionnet.model.files.reader import read_text
-from torsionnet.model.files.scalars import plain_value
+from torsionnet.model.files.yaml_scalars import plain_value
 
 LIBRARY = Path(__file__).parents[1] / "library"
 HEAD = "torsionnet: 1\nname: m\n"

@@ -109,24 +109,27 @@ class TestPlan:
         assert found.measurements[0].settings == Welch("hamming", 2, 0.8)
 
 
-MEASUREMENT = "record, response, output, input, configuration, model_output, model_input, excitation, delay, gain, reference, settling, error"
+MEASUREMENT = (
+    "record, response, output, input, configuration, model_output, model_input, excitation, band, excluded, delay, gain, reference, "
+    "settling, error, pulses"
+)
 FAULTS = [
-    ("torsionnet: 1", "torsionnet: 2", "the first entry of the file is torsionnet: 1"),
+    ("torsionnet: 1", "torsionnet: 2", "torsionnet: is the version of the format, 1 for this release; this is format 2"),
     ("per_configuration: true", "per_configuration: 1", "expected true or false, got 1"),
     ("bounds: [50, ", "bounds: [1, 50, ", "expected two values [a, b], got [1, 50, '2 kN*m/rad']"),
     ("bounds: [50, ", "bounds: [3000, ", "the lower bound must be below the upper bound, got (3000.0, 2000.0)"),
     ("[1, 0.5 N*m*s/rad]", "[1, 0]", "a prior is a mean and a standard deviation above 0, got (1.0, 0.0)"),
     ("[1, 0.5 N*m*s/rad]", "[1, k]", "expected a number with unit, got 'k'"),
     ("prior:", "pror:", 'unknown key "pror"; did you mean "prior"? a parameter has start, bounds, prior, per_configuration'),
-    ("gain: true", "gian: true", f'unknown key "gian"; did you mean "gain"? known: {MEASUREMENT}, band, excluded, pulses'),
-    ("decimation: 2", "decimaton: 2", 'unknown key "decimaton"; did you mean "decimation"? known: preset, window, seconds, overlap, detrend, estimator, decimation'),
+    ("gain: true", "gian: true", f'unknown key "gian"; did you mean "gain"? a measurement has {MEASUREMENT}'),
+    ("decimation: 2", "decimaton: 2", 'unknown key "decimaton"; did you mean "decimation"? the section settings has preset, window, seconds, overlap, detrend, estimator, decimation'),
     ("decimation: 2", "band: 2", 'unknown key "band"; frequencies are chosen in each measurement, as band: [0.5 Hz, 20 Hz]'),
     ("decimation: 2", "to: 40", 'unknown key "to"; frequencies are chosen in each measurement, as band: [0.5 Hz, 20 Hz]'),
-    ("decimation: 2", "preset: papre", 'no preset is named "papre"; there is paper'),
+    ("decimation: 2", "preset: papre", 'expected paper, got \'papre\'; did you mean "paper"?'),
     ("overlap: 50 %", "overlap: 1", "overlap is a share from 0 to below 1, got 1.0"),
-    ("excluded: [7 Hz, 8 Hz]", "excluded: [8 Hz, 7 Hz]", "a band goes from a lower to a higher frequency, got ['8 Hz', '7 Hz']"),
-    ("excluded: [7 Hz, 8 Hz]", "excluded: [7 Hz, 7 Hz]", "a band goes from a lower to a higher frequency, got ['7 Hz', '7 Hz']"),
-    ("excluded: [7 Hz, 8 Hz]", "excluded: 7 Hz", "expected a band [0.5 Hz, 20 Hz], got []"),
+    ("excluded: [7 Hz, 8 Hz]", "excluded: [8 Hz, 7 Hz]", "a band goes from a lower to a higher frequency, as in 0.3..40 Hz or [0.3 Hz, 40 Hz]; got ['8 Hz', '7 Hz']"),
+    ("excluded: [7 Hz, 8 Hz]", "excluded: [7 Hz, 7 Hz]", "a band goes from a lower to a higher frequency, as in 0.3..40 Hz or [0.3 Hz, 40 Hz]; got ['7 Hz', '7 Hz']"),
+    ("excluded: [7 Hz, 8 Hz]", "excluded: 7 Hz", "expected a band such as 0.3..40 Hz or [0.3 Hz, 40 Hz], got '7 Hz'"),
     ("response: frf.csv", "response: frf.cvs", 'there is no file "frf.cvs"; did you mean "frf.csv"?'),
     ("soft: {record: run.npz,", "soft: {record: run.npz, response: frf.csv,", "a measurement needs either record or response: file of signals, from the folder of this file"),
 ]  # fmt: skip

@@ -25,15 +25,15 @@ class CommandSettings(SettingType):
     name = "NAME=VALUE"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        from torsionnet.model.elements.fields import FieldError
-        from torsionnet.model.parameters import read_value
+        from torsionnet.core.entries.scalars import read_value
+        from torsionnet.core.entries.spec import EntryError
 
         name, equals, text = (part.strip() for part in value.partition("="))
         if not (name and equals and text):
             self.fail(f'expected NAME=VALUE, as in "c_O=360 N*m*s/rad", got "{value}"', param, ctx)
         try:
             read_value(text)
-        except FieldError as error:
+        except EntryError as error:
             self.fail(f"{name}: {error}", param, ctx)
         return name, text
 

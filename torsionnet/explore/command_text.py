@@ -26,7 +26,7 @@ def command_text(session: Session, state: State) -> str:
     """
     words = ["torsionnet", "frf", session.model]
     if state.choice:
-        words += ["-c", label(dict(state.choice), session.base.definition.axes)]
+        words += ["-c", label(dict(state.choice), session.base.definition.configurations)]
     for name, value in state.values.items():
         words += ["--set", f"{name}={value}"]
     words += ["--output", state.output, "--input", state.input]

@@ -163,7 +163,7 @@ def open_session(
     text = decode(path.read_bytes(), str(path)) if text is None else text
     base = loads(text, str(path))
     test = None if overlay is None else _read_test(overlay)
-    choice = parse_choice(configuration, base.definition.axes) if configuration else {}
+    choice = parse_choice(configuration, base.definition.configurations) if configuration else {}
     base.configured(configuration, **(settings or {}))  # refuses what is impossible before a page is opened
     first = pairs[0] if pairs else default_pair(base, test)
     start = State(choice, dict(settings or {}), first.output, first.input, band=band or _band(base))

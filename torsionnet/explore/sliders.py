@@ -143,7 +143,7 @@ def _range(name: str, plain: Drivetrain, units: Mapping[str, str], factor: float
 
 def _size(name: str, plain: Drivetrain, units: Mapping[str, str]) -> float:
     """Of what is 0 now: what an alternative makes of it, else the largest parameter of the same unit, else 1."""
-    overlays = [overlay for axis in plain.definition.axes.values() for overlay in axis.values()]
+    overlays = [overlay for axis in plain.definition.configurations.values() for overlay in axis.values()]
     numbers = [overlay.parameters[name] for overlay in overlays if name in overlay.parameters]
     found = [abs(float(number.value)) for number in numbers if isinstance(number, Number)]
     if max(found, default=0.0) > 0:

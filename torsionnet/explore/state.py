@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, fields
 from typing import Any, TypeAlias
 
 from torsionnet.core.errors import did_you_mean
-from torsionnet.model.files.scalars import plain_value
+from torsionnet.model.files.yaml_scalars import plain_value
 
 QUANTITIES = ("", "receptance", "mobility", "accelerance")
 ANGLES = ("rad", "deg")

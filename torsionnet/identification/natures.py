@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from math import inf
 
 from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.expressions import Name
 from torsionnet.core.units import expected_unit
-from torsionnet.model.elements.fields import PhysicalQuantity
 from torsionnet.model.parameters import dimensions
 
 

@@ -7,9 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from torsionnet.core.errors import Fault, UsageError, did_you_mean, unknown_key
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
+from torsionnet.core.errors import UsageError, did_you_mean, unknown_key
 from torsionnet.model.elements import Element
-from torsionnet.model.elements.fields import FieldError, node_name_fault
 
 SENSOR_QUANTITIES = ("angle", "velocity", "acceleration", "twist", "torque")
 """angle, velocity, acceleration of a node; twist of an element; torque through an element at one of its ports."""
@@ -93,59 +93,72 @@ def parse_sensor(text: str) -> Sensor | None:
     return Sensor(match[1], match[2], match[3])
 
 
-def read_sensor(raw: Any) -> Sensor:
-    if isinstance(raw, Sensor):
-        return raw
-    quantity, of = _read_entry(raw, SENSOR_QUANTITIES, ("at",), "{angle: node} or {torque: element, at: node}")
-    at = raw.get("at")
-    if at is not None and (quantity != "torque" or not isinstance(at, str)):
-        only = f"only a torque is taken at a port; leave out at:, or measure a torque instead of the {quantity}"
-        msg = only if quantity != "torque" else f"expected the name of a node, got {at!r}"
-        raise FieldError(msg, ("at",))
-    return Sensor(quantity, of, at)
+@dataclass(frozen=True, eq=False, repr=False)
+class ChannelEntry(Spec):
+    """What is driven or measured, by the name of its quantity: ``{angle: node}``."""
+
+    made: type[Input | Sensor]
+    quantities: tuple[str, ...]
+    name: str
+    """Of its definition in the schema."""
+
+    def coerce(self, raw: Any) -> Input | Sensor:
+        if isinstance(raw, self.made):
+            return raw
+        quantity, of = self._one_quantity(raw)
+        if self.made is Input:
+            return Input(quantity, of)
+        at = raw.get("at")
+        if at is not None and (quantity != "torque" or not isinstance(at, str)):
+            only = f"only a torque is taken at a port; leave out at:, or measure a torque instead of the {quantity}"
+            msg = only if quantity != "torque" else f"expected the name of a node, got {at!r}"
+            raise EntryError(msg, ("at",))
+        return Sensor(quantity, of, at)
+
+    @property
+    def _extra(self) -> tuple[str, ...]:
+        return ("at",) if self.made is Sensor else ()
+
+    def _one_quantity(self, raw: Any) -> tuple[str, str]:
+        if not isinstance(raw, Mapping):
+            msg = f"expected {self.description}, got {raw!r}"
+            raise EntryError(msg)
+        for key in raw:
+            if key not in self.quantities and key not in self._extra:
+                rest = f"expected {' or '.join(self.quantities)}"
+                raise EntryError(unknown_key(key, (*self.quantities, *self._extra), (key,), rest))
+        given = [key for key in raw if key in self.quantities]
+        if len(given) != 1:
+            msg = f"expected one of {', '.join(self.quantities)}, as in {self.description}"
+            raise EntryError(msg)
+        name = raw[given[0]]
+        if not isinstance(name, str) or not name:
+            msg = f"expected a name, got {name!r}"
+            raise EntryError(msg, (given[0],))
+        return given[0], name
+
+    def plain(self, value: Any) -> dict[str, str]:
+        plain: dict[str, str] = value.to_data()
+        return plain
+
+    def schema(self) -> Schema:
+        return reference(self.name)
+
+    def definitions(self) -> Schema:
+        texts = {quantity: f"where the {quantity} acts or is measured" for quantity in self.quantities}
+        texts |= dict.fromkeys(self._extra, "the port, or its node, where a torque is taken")
+        schema: Schema = {
+            "type": "object",
+            "description": self.description,
+            "properties": {key: {"type": "string", "description": text} for key, text in texts.items()},
+            "oneOf": [{"required": [quantity]} for quantity in self.quantities],
+            "additionalProperties": False,
+        }
+        return {self.name: schema | ({"dependentRequired": {"at": ["torque"]}} if self._extra else {})}
 
 
-def read_input(raw: Any) -> Input:
-    if isinstance(raw, Input):
-        return raw
-    quantity, of = _read_entry(raw, INPUT_QUANTITIES, (), "{torque: node} or {angle: node}")
-    return Input(quantity, of)
-
-
-def _read_entry(raw: Any, quantities: tuple[str, ...], extra: tuple[str, ...], example: str) -> tuple[str, str]:
-    if not isinstance(raw, Mapping):
-        msg = f"expected {example}, got {raw!r}"
-        raise FieldError(msg)
-    for key in raw:
-        if key not in quantities and key not in extra:
-            rest = f"expected {' or '.join(quantities)}"
-            raise FieldError(unknown_key(key, (*quantities, *extra), (key,), rest))
-    given = [key for key in raw if key in quantities]
-    if len(given) != 1:
-        msg = f"expected one of {', '.join(quantities)}, as in {example}"
-        raise FieldError(msg)
-    name = raw[given[0]]
-    if not isinstance(name, str) or not name:
-        msg = f"expected a name, got {name!r}"
-        raise FieldError(msg, (given[0],))
-    return given[0], name
-
-
-def read_channels(raw: Mapping[str, Any], table: str) -> tuple[dict[str, Any], list[Fault]]:
-    """All readable entries of ``inputs`` or ``sensors``, and the faults of the others."""
-    read = read_input if table == "inputs" else read_sensor
-    channels: dict[str, Any] = {}
-    faults: list[Fault] = []
-    for name, entry in raw.items():
-        reason = node_name_fault(str(name))
-        if reason:
-            faults.append(Fault(reason, (table, name), on_key=True))
-            continue
-        try:
-            channels[name] = read(entry)
-        except FieldError as error:
-            faults.append(error.fault.under(table, name))
-    return channels, faults
+INPUT = ChannelEntry("{torque: node} or {angle: node}", Input, INPUT_QUANTITIES, "input")
+SENSOR = ChannelEntry("{angle: node} or {torque: element, at: node}", Sensor, SENSOR_QUANTITIES, "sensor")
 
 
 def port_fault(element: Element, at: str) -> str | None:

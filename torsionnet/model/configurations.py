@@ -7,14 +7,14 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from torsionnet.core.entries.composite import Listed, Named
+from torsionnet.core.entries.scalars import AnyQuantity, plain_scalar, read_value
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.core.expressions import Expression
-from torsionnet.model.elements.fields import FieldError, plain_scalar
-from torsionnet.model.operating_point import OperatingPoint, read_operating_point
-from torsionnet.model.parameters import read_value
+from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
 
 DEFAULT_AXIS = "configuration"
-SWITCHES = ("on", "off")
 EVERY = "all"
 """What stands for all configurations where one is asked for."""
 
@@ -32,86 +32,147 @@ class Overlay:
 
     def to_data(self) -> dict[str, Any]:
         data: dict[str, Any] = {name: plain_scalar(value) for name, value in self.parameters.items()}
-        data |= {key: list(getattr(self, key)) for key in SWITCHES if getattr(self, key)}
+        data |= {key: list(getattr(self, key)) for key in ("on", "off") if getattr(self, key)}
         return data | ({"operating_point": self.operating_point.to_data()} if self.operating_point else {})
 
 
-def read_configurations(raw: Any) -> tuple[dict[str, dict[str, Overlay]], list[Fault]]:
-    """Axes of alternatives from ``{gear: {II: {tau: 7.96}}}``; without axes, ``{II: {tau: 7.96}}``, there is one."""
-    if not isinstance(raw, Mapping):
-        return {}, [
-            Fault(f"expected axes of alternatives, gear: {{II: {{tau: 7.96}}}}, got {raw!r}", ("configurations",))
-        ]
-    if raw and not any(_is_axis(entry) for entry in raw.values()):
-        overlays, faults = _read_axis(raw, ("configurations",))
-        return {DEFAULT_AXIS: overlays}, faults
-    axes: dict[str, dict[str, Overlay]] = {}
-    faults = []
-    for axis, alternatives in raw.items():
-        if not isinstance(alternatives, Mapping):
-            faults.append(Fault(f"expected alternatives by name, got {alternatives!r}", ("configurations", axis)))
-            continue
-        axes[axis], found = _read_axis(alternatives, ("configurations", axis))
-        faults += found
-    return axes, faults
+@dataclass(frozen=True, eq=False, repr=False)
+class AlternativeEntry(Spec):
+    """``{parameter: value, on: [element], off: [element], operating_point: {...}}``."""
+
+    @property
+    def absent(self) -> Overlay:
+        return Overlay()
+
+    def read(self, raw: Any) -> tuple[Overlay, list[Fault]]:
+        if isinstance(raw, Overlay):
+            return raw, []
+        if raw is None:
+            return Overlay(), []
+        if not isinstance(raw, Mapping):
+            return Overlay(), [Fault(f"expected {{parameter: value}}, got {raw!r}")]
+        known: dict[str, Any] = {}
+        parameters: dict[str, Expression] = {}
+        faults: list[Fault] = []
+        for key, value in raw.items():
+            found, wrong = _KNOWN.get(key, _VALUE).read(value)
+            faults += [fault.under(key) for fault in wrong]
+            if key in _KNOWN:
+                known[key] = found
+            elif not wrong:
+                parameters[key] = found
+        return Overlay(parameters, **known), faults
+
+    def plain(self, value: Any) -> Any:
+        return value.to_data()
+
+    def schema(self) -> Schema:
+        return reference("alternative")
+
+    def definitions(self) -> Schema:
+        alternative = {
+            "type": ["object", "null"],
+            "description": self.description,
+            "properties": {key: spec.schema() for key, spec in _KNOWN.items()},
+            "additionalProperties": reference("scalar"),
+        }
+        return {"alternative": alternative, **OPERATING_POINT.definitions()}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ElementName(Spec):
+    """An element of the model."""
+
+    def coerce(self, raw: Any) -> str:
+        if not isinstance(raw, str):
+            msg = f"expected the name of an element, got {raw!r}"
+            raise EntryError(msg)
+        return raw
+
+    def schema(self) -> Schema:
+        return {"type": "string"}
+
+
+_ELEMENTS = "a list of element names"
+_KNOWN: dict[str, Spec] = {
+    "on": Listed("elements to switch on", ElementName(""), form=_ELEMENTS),
+    "off": Listed("elements to switch off", ElementName(""), form=_ELEMENTS),
+    "operating_point": OPERATING_POINT,
+}
+_VALUE = AnyQuantity("value of a parameter")
+ALTERNATIVE = AlternativeEntry("changed parameters, and elements switched on or off")
+ALTERNATIVES = Named("the alternatives on this axis, by name", ALTERNATIVE)
+
+
+def _name_fault(name: str) -> str | None:
+    if any(mark in name for mark in ",= \t"):
+        return f'"{name}" is no name for a configuration: no spaces, commas or ='
+    if name == EVERY:
+        return f'"{EVERY}" means every configuration; give this one another name'
+    return None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AxesEntry(Spec):
+    """``{gear: {II: {tau: 7.96}}}``; without axes, ``{II: {tau: 7.96}}``, there is one."""
+
+    @property
+    def absent(self) -> dict[str, dict[str, Overlay]]:
+        return {}
+
+    @property
+    def may_be_empty(self) -> bool:
+        return True
+
+    def read(self, raw: Any) -> tuple[dict[str, dict[str, Overlay]], list[Fault]]:
+        if not isinstance(raw, Mapping):
+            return {}, [Fault(f"expected axes of alternatives, gear: {{II: {{tau: 7.96}}}}, got {raw!r}")]
+        if raw and not any(_is_axis(entry) for entry in raw.values()):
+            overlays, faults = _read_axis(raw)
+            return {DEFAULT_AXIS: overlays}, faults
+        axes: dict[str, dict[str, Overlay]] = {}
+        faults = []
+        for axis, alternatives in raw.items():
+            if not isinstance(alternatives, Mapping):
+                faults.append(Fault(f"expected alternatives by name, got {alternatives!r}", (axis,)))
+                continue
+            axes[axis], found = _read_axis(alternatives)
+            faults += [fault.under(axis) for fault in found]
+        return axes, faults
+
+    def plain(self, value: Any) -> Any:
+        return {axis: ALTERNATIVES.plain(alternatives) for axis, alternatives in value.items()}
+
+    def schema(self) -> Schema:
+        axes = {"type": ["object", "null"], "description": "axes by name", "additionalProperties": reference("axis")}
+        return {
+            "description": self.description,
+            "anyOf": [axes, {**ALTERNATIVES.schema(), "description": "alternatives by name"}],
+        }
+
+    def definitions(self) -> Schema:
+        return {"axis": ALTERNATIVES.schema(), **ALTERNATIVES.definitions()}
 
 
 def _is_axis(entry: Any) -> bool:
     if not isinstance(entry, Mapping):
         return False
-    values = [value for key, value in entry.items() if key not in (*SWITCHES, "operating_point")]
+    values = [value for key, value in entry.items() if key not in _KNOWN]
     return bool(values) and all(value is None or isinstance(value, (Mapping, Overlay)) for value in values)
 
 
-def _read_axis(alternatives: Mapping[str, Any], path: tuple[str, ...]) -> tuple[dict[str, Overlay], list[Fault]]:
+def _read_axis(alternatives: Mapping[str, Any]) -> tuple[dict[str, Overlay], list[Fault]]:
+    """The alternatives on one axis; of those with faults, what could be read."""
     overlays: dict[str, Overlay] = {}
     faults: list[Fault] = []
     for name, raw in alternatives.items():
-        if any(mark in str(name) for mark in ",= \t"):
-            faults.append(
-                Fault(f'"{name}" is no name for a configuration: no spaces, commas or =', (*path, name), on_key=True)
-            )
+        reason = _name_fault(str(name))
+        if reason:
+            faults.append(Fault(reason, (name,), on_key=True))
             continue
-        if str(name) == EVERY:
-            text = f'"{EVERY}" means every configuration; give this one another name'
-            faults.append(Fault(text, (*path, name), on_key=True))
-            continue
-        overlays[str(name)], found = read_overlay(raw, (*path, name))
-        faults += found
+        overlays[str(name)], found = ALTERNATIVE.read(raw)
+        faults += [fault.under(name) for fault in found]
     return overlays, faults
-
-
-def read_overlay(raw: Any, path: tuple[str, ...]) -> tuple[Overlay, list[Fault]]:
-    """One alternative and its faults."""
-    if isinstance(raw, Overlay):
-        return raw, []
-    if raw is None:
-        return Overlay(), []
-    if not isinstance(raw, Mapping):
-        return Overlay(), [Fault(f"expected {{parameter: value}}, got {raw!r}", path)]
-    parameters: dict[str, Expression] = {}
-    switches: dict[str, tuple[str, ...]] = {"on": (), "off": ()}
-    point: OperatingPoint | None = None
-    faults: list[Fault] = []
-    for key, value in raw.items():
-        try:
-            if key == "operating_point":
-                point, found = read_operating_point(value, (*path, key))
-                faults += found
-            elif key in SWITCHES:
-                switches[key] = _names(value)
-            else:
-                parameters[key] = read_value(value)
-        except FieldError as error:
-            faults.append(error.fault.under(*path, key))
-    return Overlay(parameters, switches["on"], switches["off"], point), faults
-
-
-def _names(raw: Any) -> tuple[str, ...]:
-    if isinstance(raw, str) or not isinstance(raw, (list, tuple)) or not all(isinstance(name, str) for name in raw):
-        msg = f"expected a list of element names, got {raw!r}"
-        raise FieldError(msg)
-    return tuple(raw)
 
 
 def combinations(axes: Axes) -> Iterator[dict[str, str]]:
@@ -188,7 +249,7 @@ def read_overrides(
             raise UsageError(msg)
         try:
             values[name] = read_value(raw)
-        except FieldError as error:
+        except EntryError as error:
             raise ModelError([error.fault.under("parameters", name)]) from None
     return values
 

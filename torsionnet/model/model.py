@@ -36,16 +36,20 @@ class Model:
     ) -> None:
         table, faults = collect_elements(elements)
         definition, found = define(
-            name,
-            table,
-            parameters=parameters,
-            inputs=inputs,
-            sensors=sensors,
-            configurations=configurations,
-            operating_point=operating_point,
-            source=source,
-            description=description,
+            {
+                "name": name,
+                "elements": table,
+                "parameters": parameters,
+                "inputs": inputs,
+                "sensors": sensors,
+                "configurations": configurations,
+                "operating_point": operating_point,
+                "source": source,
+                "description": description,
+            }
         )
+        if not table:  # which has been said in the words of a call
+            found = [fault for fault in found if fault.about != "elements"]
         faults += found + check_definition(definition)
         _refuse(faults, name)
         self.__setstate__(_state(definition, definition, {}, Overlay(), faults))
@@ -75,12 +79,12 @@ class Model:
     def _changed(self, choice: Mapping[str, str], changes: Overlay) -> Self:
         """The base with the chosen alternatives in the order of the axes, and the changes made by hand last."""
         definition = self._base
-        chosen = {axis: choice[axis] for axis in definition.axes if axis in choice}
+        chosen = {axis: choice[axis] for axis in definition.configurations if axis in choice}
         for axis, alternative in chosen.items():
-            definition = definition.overlaid(self._base.axes[axis][alternative])
+            definition = definition.overlaid(self._base.configurations[axis][alternative])
         definition = definition.overlaid(changes)
         faults = check_variant(definition)
-        _refuse(faults, label(chosen, definition.axes) or self.name)
+        _refuse(faults, label(chosen, definition.configurations) or self.name)
         return self._variant(definition, self._base, chosen, changes, faults)
 
     @property
@@ -139,18 +143,18 @@ class Model:
     @property
     def axes(self) -> Mapping[str, tuple[str, ...]]:
         """Axes of configurations and the alternatives on each."""
-        return MappingProxyType({axis: tuple(names) for axis, names in self._definition.axes.items()})
+        return MappingProxyType({axis: tuple(names) for axis, names in self._definition.configurations.items()})
 
     @property
     def configurations(self) -> tuple[str, ...]:
         """Names of the configurations; with several axes every combination, as ``gear=V,clutch=open``."""
-        axes = self._definition.axes
+        axes = self._definition.configurations
         return tuple(label(choice, axes) for choice in combinations(axes) if choice)
 
     @property
     def configuration(self) -> str:
         """The configuration chosen with :meth:`configured`, or an empty string."""
-        return label(self._choice, self._definition.axes) if self._choice else ""
+        return label(self._choice, self._definition.configurations) if self._choice else ""
 
     @property
     def title(self) -> str:
@@ -185,8 +189,8 @@ class Model:
         """
         choice = dict(self._choice)
         if name:
-            choice |= parse_choice(name, self._base.axes)
-        values = read_overrides(overrides, self._base.parameters, self._base.axes)
+            choice |= parse_choice(name, self._base.configurations)
+        values = read_overrides(overrides, self._base.parameters, self._base.configurations)
         return self._changed(choice, replace(self._changes, parameters={**self._changes.parameters, **values}))
 
     def switched(self, *, on: Iterable[str] = (), off: Iterable[str] = ()) -> Self:

@@ -9,13 +9,15 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.spec import Spec
+from torsionnet.core.entries.words import Text
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.units import expected_unit
 from torsionnet.model.channels import UNITS
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.model.elements import Element, Values
-from torsionnet.model.elements.fields import NodeName, NodePair, Spec, Text
 from torsionnet.model.elements.laws import Law
+from torsionnet.model.elements.nodes import NodeName, NodePair
 from torsionnet.response.table import Column, Table
 
 if TYPE_CHECKING:
@@ -149,7 +151,7 @@ def channels_table(rig: Model) -> Table:
 def configurations_table(rig: Model) -> Table:
     rows = tuple(
         (axis, name, changes_text(overlay))
-        for axis, alternatives in rig.definition.axes.items()
+        for axis, alternatives in rig.definition.configurations.items()
         for name, overlay in alternatives.items()
     )
     return Table("Configurations", (Column("axis"), Column("name"), Column("changes")), rows)

@@ -3,124 +3,98 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, ClassVar
 
-from torsionnet.core.errors import Fault, unknown_key
-from torsionnet.core.expressions import Expression, ExpressionError, Number, check_name, scalar
-from torsionnet.core.units import Dimension, UnitError
-from torsionnet.model.elements.fields import FieldError, plain_scalar
+from torsionnet.core.entries.composite import Nested
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import AnyQuantity, read_value
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, reference, under
+from torsionnet.core.entries.words import Text
+from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import ExpressionError, Number
+from torsionnet.core.units import Dimension
 
-KEYS = ("value", "description", "bounds")
+
+class Bounds(tuple[float, float]):  # noqa: SLOT001
+    """Lower and upper bound in SI, with the dimensions in which they were written; None of a bare number."""
+
+    dimensions: tuple[Dimension | None, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BoundsEntry(Spec):
+    """Two numbers, the lower one first."""
+
+    def coerce(self, raw: Any) -> Bounds:
+        if isinstance(raw, Bounds):
+            return raw
+        if not isinstance(raw, list | tuple) or len(raw) != 2:  # noqa: PLR2004
+            msg = f"bounds are [lower, upper], got {raw!r}"
+            raise EntryError(msg)
+        ends = [under(index, _BOUND, end) for index, end in enumerate(raw)]
+        if ends[0].value >= ends[1].value:
+            msg = "the lower bound must be smaller than the upper bound"
+            raise EntryError(msg)
+        bounds = Bounds((float(ends[0].value), float(ends[1].value)))
+        bounds.dimensions = tuple(end.unit_dimension for end in ends)
+        return bounds
+
+    def plain(self, value: Any) -> list[float]:
+        return list(value)
+
+    def schema(self) -> Schema:
+        return {
+            "type": "array",
+            "items": reference("scalar"),
+            "minItems": 2,
+            "maxItems": 2,
+            "description": self.description,
+        }
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Bound(Spec):
+    """A number with or without unit."""
+
+    def coerce(self, raw: Any) -> Number:
+        value = read_value(raw)
+        if not isinstance(value, Number):
+            msg = "a bound is a number or a quantity, no expression"
+            raise EntryError(msg)
+        return value
+
+
+_BOUND = Bound("a bound")
 
 
 @dataclass(frozen=True)
-class Parameter:
+class Parameter(Declared):
     """A named value.
 
     ``value`` is a number, a quantity or an expression of other parameters; ``bounds`` (lower, upper) in SI say what is
     plausible and limit fits.
     """
 
-    value: Any
-    description: str = ""
-    bounds: tuple[float, float] | None = None
-    bound_dimensions: tuple[Dimension | None, ...] = field(default=(), compare=False)
-    """Of the bounds as they were written; None of a bare number."""
+    kind: ClassVar[str] = "parameter"
+    article: ClassVar[str] = "a parameter"
 
-    def __post_init__(self) -> None:
-        if not isinstance(self.value, Expression):
-            object.__setattr__(self, "value", read_value(self.value))
+    value: Any = entry(AnyQuantity("a number in SI units, a value with unit, or an expression of parameters"))
+    description: str = entry(Text("what the parameter is"), "")
+    bounds: tuple[float, float] | None = entry(BoundsEntry("[lower, upper]: what is plausible; limits of a fit"), None)
 
     @property
     def is_derived(self) -> bool:
         return bool(self.value.names)
 
     def to_data(self) -> Any:
-        value = plain_scalar(self.value)
-        extra: dict[str, Any] = {}
-        if self.description:
-            extra["description"] = self.description
-        if self.bounds is not None:
-            extra["bounds"] = list(self.bounds)
-        return {"value": value, **extra} if extra else value
+        """The entry of a model file: the value alone if nothing else is said."""
+        data = super().to_data()
+        return data["value"] if len(data) == 1 else data
 
 
-def read_value(raw: Any) -> Expression:
-    """A parameter's value: any dimension, the checks compare it with the places of use."""
-    if raw is None or isinstance(raw, (Mapping, list, tuple)):
-        msg = f"expected a number, a quantity with unit or an expression, got {'nothing' if raw is None else repr(raw)}"
-        raise FieldError(msg)
-    try:
-        return scalar(raw)
-    except (ExpressionError, UnitError, TypeError, ValueError) as error:
-        raise FieldError(str(error)) from None
-
-
-def read_parameter(raw: Any) -> Parameter:
-    """Parameter from a value, or from ``{value: ..., description: ..., bounds: [low, high]}``."""
-    if isinstance(raw, Parameter):
-        return raw
-    if not isinstance(raw, Mapping):
-        return Parameter(read_value(raw))
-    for key in raw:
-        if key not in KEYS:
-            # A comma in a description without quotes makes such a key.
-            comma = "text with a comma needs quotes; " if raw[key] is None else ""
-            raise FieldError(unknown_key(key, KEYS, (key,), f"{comma}a parameter has {', '.join(KEYS)}"))
-    if "value" not in raw:
-        msg = "a parameter needs a value: {value: 0.46 kN*m/rad, description: ...}"
-        raise FieldError(msg)
-    try:
-        value = read_value(raw["value"])
-    except FieldError as error:
-        raise FieldError(error.fault.under("value")) from None
-    description = raw.get("description", "")
-    if not isinstance(description, str):
-        msg = f"expected text, got {description!r}"
-        raise FieldError(msg, ("description",))
-    return Parameter(value, description, *_bounds(raw.get("bounds")))
-
-
-def _bounds(raw: Any) -> tuple[tuple[float, float] | None, tuple[Dimension | None, ...]]:
-    if raw is None:
-        return None, ()
-    if not isinstance(raw, (list, tuple)) or len(raw) != 2:  # noqa: PLR2004
-        msg = f"bounds are [lower, upper], got {raw!r}"
-        raise FieldError(msg, ("bounds",))
-    ends: list[float] = []
-    kinds: list[Dimension | None] = []
-    for index, end in enumerate(raw):
-        try:
-            number = read_value(end)
-        except FieldError as error:
-            raise FieldError(error.fault.under("bounds", index)) from None
-        if not isinstance(number, Number):
-            msg = "a bound is a number or a quantity, no expression"
-            raise FieldError(msg, ("bounds", index))
-        ends.append(float(number.value))
-        kinds.append(number.unit_dimension)
-    if ends[0] >= ends[1]:
-        msg = "the lower bound must be smaller than the upper bound"
-        raise FieldError(msg, ("bounds",))
-    return (ends[0], ends[1]), tuple(kinds)
-
-
-def read_parameters(raw: Mapping[str, Any]) -> tuple[dict[str, Parameter], list[Fault]]:
-    """All parameters that can be read, and the faults of the others."""
-    parameters: dict[str, Parameter] = {}
-    faults: list[Fault] = []
-    for name, value in raw.items():
-        reason = check_name(name)
-        if reason:
-            faults.append(Fault(reason, ("parameters", name), on_key=True))
-            continue
-        try:
-            parameters[name] = read_parameter(value)
-        except FieldError as error:
-            faults.append(error.fault.under("parameters", name))
-    return parameters, faults
+PARAMETER = Nested("a value, or a value with more about it", lambda: Parameter, "parameter", shorthand="value")
 
 
 def evaluation_order(parameters: Mapping[str, Parameter]) -> tuple[list[str], list[list[str]]]:

@@ -8,10 +8,12 @@ from collections.abc import Mapping
 from typing import Any
 
 from torsionnet.core.damping import MEASURES, DampingMeasure
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import Spec, spec_of
 from torsionnet.core.expressions import Name
 from torsionnet.core.units import expected_unit
 from torsionnet.model.elements import Element
-from torsionnet.model.elements.fields import PhysicalQuantity, Spec, TableEntry, spec_of
+from torsionnet.model.elements.stiffness_rows import TableEntry
 
 GREEK = {"alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "kappa", "lambda", "mu", "nu", "xi",
          "pi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega"}  # fmt: skip

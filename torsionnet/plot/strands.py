@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from torsionnet.model.elements import GROUND, Element, Law, Values
-from torsionnet.model.elements.fields import LossFactor, TableEntry
+from torsionnet.model.elements.damping_entries import LossFactor
+from torsionnet.model.elements.stiffness_rows import TableEntry
 from torsionnet.plot.outlines import Glyph, dashpot, rectangle, zigzag
 from torsionnet.plot.pieces import Stroke
 

@@ -15,7 +15,7 @@ from torsionnet.core.version import __version__
 from torsionnet.loading import load
 from torsionnet.model.files.reader import find_model
 from torsionnet.model.report import Pair, ReportPlan, parse_band
-from torsionnet.model.report.report_reading import section_fault
+from torsionnet.model.report.report_plan import section_fault
 from torsionnet.report.document_tree import Report
 from torsionnet.report.report_data import ReportData, cases_of, digest_of, require_answers
 from torsionnet.report.request import Measured, Request, read_date

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
+from torsionnet.core.entries.scalars import check_unit
+from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.errors import Fault, Path, did_you_mean
 from torsionnet.model.bench.parts import Encoder, Transducer
 from torsionnet.model.bench.plan import Plan
 from torsionnet.model.channels import Sensor, parse_sensor
-from torsionnet.model.elements.fields import FieldError, check_unit
 
 if TYPE_CHECKING:
     from torsionnet.model.definition import Definition
@@ -79,5 +80,5 @@ def _channel(name: str, part: Transducer | Encoder, plan: Plan, definition: Defi
         try:
             if value is not None:
                 check_unit(value, dimension)
-        except FieldError as error:
+        except EntryError as error:
             yield error.fault.under(key)

@@ -5,16 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import Value, ValueInUnitOfUse
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count, Flag, Text
 from torsionnet.core.errors import Fault
-from torsionnet.model.bench.fields import BenchEntries, BenchPart, Shares, Value
-from torsionnet.model.elements.fields import Count, Flag, Text, entry
+from torsionnet.model.bench.shares import Shares
 
 DELAY = "time by which the channel lags behind the others"
 SENSOR = 'what it reads if its name is no sensor of the model: "velocity(motor)", "torque(gearbox, output_shaft)"'
 
 
 @dataclass(frozen=True, kw_only=True)
-class Exciter(BenchPart):
+class Exciter(Declared):
     """A torque-controlled motor that shakes the drivetrain; without entries it delivers its set-point exactly.
 
     The set-point is clipped at the rated torque, rounded by the analog output, and followed with a first-order lag.
@@ -54,7 +57,7 @@ class Exciter(BenchPart):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Transducer(BenchPart):
+class Transducer(Declared):
     """An analog sensor: torque transducer, tachometer, accelerometer. It reads gain * value + offset + noise.
 
     Examples
@@ -67,16 +70,16 @@ class Transducer(BenchPart):
 
     sensor: Any = entry(Text(SENSOR), None)
     range: Any = entry(
-        BenchEntries("largest value, plus or minus; beyond it the reading is clipped", exclusive=True), None
+        ValueInUnitOfUse("largest value, plus or minus; beyond it the reading is clipped", exclusive=True), None
     )
-    noise: Any = entry(BenchEntries("standard deviation of white noise at the sampling rate"), None)
-    offset: Any = entry(BenchEntries("added to every value", lower=None), None)
+    noise: Any = entry(ValueInUnitOfUse("standard deviation of white noise at the sampling rate"), None)
+    offset: Any = entry(ValueInUnitOfUse("added to every value", lower=None), None)
     gain: Any = entry(Value("what it reads over what is there", "1", lower=None), 1.0)
     delay: Any = entry(Value(DELAY, "time"), 0.0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Encoder(BenchPart):
+class Encoder(Declared):
     """An incremental encoder: the angle in whole steps, from wherever the shaft stands when counting begins.
 
     Examples
@@ -99,7 +102,7 @@ class Encoder(BenchPart):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Acquisition(BenchPart):
+class Acquisition(Declared):
     """Sampling of all channels at once.
 
     Examples

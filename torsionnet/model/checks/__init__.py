@@ -51,17 +51,17 @@ def check_variant(definition: Definition) -> list[Fault]:
 def variants(definition: Definition) -> Iterator[tuple[str, Definition]]:
     """Every combination of alternatives while they are few, else each alternative alone."""
     count = 1
-    for alternatives in definition.axes.values():
+    for alternatives in definition.configurations.values():
         count *= max(1, len(alternatives))
     if count <= MOST_COMBINATIONS:
-        choices = [choice for choice in combinations(definition.axes) if choice]
+        choices = [choice for choice in combinations(definition.configurations) if choice]
     else:
-        choices = [{axis: name} for axis, alternatives in definition.axes.items() for name in alternatives]
+        choices = [{axis: name} for axis, alternatives in definition.configurations.items() for name in alternatives]
     for choice in choices:
         variant = definition
         for axis, name in choice.items():
-            variant = variant.overlaid(definition.axes[axis][name])
-        yield label(choice, definition.axes), variant
+            variant = variant.overlaid(definition.configurations[axis][name])
+        yield label(choice, definition.configurations), variant
 
 
 def has_errors(faults: list[Fault]) -> bool:

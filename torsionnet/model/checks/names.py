@@ -31,7 +31,7 @@ def _expressions(definition: Definition) -> Iterator[tuple[Path, Expression]]:
     for name, element in definition.elements.items():
         for path, _, expression, _ in element.expressions():
             yield ("elements", name, *path), expression
-    for axis, alternatives in definition.axes.items():
+    for axis, alternatives in definition.configurations.items():
         for label, overlay in alternatives.items():
             for name, value in overlay.parameters.items():
                 yield ("configurations", axis, label, name), value
@@ -75,7 +75,7 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
             if not (table == "sensors" and channel.quantity in ELEMENT_QUANTITIES) and channel.of not in nodes:
                 faults.append(_unknown_node(channel.of, nodes, (table, name, channel.quantity)))
     points: list[tuple[Path, OperatingPoint | None]] = [(("operating_point",), definition.operating_point)]
-    for axis, alternatives in definition.axes.items():
+    for axis, alternatives in definition.configurations.items():
         points += [
             (("configurations", axis, label, "operating_point"), overlay.operating_point)
             for label, overlay in alternatives.items()
@@ -114,7 +114,7 @@ def _no_element(name: str, definition: Definition, path: Path) -> Fault:
 def unknown_in_configurations(definition: Definition) -> list[Fault]:
     """Alternatives that change parameters or elements the model does not have."""
     faults = []
-    for axis, alternatives in definition.axes.items():
+    for axis, alternatives in definition.configurations.items():
         for label, overlay in alternatives.items():
             path = ("configurations", axis, label)
             for name in overlay.parameters:
@@ -134,7 +134,7 @@ def competing_axes(definition: Definition) -> list[Fault]:
     """A parameter or element that alternatives on two axes decide: which one wins would be a matter of order."""
     faults: list[Fault] = []
     homes: dict[str, str] = {}
-    for axis, alternatives in definition.axes.items():
+    for axis, alternatives in definition.configurations.items():
         for label, overlay in alternatives.items():
             for name in (*overlay.parameters, *overlay.on, *overlay.off):
                 if homes.setdefault(name, axis) != axis:

@@ -7,12 +7,13 @@ from fractions import Fraction
 from typing import TypeAlias
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression, ExpressionError, Number
 from torsionnet.core.units import expected_unit
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Element
-from torsionnet.model.elements.fields import LossFactor, PhysicalQuantity
+from torsionnet.model.elements.damping_entries import LossFactor
 
 Numbers: TypeAlias = Mapping[str, Fraction | float]
 

@@ -6,12 +6,13 @@ import math
 from collections.abc import Mapping
 from fractions import Fraction
 
+from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.errors import Fault, TorsionnetError
 from torsionnet.core.expressions import Binary, Expression, ExpressionError
 from torsionnet.core.units import DIMENSIONS, Dimension, expected_unit, is_beyond_range
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Element, Law, Values
-from torsionnet.model.elements.fields import DampingQuantity, PhysicalQuantity
+from torsionnet.model.elements.damping_entries import DampingQuantity
 from torsionnet.model.parameters import dimensions
 
 Numbers = Mapping[str, "Fraction | float"]
@@ -32,7 +33,7 @@ def overlay_dimensions(definition: Definition) -> list[Fault]:
     """Alternatives that give a parameter a value of another dimension."""
     known, _ = dimensions(definition.parameters)
     faults = []
-    for axis, alternatives in definition.axes.items():
+    for axis, alternatives in definition.configurations.items():
         for label, overlay in alternatives.items():
             for name, value in overlay.parameters.items():
                 fault = _overlay_fault(value, known.get(name), known)
@@ -47,7 +48,7 @@ def bound_dimensions(definition: Definition) -> list[Fault]:
     faults = []
     for name, parameter in definition.parameters.items():
         wanted = known.get(name)
-        for index, found in enumerate(parameter.bound_dimensions):
+        for index, found in enumerate(getattr(parameter.bounds, "dimensions", ())):
             if wanted is not None and found is not None and found != wanted:
                 text = f"this bound has the dimension of {found}; the parameter is in {wanted}"
                 faults.append(Fault(text, ("parameters", name, "bounds", index)))

@@ -1,33 +1,26 @@
 """The base of all element types, and the register of them.
 
 A new element type is one class in this package: a frozen dataclass whose fields carry specifications
-(:mod:`torsionnet.model.elements.fields`) and a ``parts`` method that yields laws and constraints. Registering it
+(:mod:`torsionnet.core.entries`) and a ``parts`` method that yields laws and constraints. Registering it
 makes it known to model files, the JSON Schema, the checks and the documentation.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import MISSING, Field, dataclass, fields
+from dataclasses import Field, dataclass
 from functools import cache
 from typing import Any, ClassVar, TypeVar
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import Spec, entry
+from torsionnet.core.entries.words import Flag, Text, name_fault
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.core.expressions import Expression
-from torsionnet.model.elements.fields import (
-    FieldError,
-    Flag,
-    NodeName,
-    NodePair,
-    PhysicalQuantity,
-    Spec,
-    Text,
-    entry,
-    node_name_fault,
-    spec_of,
-)
 from torsionnet.model.elements.laws import Constraint, Law, Part, Row, Values
+from torsionnet.model.elements.nodes import NodeName, NodePair
 
 ELEMENT_TYPES: dict[str, type[Element]] = {}
 
@@ -41,7 +34,7 @@ def register(cls: type[E]) -> type[E]:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Element:
+class Element(Declared):
     """One part of a drivetrain.
 
     Attributes
@@ -68,69 +61,21 @@ class Element:
     )
 
     def __post_init__(self) -> None:
-        faults = [*self._coerce_fields()]
-        faults = faults or [Fault(message, ("elements", self.name, *path)) for path, message in self.contradictions()]
+        reason = name_fault(self.name) if isinstance(self.name, str) else f"{self.name!r} is no name"
+        faults = [Fault(reason)] if reason else []
+        faults += self.coerced()
+        faults = faults or self.contradictions()
         if faults:
-            raise ModelError(faults, f"element {self.name!r}")
-
-    def _coerce_fields(self) -> list[Fault]:
-        reason = node_name_fault(self.name) if isinstance(self.name, str) else f"{self.name!r} is no name"
-        faults = [Fault(reason, ("elements", str(self.name)))] if reason else []
-        defaults = self._defaults()
-        for name, spec in self.specs():
-            raw = getattr(self, name)
-            default, stored = defaults[name]
-            try:
-                object.__setattr__(self, name, stored if raw is default else spec.coerce(raw))
-            except FieldError as error:
-                faults.append(error.fault.under("elements", self.name, name))
-        return faults
+            raise ModelError([fault.under("elements", str(self.name)) for fault in faults], f"element {self.name!r}")
 
     @classmethod
-    @cache
-    def declared(cls) -> tuple[Field[Any], ...]:
-        """The fields with a specification, in the order of the class; the common ones last."""
-        own = [declared for declared in fields(cls) if "spec" in declared.metadata]
-        return tuple(sorted(own, key=lambda declared: declared.kw_only is True))
-
-    @classmethod
-    @cache
-    def specs(cls) -> tuple[tuple[str, Spec], ...]:
-        """Name and specification of every field, in the same order."""
-        return tuple((declared.name, spec_of(declared)) for declared in cls.declared())
-
-    @classmethod
-    @cache
-    def required(cls) -> tuple[str, ...]:
-        """Names of the fields that have to be given."""
-        return tuple(declared.name for declared in cls.declared() if declared.default is MISSING)
-
-    @classmethod
-    @cache
-    def defaults(cls) -> Mapping[str, Any]:
-        """The default of every field as it is stored; None where there is none."""
-        return {name: stored for name, (_, stored) in cls._defaults().items()}
-
-    @classmethod
-    @cache
-    def _defaults(cls) -> Mapping[str, tuple[Any, Any]]:
-        """The default of every field as it is declared and as it is stored."""
-        return {
-            declared.name: (
-                declared.default,
-                None if declared.default in (MISSING, None) else spec_of(declared).coerce(declared.default),
-            )
-            for declared in cls.declared()
-        }
+    def _is_common(cls, declared: Field[Any]) -> bool:
+        return declared.kw_only is True
 
     @classmethod
     @cache
     def _specs_of(cls, *kinds: type[Spec]) -> tuple[tuple[str, Spec], ...]:
         return tuple((name, spec) for name, spec in cls.specs() if isinstance(spec, kinds))
-
-    def contradictions(self) -> list[tuple[Path, str]]:
-        """(path, message) of fields that are fine alone but not together."""
-        return []
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         """Laws and constraints, with coefficients in the algebra of ``value``."""
@@ -197,13 +142,7 @@ class Element:
 
     def to_data(self) -> dict[str, Any]:
         """The entry of a model file that makes this element."""
-        data: dict[str, Any] = {"type": self.kind}
-        defaults = self.defaults()
-        for name, spec in self.specs():
-            current = getattr(self, name)
-            if current is not None and current != defaults[name]:
-                data[name] = spec.plain(current)
-        return data
+        return {"type": self.kind, **super().to_data()}
 
 
 def make_element(kind: str, name: str, data: Mapping[str, Any]) -> Element:

@@ -5,20 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.errors import Path
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count, Flag
+from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import scalar
+from torsionnet.model.elements.damping_entries import DampingQuantity
 from torsionnet.model.elements.element import Element, register, viscous
-from torsionnet.model.elements.fields import (
-    Count,
-    DampingQuantity,
-    Flag,
-    NodeName,
-    NodePair,
-    PhysicalQuantity,
-    Teeth,
-    entry,
-)
 from torsionnet.model.elements.laws import GROUND, Constraint, Law, Part, Row, Values, difference, make_row
+from torsionnet.model.elements.nodes import NodeName, NodePair
+from torsionnet.model.elements.teeth import Teeth
 
 MESH_STIFFNESS = PhysicalQuantity(
     "mesh stiffness referred to the first node; none: rigid", "stiffness", "k", exclusive=True
@@ -26,16 +22,16 @@ MESH_STIFFNESS = PhysicalQuantity(
 MESH_DAMPING = DampingQuantity("mesh damping referred to the first node", "damping", "c")
 
 
-def _one_of(element: Element, first: str, second: str) -> list[tuple[Path, str]]:
+def _one_of(element: Element, first: str, second: str) -> list[Fault]:
     given = [name for name in (first, second) if getattr(element, name) is not None]
     if len(given) == 1:
         return []
-    return [(tuple(given[1:]), f"give {first} or {second}, {'not both' if given else 'one of the two'}")]
+    return [Fault(f"give {first} or {second}, {'not both' if given else 'one of the two'}", tuple(given[1:]))]
 
 
-def _mesh_faults(element: Any) -> list[tuple[Path, str]]:
+def _mesh_faults(element: Any) -> list[Fault]:
     if element.damping is not None and element.stiffness is None:
-        return [(("damping",), "a rigid mesh has no damping; give the mesh a stiffness too")]
+        return [Fault("a rigid mesh has no damping; give the mesh a stiffness too", ("damping",))]
     return []
 
 
@@ -75,12 +71,12 @@ class Gear(Element):
     damping: Any = entry(MESH_DAMPING, None)
     housing: Any = entry(NodeName("the node of the housing, if it moves"), None)
 
-    def contradictions(self) -> list[tuple[Path, str]]:
+    def contradictions(self) -> list[Fault]:
         faults = _one_of(self, "ratio", "teeth") + _mesh_faults(self)
         if self.housing in self.nodes:
-            faults.append((("housing",), "the housing must be on a node of its own, not on one of the two shafts"))
+            faults.append(Fault("the housing must be on a node of its own, not on one of the two shafts", ("housing",)))
         if GROUND in self.nodes and self.housing is None:
-            faults.append((("nodes",), "a gear needs two shafts that turn; to hold a shaft use a lock"))
+            faults.append(Fault("a gear needs two shafts that turn; to hold a shaft use a lock", ("nodes",)))
         return faults
 
     def _ratio(self, value: Values) -> Any:
@@ -135,12 +131,12 @@ class Planetary(Element):
         PhysicalQuantity("radius on which the planets orbit", "length", "r_c", usual=(1e-3, 5)), 0
     )
 
-    def contradictions(self) -> list[tuple[Path, str]]:
+    def contradictions(self) -> list[Fault]:
         faults = _one_of(self, "ratio", "teeth") + _mesh_faults(self)
         if self.teeth is not None and not 0 < self.teeth[0] < self.teeth[1]:
-            faults.append((("teeth",), "a ring has more teeth than its sun, and both counts are positive"))
+            faults.append(Fault("a ring has more teeth than its sun, and both counts are positive", ("teeth",)))
         if len({self.sun, self.ring, self.carrier}) < 3:  # noqa: PLR2004
-            faults.append(((), "sun, ring and carrier must be on three different nodes"))
+            faults.append(Fault("sun, ring and carrier must be on three different nodes"))
         return faults
 
     def parts(self, value: Values) -> tuple[Part, ...]:
@@ -176,10 +172,10 @@ class Differential(Element):
     right: Any = entry(NodeName("the node of the right output"))
     locked: Any = entry(Flag("whether both outputs are locked to the cage"), False)
 
-    def contradictions(self) -> list[tuple[Path, str]]:
+    def contradictions(self) -> list[Fault]:
         if len({self.cage, self.left, self.right}) == 3:  # noqa: PLR2004
             return []
-        return [((), "cage, left and right must be on three different nodes")]
+        return [Fault("cage, left and right must be on three different nodes")]
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         del value

@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import entry
 from torsionnet.model.elements.element import Element, register
-from torsionnet.model.elements.fields import NodeName, PhysicalQuantity, entry
 from torsionnet.model.elements.laws import Law, Part, Values, make_row
+from torsionnet.model.elements.nodes import NodeName
 
 
 @register

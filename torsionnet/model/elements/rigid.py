@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.core.entries.spec import entry
 from torsionnet.model.elements.element import Element, register
-from torsionnet.model.elements.fields import NodeName, NodePair, entry
 from torsionnet.model.elements.laws import Constraint, Part, Row, Values, difference, make_row
+from torsionnet.model.elements.nodes import NodeName, NodePair
 
 
 @register

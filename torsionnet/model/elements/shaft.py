@@ -6,11 +6,15 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, ClassVar
 
-from torsionnet.core.errors import Path
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count, OneOf
+from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number, scalar
+from torsionnet.model.elements.damping_entries import DampingQuantity
 from torsionnet.model.elements.element import Element, register, viscous
-from torsionnet.model.elements.fields import Count, DampingQuantity, NodePair, OneOf, PhysicalQuantity, entry
 from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
+from torsionnet.model.elements.nodes import NodePair
 
 
 @register
@@ -49,10 +53,10 @@ class Shaft(Element):
     inertia: Any = entry(OneOf("how its inertia is modelled", ("consistent", "lumped", "none")), "consistent")
     damping: Any = entry(DampingQuantity("viscous damping of the whole shaft in twist", "damping", "c"), 0)
 
-    def contradictions(self) -> list[tuple[Path, str]]:
+    def contradictions(self) -> list[Fault]:
         inner, outer = self.inner_diameter, self.outer_diameter
         if isinstance(inner, Number) and isinstance(outer, Number) and inner.value >= outer.value:
-            return [(("inner_diameter",), "the inner diameter must be smaller than the outer diameter")]
+            return [Fault("the inner diameter must be smaller than the outer diameter", ("inner_diameter",))]
         return []
 
     @property

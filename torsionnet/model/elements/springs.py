@@ -6,9 +6,13 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import entry
+from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor
 from torsionnet.model.elements.element import Element, register, viscous
-from torsionnet.model.elements.fields import DampingQuantity, LossFactor, NodePair, PhysicalQuantity, TableEntry, entry
 from torsionnet.model.elements.laws import Law, Part, Values, difference
+from torsionnet.model.elements.nodes import NodePair
+from torsionnet.model.elements.stiffness_rows import TableEntry
 
 PAIR = "the two nodes it connects, one may be ground; twist is the angle of the first minus the second"
 

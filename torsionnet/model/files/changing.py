@@ -7,11 +7,11 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
+from torsionnet.core.entries.scalars import plain_scalar
 from torsionnet.core.errors import ModelError, Path
 from torsionnet.core.expressions import Expression
 from torsionnet.model.configurations import DEFAULT_AXIS, Overlay
 from torsionnet.model.definition import Definition
-from torsionnet.model.elements.fields import plain_scalar
 from torsionnet.model.files.located import LocatedDocument, LocatedNode, Span, compose
 from torsionnet.model.files.quoting import written
 from torsionnet.model.files.reader import read_text
@@ -46,7 +46,7 @@ def place_of(definition: Definition, choice: Mapping[str, str], parameter: str) 
     >>> place_of(tn.load("amt_rig").definition, {"gear": "V"}, "tau").alternative
     'V'
     """
-    for axis, alternatives in definition.axes.items():  # no two of which set the same parameter
+    for axis, alternatives in definition.configurations.items():  # no two of which set the same parameter
         if parameter in alternatives.get(choice.get(axis, ""), _NOTHING).parameters:
             return Place(parameter, axis, choice[axis])
     return Place(parameter)
@@ -55,7 +55,7 @@ def place_of(definition: Definition, choice: Mapping[str, str], parameter: str) 
 def changed_definition(definition: Definition, changes: Mapping[Place, Expression]) -> Definition:
     """The definition with other values at some places."""
     parameters = dict(definition.parameters)
-    axes = {axis: dict(alternatives) for axis, alternatives in definition.axes.items()}
+    axes = {axis: dict(alternatives) for axis, alternatives in definition.configurations.items()}
     for place, value in changes.items():
         if not place.axis:
             parameters[place.parameter] = replace(parameters[place.parameter], value=value)
@@ -63,7 +63,7 @@ def changed_definition(definition: Definition, changes: Mapping[Place, Expressio
         overlay = axes[place.axis][place.alternative]
         values = {**overlay.parameters, place.parameter: value}
         axes[place.axis][place.alternative] = replace(overlay, parameters=values)
-    return replace(definition, parameters=parameters, axes=axes)
+    return replace(definition, parameters=parameters, configurations=axes)
 
 
 def changed_text(text: str, definition: Definition, changes: Mapping[Place, Expression], file: str = "") -> str:

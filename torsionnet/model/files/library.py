@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import islice
 from pathlib import Path
 
-from torsionnet.model.files.scalars import plain_value
+from torsionnet.model.files.yaml_scalars import plain_value
 
 PACKAGE = Path(__file__).resolve().parents[2]
 HEAD_LINES = 40

@@ -24,8 +24,8 @@ from yaml.events import (
 )
 
 from torsionnet.core.errors import Fault, ModelError, Path, Position
-from torsionnet.model.files.scalars import plain_value
 from torsionnet.model.files.syntax import explain
+from torsionnet.model.files.yaml_scalars import plain_value
 
 MOST_CHARACTERS = 4_000_000
 MOST_NODES = 200_000

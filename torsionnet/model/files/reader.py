@@ -77,6 +77,11 @@ def find_model(model: str | os.PathLike[str]) -> Path:
     return path
 
 
+def is_file(path: Path) -> bool:
+    """Whether there is such a file; a name that no file can have is none."""
+    return _holds(Path.is_file, path)
+
+
 def _holds(question: Callable[[Path], bool], path: Path) -> bool:
     try:
         return question(path)

@@ -1,6 +1,7 @@
 """What the report on a model is to hold, as the ``report:`` section of its file says."""
 
-from torsionnet.model.report.report_plan import Pair, ReportPlan, parse_band
+from torsionnet.core.entries.band import parse_band
+from torsionnet.model.report.report_plan import Pair, ReportPlan
 from torsionnet.model.report.sections import SECTIONS
 
 __all__ = ["SECTIONS", "Pair", "ReportPlan", "parse_band"]

@@ -51,6 +51,6 @@ def _listed(names: Iterable[str]) -> str:
 def _configurations(outline: ReportPlan, definition: Definition) -> Iterator[Fault]:
     for index, name in enumerate(outline.configurations):
         try:
-            parse_choice(name, definition.axes)
+            parse_choice(name, definition.configurations)
         except UsageError as error:
             yield Fault(str(error), ("configurations", index))

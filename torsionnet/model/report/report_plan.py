@@ -1,17 +1,20 @@
-"""The ``report:`` section of a model file as typed values."""
+"""The ``report:`` section of a model file."""
 
 from __future__ import annotations
 
-import re
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
-from torsionnet.core.errors import UsageError
-from torsionnet.core.expressions import Number
-from torsionnet.model.elements.fields import FieldError, read_scalar
+from torsionnet.core.entries.band import Band
+from torsionnet.core.entries.composite import Listed
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, reference
+from torsionnet.core.entries.words import OneOf, Text
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.model.report.sections import SECTIONS
 
-_BAND = re.compile(r"\s*([-+\d.eE]+?)\s*([A-Za-z/]*)\s*\.\.\s*([-+\d.eE]+)\s*([A-Za-z/]*)\s*")
-BAND_FORMS = "0.3..40 Hz or [0.3 Hz, 40 Hz]"
+ANGLES = ("rad", "deg")
 
 
 @dataclass(frozen=True)
@@ -54,8 +57,94 @@ class Pair:
         return {"output": self.output, "input": self.input, "excitation": self.excitation}
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class PairEntry(Spec):
+    """``OUTPUT/INPUT``, or its parts by name."""
+
+    def coerce(self, raw: Any) -> Pair:
+        if isinstance(raw, Pair):
+            return raw
+        try:
+            return Pair.parse(raw) if isinstance(raw, str) else self._in_parts(raw)
+        except UsageError as error:
+            raise EntryError(str(error)) from None
+
+    @staticmethod
+    def _in_parts(raw: Any) -> Pair:
+        if isinstance(raw, Mapping) and {"output", "input"} <= set(raw) <= set(_PARTS):
+            return Pair(**{str(key): str(value) for key, value in raw.items()})
+        msg = f"expected OUTPUT/INPUT, or {{output: ..., input: ..., excitation: ...}}; got {raw!r}"
+        raise UsageError(msg)
+
+    def plain(self, value: Any) -> Any:
+        return value.to_data()
+
+    def schema(self) -> Schema:
+        return reference("report_transfer_function")
+
+    def definitions(self) -> Schema:
+        detailed = {
+            "type": "object",
+            "properties": {name: {"type": "string", "description": text} for name, text in _PARTS.items()},
+            "required": ["output", "input"],
+            "additionalProperties": False,
+        }
+        text = {"type": "string", "description": self.description}
+        return {"report_transfer_function": {"anyOf": [text, detailed]}}
+
+
+_PARTS = {
+    "output": "sensor or node, or torque(element, port)",
+    "input": "input or node, or a sensor: a measured input",
+    "excitation": "what drives while the input is measured, if there are several inputs",
+}
+
+
+def section_fault(name: Any) -> str:
+    """Why this is no section of a report, or nothing."""
+    if name in SECTIONS:
+        return ""
+    text = f'no section is named "{name}"{did_you_mean(str(name), SECTIONS)}; known: {", ".join(SECTIONS)}'
+    return text.replace("?; ", "? ")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SectionName(Spec):
+    """A section of a report."""
+
+    def coerce(self, raw: Any) -> str:
+        name = ConfigurationName("").coerce(raw)
+        if reason := section_fault(name):
+            raise EntryError(reason)
+        return name
+
+    def schema(self) -> Schema:
+        return {"oneOf": [{"const": name, "description": text} for name, text in SECTIONS.items()]}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ConfigurationName(Spec):
+    """A name, which in a file may look like a number."""
+
+    def coerce(self, raw: Any) -> str:
+        if not isinstance(raw, str | int) or isinstance(raw, bool):
+            msg = f"expected a name, got {raw!r}"
+            raise EntryError(msg)
+        return str(raw)
+
+    def schema(self) -> Schema:
+        return {"type": ["string", "number"]}
+
+
+_SECTIONS = Listed("sections of the report; default: all that apply", SectionName(""), form="a list of names")
+_PAIRS = Listed(
+    "OUTPUT/INPUT, in this order", PairEntry("OUTPUT/INPUT, as theta_1/T_T"), form="a list such as [theta_1/T_T]"
+)
+_NAMES = Listed("configurations to report; default: all", ConfigurationName(""), form="a list of names")
+
+
 @dataclass(frozen=True)
-class ReportPlan:
+class ReportPlan(Declared):
     """What a report holds beside the model itself; what is empty is left to the default.
 
     Attributes
@@ -70,62 +159,15 @@ class ReportPlan:
     angle : {"rad", "deg"}
     """
 
-    title: str = ""
-    author: str = ""
-    notes: str = ""
-    sections: tuple[str, ...] = ()
-    transfer_functions: tuple[Pair, ...] = ()
-    configurations: tuple[str, ...] = ()
-    band: tuple[float, float] | None = None
-    angle: str = "rad"
+    kind: ClassVar[str] = "report"
+    article: ClassVar[str] = "a report"
+    form: ClassVar[str] = "the entries title, author, sections, transfer_functions, configurations, band, angle, notes"
 
-    def to_data(self) -> dict[str, Any]:
-        """The ``report:`` section that makes this outline."""
-        data: dict[str, Any] = {key: getattr(self, key) for key in ("title", "author") if getattr(self, key)}
-        data |= {key: list(getattr(self, key)) for key in ("sections", "configurations") if getattr(self, key)}
-        if self.transfer_functions:
-            data["transfer_functions"] = [pair.to_data() for pair in self.transfer_functions]
-        if self.band:
-            data["band"] = "..".join(repr(edge).removesuffix(".0") for edge in self.band) + " Hz"
-        if self.angle != "rad":
-            data["angle"] = self.angle
-        return data | ({"notes": self.notes} if self.notes else {})
-
-
-LOWEST, HIGHEST = 1e-9, 1e9
-"""Hz; no shaft train moves slower or faster."""
-
-
-def parse_band(raw: Any) -> tuple[float, float]:
-    """Two frequencies in Hz from ``0.3..40 Hz`` or a list of two.
-
-    >>> parse_band("18..2400 cpm"), parse_band(["0.3 Hz", 40])
-    ((0.3, 40.0), (0.3, 40.0))
-    """
-    low, high = (_hertz(edge) for edge in _edges(raw))
-    if not 0 < low < high:
-        msg = f"a band goes from a lower to a higher frequency, both above 0, as in {BAND_FORMS}; got {raw!r}"
-        raise FieldError(msg)
-    if not LOWEST <= low < high <= HIGHEST:
-        msg = f"a band lies between {LOWEST:g} and {HIGHEST:g} Hz, got {raw!r}"
-        raise FieldError(msg)
-    return low, high
-
-
-def _edges(raw: Any) -> tuple[Any, Any]:
-    if isinstance(raw, (list, tuple)) and len(raw) == 2:  # noqa: PLR2004
-        return raw[0], raw[1]
-    match = _BAND.fullmatch(raw) if isinstance(raw, str) else None
-    if match is None:
-        msg = f"expected a band such as {BAND_FORMS}, got {raw!r}"
-        raise FieldError(msg)
-    unit = match[4] or "Hz"
-    return f"{match[1]} {match[2] or unit}", f"{match[3]} {unit}"
-
-
-def _hertz(raw: Any) -> float:
-    value = read_scalar(raw, "frequency")
-    if not isinstance(value, Number):
-        msg = f"a band is given by numbers with units, not by expressions such as {raw!r}"
-        raise FieldError(msg)
-    return float(value.value)
+    title: str = entry(Text("title of the report; default: name of the model"), "")
+    author: str = entry(Text("who signs it"), "")
+    sections: tuple[str, ...] = entry(_SECTIONS, ())
+    transfer_functions: tuple[Pair, ...] = entry(_PAIRS, ())
+    configurations: tuple[str, ...] = entry(_NAMES, ())
+    band: tuple[float, float] | None = entry(Band("frequencies of the plots"), None)
+    angle: str = entry(OneOf("unit of angles", ANGLES), "rad")
+    notes: str = entry(Text("remarks of the author, printed under the title"), "")

@@ -7,12 +7,16 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.damping import MEASURES, DampingMeasure
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import Spec
+from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.expressions import Expression, Name, Number
 from torsionnet.core.units import expected_unit
 from torsionnet.model.channels import UNITS
 from torsionnet.model.elements import Values
-from torsionnet.model.elements.fields import Count, OneOf, PhysicalQuantity, Spec, TableEntry, Teeth
 from torsionnet.model.elements.laws import Law
+from torsionnet.model.elements.stiffness_rows import TableEntry
+from torsionnet.model.elements.teeth import Teeth
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, NumberText, Section, TableBlock
 from torsionnet.report.expression_latex import expression_latex
 from torsionnet.report.report_data import ReportData

@@ -9,6 +9,9 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import UsageError
 from torsionnet.signals.excitation.excitation import Excitation, FloatArray
 
@@ -36,11 +39,11 @@ class _Periodic(Excitation):
         The same seed gives the same signal.
     """
 
-    start: float
-    stop: float
-    period: float
-    periods: int = 1
-    seed: int = 0
+    start: float = entry(Value("lower end of the band", "frequency"))
+    stop: float = entry(Value("upper end of the band", "frequency"))
+    period: float = entry(Value("length of a period; lines are 1/period apart", "time"))
+    periods: int = entry(Count("how many periods", upper=100_000), 1)
+    seed: int = entry(Count("the same seed gives the same signal", lower=0, upper=2**32 - 1), 0)
 
     @property
     def length(self) -> float:
@@ -140,7 +143,7 @@ class BurstRandom(_Periodic):
 
     kind: ClassVar[str] = "burst random"
 
-    share: float = 0.5
+    share: float = entry(Value("share of a period with noise", "1"), 0.5)
 
     def _contradictions(self) -> list[str]:
         return super()._contradictions() + ([] if self.share <= 1 else ["share must be at most 1"])

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, fields
-from typing import ClassVar
+from dataclasses import Field, dataclass, fields
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import UsageError
 
 FloatArray = NDArray[np.float64]
@@ -18,7 +21,7 @@ POINTS_PER_CYCLE = 2.0
 
 
 @dataclass(frozen=True, kw_only=True)
-class Excitation(ABC):
+class Excitation(ABC, Declared):
     """A signal of finite length around a mean value.
 
     Attributes
@@ -31,15 +34,16 @@ class Excitation(ABC):
 
     kind: ClassVar[str] = ""
 
-    amplitude: float = 1.0
-    mean: float = 0.0
+    # A test is nobody's with the amplitude of 1 N m that a signal has by itself: a file has to give it.
+    amplitude: float = entry(Value("peak of the alternating torque", "torque"), 1.0, must=True)
+    mean: float = entry(Value("torque added throughout; the test begins in its equilibrium", "torque", lower=None), 0.0)
 
     def __post_init__(self) -> None:
         faults = [
-            f"{entry.name} must be a positive number, got {value!r}"
-            for entry in fields(self)
-            if entry.name != "mean" and isinstance(value := getattr(self, entry.name), int | float)
-            if not (np.isfinite(value) and (value > 0 or (value == 0 and entry.name in self._may_be_zero)))
+            f"{name} must be a positive number, got {value!r}"
+            for name in (declared.name for declared in fields(self))
+            if name != "mean" and isinstance(value := getattr(self, name), int | float)
+            if not (np.isfinite(value) and (value > 0 or (value == 0 and name in self._may_be_zero)))
         ]
         if not np.isfinite(self.mean):
             faults.append(f"mean must be a number, got {self.mean!r}")
@@ -47,6 +51,10 @@ class Excitation(ABC):
         if faults:
             msg = f"{self.kind}: {'; '.join(faults)}"
             raise UsageError(msg)
+
+    @classmethod
+    def _is_common(cls, declared: Field[Any]) -> bool:
+        return declared.name in ("amplitude", "mean")
 
     _may_be_zero: ClassVar[tuple[str, ...]] = ("seed",)
 

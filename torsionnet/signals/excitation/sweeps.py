@@ -7,8 +7,10 @@ from typing import ClassVar
 
 import numpy as np
 
-from torsionnet.core.errors import UsageError
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
 from torsionnet.signals.excitation.excitation import Excitation, FloatArray
+from torsionnet.signals.excitation.frequencies import Frequencies
 
 TURN = 2 * np.pi
 
@@ -25,9 +27,9 @@ class _Sweep(Excitation):
         s.
     """
 
-    start: float
-    stop: float
-    duration: float
+    start: float = entry(Value("first frequency", "frequency"))
+    stop: float = entry(Value("last frequency", "frequency"))
+    duration: float = entry(Value("length of the sweep", "time"))
 
     @property
     def length(self) -> float:
@@ -112,8 +114,8 @@ class SteppedSine(Excitation):
 
     kind: ClassVar[str] = "stepped sine"
 
-    frequencies: tuple[float, ...]
-    hold: float
+    frequencies: tuple[float, ...] = entry(Frequencies("frequencies, one after the other"))
+    hold: float = entry(Value("time for each frequency, rounded up to whole periods", "time"))
 
     def _contradictions(self) -> list[str]:
         sound = all(np.isfinite(f) and f > 0 for f in self.frequencies) and len(self.frequencies) > 0
@@ -141,17 +143,3 @@ class SteppedSine(Excitation):
         step = np.searchsorted(self.starts, time, side="right") - 1
         f = np.asarray(self.frequencies, dtype=float)[step]
         return np.asarray(np.sin(TURN * f * (time - self.starts[step])))
-
-
-def steps_between(start: float, stop: float, count: int) -> tuple[float, ...]:
-    """So many frequencies in Hz at equal factors, for a stepped sine.
-
-    Examples
-    --------
-    >>> steps_between(1, 100, 3)
-    (1.0, 10.0, 100.0)
-    """
-    if not (0 < start < stop and count > 1):
-        msg = f"steps go from a frequency > 0 to a higher one, at least two: got {start}, {stop}, {count}"
-        raise UsageError(msg)
-    return tuple(np.geomspace(start, stop, count).tolist())

@@ -10,11 +10,11 @@ import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.errors import ModelError, UsageError, did_you_mean
 from torsionnet.core.expressions import ExpressionError, Name, Number
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Element
-from torsionnet.model.elements.fields import PhysicalQuantity
 from torsionnet.model.parameters import Parameter, evaluation_order
 from torsionnet.solve.sensitivity.dual import DUALS, Dual
 

@@ -8,20 +8,18 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.bench.bench import Bench
-from torsionnet.core.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean, unknown_key
+from torsionnet.core.entries.format_version import version_faults
+from torsionnet.core.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.loading import load
 from torsionnet.model.bench.bench_checks import check_plan
-from torsionnet.model.bench.plan import Plan, read_plan
+from torsionnet.model.bench.bench_file import BenchFile
 from torsionnet.model.files import read_file
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.library import library_benches
 from torsionnet.model.files.located import LocatedDocument, compose
 from torsionnet.model.files.placing import placed, presentable
 from torsionnet.model.files.reader import find_model
-
-TEXTS = ("name", "source", "description")
-KEYS = ("torsionnet", *TEXTS, "model", "configuration", "bench")
 
 
 def load_bench(bench: str | os.PathLike[str]) -> Bench:
@@ -82,15 +80,11 @@ def _document(path: Path) -> LocatedDocument:
 
 def _of_its_own(document: LocatedDocument, path: Path) -> Bench:
     data: Mapping[Any, Any] = document.data
-    rest = f"a bench file has {', '.join(KEYS)}"
-    faults = [unknown_key(key, KEYS, (key,), rest) for key in data if key not in KEYS]
-    faults += [Fault(f"expected text, got {data[key]!r}", (key,)) for key in TEXTS if not _is_text(data.get(key, ""))]
-    if data.get("torsionnet") != 1:
-        faults.append(Fault("the first entry of the file is torsionnet: 1, the version of the format", ("torsionnet",)))
-    drivetrain, found = _model(data, path)
+    entries, faults = BenchFile.read_entries(data)
+    faults = [*version_faults(data, "bench"), *faults]
+    drivetrain, found = _model(entries, path) if "model" in entries else (None, [])
     faults += found
-    plan, found = _plan(data)
-    faults += found
+    plan = entries.get("bench")
     if plan is not None and drivetrain is not None:
         faults += check_plan(plan, drivetrain.definition)
     faults += document.faults
@@ -99,34 +93,21 @@ def _of_its_own(document: LocatedDocument, path: Path) -> Bench:
     return Bench(drivetrain, plan)
 
 
-def _is_text(value: object) -> bool:
-    return isinstance(value, str)
-
-
-def _plan(data: Mapping[Any, Any]) -> tuple[Plan | None, list[Fault]]:
-    if "bench" not in data:
-        text = "a file that names a model needs bench:, the test it is put to"
-        return None, [Fault(text, kind="missing key", about="bench")]
-    return read_plan(data["bench"])
-
-
-def _model(data: Mapping[Any, Any], path: Path) -> tuple[Drivetrain | None, list[Fault]]:
+def _model(entries: Mapping[str, Any], path: Path) -> tuple[Drivetrain | None, list[Fault]]:
     """The model named, in its configuration; what is wrong with its file keeps its own places."""
-    name = data["model"]
-    if not isinstance(name, str):
-        return None, [
-            Fault(f"expected the name of a library model or the path of a model file, got {name!r}", ("model",))
-        ]
+    name = entries["model"]
+    if name is None:
+        return None, []
     try:
         drivetrain = load(path.parent / name if Path(name).suffix else name)
     except UsageError as error:
         return None, [Fault(str(error), ("model",))]
     except ModelError as error:
         return None, [Fault(f"{name} has {len(error.faults)} errors", ("model",)), *error.faults]
-    configuration = data.get("configuration")
+    configuration = entries.get("configuration")
     if configuration is None:
         return drivetrain, []
     try:
-        return drivetrain.configured(str(configuration)), []
+        return drivetrain.configured(configuration), []
     except TorsionnetError as error:
         return None, [Fault(str(error), ("configuration",))]

@@ -1,0 +1,99 @@
+"""A band of frequencies as an entry."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.core.entries.scalars import SCALAR_SCHEMA, read_scalar
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, under
+from torsionnet.core.expressions import Number
+
+_BAND = re.compile(r"\s*([-+\d.eE]+?)\s*([A-Za-z/]*)\s*\.\.\s*([-+\d.eE]+)\s*([A-Za-z/]*)\s*")
+BAND_FORMS = "0.3..40 Hz or [0.3 Hz, 40 Hz]"
+
+
+LOWEST, HIGHEST = 1e-9, 1e9
+"""Hz; no shaft train moves slower or faster."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Band(Spec):
+    """Two frequencies, the lower one first; stored in Hz."""
+
+    from_zero: bool = False
+    """Whether it may begin at 0."""
+
+    def coerce(self, raw: Any) -> tuple[float, float]:
+        return parse_band(raw, from_zero=self.from_zero)
+
+    def plain(self, value: Any) -> str:
+        return "..".join(repr(edge).removesuffix(".0") for edge in value) + " Hz"
+
+    def schema(self) -> Schema:
+        pair = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
+        return {"description": f"{self.description}: {BAND_FORMS}", "anyOf": [{"type": "string"}, pair]}
+
+
+def parse_band(raw: Any, *, from_zero: bool = False) -> tuple[float, float]:
+    """Two frequencies in Hz from ``0.3..40 Hz`` or a list of two.
+
+    >>> parse_band("18..2400 cpm"), parse_band(["0.3 Hz", 40])
+    ((0.3, 40.0), (0.3, 40.0))
+    """
+    low, high = (_hertz(edge) for edge in _edges(raw))
+    is_at_zero = from_zero and low == 0
+    if not (0 < low < high or (is_at_zero and high > 0)):
+        above = "" if from_zero else ", both above 0"
+        msg = f"a band goes from a lower to a higher frequency{above}, as in {BAND_FORMS}; got {raw!r}"
+        raise EntryError(msg)
+    if not ((low >= LOWEST or is_at_zero) and low < high <= HIGHEST):
+        msg = f"a band lies between {LOWEST:g} and {HIGHEST:g} Hz, got {raw!r}"
+        raise EntryError(msg)
+    return low, high
+
+
+def _edges(raw: Any) -> tuple[Any, Any]:
+    if isinstance(raw, (list, tuple)) and len(raw) == 2:  # noqa: PLR2004
+        return raw[0], raw[1]
+    match = _BAND.fullmatch(raw) if isinstance(raw, str) else None
+    if match is None:
+        msg = f"expected a band such as {BAND_FORMS}, got {raw!r}"
+        raise EntryError(msg)
+    unit = match[4] or "Hz"
+    return f"{match[1]} {match[2] or unit}", f"{match[3]} {unit}"
+
+
+def _hertz(raw: Any) -> float:
+    value = read_scalar(raw, "frequency")
+    if not isinstance(value, Number):
+        msg = f"a band is given by numbers with units, not by expressions such as {raw!r}"
+        raise EntryError(msg)
+    return float(value.value)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Bands(Spec):
+    """Bands in a list, or one alone."""
+
+    @property
+    def absent(self) -> tuple[tuple[float, float], ...]:
+        return ()
+
+    def coerce(self, raw: Any) -> tuple[tuple[float, float], ...]:
+        one = Band(self.description, from_zero=True)
+        several = isinstance(raw, list | tuple) and all(_is_band(part) for part in raw)
+        if several:
+            return tuple(under(index, one, part) for index, part in enumerate(raw))
+        return (one.coerce(raw),)
+
+    def plain(self, value: Any) -> list[str]:
+        return [Band("").plain(band) for band in value]
+
+    def schema(self) -> Schema:
+        return {"type": ["array", "string"], "description": f"{self.description}: {BAND_FORMS}, or a list of these"}
+
+
+def _is_band(raw: Any) -> bool:
+    return isinstance(raw, list | tuple) or (isinstance(raw, str) and _BAND.fullmatch(raw) is not None)

@@ -1,0 +1,221 @@
+"""Entries that are made of others: an object, one of several kinds, a table by name, a list."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.spec import Schema, Spec, reference
+from torsionnet.core.errors import Fault, did_you_mean
+
+Kinds = Callable[[], Mapping[str, type[Declared]]]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Composite(Spec):
+    """Base of entries that are made of others."""
+
+    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+        raise NotImplementedError
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Nested(Composite):
+    """The entries of another class; with ``shorthand`` a value alone stands for the entry of that name.
+
+    ``name`` is that of its definition in the schema.
+    """
+
+    of: Callable[[], type[Declared]]
+    name: str
+    shorthand: str = ""
+    optional: bool = False
+    shown: str = ""
+
+    @property
+    def may_be_empty(self) -> bool:
+        return self.optional
+
+    @property
+    def example(self) -> str:
+        return self.shown or self.description
+
+    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+        cls = self.of()
+        if self.shorthand and not isinstance(raw, Mapping | cls):
+            value, faults = dict(cls.specs())[self.shorthand].read(raw)
+            return (None, faults) if faults else cls.made({self.shorthand: value})
+        return cls.read(raw)
+
+    def plain(self, value: Any) -> Any:
+        return value.to_data()
+
+    def schema(self) -> Schema:
+        return reference(self.name)
+
+    def definitions(self) -> Schema:
+        cls = self.of()
+        schema = cls.schema()
+        if self.optional:
+            schema["type"] = ["object", "null"]
+        if self.shorthand:
+            schema = {"anyOf": [dict(cls.specs())[self.shorthand].schema(), schema]}
+        return {self.name: {**schema, "description": self.description}, **cls.definitions()}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Typed(Composite):
+    """The entries of one of several classes, told by ``type:``."""
+
+    kinds: Kinds
+    what: str
+    name: str
+    """Of its definition in the schema; those of the kinds begin with it."""
+    shown: str = ""
+
+    @property
+    def example(self) -> str:
+        return self.shown or self.description
+
+    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+        known = self.kinds()
+        if isinstance(raw, tuple(known.values())):
+            return raw, []
+        kind = raw.get("type") if isinstance(raw, Mapping) else None
+        names = ", ".join(known)
+        if not isinstance(raw, Mapping) or kind is None:
+            return None, [Fault(f"expected {{type: ..., ...}} with one of the types {names}", on_key=True)]
+        if not isinstance(kind, str) or kind not in known:
+            hint = did_you_mean(str(kind), known)
+            return None, [Fault(f'no {self.what} type is named "{kind}"{hint}; known: {names}', ("type",))]
+        return known[kind].read({key: value for key, value in raw.items() if key != "type"})
+
+    def plain(self, value: Any) -> Any:
+        return {"type": value.kind, **value.to_data()}
+
+    def schema(self) -> Schema:
+        return reference(self.name)
+
+    def definitions(self) -> Schema:
+        known = self.kinds()
+        names = {kind: f"{self.name}_{kind.replace(' ', '_')}" for kind in known}
+        rules = [
+            {"if": {"properties": {"type": {"const": kind}}, "required": ["type"]}, "then": reference(name)}
+            for kind, name in names.items()
+        ]
+        word = {"enum": list(known), "description": self.description}
+        found: Schema = {
+            self.name: {"type": "object", "properties": {"type": word}, "required": ["type"], "allOf": rules}
+        }
+        for kind, cls in known.items():
+            found[names[kind]] = cls.schema(typed=True)
+            found |= cls.definitions()
+        return found
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Named(Composite):
+    """A table of entries by name."""
+
+    of: Spec
+    refused: Callable[[str], str | None] = field(default=lambda _: None)
+    """Why a name cannot be one, or None."""
+    names: Schema = field(default_factory=dict)
+    """JSON Schema of the names."""
+    form: str = "entries by name"
+    fewest: int = 0
+
+    @property
+    def absent(self) -> dict[str, Any]:
+        return {}
+
+    @property
+    def may_be_empty(self) -> bool:
+        return not self.fewest
+
+    @property
+    def example(self) -> str:
+        return self.form
+
+    def read(self, raw: Any) -> tuple[dict[str, Any], list[Fault]]:
+        if not isinstance(raw, Mapping) or len(raw) < self.fewest:
+            return {}, [Fault(f"expected {self.form}, got {raw!r}")]
+        table: dict[str, Any] = {}
+        faults: list[Fault] = []
+        for name, entry in raw.items():
+            reason = self.refused(str(name))
+            if reason:
+                faults.append(Fault(reason, (name,), on_key=True))
+                continue
+            empty = entry is None and self.of.may_be_empty
+            value, found = (self.of.absent, []) if empty else self.of.read(entry)
+            faults += [fault.under(name) for fault in found]
+            if not found:
+                table[str(name)] = value
+        return table, faults
+
+    def plain(self, value: Any) -> Any:
+        return {name: self.of.plain(entry) for name, entry in value.items()}
+
+    def schema(self) -> Schema:
+        kind: Any = "object" if self.fewest else ["object", "null"]
+        schema: Schema = {"type": kind, "description": self.description, "additionalProperties": self.of.schema()}
+        schema |= {"propertyNames": self.names} if self.names else {}
+        return schema | ({"minProperties": self.fewest} if self.fewest else {})
+
+    def definitions(self) -> Schema:
+        return self.of.definitions()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Listed(Composite):
+    """A list of entries."""
+
+    of: Spec
+    form: str = "a list"
+
+    @property
+    def absent(self) -> tuple[Any, ...]:
+        return ()
+
+    def read(self, raw: Any) -> tuple[tuple[Any, ...], list[Fault]]:
+        if not isinstance(raw, list | tuple):
+            return (), [Fault(f"expected {self.form}, got {raw!r}")]
+        values: list[Any] = []
+        faults: list[Fault] = []
+        for index, entry in enumerate(raw):
+            value, found = self.of.read(entry)
+            faults += [fault.under(index) for fault in found]
+            values += [] if found else [value]
+        return tuple(values), faults
+
+    def plain(self, value: Any) -> Any:
+        return [self.of.plain(entry) for entry in value]
+
+    def schema(self) -> Schema:
+        return {"type": "array", "items": self.of.schema(), "description": self.description}
+
+    def definitions(self) -> Schema:
+        return self.of.definitions()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PairOf(Composite):
+    """Two values ``[a, b]``."""
+
+    of: Spec
+
+    def read(self, raw: Any) -> tuple[tuple[Any, Any] | None, list[Fault]]:
+        if not isinstance(raw, list | tuple) or len(raw) != 2:  # noqa: PLR2004
+            return None, [Fault(f"expected two values [a, b], got {raw!r}")]
+        values, faults = Listed(self.description, self.of).read(raw)
+        return (None if faults else (values[0], values[1])), faults
+
+    def plain(self, value: Any) -> Any:
+        return [self.of.plain(part) for part in value]
+
+    def schema(self) -> Schema:
+        pair = {"type": "array", "items": self.of.schema(), "minItems": 2, "maxItems": 2}
+        return {**pair, "description": self.description}

@@ -1,0 +1,188 @@
+"""Classes whose fields carry specifications: read from files, coerced, written back and described by those alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, fields
+from functools import cache
+from typing import Any, ClassVar, Self
+
+from torsionnet.core.entries.format_version import VERSION_SCHEMA
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, spec_of
+from torsionnet.core.errors import Fault, ModelError, UsageError, unknown_key
+
+
+class Declared:
+    """Base of frozen dataclasses with entries (:func:`torsionnet.core.entries.spec.entry`)."""
+
+    kind: ClassVar[str] = ""
+    """What messages and the schema call it; the value of ``type:`` where there are several kinds."""
+    article: ClassVar[str] = ""
+    """With its article, where messages should have one."""
+    head: ClassVar[tuple[str, ...]] = ()
+    """Keys of a file that say what it is and are no entries."""
+    form: ClassVar[str] = "{name: value, ...}"
+    """What it looks like in a file."""
+
+    def __post_init__(self) -> None:
+        faults = self.coerced() or self.contradictions()
+        if faults:
+            raise ModelError(faults, self.kind)
+
+    def coerced(self) -> list[Fault]:
+        """Store every field in its own form; the faults of those that cannot be."""
+        faults: list[Fault] = []
+        defaults = self._defaults()
+        for name, spec in self.specs():
+            raw = getattr(self, name)
+            default, stored = defaults[name]
+            if raw is default:
+                object.__setattr__(self, name, stored)
+                continue
+            try:
+                object.__setattr__(self, name, spec.coerce(raw))
+            except EntryError as error:
+                faults += [fault.under(name) for fault in error.faults]
+        return faults
+
+    def contradictions(self) -> list[Fault]:
+        """Faults of entries that are fine alone but not together."""
+        return []
+
+    @classmethod
+    @cache
+    def declared(cls) -> tuple[Field[Any], ...]:
+        """The fields with a specification, in the order of the class; those of all kinds alike last."""
+        own = [declared for declared in fields(cls) if "spec" in declared.metadata]  # type: ignore[arg-type]
+        return tuple(sorted(own, key=cls._is_common))
+
+    @classmethod
+    def _is_common(cls, declared: Field[Any]) -> bool:
+        """Whether an entry belongs to all kinds of the same register and so stands last."""
+        del declared
+        return False
+
+    @classmethod
+    @cache
+    def specs(cls) -> tuple[tuple[str, Spec], ...]:
+        """Name and specification of every entry, in the same order."""
+        return tuple((declared.name, spec_of(declared)) for declared in cls.declared())
+
+    @classmethod
+    @cache
+    def required(cls) -> tuple[str, ...]:
+        """Names of the entries that have to be given."""
+        return tuple(declared.name for declared in cls.declared() if declared.metadata["must"])
+
+    @classmethod
+    @cache
+    def defaults(cls) -> Mapping[str, Any]:
+        """The default of every entry as it is stored."""
+        return {name: stored for name, (_, stored) in cls._defaults().items()}
+
+    @classmethod
+    @cache
+    def _defaults(cls) -> Mapping[str, tuple[Any, Any]]:
+        """The default of every entry as it is declared and as it is stored."""
+        found = {}
+        for declared in cls.declared():
+            spec, default = spec_of(declared), declared.default
+            found[declared.name] = (default, spec.absent if default in (MISSING, None) else spec.coerce(default))
+        return found
+
+    @classmethod
+    def read(cls, raw: Any) -> tuple[Self | None, list[Fault]]:
+        """The object that an entry of a file describes, None if anything in it is wrong, and every fault."""
+        if isinstance(raw, cls):
+            return raw, []
+        if not isinstance(raw, Mapping):
+            return None, [Fault(f"expected {cls.form}, got {raw!r}")]
+        values, faults = cls.read_entries(raw)
+        return (None, faults) if faults else cls.made(values)
+
+    @classmethod
+    def made(cls, values: Mapping[str, Any]) -> tuple[Self | None, list[Fault]]:
+        """The object with these values, or what is wrong with them together."""
+        try:
+            return cls(**values), []
+        except ModelError as error:
+            return None, list(error.faults)
+        except UsageError as error:
+            return None, [Fault(str(error), on_key=True)]
+
+    @classmethod
+    def read_entries(cls, raw: Mapping[Any, Any]) -> tuple[dict[str, Any], list[Fault]]:
+        """What could be read of the entries, in the order of the class, and every fault."""
+        faults = cls.key_faults(raw)
+        values: dict[str, Any] = {}
+        for name, spec in cls.specs():
+            if raw.get(name) is not None or (name in raw and name in cls.required() and not spec.may_be_empty):
+                values[name], found = spec.read(raw[name])
+                faults += [fault.under(name) for fault in found]
+        return values, faults
+
+    @classmethod
+    def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:
+        """Faults of entries that mean nothing, that are missing, or that have no value."""
+        specs, required = dict(cls.specs()), cls.required()
+        known = [*cls.head, *specs]
+        rest = f"{cls.article or cls.kind} has {', '.join(known)}"
+        faults = []
+        for key in raw:
+            if key not in known:
+                # A comma in a text without quotes makes such a key.
+                comma = "text with a comma needs quotes; " if raw[key] is None else ""
+                faults.append(unknown_key(key, known, (key,), comma + rest))
+        faults += [cls.missing(key, name) for key in required if key not in raw]
+        empty = [key for key, spec in specs.items() if key in raw and raw[key] is None and not spec.may_be_empty]
+        for key in empty:
+            if key not in required:
+                faults.append(Fault(f"{key} has no value; give one, or leave the entry out", (key,), on_key=True))
+        return faults
+
+    @classmethod
+    def missing(cls, key: str, name: str = "") -> Fault:
+        """Fault of an entry that has to be given."""
+        called = f"{cls.article or cls.kind} {name}".rstrip()
+        text = f"{called} needs {key}: {dict(cls.specs())[key].example}"
+        return Fault(text, on_key=True, kind="missing key", about=key)
+
+    def to_data(self) -> Any:
+        """The entry of a file that makes this object; what has its default is left out."""
+        defaults = self.defaults()
+        required = self.required()
+        return {
+            name: spec.plain(value)
+            for name, spec in self.specs()
+            if (value := getattr(self, name)) is not None and (name in required or value != defaults[name])
+        }
+
+    @classmethod
+    def schema(cls, *, typed: bool = False) -> Schema:
+        """JSON Schema of the entry; ``typed`` where its ``type:`` tells it from others."""
+        summary = (cls.__doc__ or "").strip().splitlines()[0]
+        head: Schema = {"type": {"const": cls.kind, "description": summary}} if typed else {}
+        head |= dict.fromkeys(cls.head, VERSION_SCHEMA)
+        properties = {declared.name: _with_default(declared) for declared in cls.declared()}
+        return {
+            "title": cls.kind,
+            "description": summary,
+            "type": "object",
+            "properties": head | properties,
+            "required": [*head, *cls.required()],
+            "additionalProperties": False,
+        }
+
+    @classmethod
+    def definitions(cls) -> Schema:
+        """What the schema refers to, by name."""
+        found: Schema = {}
+        for _, spec in cls.specs():
+            found |= spec.definitions()
+        return found
+
+
+def _with_default(declared: Field[Any]) -> Schema:
+    schema = spec_of(declared).schema()
+    plain = isinstance(declared.default, bool | int | float | str) and declared.default != ""
+    return {**schema, "default": declared.default} if plain else schema

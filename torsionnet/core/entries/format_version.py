@@ -1,0 +1,25 @@
+"""The first entry of every file: the version of its format."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from torsionnet.core.errors import Fault
+
+VERSION = 1
+KEY = "torsionnet"
+VERSION_SCHEMA = {"const": VERSION, "description": "version of the file format"}
+
+
+def version_faults(data: Mapping[Any, Any], kind: str) -> list[Fault]:
+    """What is wrong with the version of a file of this kind: a model, a bench, a fit."""
+    version = data.get(KEY)
+    if version is None:
+        text = f"the first entry of a {kind} file is {KEY}: {VERSION}, the version of the format"
+        return [Fault(text, kind="missing key", about=KEY)]
+    if version != VERSION or isinstance(version, bool):
+        shown = f"format {version}" if isinstance(version, int) and not isinstance(version, bool) else repr(version)
+        text = f"{KEY}: is the version of the format, {VERSION} for this release; this is {shown}"
+        return [Fault(text, (KEY,))]
+    return []

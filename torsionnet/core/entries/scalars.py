@@ -1,0 +1,221 @@
+"""Entries that are numbers with units, or expressions of parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.errors import Path
+from torsionnet.core.expressions import Expression, ExpressionError, Number, scalar
+from torsionnet.core.units import DIMENSIONS, UnitError, expected_unit, is_beyond_range
+
+SCALAR_SCHEMA: Schema = {"type": ["number", "string"]}
+
+
+def read_scalar(raw: Any, dimension: str) -> Expression:
+    """A number (SI), a quantity with unit or an expression of parameters; its written unit must fit ``dimension``."""
+    if raw is None:
+        msg = f"a value is missing; expected {_wanted(dimension)}"
+        raise EntryError(msg)
+    if isinstance(raw, (Mapping, list, tuple)):
+        msg = f"expected {_wanted(dimension)}, got {'a mapping' if isinstance(raw, Mapping) else 'a list'}"
+        raise EntryError(msg)
+    try:
+        value = scalar(raw)
+    except (ExpressionError, UnitError, TypeError, ValueError) as error:
+        raise EntryError(_unit_hint(str(error), dimension)) from None
+    return check_unit(value, dimension)
+
+
+def read_value(raw: Any) -> Expression:
+    """A scalar of any dimension."""
+    if raw is None or isinstance(raw, (Mapping, list, tuple)):
+        msg = f"expected a number, a quantity with unit or an expression, got {'nothing' if raw is None else repr(raw)}"
+        raise EntryError(msg)
+    try:
+        return scalar(raw)
+    except (ExpressionError, UnitError, TypeError, ValueError) as error:
+        raise EntryError(str(error)) from None
+
+
+def check_unit(value: Expression, dimension: str) -> Expression:
+    """A compliance where a stiffness is wanted is inverted; any other unit of a wrong dimension is refused."""
+    if not isinstance(value, Number) or value.unit_dimension is None:
+        return value
+    wanted = DIMENSIONS[dimension]
+    if value.unit_dimension == wanted:
+        return value
+    if dimension == "stiffness" and value.unit_dimension == DIMENSIONS["compliance"] and value.value != 0:
+        return Number(1 / value.value, wanted, value.text)
+    label = "a plain number" if dimension == "1" else dimension
+    msg = f'"{value.text}" is not a value of {label}; expected a unit such as {expected_unit(dimension)}'
+    if dimension in ("speed", "angular frequency") and value.unit_dimension == DIMENSIONS["frequency"]:
+        msg += " (Hz counts cycles, not radians)"
+    raise EntryError(msg)
+
+
+def _wanted(dimension: str) -> str:
+    return "a number" if dimension == "1" else f"{dimension} in {expected_unit(dimension)}, or an expression"
+
+
+def _unit_hint(message: str, dimension: str) -> str:
+    return message if dimension == "1" or "expected" in message else f"{message}; expected {_wanted(dimension)}"
+
+
+def plain_scalar(value: Expression) -> Any:
+    """A number if nothing else was written, else the text."""
+    if isinstance(value, Number) and value.text is None:
+        return plain_number(value.value)
+    return str(value)
+
+
+def plain_number(value: Fraction | float) -> int | float | str:
+    """The shortest exact way to write a number in a file; a fraction no decimal can hold stays a quotient."""
+    if isinstance(value, Fraction):
+        if value.denominator == 1 and abs(value) < 10**15:
+            return int(value)
+        if Fraction(repr(float(value))) != value:
+            return f"{value.numerator}/{value.denominator}"
+    return float(value)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AnyQuantity(Spec):
+    """A scalar whose dimension follows from where it is used."""
+
+    @property
+    def example(self) -> str:
+        return "a number with unit, as 0.46 kN*m/rad"
+
+    def coerce(self, raw: Any) -> Expression:
+        return raw if isinstance(raw, Expression) else read_value(raw)
+
+    def plain(self, value: Any) -> Any:
+        return plain_scalar(value)
+
+    def schema(self) -> Schema:
+        return {**SCALAR_SCHEMA, "description": self.description}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class PhysicalQuantity(Spec):
+    """A physical scalar: number in SI, text with unit, or an expression of parameters.
+
+    ``usual`` are sizes in SI outside of which the checks ask whether that is meant.
+    """
+
+    dimension: str
+    symbol: str = ""
+    lower: float | None = 0.0
+    exclusive: bool = False
+    nonzero: bool = False
+    usual: tuple[float, float] | None = None
+
+    def coerce(self, raw: Any) -> Any:
+        return read_scalar(raw, self.dimension)
+
+    def plain(self, value: Any) -> Any:
+        return plain_scalar(value)
+
+    def schema(self) -> Schema:
+        return {**SCALAR_SCHEMA, "description": f"{self.description} [{expected_unit(self.dimension)}]"}
+
+    def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
+        return (((), value, self.dimension),)
+
+    def bound_fault(self, value: float) -> str | None:
+        """What is wrong with the size of the value, or None."""
+        if self.nonzero and value == 0:
+            return "must not be zero"
+        if self.lower is None:
+            return None
+        if value < self.lower or (self.exclusive and value == self.lower):
+            return f"must {'be greater than' if self.exclusive else 'not be less than'} {self.lower:g}"
+        return None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Value(Spec):
+    """A number with unit, no expression; stored in SI (frequencies in Hz)."""
+
+    dimension: str
+    lower: float | None = 0.0
+    exclusive: bool = False
+
+    def coerce(self, raw: Any) -> float:
+        number = _finite(_number(read_scalar(raw, self.dimension)))
+        if self.lower is not None and (number < self.lower or (self.exclusive and number == self.lower)):
+            msg = f"must {'be greater than' if self.exclusive else 'not be less than'} {self.lower:g}, got {raw!r}"
+            raise EntryError(msg)
+        return number
+
+    def plain(self, value: Any) -> Any:
+        return plain_number(value)
+
+    def schema(self) -> Schema:
+        unit = f" [{expected_unit(self.dimension)}]" if self.dimension != "1" else ""
+        return {**SCALAR_SCHEMA, "description": f"{self.description}{unit}"}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ValueInUnitOfUse(Spec):
+    """A number in the unit of something else, which only that can tell."""
+
+    lower: float | None = 0.0
+    exclusive: bool = False
+
+    def coerce(self, raw: Any) -> Number:
+        if isinstance(raw, Number):
+            return raw
+        try:
+            number = scalar(raw)
+        except (ExpressionError, UnitError, TypeError, ValueError) as error:
+            raise EntryError(str(error)) from None
+        Value(self.description, "1", self.lower, self.exclusive).coerce(_number(number))
+        assert isinstance(number, Number)
+        return number
+
+    def plain(self, value: Any) -> Any:
+        return plain_number(value.value) if value.text is None else value.text
+
+    def schema(self) -> Schema:
+        return {**SCALAR_SCHEMA, "description": f"{self.description} [unit of what is measured]"}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AnyNumber(Spec):
+    """A number with the unit of what it is a value of; stored in SI."""
+
+    def coerce(self, raw: Any) -> float:
+        value = read_value(raw)
+        if not isinstance(value, Number):
+            msg = f"expected a number with unit, got {raw!r}"
+            raise EntryError(msg)
+        return float(value.value)
+
+    def plain(self, value: Any) -> Any:
+        return plain_number(value)
+
+    def schema(self) -> Schema:
+        return {**SCALAR_SCHEMA, "description": self.description}
+
+
+def _number(value: Expression) -> Any:
+    if not isinstance(value, Number):
+        msg = f'a bench is described by numbers with units, not by expressions such as "{value}"'
+        raise EntryError(msg)
+    return value.value
+
+
+def _finite(value: Any) -> float:
+    number = float(value)
+    if not float("-inf") < number < float("inf"):
+        msg = f"expected a finite number, got {value!r}"
+        raise EntryError(msg)
+    if is_beyond_range(number):
+        msg = f"{number:g} is no size that anything on a test bench has"
+        raise EntryError(msg)
+    return number

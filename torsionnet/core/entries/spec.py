@@ -1,0 +1,110 @@
+"""The kinds of value an entry can have: each knows how to read, describe and write its value."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import MISSING, Field, dataclass, field
+from typing import Any
+
+from torsionnet.core.errors import Fault, Path
+from torsionnet.core.expressions import Expression
+
+Schema = dict[str, Any]
+
+
+class EntryError(ValueError):
+    """A value that does not fit its entry; the paths of the faults lead from the entry to what is wrong."""
+
+    def __init__(self, message: str | Fault | Iterable[Fault], path: Path = ()) -> None:
+        if isinstance(message, str):
+            message = Fault(message, path)
+        self.faults = [message] if isinstance(message, Fault) else list(message)
+        super().__init__(self.fault.message)
+
+    @property
+    def fault(self) -> Fault:
+        """The first of the faults; there is at least one."""
+        return self.faults[0]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Spec:
+    """What an entry holds. A simple kind says how a value is coerced, one of several values how it is read."""
+
+    description: str
+
+    def coerce(self, raw: Any) -> Any:
+        """The value in its stored form; EntryError says what is wrong."""
+        value, faults = self.read(raw)
+        if faults:
+            raise EntryError(faults)
+        return value
+
+    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+        """The value, or what of it could be read, and every fault."""
+        try:
+            return self.coerce(raw), []
+        except EntryError as error:
+            return self.absent, error.faults
+
+    @property
+    def absent(self) -> Any:
+        """What is stored where nothing is said."""
+        return None
+
+    @property
+    def may_be_empty(self) -> bool:
+        """Whether the entry may be written without a value."""
+        return False
+
+    @property
+    def example(self) -> str:
+        """What to write, for the message that the entry is missing."""
+        return self.description
+
+    def plain(self, value: Any) -> Any:
+        """The value as a file holds it."""
+        return value
+
+    def schema(self) -> Schema:
+        """JSON Schema of the value."""
+        raise NotImplementedError
+
+    def definitions(self) -> Schema:
+        """What the schema refers to, by name."""
+        return {}
+
+    def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
+        """(path, expression, dimension name) of every expression in the value, for the checks."""
+        del value
+        return ()
+
+
+def reference(name: str) -> Schema:
+    """JSON Schema that refers to a definition."""
+    return {"$ref": f"#/$defs/{name}"}
+
+
+def under(key: str | int, spec: Spec, raw: Any) -> Any:
+    """The value of a part of an entry; its faults get the key of that part."""
+    try:
+        return spec.coerce(raw)
+    except EntryError as error:
+        raise EntryError([fault.under(key) for fault in error.faults]) from None
+
+
+def spec_of(declared: Field[Any]) -> Spec:
+    """The specification in a dataclass field's metadata."""
+    spec = declared.metadata["spec"]
+    if not isinstance(spec, Spec):
+        msg = f"field {declared.name} has no specification"
+        raise TypeError(msg)
+    return spec
+
+
+def entry(spec: Spec, default: Any = MISSING, *, kw_only: Any = MISSING, must: bool = False) -> Any:
+    """Dataclass field described by ``spec``; without ``default``, or with ``must``, a file has to give it."""
+    metadata = {"spec": spec, "must": must or default is MISSING}
+    if default is MISSING:
+        return field(metadata=metadata, kw_only=kw_only)
+    return field(default=default, metadata=metadata, kw_only=kw_only)

@@ -1,0 +1,95 @@
+"""Entries that are words, whole numbers, yes or no."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from numbers import Integral
+from typing import Any
+
+from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.errors import did_you_mean
+
+NAME_SCHEMA: Schema = {"pattern": "^[A-Za-z][A-Za-z0-9_]*$"}
+
+
+def name_fault(name: str) -> str | None:
+    """Why ``name`` can be no name of a node, an element, an input or a sensor; or None."""
+    if name.isidentifier() and name.isascii() and not name.startswith("_"):
+        return None
+    return f'"{name}" is no name; use letters, digits and _, beginning with a letter'
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Text(Spec):
+    """Free text."""
+
+    def coerce(self, raw: Any) -> str:
+        if not isinstance(raw, str):
+            msg = f"expected text, got {raw!r}"
+            raise EntryError(msg)
+        return raw
+
+    def schema(self) -> Schema:
+        return {"type": "string", "description": self.description}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ModelName(Spec):
+    """A model by its name in the library, or by its file."""
+
+    def coerce(self, raw: Any) -> str:
+        if not isinstance(raw, str):
+            msg = f"expected the name of a library model or the path of a model file, got {raw!r}"
+            raise EntryError(msg)
+        return raw
+
+    def schema(self) -> Schema:
+        return {"type": "string", "description": self.description}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class OneOf(Spec):
+    """One word out of a few."""
+
+    options: tuple[str, ...]
+
+    def coerce(self, raw: Any) -> str:
+        if raw not in self.options:
+            hint = did_you_mean(raw, self.options) if isinstance(raw, str) else ""
+            msg = f"expected {' or '.join(self.options)}, got {raw!r}{hint}"
+            raise EntryError(msg)
+        return str(raw)
+
+    def schema(self) -> Schema:
+        return {"enum": list(self.options), "description": self.description}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Count(Spec):
+    """A whole number in a range."""
+
+    lower: int = 1
+    upper: int = 1000
+
+    def coerce(self, raw: Any) -> int:
+        if isinstance(raw, bool) or not isinstance(raw, Integral) or not self.lower <= int(raw) <= self.upper:
+            msg = f"expected a whole number from {self.lower} to {self.upper}, got {raw!r}"
+            raise EntryError(msg)
+        return int(raw)
+
+    def schema(self) -> Schema:
+        return {"type": "integer", "minimum": self.lower, "maximum": self.upper, "description": self.description}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Flag(Spec):
+    """true or false."""
+
+    def coerce(self, raw: Any) -> bool:
+        if not isinstance(raw, bool):
+            msg = f"expected true or false, got {raw!r}"
+            raise EntryError(msg)
+        return raw
+
+    def schema(self) -> Schema:
+        return {"type": "boolean", "description": self.description}

@@ -1,0 +1,32 @@
+"""The file of a test bench: the model it names, and the test this is put to."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from torsionnet.core.entries.composite import Nested
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.format_version import KEY
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import ModelName, Text
+from torsionnet.model.bench.plan import Plan
+from torsionnet.model.report.report_plan import ConfigurationName
+
+_PLAN = Nested("a virtual test: excitation, exciter, sensors, data acquisition", lambda: Plan, "bench")
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchFile(Declared):
+    """A test bench that names its model."""
+
+    kind: ClassVar[str] = "bench file"
+    article: ClassVar[str] = "a bench file"
+    head: ClassVar[tuple[str, ...]] = (KEY,)
+
+    name: str = entry(Text("title of the test"), "")
+    source: str = entry(Text("where the numbers come from"), "")
+    description: str = entry(Text("what the test is"), "")
+    model: str = entry(ModelName("name of a library model, or path of a model file from the folder of this file"))
+    configuration: str | None = entry(ConfigurationName("configuration in which the model is tested"), None)
+    bench: Plan = entry(_PLAN)

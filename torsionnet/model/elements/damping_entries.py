@@ -1,0 +1,101 @@
+"""Entries that say how much damping there is: a coefficient, or a measure of damping."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.core.damping import MEASURES, DampingMeasure
+from torsionnet.core.entries.scalars import SCALAR_SCHEMA, PhysicalQuantity, plain_scalar, read_scalar
+from torsionnet.core.entries.spec import EntryError, Schema
+from torsionnet.core.errors import Fault, Path, did_you_mean
+from torsionnet.core.expressions import Expression
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class DampingQuantity(PhysicalQuantity):
+    """A viscous coefficient, or a damping measure at a stated frequency: ``{zeta: 0.02, at: 12 Hz}``."""
+
+    def coerce(self, raw: Any) -> Expression | DampingMeasure:
+        if isinstance(raw, DampingMeasure):
+            return raw
+        if isinstance(raw, Mapping):
+            return self._measure(raw)
+        return read_scalar(raw, self.dimension)
+
+    def _measure(self, raw: Mapping[str, Any]) -> DampingMeasure:
+        given = [key for key in raw if key != "at"]
+        for key in given:
+            if key not in MEASURES:
+                msg = (
+                    f'"{key}" is no measure of damping{did_you_mean(str(key), MEASURES)}; known: {", ".join(MEASURES)}'
+                )
+                raise EntryError(Fault(msg, (key,), on_key=True))
+        if len(given) != 1:
+            msg = f"give one measure of damping ({', '.join(MEASURES)}) and at: the frequency where it holds"
+            raise EntryError(msg)
+        measure = given[0]
+        if "at" not in raw and measure != "c":
+            msg = f"{measure} gives a viscous coefficient only at a stated frequency; add at: 12 Hz"
+            raise EntryError(msg)
+        value = _within(raw[measure], "damping" if measure == "c" else "1", measure)
+        at = _within(raw["at"], "frequency", "at") if "at" in raw else None
+        return DampingMeasure(measure, value, at)
+
+    def plain(self, value: Any) -> Any:
+        if not isinstance(value, DampingMeasure):
+            return plain_scalar(value)
+        at = {} if value.at is None else {"at": plain_scalar(value.at)}
+        return {value.measure: plain_scalar(value.value), **at}
+
+    def schema(self) -> Schema:
+        keys = {**dict.fromkeys(MEASURES, SCALAR_SCHEMA), "at": SCALAR_SCHEMA}
+        measure = {"type": "object", "properties": keys, "additionalProperties": False, "minProperties": 1}
+        return {"anyOf": [SCALAR_SCHEMA, measure], "description": f"{self.description} [N*m*s/rad]"}
+
+    def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
+        if not isinstance(value, DampingMeasure):
+            return (((), value, self.dimension),)
+        entries: list[tuple[Path, Expression, str]] = [
+            ((value.measure,), value.value, "damping" if value.measure == "c" else "1")
+        ]
+        if value.at is not None:
+            entries.append((("at",), value.at, "frequency"))
+        return tuple(entries)
+
+
+def _within(raw: Any, dimension: str, key: str) -> Expression:
+    try:
+        return read_scalar(raw, dimension)
+    except EntryError as error:
+        raise EntryError(error.fault.under(key)) from None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LossFactor(PhysicalQuantity):
+    """A loss factor eta, or any frequency-free measure of damping: ``{zeta: 0.05}``, ``{psi: 0.6}``."""
+
+    def coerce(self, raw: Any) -> Expression | DampingMeasure:
+        if isinstance(raw, DampingMeasure):
+            return raw
+        if not isinstance(raw, Mapping):
+            return read_scalar(raw, self.dimension)
+        known = [name for name in MEASURES if name != "c"]
+        if len(raw) != 1 or next(iter(raw)) not in known:
+            msg = f"give a loss factor, or one measure of damping out of {', '.join(known)}"
+            raise EntryError(msg)
+        measure = next(iter(raw))
+        return DampingMeasure(measure, _within(raw[measure], "1", measure), None)
+
+    plain = DampingQuantity.plain
+
+    def schema(self) -> Schema:
+        keys = {name: SCALAR_SCHEMA for name in MEASURES if name != "c"}
+        measure = {"type": "object", "properties": keys, "additionalProperties": False, "minProperties": 1}
+        return {"anyOf": [SCALAR_SCHEMA, measure], "description": self.description}
+
+    def expressions(self, value: Any) -> tuple[tuple[Path, Expression, str], ...]:
+        if isinstance(value, DampingMeasure):
+            return (((value.measure,), value.value, "1"),)
+        return (((), value, "1"),)

@@ -1,0 +1,72 @@
+"""Entries that name the nodes an element is attached to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.entries.words import name_fault
+from torsionnet.model.elements.laws import GROUND
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NodeName(Spec):
+    """The node an element's port is attached to."""
+
+    allow_ground: bool = True
+
+    def coerce(self, raw: Any) -> str:
+        return read_node(raw, allow_ground=self.allow_ground)
+
+    def schema(self) -> Schema:
+        return {"type": "string", "description": self.description}
+
+
+def read_node(raw: Any, *, allow_ground: bool = True) -> str:
+    if not isinstance(raw, str) or not raw:
+        msg = f"expected the name of a node, got {raw!r}"
+        raise EntryError(msg)
+    fault = name_fault(raw)
+    if fault:
+        raise EntryError(fault)
+    if raw == GROUND and not allow_ground:
+        msg = "ground does not move; attach this to a node"
+        raise EntryError(msg)
+    return raw
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NodePair(Spec):
+    """Two nodes; the first defines the sign of the element's twist and torque."""
+
+    def coerce(self, raw: Any) -> tuple[str, str]:
+        if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:  # noqa: PLR2004
+            shown = "nothing" if raw is None else repr(raw)
+            msg = f"expected two nodes [first, second], got {shown}"
+            raise EntryError(msg)
+        names = tuple(self._one(entry, index) for index, entry in enumerate(raw))
+        if names[0] == names[1]:
+            msg = f'both ends are on node "{names[0]}"; the element would do nothing'
+            raise EntryError(msg, (1,))
+        return (names[0], names[1])
+
+    @staticmethod
+    def _one(entry: Any, index: int) -> str:
+        try:
+            return read_node(entry)
+        except EntryError as error:
+            raise EntryError(error.fault.under(index)) from None
+
+    def plain(self, value: Any) -> Any:
+        return list(value)
+
+    def schema(self) -> Schema:
+        return {
+            "type": "array",
+            "items": {"type": "string"},
+            "minItems": 2,
+            "maxItems": 2,
+            "description": self.description,
+        }

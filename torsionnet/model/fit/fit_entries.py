@@ -1,0 +1,134 @@
+"""The entries of a fit file: model, measurements, parameters, settings."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.band import Band, Bands
+from torsionnet.core.entries.composite import Named, Nested, PairOf
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.format_version import KEY
+from torsionnet.core.entries.scalars import AnyNumber, Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count, Flag, ModelName, OneOf, Text
+from torsionnet.core.errors import Fault
+
+RANGES = ("band", "from", "to", "start", "stop", "low", "high", "frequencies")
+"""What a range of frequencies may be looked for as; it belongs to a measurement."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitSettings(Declared):
+    """How records are averaged; what is not said follows from the record."""
+
+    kind: ClassVar[str] = "settings"
+    article: ClassVar[str] = "the section settings"
+
+    preset: str | None = entry(OneOf("the settings of Galvagno et al. (2015)", ("paper",)), None)
+    window: str | None = entry(Text("name of a window"), None)
+    seconds: float | None = entry(Value("length of a segment", "time", exclusive=True), None)
+    overlap: float | None = entry(Value("share of a segment that the next one repeats", "1"), None)
+    detrend: str | None = entry(Text("mean, linear or none"), None)
+    estimator: str | None = entry(Text("H1, H2 or Hr; by default Hr where there is a set-point, else H1"), None)
+    decimation: int | None = entry(
+        Count("keep every n-th sample; by default as many as the band needs", upper=100_000), None
+    )
+
+    @classmethod
+    def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:
+        where = "frequencies are chosen in each measurement, as band: [0.5 Hz, 20 Hz]"
+        return [
+            replace(fault, message=f'unknown key "{fault.about}"; {where}') if fault.about in RANGES else fault
+            for fault in super().key_faults(raw, name)
+        ]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitMeasurement(Declared):
+    """One test: a record of signals, or a response already estimated."""
+
+    kind: ClassVar[str] = "measurement"
+    article: ClassVar[str] = "a measurement"
+    form: ClassVar[str] = "{record: FILE, output: ..., input: ...}"
+
+    record: str | None = entry(Text("file of signals, from the folder of this file"), None)
+    response: str | None = entry(Text("instead of a record: file of a response already estimated"), None)
+    output: str = entry(Text("channel"))
+    input: str = entry(Text("channel"))
+    configuration: str = entry(Text("of the model; by default the name of the measurement if that is one"), "")
+    model_output: str = entry(Text("sensor of the model, if it has another name there"), "")
+    model_input: str = entry(Text("input or sensor of the model, if it has another name there"), "")
+    excitation: str | None = entry(Text("what drives the model, if it has several inputs"), None)
+    band: tuple[float, float] | None = entry(Band("frequencies that are compared", from_zero=True), None)
+    excluded: tuple[tuple[float, float], ...] = entry(Bands("bands that are left out"), None)
+    delay: bool = entry(Flag("find a delay of the output's channel along"), False)
+    gain: bool = entry(Flag("find a gain of the output's channel along"), False)
+    reference: str = entry(Text("channel of the set-point; by default the model's input with _set"), "")
+    settling: float = entry(Value("time at the start that is left out", "time"), 0.0)
+    error: float | None = entry(
+        Value("relative standard error of a response, instead of its coherence", "1", exclusive=True), None
+    )
+    pulses: Mapping[str, float] = entry(
+        Named(
+            "channels that are pulse trains, with their pulses per revolution",
+            Value("pulses per revolution", "1", exclusive=True),
+            form="the steps per revolution of channels, {n1: 60}",
+        ),
+        None,
+    )
+
+    def contradictions(self) -> list[Fault]:
+        if (self.record is None) != (self.response is None):
+            return []
+        text = f"a measurement needs either record or response: {dict(self.specs())['record'].description}"
+        return [Fault(text, on_key=True, kind="missing key", about="record")]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitParameter(Declared):
+    """A parameter to be found."""
+
+    kind: ClassVar[str] = "parameter"
+    article: ClassVar[str] = "a parameter"
+
+    start: float | None = entry(AnyNumber("where the search begins; by default the value in the model"), None)
+    bounds: tuple[float, float] | None = entry(PairOf("limits of the search", AnyNumber("limit")), None)
+    prior: tuple[float, float] | None = entry(
+        PairOf("mean and standard deviation known from elsewhere", AnyNumber("value")), None
+    )
+    per_configuration: bool = entry(Flag("whether every measurement finds a value of its own"), False)
+
+
+class ParameterTable(Named):
+    """Parameters by name, or their names alone."""
+
+    def read(self, raw: Any) -> tuple[dict[str, Any], list[Fault]]:
+        return super().read(dict.fromkeys(raw) if isinstance(raw, list) and raw else raw)
+
+
+_PARAMETER = Nested("a parameter to be found", lambda: FitParameter, "unknown", shorthand="start", optional=True)
+_MEASUREMENT = Nested("one test", lambda: FitMeasurement, "measurement")
+_SETTINGS = Nested("how records are averaged", lambda: FitSettings, "settings", optional=True)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FitFile(Declared):
+    """A fit of parameters of a model to tests."""
+
+    kind: ClassVar[str] = "fit"
+    article: ClassVar[str] = "a fit"
+    head: ClassVar[tuple[str, ...]] = (KEY,)
+
+    name: str = entry(Text("title of the fit"), "")
+    model: str = entry(ModelName("name of a library model, or path of a model file from the folder of this file"))
+    parameters: Mapping[str, FitParameter | None] = entry(
+        ParameterTable("the parameters to be found, by name", _PARAMETER, fewest=1)
+    )
+    measurements: Mapping[str, FitMeasurement] = entry(Named("the tests, by name", _MEASUREMENT, fewest=1))
+    settings: FitSettings | None = entry(_SETTINGS, None)
+    residual: str | None = entry(Text("how test and model are compared: complex, log or magnitude"), None)
+    loss: str | None = entry(Text("linear, or a robust loss: huber, soft_l1, cauchy"), None)
+    starts: int | None = entry(Count("how many searches begin, at different values", upper=1000), None)
+    true: Mapping[str, float] = entry(Named("true values, where they are known", AnyNumber("value")), None)

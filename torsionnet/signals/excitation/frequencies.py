@@ -1,0 +1,63 @@
+"""The frequencies of a stepped sine, also as an entry."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, plain_number
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, under
+from torsionnet.core.entries.words import Count
+from torsionnet.core.errors import UsageError
+
+_FREQUENCY = Value("frequency", "frequency")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Frequencies(Spec):
+    """A list of frequencies, or ``{from: 1 Hz, to: 40 Hz, count: 60}`` at equal factors."""
+
+    def coerce(self, raw: Any) -> tuple[float, ...]:
+        if isinstance(raw, Mapping):
+            return self._between(raw)
+        if isinstance(raw, str) or not hasattr(raw, "__iter__"):
+            msg = f"expected a list of frequencies or {{from: 1 Hz, to: 40 Hz, count: 60}}, got {raw!r}"
+            raise EntryError(msg)
+        return tuple(under(index, _FREQUENCY, value) for index, value in enumerate(raw))
+
+    def _between(self, raw: Mapping[str, Any]) -> tuple[float, ...]:
+        specs: dict[str, Spec] = {"from": _FREQUENCY, "to": _FREQUENCY, "count": Count("", lower=2, upper=100_000)}
+        if raw.keys() != specs.keys():
+            msg = f"expected from, to and count, got {', '.join(map(str, raw)) or 'nothing'}"
+            raise EntryError(msg)
+        start, stop, count = (under(key, spec, raw[key]) for key, spec in specs.items())
+        try:
+            return steps_between(start, stop, count)
+        except UsageError as error:
+            raise EntryError(str(error)) from None
+
+    def plain(self, value: Any) -> Any:
+        return [plain_number(frequency) for frequency in value]
+
+    def schema(self) -> Schema:
+        listed = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 1}
+        keys = {"from": SCALAR_SCHEMA, "to": SCALAR_SCHEMA, "count": {"type": "integer", "minimum": 2}}
+        between = {"type": "object", "properties": keys, "required": list(keys), "additionalProperties": False}
+        return {"anyOf": [listed, between], "description": self.description}
+
+
+def steps_between(start: float, stop: float, count: int) -> tuple[float, ...]:
+    """So many frequencies in Hz at equal factors, for a stepped sine.
+
+    Examples
+    --------
+    >>> steps_between(1, 100, 3)
+    (1.0, 10.0, 100.0)
+    """
+    if not (0 < start < stop and count > 1):
+        msg = f"steps go from a frequency > 0 to a higher one, at least two: got {start}, {stop}, {count}"
+        raise UsageError(msg)
+    return tuple(np.geomspace(start, stop, count).tolist())
