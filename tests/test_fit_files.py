@@ -6,6 +6,9 @@ import pytest
 import torsionnet as tn
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.identification.fit_file import load_fit_plan
+from torsionnet.model.files.located import compose
+from torsionnet.model.files.model_schema import file_schema
+from torsionnet.model.fit import FitFile
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.signals import Recording, Signal, Welch, write_recording
 
@@ -166,3 +169,14 @@ def test_missing(plan, key):
 def test_no_file(tmp_path):
     with pytest.raises(UsageError, match="cannot be read: No such file"):
         load_fit_plan(tmp_path / "none.yaml", lambda _: RESPONSE)
+
+
+def test_the_schema_of_fit_files_takes_what_is_read():
+    jsonschema = pytest.importorskip("jsonschema")
+    validator = jsonschema.Draft202012Validator(file_schema(FitFile))
+    sound = compose(FIT, "fit.yaml").data
+    assert [error.message for error in validator.iter_errors(sound)] == []
+    assert [error.message for error in validator.iter_errors({**sound, "parameters": ["k", "c"]})] == []
+    assert [error.message for error in validator.iter_errors({**sound, "parameters": {"k": None, "c": "3 N*m*s/rad"}})] == []
+    for wrong in ({**sound, "model": 3}, {**sound, "parameters": []}, {**sound, "settings": {"secnds": 1}}, {"torsionnet": 1}):
+        assert list(validator.iter_errors(wrong)) != []

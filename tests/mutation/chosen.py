@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 PACKAGES = tuple(
-    f"torsionnet/{name}" for name in ("solve", "assembly", "response", "signals", "modal", "identification")
+    f"torsionnet/{name}" for name in ("solve", "assembly", "response", "signals", "modal", "identification", "io/records")
 )
 
 ALWAYS = ("test_small_parts",)
@@ -39,6 +39,7 @@ CHOSEN: dict[str, tuple[str, ...]] = {
     "torsionnet/assembly/symbolic": ("test_symbolic", "test_symbolic_frf", "test_closed_forms"),
     "torsionnet/assembly/law_stiffness": (*RESPONSES, "test_damping"),
     "torsionnet/assembly": (*RESPONSES, "test_paper", "test_modes"),
+    "torsionnet/response/recording": RECORDS,
     "torsionnet/response": ("test_results", "test_response", "test_modes", "test_transfer", "test_variants"),
     "torsionnet/signals/excitation": ("test_excitation",),
     "torsionnet/io/records": ("test_recordings",),
@@ -55,7 +56,6 @@ CHOSEN: dict[str, tuple[str, ...]] = {
     "torsionnet/signals/harmonics": (*RECORDS, "test_bench"),
     "torsionnet/signals/orders": RECORDS,
     "torsionnet/signals/pulses": RECORDS,
-    "torsionnet/response/recording": RECORDS,
     "torsionnet/signals/resampling": RECORDS,
     "torsionnet/signals/spectrogram": RECORDS,
     "torsionnet/signals/spikes": RECORDS,

@@ -22,7 +22,7 @@ class ResponseChoice:
     Examples
     --------
     >>> read_pair("torque(gearbox, output_shaft)/T_M")
-    Pair(output='torque(gearbox, output_shaft)', input='T_M')
+    ResponseChoice(output='torque(gearbox, output_shaft)', input='T_M')
     """
 
     output: str

@@ -48,7 +48,7 @@ class NumberText:
 
     Examples
     --------
-    >>> Number(0.46).mantissa, Number(13300.0).mantissa, Number(1.106e6).mantissa, Number(1.106e6).exponent
+    >>> NumberText(0.46).mantissa, NumberText(13300.0).mantissa, NumberText(1.106e6).mantissa, NumberText(1.106e6).exponent
     ('0.46', '13300', '1.106', 6)
     """
 

@@ -32,8 +32,8 @@ def alike(rows: Sequence[tuple[Cell, ...]]) -> tuple[tuple[Cell, ...], ...]:
 
     Examples
     --------
-    >>> alike([("dry", Number(1.0)), ("wet", Number(1.0)), ("warm", Number(2.0))])
-    (('dry, wet', Number(value=1.0, digits=4, decimals=None)), ('warm', Number(value=2.0, digits=4, decimals=None)))
+    >>> alike([("dry", NumberText(1.0)), ("wet", NumberText(1.0)), ("warm", NumberText(2.0))])
+    (('dry, wet', NumberText(value=1.0, digits=4, decimals=None)), ('warm', NumberText(value=2.0, digits=4, decimals=None)))
     """
     found: list[tuple[Cell, ...]] = []
     for row in rows:

@@ -2,9 +2,9 @@
 
 >>> import numpy as np
 >>> from torsionnet.assembly.law_stiffness import LawStiffness
->>> from torsionnet.solve.response_problem import Excitation, Problem
+>>> from torsionnet.solve.response_problem import Loading, ResponseProblem
 >>> rows = [{0: 1.0}, {1: 1.0}, {0: 1.0, 1: -1.0}]
->>> free = Problem(rows, 2, (Excitation(load={0: 1.0}),), ({1: 1.0}, {0: 1.0, 1: -1.0}))
+>>> free = ResponseProblem(rows, 2, (Loading(load={0: 1.0}),), ({1: 1.0}, {0: 1.0, 1: -1.0}))
 >>> J, c, k = (np.array([values]) for values in ([1.0, 3.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, 1e9]))
 >>> motion = respond(free, LawStiffness(J, c, k, omega=np.array([1e-3]))).values
 >>> [f"{value.real:.12g}" for value in motion[:, 0, 0]]

@@ -40,7 +40,7 @@ class PolynomialInS:
 
     Examples
     --------
-    >>> (Polynomial((1, 2)) * Polynomial((0, 3)) + Polynomial((1,))).coefficients
+    >>> (PolynomialInS((1, 2)) * PolynomialInS((0, 3)) + PolynomialInS((1,))).coefficients
     (1, 3, 6)
     """
 

@@ -122,7 +122,7 @@ class NumberTape:
 
     Examples
     --------
-    >>> tape = Tape()
+    >>> tape = NumberTape()
     >>> k = tape.parameter("k", Fraction(3))
     >>> k * 2 - 2 * k == 0, len(tape.settled)
     (True, 0)

@@ -11,7 +11,7 @@ from torsionnet.core.entries.composite import Named, Nested, PairOf
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.format_version import KEY
 from torsionnet.core.entries.scalars import AnyNumber, Value
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.spec import Schema, entry
 from torsionnet.core.entries.words import Count, Flag, ModelName, OneOf, Text
 from torsionnet.core.errors import Fault
 
@@ -106,6 +106,10 @@ class ParameterTable(Named):
 
     def read(self, raw: Any) -> tuple[dict[str, Any], list[Fault]]:
         return super().read(dict.fromkeys(raw) if isinstance(raw, list) and raw else raw)
+
+    def schema(self) -> Schema:
+        names = {"type": "array", "items": {"type": "string"}, "minItems": 1}
+        return {"description": self.description, "anyOf": [super().schema(), names]}
 
 
 _PARAMETER = Nested("a parameter to be found", lambda: FitParameter, "unknown", shorthand="start", optional=True)
