@@ -177,6 +177,13 @@ def test_the_schema_of_fit_files_takes_what_is_read():
     sound = compose(FIT, "fit.yaml").data
     assert [error.message for error in validator.iter_errors(sound)] == []
     assert [error.message for error in validator.iter_errors({**sound, "parameters": ["k", "c"]})] == []
-    assert [error.message for error in validator.iter_errors({**sound, "parameters": {"k": None, "c": "3 N*m*s/rad"}})] == []
-    for wrong in ({**sound, "model": 3}, {**sound, "parameters": []}, {**sound, "settings": {"secnds": 1}}, {"torsionnet": 1}):
+    assert [
+        error.message for error in validator.iter_errors({**sound, "parameters": {"k": None, "c": "3 N*m*s/rad"}})
+    ] == []
+    for wrong in (
+        {**sound, "model": 3},
+        {**sound, "parameters": []},
+        {**sound, "settings": {"secnds": 1}},
+        {"torsionnet": 1},
+    ):
         assert list(validator.iter_errors(wrong)) != []

@@ -49,7 +49,7 @@ def problem_of(system, loads, rows):
 
 
 def solved(respond, system, kappa, loads, rows):
-    """(n_lanes, n_rows, n_exc) for dynamic stiffnesses (n_lanes, n_laws)."""
+    """(n_points, n_rows, n_exc) for dynamic stiffnesses (n_points, n_laws)."""
     return np.moveaxis(respond(problem_of(system, loads, rows), sampled_stiffness(kappa)).values, 2, 0)
 
 
@@ -387,7 +387,7 @@ def test_configured_copy_shares_what_rows_alone_decide(changes, shared):
     first.frequency_response(*asked)
     copy, fresh = first.configured(**changes), tn.load("amt_rig").configured(**changes)
     assert copy.frequency_response(*asked).values == pytest.approx(fresh.frequency_response(*asked).values, rel=1e-14)
-    assert (copy.assembly.system.plans is first.assembly.system.plans) is shared
+    assert (copy.assembly.system.memo is first.assembly.system.memo) is shared
 
 
 rows_strategy = st.dictionaries(st.integers(0, 5), st.floats(0.1, 10).map(lambda x: x - 5.05), min_size=1, max_size=5)

@@ -76,7 +76,7 @@ def test_blocks_hold_every_lane_once():
     kappa = law_stiffness([system] * 3, np.arange(10.0))
     for size in (1, 4, 10, 25, 100):
         blocks = list(kappa.blocks(size))
-        assert max(block.n_lanes for block in blocks) <= max(size, 1)
+        assert max(block.n_points for block in blocks) <= max(size, 1)
         assert np.array_equal(np.concatenate([block.by_law for block in blocks], axis=1), kappa.by_law)
 
 

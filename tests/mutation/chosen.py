@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 PACKAGES = tuple(
-    f"torsionnet/{name}" for name in ("solve", "assembly", "response", "signals", "modal", "identification", "io/records")
+    f"torsionnet/{name}"
+    for name in ("solve", "assembly", "response", "signals", "modal", "identification", "io/records")
 )
 
 ALWAYS = ("test_small_parts",)

@@ -103,7 +103,7 @@ class Functional:
 
 
 def coefficient(term: Term, kappa: LawStiffness) -> ComplexArray:
-    """What the motion of a term is multiplied with, shape (n_lanes,)."""
+    """What the motion of a term is multiplied with, shape (n_points,)."""
     return np.asarray(float(term.factor) * (kappa.s**term.power if term.law is None else kappa.of(term.law)))
 
 

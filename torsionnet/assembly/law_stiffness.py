@@ -1,6 +1,6 @@
 """Dynamic stiffness of every law over frequency, and over variants of the parameters.
 
-Solvers work on lanes: one lane is one frequency of one variant, all frequencies of the first variant first.
+Solvers work on points: one point is one frequency of one variant, all frequencies of the first variant first.
 """
 
 from __future__ import annotations
@@ -40,17 +40,17 @@ class LawStiffness:
         return int(self.stiffness.shape[1])
 
     @property
-    def n_lanes(self) -> int:
+    def n_points(self) -> int:
         return len(self.stiffness) * len(self.omega)
 
     @property
     def s(self) -> ComplexArray:
-        """Of every lane, rad/s."""
+        """Of every point, rad/s."""
         s: ComplexArray = np.asarray(1j * self.omega, dtype=np.complex128)
         return s if len(self.stiffness) == 1 else np.tile(s, len(self.stiffness))
 
     def of(self, law: int) -> ComplexArray:
-        """Dynamic stiffness of one law, shape (n_lanes,), N m/rad."""
+        """Dynamic stiffness of one law, shape (n_points,), N m/rad."""
         return np.asarray(self.only([law]).by_law[0])
 
     def only(self, laws: Sequence[int]) -> LawStiffness:
@@ -62,7 +62,7 @@ class LawStiffness:
 
     @property
     def by_law(self) -> ComplexArray:
-        """Of every law, shape (n_laws, n_lanes): the lanes of a law lie next to each other."""
+        """Of every law, shape (n_laws, n_points): the points of a law lie next to each other."""
         kappa = np.empty((self.n_laws, len(self.stiffness), len(self.omega)), dtype=complex)
         J, c, k = (np.ascontiguousarray(part.T)[:, :, None] for part in (self.inertia, self.damping, self.stiffness))
         np.multiply(J, -(self.omega * self.omega), out=kappa.real)
@@ -70,12 +70,12 @@ class LawStiffness:
         np.multiply(c, self.omega, out=kappa.imag)
         for law, values in self.sampled:
             kappa[law] += values
-        return kappa.reshape(self.n_laws, self.n_lanes)
+        return kappa.reshape(self.n_laws, self.n_points)
 
-    def at(self, lanes: NDArray[np.intp]) -> LawStiffness:
-        """Some lanes, as frequencies of one variant."""
-        some = replace(self, omega=self.omega[lanes % len(self.omega)])
-        return some.sampled_as(self.by_law[:, lanes])
+    def at(self, points: NDArray[np.intp]) -> LawStiffness:
+        """Some points, as frequencies of one variant."""
+        some = replace(self, omega=self.omega[points % len(self.omega)])
+        return some.sampled_as(self.by_law[:, points])
 
     def sampled_as(self, values: ComplexArray) -> LawStiffness:
         """At the same frequencies of one variant, but with stiffnesses (n_laws, n_f) of any values."""
@@ -147,14 +147,14 @@ class LawStiffness:
                 imag += self._samples[law].imag
 
     def inertial(self, law: int) -> FloatArray | None:
-        """J omega^2 of a law (n_lanes,) where a stiffness acts against it; else None."""
+        """J omega^2 of a law (n_points,) where a stiffness acts against it; else None."""
         J, _, k = self._columns[law]
         if J is None or (k is None and law not in self._samples):
             return None
         return np.asarray(np.broadcast_to(-self._squares * J, (len(self.stiffness), len(self.omega))).ravel())
 
     def blocks(self, size: int) -> Iterator[LawStiffness]:
-        """Parts of at most ``size`` lanes that follow each other: several variants, or frequencies of one."""
+        """Parts of at most ``size`` points that follow each other: several variants, or frequencies of one."""
         n_f = len(self.omega)
         together = max(1, size // max(1, n_f))
         for first in range(0, len(self.stiffness), together):
@@ -182,7 +182,7 @@ def law_stiffness(systems: Sequence[RowSystem], omega: FloatArray) -> LawStiffne
     >>> rig = tn.load("dmf_rig")
     >>> soft = rig.configured(k_2=100)
     >>> kappa = law_stiffness([rig.assembly.system, soft.assembly.system], np.array([0.0, 1.0]))
-    >>> kappa.n_lanes
+    >>> kappa.n_points
     4
     """
     J = np.array([system.inertia for system in systems])

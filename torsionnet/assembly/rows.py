@@ -18,6 +18,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.core.memo import Memo
+
 FloatArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
 
@@ -100,7 +102,7 @@ class RowSystem:
         J in kg m^2, c in N m s/rad, k in N m/rad of each law; all >= 0.
     dynamic : tuple of (law index, kappa)
         Laws that also have a frequency-dependent complex stiffness kappa(omega), omega >= 0.
-    plans : dict
+    memo : Memo
         What solvers have worked out from the rows alone; systems with the same rows share it.
     """
 
@@ -109,7 +111,7 @@ class RowSystem:
     damping: FloatArray
     stiffness: FloatArray
     dynamic: tuple[tuple[int, DynamicStiffness], ...] = ()
-    plans: dict[Any, Any] = field(default_factory=dict, compare=False, repr=False)
+    memo: Memo = field(default_factory=Memo, compare=False, repr=False)
 
     def __post_init__(self) -> None:
         for array in (self.inertia, self.damping, self.stiffness):

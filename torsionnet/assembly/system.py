@@ -128,7 +128,7 @@ def assemble(
     laws = [(owner, law) for owner, law in kinematics.laws if law.acts]
     if like is not None and _same_rows(kinematics, like.kinematics):
         shared = like.system
-        system = RowSystem(shared.law_rows, *_coefficients(laws), plans=shared.plans)
+        system = RowSystem(shared.law_rows, *_coefficients(laws), memo=shared.memo)
         return replace(like, kinematics=kinematics, system=system)
     coordinates, imposed = _columns(kinematics)
     in_floats = kinematics.reduction.in_floats

@@ -117,8 +117,8 @@ def command(
     shown = Shown(Conventions(angle=angle, frequency=frequency_unit), decibels)
     sampling = Sampling(start, stop, points, logarithmic, listed)
     frequencies = sampling.frequencies(cases, shown.conventions.frequency_scale)
-    question = FrfRequest(outputs, inputs, excitations, quantity)
-    cases, solvers, responses = _answered(question, cases, frequencies)
+    request = FrfRequest(outputs, inputs, excitations, quantity)
+    cases, solvers, responses = _answered(request, cases, frequencies)
     picture = _picture(responses, shown) if plot_file else None  # refuses unlike units before anything is printed
     if csv_file:
         tables = [full_table(response, shown) for response in responses]
@@ -140,13 +140,13 @@ def command(
 
 
 def _answered(
-    question: FrfRequest, cases: list[ConfiguredCase], frequencies: FloatArray
+    request: FrfRequest, cases: list[ConfiguredCase], frequencies: FloatArray
 ) -> tuple[list[ConfiguredCase], list[Solver], list[FrequencyResponse]]:
     """The cases that have what is asked for; the others are named, unless there is none."""
     found: list[tuple[ConfiguredCase, Solver, FrequencyResponse]] = []
     refusals: dict[str, UsageError] = {}
     for case in cases:
-        solve = question.solver(case)
+        solve = request.solver(case)
         try:
             found.append((case, solve, solve(frequencies)))
         except UsageError as error:

@@ -89,8 +89,8 @@ def command(
     target = Path(output_file or f"{'model' if model == STANDARD_INPUT else Path(model).stem}.html")
     write = writer_for(target)
     rig = load_model(model)
-    outline = rig.definition.report
-    compared = _band("--record-band", record_band) or _band("--band", band) or (outline.band if outline else None)
+    plan = rig.definition.report
+    compared = _band("--record-band", record_band) or _band("--band", band) or (plan.band if plan else None)
     averaging = Averaging(preset=preset, seconds=seconds)
     named = () if EVERY in configurations and EVERY not in rig.configurations else configurations
     fits = [_fit(name) for name in texts.pop("fits")]

@@ -137,7 +137,7 @@ def _compared(problem: FitProblem, number: int, values: FloatArray) -> Compared:
         fitted=predicted,
         deviation=np.hypot(size[:count], size[count:]) / np.sqrt(2),
         misfit=float(np.sqrt(np.mean(residual**2))),
-        unit=_response_unit(block.response.question.outputs[0].unit, block.response.question.measured[0].unit),
+        unit=_response_unit(block.response.request.outputs[0].unit, block.response.request.measured[0].unit),
         has_phase=isinstance(block.measurement.data, Recording) or block.measurement.data.has_phase,
     )
 

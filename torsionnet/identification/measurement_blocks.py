@@ -124,7 +124,7 @@ def _response(
 ) -> ParametricResponse:
     output, into = measurement.model_output or measurement.output, measurement.model_input or measurement.input
     response = parametric_response(rig, output, into, frequencies, parameters, excitation=measurement.excitation)
-    theirs = (response.question.outputs[0].unit, response.question.measured[0].unit)
+    theirs = (response.request.outputs[0].unit, response.request.measured[0].unit)
     for channel, unit in zip(channels, theirs, strict=True):
         if channel.unit and channel.unit != unit:
             msg = f"{measurement.label}: {channel.name} is in {channel.unit} in the data, in {unit} in the model"

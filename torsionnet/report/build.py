@@ -44,16 +44,16 @@ BUILDERS: dict[str, Callable[[ReportData], Section | None]] = {
 
 def build(subject: ReportData, version: str) -> Report:
     """The report on a subject; ``version`` is that of the program."""
-    outline = subject.request.outline
-    with warnings.catch_warnings(record=True) as heard:
+    plan = subject.request.plan
+    with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always", TorsionnetWarning)
-        subject = replace(subject, heard=heard)
+        subject = replace(subject, warned=warned)
         made = [BUILDERS[name](subject) for name in SECTIONS if subject.request.wants(name)]
     return Report(
-        title=outline.title or subject.model.name,
+        title=plan.title or subject.model.name,
         subtitle="Torsional vibration report",
         facts=Facts(tuple(_facts(subject, version))),
-        notes=sentence(outline.notes.strip(), subject.model),
+        notes=sentence(plan.notes.strip(), subject.model),
         sections=tuple(section for section in made if section is not None),
     )
 
@@ -74,8 +74,8 @@ def _facts(subject: ReportData, version: str) -> Iterator[tuple[str, Text]]:
         )
     if request.settings:
         yield "Changed", ("; ".join(f"{name} = {value}" for name, value in request.settings),)
-    if request.outline.author:
-        yield "Author", (request.outline.author,)
+    if request.plan.author:
+        yield "Author", (request.plan.author,)
     if request.date:
         yield "Date", (request.date.isoformat(),)
     yield "Calculated with", (f"torsionnet {version}",)

@@ -48,8 +48,8 @@ class NumberText:
 
     Examples
     --------
-    >>> NumberText(0.46).mantissa, NumberText(13300.0).mantissa, NumberText(1.106e6).mantissa, NumberText(1.106e6).exponent
-    ('0.46', '13300', '1.106', 6)
+    >>> [(number.mantissa, number.exponent) for number in map(NumberText, (0.46, 13300.0, 1.106e6))]
+    [('0.46', None), ('13300', None), ('1.106', 6)]
     """
 
     value: float | None

@@ -137,7 +137,7 @@ def make_report(
     drivetrain, file, data = _read(model)
     if settings:
         drivetrain = drivetrain.configured(**settings)
-    outline = drivetrain.definition.report or ReportPlan()
+    plan = drivetrain.definition.report or ReportPlan()
     texts = {"title": title, "author": author, "notes": notes, "angle": angle}
     given: dict[str, Any] = {key: text for key, text in texts.items() if text is not None}
     lists = {
@@ -149,12 +149,12 @@ def make_report(
     }
     given |= {key: values for key, values in lists.items() if values}
     given |= {"band": _band(band)} if band else {}
-    outline = replace(outline, **given)
+    plan = replace(plan, **given)
     today = dt.datetime.now().astimezone().date() if date == "today" else read_date(date)
     request = Request(
-        outline, tuple((key, str(value)) for key, value in (settings or {}).items()), today, _tests(tests), tuple(fits)
+        plan, tuple((key, str(value)) for key, value in (settings or {}).items()), today, _tests(tests), tuple(fits)
     )
-    cases = cases_of(drivetrain, outline.configurations)
+    cases = cases_of(drivetrain, plan.configurations)
     subject = ReportData(drivetrain, cases, request, file, digest_of(data))
     require_answers(subject)
     from torsionnet.report.build import build

@@ -63,7 +63,7 @@ class ReportData:
     request : Request
     file, digest : str
         Name of the model's file and its SHA-256; of a model that has no file, those of its text.
-    heard : list of WarningMessage
+    warned : list of WarningMessage
         What the calculation warned of on the way.
     """
 
@@ -72,11 +72,11 @@ class ReportData:
     request: Request
     file: str = ""
     digest: str = ""
-    heard: list[warnings.WarningMessage] = field(default_factory=list)
+    warned: list[warnings.WarningMessage] = field(default_factory=list)
 
     @property
     def conventions(self) -> Conventions:
-        return Conventions(angle=self.request.outline.angle)
+        return Conventions(angle=self.request.plan.angle)
 
     @property
     def size(self) -> int:
@@ -132,7 +132,7 @@ class ReportData:
     @cached_property
     def band(self) -> tuple[float, float]:
         """Hz."""
-        return self.request.outline.band or vibration_range(*self.modes)
+        return self.request.plan.band or vibration_range(*self.modes)
 
     @cached_property
     def _known(self) -> dict[Pair, tuple[FrequencyResponse, ...]]:

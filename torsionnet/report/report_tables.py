@@ -32,8 +32,8 @@ def alike(rows: Sequence[tuple[Cell, ...]]) -> tuple[tuple[Cell, ...], ...]:
 
     Examples
     --------
-    >>> alike([("dry", NumberText(1.0)), ("wet", NumberText(1.0)), ("warm", NumberText(2.0))])
-    (('dry, wet', NumberText(value=1.0, digits=4, decimals=None)), ('warm', NumberText(value=2.0, digits=4, decimals=None)))
+    >>> [row[0] for row in alike([("dry", NumberText(1.0)), ("wet", NumberText(1.0)), ("warm", NumberText(2.0))])]
+    ['dry, wet', 'warm']
     """
     found: list[tuple[Cell, ...]] = []
     for row in rows:

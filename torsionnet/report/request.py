@@ -32,7 +32,7 @@ class Request:
 
     Attributes
     ----------
-    outline : ReportPlan
+    plan : ReportPlan
         Of the model's file, with what was said against it.
     settings : tuple of (str, str)
         Parameters changed for this report.
@@ -42,7 +42,7 @@ class Request:
     fits : tuple of Fit
     """
 
-    outline: ReportPlan = field(default_factory=ReportPlan)
+    plan: ReportPlan = field(default_factory=ReportPlan)
     settings: tuple[tuple[str, str], ...] = ()
     date: dt.date | None = None
     tests: tuple[Measured, ...] = ()
@@ -53,11 +53,11 @@ class Request:
         data: dict[str, Sequence[object]] = {"test": self.tests, "fit": self.fits}
         if section in data and not data[section]:
             return False
-        return not self.outline.sections or section in self.outline.sections or section in data
+        return not self.plan.sections or section in self.plan.sections or section in data
 
     @property
     def pairs(self) -> tuple[Pair, ...]:
-        return self.outline.transfer_functions
+        return self.plan.transfer_functions
 
 
 def read_date(raw: str | dt.date | None) -> dt.date | None:

@@ -39,9 +39,9 @@ class Bordered:
     n_coordinates: int
 
     @classmethod
-    def of(cls, assembly: Assembly, question: TransferRequest) -> Bordered:
+    def of(cls, assembly: Assembly, request: TransferRequest) -> Bordered:
         index = {name: number for number, name in enumerate(assembly.kinematics.coordinates)}
-        n, m = len(index), len(question.excitations)
+        n, m = len(index), len(request.excitations)
         powers: tuple[list[ExactRow], ...] = tuple([{} for _ in range(n + m)] for _ in range(3))
         for law, row in zip(assembly.laws, assembly.exact_rows, strict=True):
             ours = {index[name]: value for name, value in row.items() if name in index}
@@ -49,11 +49,11 @@ class Bordered:
                 for i, a in ours.items():
                     for j, b in ours.items():
                         _add(powers[power][i], j, value * a * b)
-        for column, excitation in enumerate(question.excitations):
+        for column, excitation in enumerate(request.excitations):
             for name, value in exact_row(assembly.kinematics.reduced({excitation.of: 1})).items():
                 if name in index:  # the rest of the torque acts on imposed angles, which stand still
                     _add(powers[0][index[name]], n + column, -value)
-        for line, reading in enumerate(question.measured, start=n):
+        for line, reading in enumerate(request.measured, start=n):
             for term in reading.terms:
                 ours = {index[name]: value for name, value in term.exact.items() if name in index}
                 shares = (
@@ -64,7 +64,7 @@ class Bordered:
                 for power, share in enumerate(shares):
                     for i, a in ours.items():
                         _add(powers[power][line], i, term.factor * share * a)
-            for column, excitation in enumerate(question.excitations):
+            for column, excitation in enumerate(request.excitations):
                 _add(powers[0][line], n + column, reading.applied(excitation.of))
         kept = ([{key: value for key, value in row.items() if value} for row in block] for block in powers)
         return cls(tuple(kept), n)  # type: ignore[arg-type]

@@ -38,8 +38,8 @@ def by_spectrum(
     count = torques.shape[1]
     size = int(next_fast_len(2 * count, real=True))
     frequencies: FloatArray = np.asarray(np.fft.rfftfreq(size, 1 / sampling_rate), dtype=np.float64)
-    question = _question(drivetrain, readings, excitations)
-    H = responses([drivetrain], question, frequencies, "graph").values[0]
+    request = _question(drivetrain, readings, excitations)
+    H = responses([drivetrain], request, frequencies, "graph").values[0]
     if not np.isfinite(H).all():
         msg = f"{drivetrain.title} has frequency-dependent laws and no finite static response: lock it to simulate it"
         raise UsageError(msg)

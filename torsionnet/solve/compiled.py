@@ -1,4 +1,4 @@
-"""The numbers of a tape in a compiled loop: few lanes at a time, so that all registers stay in the cache.
+"""The numbers of a tape in a compiled loop: few points at a time, so that all registers stay in the cache.
 
 numba compiles the loop when it is first used and keeps it on disk.
 """
@@ -25,8 +25,8 @@ except ImportError as error:
     msg = 'the compiled solver needs numba: pip install "torsionnet[fast]"'
     raise MissingExtraError(msg) from error
 
-LANES = 128
-"""Lanes worked on at once: enough for vector instructions, few enough for a thousand registers in the cache."""
+POINTS = 128
+"""FrequencyPoints worked on at once: enough for vector instructions, few enough for a thousand registers in the cache."""
 
 LAW, CONSTANT, SUM, PIVOT, PRODUCT = ops.LAW, ops.CONSTANT, ops.SUM, ops.PIVOT, ops.PRODUCT
 QUOTIENT, INVERSE, WATCH, OUTPUT = ops.QUOTIENT, ops.INVERSE, ops.WATCH, ops.OUTPUT
@@ -35,10 +35,10 @@ SQUARE, SHARE_SQUARE = LARGE * LARGE, SHARE * SHARE
 
 def sweep(tape: Tape, kappa: LawStiffness) -> tuple[ComplexArray, NDArray[np.bool_]]:
     """As :func:`torsionnet.solve.sweep.sweep`."""
-    values = np.zeros((tape.n_values, kappa.n_lanes), dtype=complex)
-    doubtful = np.zeros(kappa.n_lanes, dtype=bool)
+    values = np.zeros((tape.n_values, kappa.n_points), dtype=complex)
+    doubtful = np.zeros(kappa.n_points, dtype=bool)
     place, sampled = _sampled(kappa)
-    registers = np.empty((tape.n_registers, 2, LANES))
+    registers = np.empty((tape.n_registers, 2, POINTS))
     n_f = len(kappa.omega)
     for variant in range(len(kappa.stiffness)):
         _walk(tape.operations, tape.factors, kappa.inertia[variant], kappa.damping[variant], kappa.stiffness[variant],
@@ -59,15 +59,15 @@ def _loop(  # noqa: PLR0912, PLR0915
     operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
     r: Any, values: Any, doubtful: Any, offset: int,
 ) -> None:  # fmt: skip
-    """All operations for LANES lanes, then for the next; ``offset`` is the first lane of this variant.
+    """All operations for POINTS points, then for the next; ``offset`` is the first point of this variant.
 
     ``left`` falls below zero where a sum is smaller than its terms by more than LARGE, or a share is larger than SHARE.
     """
     n_f = omega.shape[0]
-    w, w2, left = np.empty(LANES), np.empty(LANES), np.empty(LANES)
-    for first in range(0, n_f, LANES):
-        n = min(LANES, n_f - first)
-        for i in range(LANES):
+    w, w2, left = np.empty(POINTS), np.empty(POINTS), np.empty(POINTS)
+    for first in range(0, n_f, POINTS):
+        n = min(POINTS, n_f - first)
+        for i in range(POINTS):
             w[i] = omega[first + min(i, n - 1)]
             w2[i] = w[i] * w[i]
             left[i] = 0.0
@@ -75,13 +75,13 @@ def _loop(  # noqa: PLR0912, PLR0915
             code, t, a, b = operations[number]
             f = factors[number]
             if code == PRODUCT:
-                for i in range(LANES):
+                for i in range(POINTS):
                     real = r[a, 0, i] * r[b, 0, i] - r[a, 1, i] * r[b, 1, i]
                     imag = r[a, 0, i] * r[b, 1, i] + r[a, 1, i] * r[b, 0, i]
                     r[t, 0, i] = real
                     r[t, 1, i] = imag
             elif code == SUM:
-                for i in range(LANES):
+                for i in range(POINTS):
                     more, beside = f * r[b, 0, i], f * r[b, 1, i]
                     real, imag = r[a, 0, i] + more, r[a, 1, i] + beside
                     r[t, 0, i] = real
@@ -89,45 +89,45 @@ def _loop(  # noqa: PLR0912, PLR0915
                     spare = SQUARE * (real * real + imag * imag) - (more * more + beside * beside)
                     left[i] = spare if spare < left[i] else left[i]
             elif code == PIVOT:
-                for i in range(LANES):
+                for i in range(POINTS):
                     r[t, 0, i] = r[a, 0, i] + f * r[b, 0, i]
                     r[t, 1, i] = r[a, 1, i] + f * r[b, 1, i]
             elif code == LAW:
                 k, J, c, at = stiffness[a], inertia[a], damping[a], place[a]
                 if at < 0:
-                    for i in range(LANES):
+                    for i in range(POINTS):
                         r[t, 0, i] = k - J * w2[i]
                         r[t, 1, i] = c * w[i]
                 else:
-                    for i in range(LANES):
+                    for i in range(POINTS):
                         value = sampled[at, first + min(i, n - 1)]
                         r[t, 0, i] = k - J * w2[i] + value.real
                         r[t, 1, i] = c * w[i] + value.imag
                 if J != 0.0 and (k != 0.0 or at >= 0):
-                    for i in range(LANES):
+                    for i in range(POINTS):
                         size = r[t, 0, i] * r[t, 0, i] + r[t, 1, i] * r[t, 1, i]
                         spare = SQUARE * size - (J * w2[i]) * (J * w2[i])
                         left[i] = spare if spare < left[i] else left[i]
             elif code == QUOTIENT:
-                for i in range(LANES):
+                for i in range(POINTS):
                     scale = 1.0 / (r[b, 0, i] * r[b, 0, i] + r[b, 1, i] * r[b, 1, i])
                     real = r[a, 0, i] * r[b, 0, i] + r[a, 1, i] * r[b, 1, i]
                     imag = r[a, 1, i] * r[b, 0, i] - r[a, 0, i] * r[b, 1, i]
                     r[t, 0, i] = real * scale
                     r[t, 1, i] = imag * scale
             elif code == WATCH:
-                for i in range(LANES):
+                for i in range(POINTS):
                     size = r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i]
                     spare = SHARE_SQUARE - f * f * size
                     left[i] = spare if spare < left[i] else left[i]
             elif code == INVERSE:
-                for i in range(LANES):
+                for i in range(POINTS):
                     scale = 1.0 / (r[a, 0, i] * r[a, 0, i] + r[a, 1, i] * r[a, 1, i])
                     real, imag = r[a, 0, i] * scale, -r[a, 1, i] * scale
                     r[t, 0, i] = real
                     r[t, 1, i] = imag
             elif code == CONSTANT:
-                for i in range(LANES):
+                for i in range(POINTS):
                     r[t, 0, i] = f
                     r[t, 1, i] = 0.0
             else:

@@ -51,17 +51,17 @@ def poles_of_measured(
     """
     system = drivetrain.assembly.system
     require_resistance(system, np.ones(len(system.sparse_rows), dtype=bool))
-    question = ask(drivetrain, _anything(drivetrain), measured_input, excitation)
-    if not question.is_measured:
+    request = ask(drivetrain, _anything(drivetrain), measured_input, excitation)
+    if not request.is_measured:
         msg = f'"{measured_input}" is no sensor; a measured input is one'
         raise UsageError(msg)
     entries = [measured_input] if isinstance(measured_input, str | Sensor) else list(measured_input)
     sensor = as_sensor(drivetrain, entries[0])
-    cut = find_cut(drivetrain, sensor, question.excitations) if sensor is not None and len(entries) == 1 else None
+    cut = find_cut(drivetrain, sensor, request.excitations) if sensor is not None and len(entries) == 1 else None
     if cut is None:
         from torsionnet.solve.pencil import measured_poles
 
-        return measured_poles(drivetrain, question)
+        return measured_poles(drivetrain, request)
     return _of_cut_system(drivetrain, cut, str(entries[0]), natural_modes)
 
 

@@ -14,14 +14,14 @@ BLOCK_BYTES = 32 * 2**20
 
 def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
     """As :func:`torsionnet.solve.starmesh.respond`, without a word on digits lost."""
-    by_law, n_lanes = kappa.by_law, kappa.n_lanes
-    values = np.zeros((problem.n_read, len(problem.excitations), n_lanes), dtype=complex)
+    by_law, n_points = kappa.by_law, kappa.n_points
+    values = np.zeros((problem.n_read, len(problem.excitations), n_points), dtype=complex)
     block = max(1, BLOCK_BYTES // (16 * max(1, _columns(problem)) ** 2))
     with np.errstate(all="ignore"):
-        for start in range(0, n_lanes, block):
-            part = slice(start, min(start + block, n_lanes))
+        for start in range(0, n_points, block):
+            part = slice(start, min(start + block, n_points))
             values[:, :, part] = np.moveaxis(_respond(problem, by_law[:, part].T), 0, 2)
-    return Sweep(values, np.zeros(n_lanes, dtype=bool))
+    return Sweep(values, np.zeros(n_points, dtype=bool))
 
 
 def _columns(problem: ResponseProblem) -> int:

@@ -1,4 +1,4 @@
-"""Which lanes have lost digits in a sum on the way: they are looked at again."""
+"""Which points have lost digits in a sum on the way: they are looked at again."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array: TypeAlias = NDArray[Any]
-"""Real where nothing damps the system, else complex; the last axis is lanes."""
+"""Real where nothing damps the system, else complex; the last axis is points."""
 
 LARGE = 1e4
 """A sum of two this much smaller than its terms is in doubt: what follows from it has lost four digits or more."""
@@ -17,11 +17,11 @@ SHARE = 1e3
 
 
 class Doubt:
-    """Marks lanes; the tests are quick where there is nothing to mark."""
+    """Marks points; the tests are quick where there is nothing to mark."""
 
-    def __init__(self, n_lanes: int) -> None:
-        self.n_lanes, self.marked = n_lanes, np.zeros(n_lanes, dtype=bool)
-        self._ratio = np.empty(n_lanes)
+    def __init__(self, n_points: int) -> None:
+        self.n_points, self.marked = n_points, np.zeros(n_points, dtype=bool)
+        self._ratio = np.empty(n_points)
 
     def shares(self, share: Array, factor: float = 1.0) -> None:
         """Look at a term over its sum, ``factor`` times ``share``."""

@@ -1,6 +1,6 @@
 """The operations of an elimination on the graph, without their numbers; :mod:`torsionnet.solve.graph_plan` makes them.
 
-Slots hold dynamic stiffnesses of rows kappa, weights of loads w, and motions of rows; each is an array over lanes.
+Slots hold dynamic stiffnesses of rows kappa, weights of loads w, and motions of rows; each is an array over points.
 """
 
 from __future__ import annotations

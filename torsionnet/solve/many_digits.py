@@ -52,16 +52,16 @@ class _Law:
 
 
 class ManyDigits:
-    """A question to an assembly, in as many digits as ``mpmath.workdps`` says, within which it is to be used."""
+    """A request to an assembly, in as many digits as ``mpmath.workdps`` says, within which it is to be used."""
 
-    def __init__(self, assembly: Assembly, question: TransferRequest) -> None:
-        self.question = question
+    def __init__(self, assembly: Assembly, request: TransferRequest) -> None:
+        self.request = request
         self.place = {name: index for index, name in enumerate(assembly.kinematics.coordinates)}
         self.imposed = [pseudo_node(name) for name in assembly.kinematics.imposed]
         self.laws = [_law(law, row) for law, row in zip(assembly.laws, assembly.exact_rows, strict=True)]
         self.effects = [
             {name: number(a) for name, a in exact_row(assembly.kinematics.reduced({one.of: 1})).items()}
-            for one in question.excitations
+            for one in request.excitations
         ]
 
     def transfer(self, s: Number) -> list[list[Number]] | None:
@@ -73,11 +73,11 @@ class ManyDigits:
             No digits are left.
         """
         kappa = [law.kappa(s) for law in self.laws]
-        motions = [self._motion(kappa, *pair) for pair in zip(self.question.excitations, self.effects, strict=True)]
-        outputs = [self._reading(one, motions, kappa, s) for one in self.question.outputs]
-        if not self.question.is_measured:
+        motions = [self._motion(kappa, *pair) for pair in zip(self.request.excitations, self.effects, strict=True)]
+        outputs = [self._reading(one, motions, kappa, s) for one in self.request.outputs]
+        if not self.request.is_measured:
             return outputs
-        return _quotient(outputs, [self._reading(one, motions, kappa, s) for one in self.question.measured])
+        return _quotient(outputs, [self._reading(one, motions, kappa, s) for one in self.request.measured])
 
     def _motion(self, kappa: Sequence[Number], excitation: Input, effect: dict[str, Number]) -> dict[str, Number]:
         """Every coordinate and imposed angle under a unit excitation, by name."""
@@ -108,7 +108,7 @@ class ManyDigits:
     ) -> list[Number]:
         """Under every excitation; exactly 0 where nothing is left of its terms."""
         row = []
-        for excitation, motion in zip(self.question.excitations, motions, strict=True):
+        for excitation, motion in zip(self.request.excitations, motions, strict=True):
             applied = reading.applied(excitation.of) if excitation.quantity == "torque" else 0
             row.append(
                 _left([number(applied), *(part for term in reading.terms for part in _parts(term, motion, kappa, s))])

@@ -53,7 +53,7 @@ def inner_maxima(values: FloatArray) -> list[int]:
 
 
 def static_value(solve: Solver, output: int, input: int) -> complex:
-    """The value at 0 Hz; nan where the question has no answer there."""
+    """The value at 0 Hz; nan where the request has no answer there."""
     try:
         return complex(solve(np.zeros(1)).values[0, output, input])
     except UsageError:

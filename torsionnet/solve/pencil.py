@@ -43,7 +43,7 @@ class Roots:
     errors: FloatArray
 
 
-def measured_poles(drivetrain: AssembledModel, question: TransferRequest) -> tuple[Modes, tuple[str, ...]]:
+def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tuple[Modes, tuple[str, ...]]:
     """Poles against measured inputs that do not cut the drivetrain in two, and what is doubtful about them.
 
     Raises
@@ -52,14 +52,14 @@ def measured_poles(drivetrain: AssembledModel, question: TransferRequest) -> tup
         For laws that depend on frequency, imposed angles as excitation, or an excitation that reaches no reading.
     """
     assembly = drivetrain.assembly
-    if acting(assembly.system).dynamic or any(excitation.quantity != "torque" for excitation in question.excitations):
+    if acting(assembly.system).dynamic or any(excitation.quantity != "torque" for excitation in request.excitations):
         msg = (
             "the measured input does not cut the drivetrain in two, and with frequency-dependent stiffness or imposed "
             "angles the poles are not calculated then"
         )
         raise UsageError(msg)
-    names = ", ".join(reading.name for reading in question.measured)
-    bordered = Bordered.of(assembly, question)
+    names = ", ".join(reading.name for reading in request.measured)
+    bordered = Bordered.of(assembly, request)
     counts = bordered.roots()
     if counts is None:
         msg = f"the excitation does not reach {names}: the measured input is zero at every frequency"

@@ -29,7 +29,7 @@ class ReadingPart(NamedTuple):
     factor: float = 1.0
 
     def of(self, kappa: LawStiffness, values: ComplexArray) -> ComplexArray:
-        """The share (n_exc, n_lanes)."""
+        """The share (n_exc, n_points)."""
         if self.term is None:
             return np.asarray(self.factor * values[self.solved])
         return np.asarray(coefficient(self.term, kappa) * values[self.solved])

@@ -1,4 +1,4 @@
-"""Readings of lanes, and transfer functions as one reading over another."""
+"""Readings of points, and transfer functions as one reading over another."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ METHODS: dict[str, Respond] = {
 
 
 @dataclass(frozen=True)
-class Lanes:
-    """Transfer functions (n_lanes, n_out, n_in), the conditioning (n_lanes,) of measured inputs, and lanes in doubt."""
+class FrequencyPoints:
+    """Transfer functions (n_points, n_out, n_in), the conditioning (n_points,) of measured inputs, and points in doubt."""
 
     values: ComplexArray
     conditioning: FloatArray
@@ -37,32 +37,32 @@ class Lanes:
 
 
 def transfer_functions(
-    question: TransferRequest, kappa: LawStiffness, method: str = "auto", *, turned: bool = False
-) -> Lanes:
+    request: TransferRequest, kappa: LawStiffness, method: str = "auto", *, turned: bool = False
+) -> FrequencyPoints:
     """Outputs over inputs; ``turned``: by another order of elimination."""
-    posed, n_out = question.posed.turned if turned else question.posed, len(question.outputs)
+    posed, n_out = request.posed.turned if turned else request.posed, len(request.outputs)
     found = METHODS[method](posed.problem, kappa)
     with np.errstate(invalid="ignore"):
         readings = _readings(posed, kappa, found.values)
-    values, doubtful, conditioning = readings[:, :n_out], found.doubtful, np.ones(kappa.n_lanes)
-    if question.is_measured:
+    values, doubtful, conditioning = readings[:, :n_out], found.doubtful, np.ones(kappa.n_points)
+    if request.is_measured:
         measured = readings[:, n_out:]
         values, lost, apart = _divide(values, measured)
         conditioning = _shares(posed, kappa, found.values, measured).max(axis=2).min(axis=1) * apart
         doubtful = doubtful | lost
-    return Lanes(values, conditioning, doubtful)
+    return FrequencyPoints(values, conditioning, doubtful)
 
 
 def _readings(posed: PosedProblem, kappa: LawStiffness, solved: ComplexArray) -> ComplexArray:
-    """Readings (n_lanes, n_readings, n_exc)."""
-    values = np.empty((kappa.n_lanes, len(posed.parts), solved.shape[1]), dtype=complex)
+    """Readings (n_points, n_readings, n_exc)."""
+    values = np.empty((kappa.n_points, len(posed.parts), solved.shape[1]), dtype=complex)
     for number, part in enumerate(posed.parts):
         values[:, number] = part.of(kappa, solved).T
     return values
 
 
 def _shares(posed: PosedProblem, kappa: LawStiffness, solved: ComplexArray, measured: ComplexArray) -> FloatArray:
-    """How large measured inputs (n_lanes, n_in, n_exc) are against the sums of their terms' magnitudes."""
+    """How large measured inputs (n_points, n_in, n_exc) are against the sums of their terms' magnitudes."""
     sizes = np.zeros(measured.shape)
     first = len(posed.parts) - measured.shape[1]
     with np.errstate(all="ignore"):
@@ -73,15 +73,15 @@ def _shares(posed: PosedProblem, kappa: LawStiffness, solved: ComplexArray, meas
 
 
 def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray, NDArray[np.bool_], FloatArray]:
-    """Y_out Y_in^-1 of every lane, lanes that lose digits in it, and how well Y_in tells the excitations apart.
+    """Y_out Y_in^-1 of every point, points that lose digits in it, and how well Y_in tells the excitations apart.
 
     The last is 1 at best and 0 where it does not at all; there the quotient is inf.
     """
-    n_lanes, n_in, _ = measured.shape
+    n_points, n_in, _ = measured.shape
     with np.errstate(all="ignore"):
         if n_in == 1:
             quotient = np.where(measured == 0, np.inf + 0j, outputs / measured)
-            return quotient, np.asarray(~np.isfinite(quotient).all(axis=(1, 2))), np.ones(n_lanes)
+            return quotient, np.asarray(~np.isfinite(quotient).all(axis=(1, 2))), np.ones(n_points)
         rows = np.abs(measured).max(axis=2, keepdims=True)
         columns = (np.abs(measured) / rows).max(axis=1, keepdims=True)
         normed = measured / rows / columns

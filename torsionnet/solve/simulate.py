@@ -38,16 +38,16 @@ def simulate(
     """See :meth:`torsionnet.Drivetrain.simulate`."""
     torques = _torques(inputs)
     asked = [outputs] if isinstance(outputs, str | Sensor) else list(outputs)
-    question = ask(drivetrain, asked, list(inputs), None)
-    if question.is_measured or any(source.quantity != "torque" for source in question.excitations):
+    request = ask(drivetrain, asked, list(inputs), None)
+    if request.is_measured or any(source.quantity != "torque" for source in request.excitations):
         msg = "a simulation is driven by torques: name inputs or nodes on which they act"
         raise UsageError(msg)
-    motion = respond(drivetrain, question.outputs, question.excitations, torques, sampling_rate)
+    motion = respond(drivetrain, request.outputs, request.excitations, torques, sampling_rate)
     names = (name if name in drivetrain.inputs else f"torque on {name}" for name in inputs)
     driven = (Signal(name, "torque", torque) for name, torque in zip(names, torques, strict=True))
     read = (
         Signal(reading.name, QUANTITIES[reading.unit], values)
-        for reading, values in zip(question.outputs, motion, strict=True)
+        for reading, values in zip(request.outputs, motion, strict=True)
     )
     notes = (f"simulated: {drivetrain.title}, at rest before the first sample",)
     return Recording((*driven, *read), sampling_rate, title=drivetrain.title, notes=notes)

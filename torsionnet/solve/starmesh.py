@@ -30,16 +30,16 @@ Walk: TypeAlias = Callable[[Tape, LawStiffness], tuple[Array, NDArray[np.bool_]]
 
 
 WORTH = 1e9
-"""Operations times lanes from which on the compiled loop saves more than the second or two that its start takes."""
+"""Operations times points from which on the compiled loop saves more than the second or two that its start takes."""
 
 
 def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
-    """Outputs and reactions of a problem for dynamic stiffnesses of its laws in n_lanes lanes.
+    """Outputs and reactions of a problem for dynamic stiffnesses of its laws in n_points points.
 
     Large problems take the compiled loop where it works. Only their size decides, so that a result does not depend on
     what was calculated before.
     """
-    if kappa.n_lanes * sum(len(part.tape) for _, part in problem.parts) >= WORTH:
+    if kappa.n_points * sum(len(part.tape) for _, part in problem.parts) >= WORTH:
         with contextlib.suppress(Exception):  # no numba, or one that is broken: numpy can do the same
             return respond_compiled(problem, kappa)
     return respond_in_numpy(problem, kappa)
@@ -64,11 +64,11 @@ def respond_compiled(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
 
 
 def _respond(problem: ResponseProblem, kappa: LawStiffness, walk: Walk) -> Sweep:
-    values = np.zeros((problem.n_read, len(problem.excitations), kappa.n_lanes), dtype=complex)
-    doubtful = np.zeros(kappa.n_lanes, dtype=bool)
+    values = np.zeros((problem.n_read, len(problem.excitations), kappa.n_points), dtype=complex)
+    doubtful = np.zeros(kappa.n_points, dtype=bool)
     with np.errstate(all="ignore"):
         for excitations, part in problem.parts:
             found, lost = walk(part.tape, kappa.gathered(part.plan.sources))
-            values[:, excitations] = found.reshape(problem.n_read, len(excitations), kappa.n_lanes)
+            values[:, excitations] = found.reshape(problem.n_read, len(excitations), kappa.n_points)
             doubtful |= lost | part.plan.subtracts
     return Sweep(values, doubtful | ~np.isfinite(values).all(axis=(0, 1)))

@@ -1,4 +1,4 @@
-"""The numbers of a tape in numpy: every operation on a vector of lanes at once."""
+"""The numbers of a tape in numpy: every operation on a vector of points at once."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ from torsionnet.solve.tape import Tape
 BLOCK_BYTES = 24 * 2**20
 """Registers worked on at once."""
 FEWEST, MOST = 1024, 4096
-"""Lanes worked on at once: with fewer the interpreter takes longer than the arithmetic, more leave the cache."""
+"""FrequencyPoints worked on at once: with fewer the interpreter takes longer than the arithmetic, more leave the cache."""
 
 
 @dataclass
 class Sweep:
-    """Values (n_read, n_exc, n_lanes), and a mask (n_lanes,) of lanes that have lost digits."""
+    """Values (n_read, n_exc, n_points), and a mask (n_points,) of points that have lost digits."""
 
     values: Array
     doubtful: NDArray[np.bool_]
 
 
 def sweep(tape: Tape, kappa: LawStiffness) -> tuple[Array, NDArray[np.bool_]]:
-    """Walk along the tape, some lanes at a time.
+    """Walk along the tape, some points at a time.
 
     Parameters
     ----------
@@ -38,18 +38,18 @@ def sweep(tape: Tape, kappa: LawStiffness) -> tuple[Array, NDArray[np.bool_]]:
 
     Returns
     -------
-    (n_values, n_lanes) array, (n_lanes,) boolean array
-        Values, and which lanes have lost digits.
+    (n_values, n_points) array, (n_points,) boolean array
+        Values, and which points have lost digits.
     """
     kind = float if kappa.is_real else complex
-    values = np.zeros((tape.n_values, kappa.n_lanes), dtype=kind)
-    doubtful = np.zeros(kappa.n_lanes, dtype=bool)
+    values = np.zeros((tape.n_values, kappa.n_points), dtype=kind)
+    doubtful = np.zeros(kappa.n_points, dtype=bool)
     walk = list(zip(*tape.operations.T.tolist(), tape.factors.tolist(), strict=True))
     start = 0
     for part in kappa.blocks(min(MOST, max(FEWEST, BLOCK_BYTES // (16 * (tape.n_registers + 1))))):
-        here = slice(start, start + part.n_lanes)
-        doubt = Doubt(part.n_lanes)
-        _walk(walk, part, np.empty((tape.n_registers + 1, part.n_lanes), dtype=kind), values[:, here], doubt)
+        here = slice(start, start + part.n_points)
+        doubt = Doubt(part.n_points)
+        _walk(walk, part, np.empty((tape.n_registers + 1, part.n_points), dtype=kind), values[:, here], doubt)
         doubtful[here] = doubt.marked
         start = here.stop
     return values, doubtful

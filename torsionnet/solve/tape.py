@@ -1,15 +1,15 @@
 """An elimination as one list of simple operations on registers, which numpy or a compiled loop walks along.
 
-A register holds one number for every lane. What an operation does with its target t, from registers a and b:
+A register holds one number for every point. What an operation does with its target t, from registers a and b:
 
     LAW       t = dynamic stiffness of slot a
     CONSTANT  t = factor
-    SUM       t = r_a + factor r_b;  the lane is in doubt where little is left of r_b
+    SUM       t = r_a + factor r_b;  the point is in doubt where little is left of r_b
     PIVOT     the same without doubt: the shares of the sum tell
     PRODUCT   t = r_a r_b
     QUOTIENT  t = r_a / r_b
     INVERSE   t = 1 / r_a
-    WATCH     the lane is in doubt where r_a, a share of a sum, is large
+    WATCH     the point is in doubt where r_a, a share of a sum, is large
     OUTPUT    value number t = factor r_a
 
 Only what an output needs is on the tape, and a register is used again as soon as what it holds is needed no more: the

@@ -43,18 +43,18 @@ def frequency_response(
 ) -> FrequencyResponse:
     """See :meth:`torsionnet.Drivetrain.frequency_response`."""
     known_method(method)
-    question = remembered(drivetrain, output, input, excitation)
-    f = chosen_frequencies(drivetrain, frequencies, question)
-    values, conditioning = responses([drivetrain], question, f, method)
+    request = remembered(drivetrain, output, input, excitation)
+    f = chosen_frequencies(drivetrain, frequencies, request)
+    values, conditioning = responses([drivetrain], request, f, method)
     warn_infinite(values, conditioning, f)
     return FrequencyResponse(
         frequencies=f,
         values=values[0],
-        outputs=tuple(Channel(reading.name, reading.unit) for reading in question.outputs),
-        inputs=tuple(Channel(reading.name, reading.unit) for reading in question.measured),
+        outputs=tuple(Channel(reading.name, reading.unit) for reading in request.outputs),
+        inputs=tuple(Channel(reading.name, reading.unit) for reading in request.measured),
         title=drivetrain.title,
-        conditioning=conditioning[0] if question.is_measured else None,
-        notes=question.notes,
+        conditioning=conditioning[0] if request.is_measured else None,
+        notes=request.notes,
     )
 
 
@@ -66,10 +66,10 @@ def known_method(method: str) -> None:
 
 
 def chosen_frequencies(
-    drivetrain: AssembledModel, frequencies: ArrayLike | Adaptive, question: TransferRequest
+    drivetrain: AssembledModel, frequencies: ArrayLike | Adaptive, request: TransferRequest
 ) -> FloatArray:
     """The frequencies asked for, Hz."""
-    return _resolving(drivetrain, frequencies, question) if isinstance(frequencies, Adaptive) else _checked(frequencies)
+    return _resolving(drivetrain, frequencies, request) if isinstance(frequencies, Adaptive) else _checked(frequencies)
 
 
 class Evaluated(NamedTuple):
@@ -79,43 +79,41 @@ class Evaluated(NamedTuple):
     conditioning: FloatArray
 
 
-def responses(
-    drivetrains: Sequence[AssembledModel], question: TransferRequest, f: FloatArray, method: str
-) -> Evaluated:
+def responses(drivetrains: Sequence[AssembledModel], request: TransferRequest, f: FloatArray, method: str) -> Evaluated:
     """Transfer functions of drivetrains with the same rows at frequencies >= 0."""
     assemblies, moving = [drivetrain.assembly for drivetrain in drivetrains], f > 0
     if moving.all():
-        return evaluate(assemblies, question, f, method)
+        return evaluate(assemblies, request, f, method)
     shape = (len(drivetrains), len(f))
-    found = Evaluated(np.empty((*shape, len(question.outputs), len(question.measured)), dtype=complex), np.ones(shape))
+    found = Evaluated(np.empty((*shape, len(request.outputs), len(request.measured)), dtype=complex), np.ones(shape))
     if moving.any():
-        found.values[:, moving], found.conditioning[:, moving] = evaluate(assemblies, question, f[moving], method)
+        found.values[:, moving], found.conditioning[:, moving] = evaluate(assemblies, request, f[moving], method)
     for number, drivetrain in enumerate(drivetrains):
-        found.values[number, ~moving] = _static(drivetrain, question, method)
+        found.values[number, ~moving] = _static(drivetrain, request, method)
     return found
 
 
-def _static(drivetrain: AssembledModel, question: TransferRequest, method: str) -> ComplexArray:
+def _static(drivetrain: AssembledModel, request: TransferRequest, method: str) -> ComplexArray:
     """Values at zero frequency: the static solution where it is finite and beyond doubt, else the limit."""
     if not rigid_motions(drivetrain.assembly.kinematics):
-        found = transfer_functions(question, law_stiffness([drivetrain.assembly.system], np.zeros(1)), method)
+        found = transfer_functions(request, law_stiffness([drivetrain.assembly.system], np.zeros(1)), method)
         if np.isfinite(found.values).all() and not found.doubtful[0]:
             return np.asarray(found.values[0])
-    return at_zero(drivetrain, question)
+    return at_zero(drivetrain, request)
 
 
-def _resolving(drivetrain: AssembledModel, wanted: Adaptive, question: TransferRequest) -> FloatArray:
+def _resolving(drivetrain: AssembledModel, wanted: Adaptive, request: TransferRequest) -> FloatArray:
     """Frequencies that resolve the peaks of the drivetrain and, where inputs are measured, those of their poles."""
     found = [modes(drivetrain)]
-    if question.is_measured and len(question.measured) == 1:
-        sensor = question.measured[0].name
-        found.append(modes(drivetrain, measured_input=sensor, excitation=_excitation_node(drivetrain, question)))
+    if request.is_measured and len(request.measured) == 1:
+        sensor = request.measured[0].name
+        found.append(modes(drivetrain, measured_input=sensor, excitation=_excitation_node(drivetrain, request)))
     return wanted.frequencies(*found)
 
 
-def _excitation_node(drivetrain: AssembledModel, question: TransferRequest) -> str:
-    names = [name for name, channel in drivetrain.inputs.items() if channel == question.excitations[0]]
-    return names[0] if names else question.excitations[0].of
+def _excitation_node(drivetrain: AssembledModel, request: TransferRequest) -> str:
+    names = [name for name, channel in drivetrain.inputs.items() if channel == request.excitations[0]]
+    return names[0] if names else request.excitations[0].of
 
 
 def _checked(frequencies: ArrayLike) -> FloatArray:
@@ -130,7 +128,7 @@ def _checked(frequencies: ArrayLike) -> FloatArray:
 
 
 def evaluate(
-    assemblies: Sequence[Assembly], question: TransferRequest, frequencies: FloatArray, method: str = "auto"
+    assemblies: Sequence[Assembly], request: TransferRequest, frequencies: FloatArray, method: str = "auto"
 ) -> Evaluated:
     """Transfer functions at frequencies > 0, and the conditioning of the measured inputs.
 
@@ -138,25 +136,25 @@ def evaluate(
     ----------
     assemblies : sequence of Assembly
         Variants with the same rows.
-    question : TransferRequest
+    request : TransferRequest
     frequencies : (n_f,) array
         Hz.
     method : str
     """
     kappa = law_stiffness([assembly.system for assembly in assemblies], 2 * np.pi * frequencies)
-    found = transfer_functions(question, kappa, method)
+    found = transfer_functions(request, kappa, method)
     if method != "dense":
-        found = settled(assemblies, question, frequencies, kappa, found)
-    if question.is_measured:
-        _warn_poor(found.conditioning, question, np.tile(frequencies, len(assemblies)))
+        found = settled(assemblies, request, frequencies, kappa, found)
+    if request.is_measured:
+        _warn_poor(found.conditioning, request, np.tile(frequencies, len(assemblies)))
     shape = (len(assemblies), len(frequencies))
     return Evaluated(found.values.reshape(*shape, *found.values.shape[1:]), found.conditioning.reshape(shape))
 
 
-def _warn_poor(conditioning: FloatArray, question: TransferRequest, frequencies: FloatArray) -> None:
+def _warn_poor(conditioning: FloatArray, request: TransferRequest, frequencies: FloatArray) -> None:
     poor = np.flatnonzero(conditioning < POOR)
     if len(poor):
-        names = ", ".join(reading.name for reading in question.measured)
+        names = ", ".join(reading.name for reading in request.measured)
         where = f"{len(poor)} frequencies, the first {frequencies[poor[0]]:.6g} Hz"
         text = f"{names}: the measured input all but vanishes at {where}"
         warnings.warn(text, TorsionnetWarning, stacklevel=5)
@@ -167,9 +165,9 @@ def warn_infinite(values: ComplexArray, conditioning: FloatArray, f: FloatArray)
     finite = np.isfinite(values).all(axis=(2, 3))
     if finite.all():
         return
-    for lanes, where in (
+    for points, where in (
         (f == 0, "at 0 Hz: the drivetrain turns freely"),
         ((f > 0) & (conditioning >= POOR), "at a frequency above 0"),
     ):
-        if (lanes & ~finite).any():
+        if (points & ~finite).any():
             warnings.warn(f"the response is infinite {where}", TorsionnetWarning, stacklevel=4)

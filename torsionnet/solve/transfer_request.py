@@ -31,7 +31,7 @@ class TransferRequest:
 
     @cached_property
     def posed(self) -> PosedProblem:
-        """The question in rows."""
+        """The request in rows."""
         return pose(self.assembly, self.outputs, self.measured if self.is_measured else (), self.excitations)
 
     def require_felt(self) -> None:
@@ -73,17 +73,17 @@ def remembered(
 ) -> TransferRequest:
     """As :func:`ask`, but asked once for all configurations with the same rows."""
     parts = tuple(tuple(entry) if isinstance(entry, list) else entry for entry in (output, input, excitation))
-    key, plans = ("question", *parts), drivetrain.assembly.system.plans
+
+    def asked() -> TransferRequest:
+        request = ask(drivetrain, output, input, excitation)
+        request.require_felt()
+        return request
+
     try:
-        known = plans.get(key)
+        hash(parts)
     except TypeError:  # something that is no name, for ask to refuse in words
-        return ask(drivetrain, output, input, excitation)
-    if known is None:
-        known = ask(drivetrain, output, input, excitation)
-        known.require_felt()
-    question: TransferRequest = known
-    plans[key] = question
-    return question
+        return asked()
+    return drivetrain.assembly.system.memo.once(TransferRequest, parts, asked)
 
 
 def ask(

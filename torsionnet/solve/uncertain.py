@@ -1,4 +1,4 @@
-"""Lanes that have lost digits on the way: how many, and the right values where it matters."""
+"""FrequencyPoints that have lost digits on the way: how many, and the right values where it matters."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import SolveError, TorsionnetWarning
 from torsionnet.solve.many_digits import DIGITS, ManyDigits
-from torsionnet.solve.quotient import Lanes, transfer_functions
+from torsionnet.solve.quotient import FrequencyPoints, transfer_functions
 from torsionnet.solve.transfer_request import TransferRequest
 
 PROMISED = 1e-9
@@ -21,54 +21,54 @@ PROMISED = 1e-9
 ENOUGH = PROMISED / 5
 DRAWS, STEP = 4, 8 * float(np.finfo(float).eps)
 MOST_WORK = 20_000
-"""Coordinates times lanes that are solved in many digits: a few seconds."""
+"""Coordinates times points that are solved in many digits: a few seconds."""
 
 
 def settled(
     assemblies: Sequence[Assembly],
-    question: TransferRequest,
+    request: TransferRequest,
     frequencies: FloatArray,
     kappa: LawStiffness,
-    found: Lanes,
-) -> Lanes:
-    """The same with lanes in doubt estimated, and solved in many digits where rounding would show.
+    found: FrequencyPoints,
+) -> FrequencyPoints:
+    """The same with points in doubt estimated, and solved in many digits where rounding would show.
 
     Parameters
     ----------
     assemblies : sequence of Assembly
         One for each variant.
-    question : TransferRequest
+    request : TransferRequest
     frequencies : (n_f,) array
         Hz.
     kappa : LawStiffness
-        Of all lanes.
-    found : Lanes
+        Of all points.
+    found : FrequencyPoints
 
     Raises
     ------
     UsageError
         The measured inputs depend on each other at every frequency.
     """
-    lanes = np.flatnonzero(found.doubtful)
-    if not len(lanes):
+    points = np.flatnonzero(found.doubtful)
+    if not len(points):
         return found
     errors = expected_errors(
-        lambda some, turned: transfer_functions(question, some, turned=turned).values,
-        kappa.at(lanes),
-        found.values[lanes],
+        lambda some, turned: transfer_functions(request, some, turned=turned).values,
+        kappa.at(points),
+        found.values[points],
     )
     worst = errors.max(axis=(1, 2), initial=0.0)
     order = [place for place in np.argsort(-worst, kind="stable").tolist() if worst[place] > ENOUGH]
     most = max(1, MOST_WORK // max(1, kappa.n_laws))
     values = found.values.copy()
-    exact = _ManyLanes(assemblies, question, frequencies)
-    uncertain = [(lanes[place], worst[place]) for place in order[most:]]
+    exact = _ManyPoints(assemblies, request, frequencies)
+    uncertain = [(points[place], worst[place]) for place in order[most:]]
     for place in order[:most]:
-        known = exact.transfer_function(lanes[place])
+        known = exact.transfer_function(points[place])
         if known is None:
-            uncertain.append((lanes[place], worst[place]))
+            uncertain.append((points[place], worst[place]))
         else:
-            values[lanes[place]] = np.where(errors[place] > ENOUGH, known, values[lanes[place]])
+            values[points[place]] = np.where(errors[place] > ENOUGH, known, values[points[place]])
     if uncertain:
         _warn(uncertain, np.tile(frequencies, len(assemblies)))
     return replace(found, values=values)
@@ -77,7 +77,7 @@ def settled(
 def expected_errors(
     evaluate: Callable[[LawStiffness, bool], ComplexArray], kappa: LawStiffness, values: ComplexArray
 ) -> FloatArray:
-    """Relative errors of ``evaluate(kappa, False)``, which gave ``values`` (n_lanes, ...): what some rounding changes.
+    """Relative errors of ``evaluate(kappa, False)``, which gave ``values`` (n_points, ...): what some rounding changes.
 
     All stiffnesses are moved by a few roundings, with signs by chance. That shows how a value depends on them. Every
     later rounding falls out differently too, the more so in another order of elimination (``True``), which shows what
@@ -96,14 +96,14 @@ def expected_errors(
     return np.asarray(error)
 
 
-class _ManyLanes:
-    """Lanes in many digits."""
+class _ManyPoints:
+    """FrequencyPoints in many digits."""
 
-    def __init__(self, assemblies: Sequence[Assembly], question: TransferRequest, frequencies: FloatArray) -> None:
-        self.assemblies, self.question, self.frequencies = assemblies, question, frequencies
+    def __init__(self, assemblies: Sequence[Assembly], request: TransferRequest, frequencies: FloatArray) -> None:
+        self.assemblies, self.request, self.frequencies = assemblies, request, frequencies
         self.asked: dict[int, ManyDigits] = {}
 
-    def transfer_function(self, lane: int) -> ComplexArray | None:
+    def transfer_function(self, point: int) -> ComplexArray | None:
         """Exact to double precision, (n_out, n_in); None where even many digits are not enough.
 
         Raises
@@ -113,25 +113,25 @@ class _ManyLanes:
         """
         import mpmath
 
-        variant, number = divmod(lane, len(self.frequencies))
+        variant, number = divmod(point, len(self.frequencies))
         with mpmath.workdps(DIGITS):
             if variant not in self.asked:
-                self.asked[variant] = ManyDigits(self.assemblies[variant], self.question)
+                self.asked[variant] = ManyDigits(self.assemblies[variant], self.request)
             omega = 2 * mpmath.pi * mpmath.mpf(self.frequencies[number])
             try:
                 found = self.asked[variant].transfer(mpmath.mpc(0, omega))
             except SolveError:
                 return None
             if found is None:
-                raise self.question.dependent()
+                raise self.request.dependent()
             return np.array([[complex(value) for value in row] for row in found])
 
 
 def _warn(uncertain: Sequence[tuple[int, float]], frequencies: FloatArray) -> None:
-    lane, error = max(uncertain, key=lambda pair: pair[1])
+    point, error = max(uncertain, key=lambda pair: pair[1])
     size = f"{error:.0e} of themselves" if error < 1 else "nothing but their order of magnitude"
     text = (
         f"{len(uncertain)} values next to undamped resonances or antiresonances are rounded; "
-        f"near {frequencies[lane]:.6g} Hz they are known to {size}"
+        f"near {frequencies[point]:.6g} Hz they are known to {size}"
     )
     warnings.warn(text, TorsionnetWarning, stacklevel=6)

@@ -31,11 +31,11 @@ def frequency_responses(
     """See :meth:`torsionnet.Drivetrain.frequency_responses`."""
     known_method(method)
     parameters = _columns(variants)
-    question = remembered(drivetrain, output, input, excitation)
-    f = chosen_frequencies(drivetrain, frequencies, question)
+    request = remembered(drivetrain, output, input, excitation)
+    f = chosen_frequencies(drivetrain, frequencies, request)
     copies = [drivetrain.configured(**values) for values in _rows(parameters)]
     parts: list[Evaluated] = []
-    for _, group in groupby(copies, key=lambda copy: id(copy.assembly.system.plans)):
+    for _, group in groupby(copies, key=lambda copy: id(copy.assembly.system.memo)):
         alike = list(group)
         parts.append(responses(alike, remembered(alike[0], output, input, excitation), f, method))
     values, conditioning = (np.concatenate([getattr(part, name) for part in parts]) for name in Evaluated._fields)
@@ -44,11 +44,11 @@ def frequency_responses(
         parameters,
         f,
         values,
-        tuple(Channel(reading.name, reading.unit) for reading in question.outputs),
-        tuple(Channel(reading.name, reading.unit) for reading in question.measured),
+        tuple(Channel(reading.name, reading.unit) for reading in request.outputs),
+        tuple(Channel(reading.name, reading.unit) for reading in request.measured),
         drivetrain.title,
-        conditioning if question.is_measured else None,
-        question.notes,
+        conditioning if request.is_measured else None,
+        request.notes,
     )
 
 

@@ -21,7 +21,7 @@ SMALL = 25
 """s is 10^-25 of the slowest rate of the system; several measured inputs may differ by its fifth power and more."""
 
 
-def at_zero(drivetrain: AssembledModel, question: TransferRequest) -> ComplexArray:
+def at_zero(drivetrain: AssembledModel, request: TransferRequest) -> ComplexArray:
     """Limit (n_out, n_in) for s -> 0; inf where it grows without bound.
 
     Raises
@@ -34,14 +34,14 @@ def at_zero(drivetrain: AssembledModel, question: TransferRequest) -> ComplexArr
     assembly = drivetrain.assembly
     with mpmath.workdps(DIGITS):
         rate = mpmath.mpf(smallest_rate(assembly.system))
-        asked = ManyDigits(assembly, question)
+        asked = ManyDigits(assembly, request)
         first, second = (asked.transfer(rate * mpmath.mpf(10) ** -power) for power in (SMALL, SMALL + 1))
         if first is not None and second is not None:
             pairs = (zip(*rows, strict=True) for rows in zip(first, second, strict=True))
             return np.array([[_limit(*pair) for pair in row] for row in pairs])
         if asked.transfer(rate * mpmath.mpc(1, 1)) is None:
-            raise question.dependent()
-    return np.full((len(question.outputs), len(question.measured)), complex(np.inf))
+            raise request.dependent()
+    return np.full((len(request.outputs), len(request.measured)), complex(np.inf))
 
 
 def _limit(first: Any, second: Any) -> complex:

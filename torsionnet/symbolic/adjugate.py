@@ -11,22 +11,21 @@ from torsionnet.symbolic.recursion import Recursion
 
 def seen_from(root: str, network: Network[Stiffness], program: Program) -> Recursion:
     """The recursion from a root, taken down once."""
-    key = (network, root)
-    if key not in program.memory:
-        program.memory[key] = Recursion(quotients(network, program), program, root, tied)
-    found: Recursion = program.memory[key]
-    return found
+    return program.memo.once(
+        Recursion, (network, root), lambda: Recursion(quotients(network, program), program, root, tied)
+    )
 
 
 def quotients(network: Network[Stiffness], program: Program) -> Network[Quotient]:
     """The network with parallel laws added up, its laws as steps of a program."""
-    if network not in program.memory:
-        members = (
-            NetworkMember(member.row, quotient(member.law, program)) for member in added_up(network, reflected).members
+
+    def added() -> Network[Quotient]:
+        members = added_up(network, reflected).members
+        return Network(
+            network.coordinates, tuple(NetworkMember(member.row, quotient(member.law, program)) for member in members)
         )
-        program.memory[network] = Network(network.coordinates, tuple(members))
-    found: Network[Quotient] = program.memory[network]
-    return found
+
+    return program.memo.once(Network, network, added)
 
 
 def determinant(network: Network[Stiffness], program: Program, first: str = "") -> ProgramNode:

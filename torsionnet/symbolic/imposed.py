@@ -20,7 +20,7 @@ from torsionnet.solve.transfer_request import ask
 
 @dataclass(frozen=True)
 class ImposedRequest:
-    """A question that imposes no angles: the drivetrain, input and excitation it is asked with.
+    """A request that imposes no angles: the drivetrain, input and excitation it is asked with.
 
     ``channel`` is the input as the user knows it, where that is an imposed angle.
     """
@@ -56,7 +56,7 @@ def _unused(name: str, elements: Mapping[str, Element]) -> str:
 def posed(
     drivetrain: AssembledModel, output: str | Sensor, input: str | Sensor, excitation: str | None
 ) -> ImposedRequest:
-    """The question without imposed angles.
+    """The request without imposed angles.
 
     Raises
     ------
@@ -65,14 +65,14 @@ def posed(
     """
     if not is_imposed(drivetrain):
         return ImposedRequest(drivetrain, input, excitation)
-    question = ask(drivetrain, output, input, excitation)
-    source: Input = question.excitations[0]
+    request = ask(drivetrain, output, input, excitation)
+    source: Input = request.excitations[0]
     if source.quantity == "torque":
-        return ImposedRequest(at_rest(drivetrain), input, source.of if question.is_measured else None)
+        return ImposedRequest(at_rest(drivetrain), input, source.of if request.is_measured else None)
     free = at_rest(drivetrain, source.of)
-    if question.is_measured:
+    if request.is_measured:
         return ImposedRequest(free, input, source.of)
-    reading = question.measured[0]
+    reading = request.measured[0]
     return ImposedRequest(free, Sensor("angle", source.of), source.of, Channel(reading.name, reading.unit))
 
 

@@ -23,7 +23,7 @@ from torsionnet.symbolic.symbolic_sensors import Mechanism, SymbolicPart
 
 
 class NoContinuedFractionError(Exception):
-    """The drivetrain or the question is not that of a tree."""
+    """The drivetrain or the request is not that of a tree."""
 
 
 @dataclass

@@ -72,8 +72,8 @@ def _at(function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any
     above, below = function.steps.run(algebra, [function.numerator, function.denominator])
     ratio = above / below
     found = np.array(np.broadcast_to(ratio.array(), frequencies.shape))
-    for lane in np.flatnonzero(~np.broadcast_to(ratio.relative_error() <= ACCURATE, frequencies.shape)):
-        found[lane] = _in_many_digits(function, float(omega[lane]), values)
+    for point in np.flatnonzero(~np.broadcast_to(ratio.relative_error() <= ACCURATE, frequencies.shape)):
+        found[point] = _in_many_digits(function, float(omega[point]), values)
     return found
 
 

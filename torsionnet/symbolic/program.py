@@ -13,6 +13,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, Protocol
 
+from torsionnet.core.memo import Memo
+
 ARITHMETIC = ("+", "*", "/")
 
 
@@ -39,7 +41,7 @@ class Program:
 
     steps: list[tuple[Any, ...]] = field(default_factory=list)
     known: dict[Hashable, ProgramNode] = field(default_factory=dict)
-    memory: dict[Hashable, Any] = field(default_factory=dict)
+    memo: Memo = field(default_factory=Memo)
 
     def leaf(self, payload: Hashable) -> ProgramNode:
         """A number the algebra is asked for; rationals are constants."""

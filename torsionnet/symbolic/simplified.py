@@ -128,10 +128,10 @@ def simplified(
     >>> short.errors.omega < 0.02, short.errors.decibels < 1
     (True, True)
     """
-    question = SimplificationRequest(output, input, excitation, tolerance, _band(drivetrain, band))
+    request = SimplificationRequest(output, input, excitation, tolerance, _band(drivetrain, band))
     current, changes = drivetrain, []
     read = {sensor.of for sensor in (as_sensor(drivetrain, name) for name in (output, input)) if sensor is not None}
-    reference = _Reference(drivetrain, question)
+    reference = _Reference(drivetrain, request)
     candidates = list(_candidates(drivetrain.definition, read))
     costs = {change: reference.cost(_apply(drivetrain, change)) for change in candidates}
     ranked = sorted(candidates, key=lambda change: (change.text.endswith("damping"), costs[change]))
@@ -140,7 +140,7 @@ def simplified(
         if shorter is not current and reference.cost(shorter) <= tolerance:
             current = shorter
             changes.append(change.text)
-    return Simplified(written(current), current, tuple(changes), reference.errors(current), question.band)
+    return Simplified(written(current), current, tuple(changes), reference.errors(current), request.band)
 
 
 def _band(drivetrain: AssembledModel, band: tuple[float, float] | None) -> tuple[float, float]:
@@ -193,9 +193,9 @@ def _apply(drivetrain: AssembledModel, change: Change) -> AssembledModel:
 class _Reference:
     """The whole drivetrain, against which shorter ones are held."""
 
-    def __init__(self, drivetrain: AssembledModel, question: SimplificationRequest) -> None:
-        self.question = question
-        low, high = question.band
+    def __init__(self, drivetrain: AssembledModel, request: SimplificationRequest) -> None:
+        self.request = request
+        low, high = request.band
         self.frequencies = np.geomspace(low, high, POINTS)
         self.poles = [pole for pole in self._poles(drivetrain) if abs(pole) <= 2 * np.pi * high]
         if not self.poles:
@@ -204,16 +204,16 @@ class _Reference:
         self.magnitude = self._magnitude(drivetrain)
 
     def _poles(self, drivetrain: AssembledModel) -> list[complex]:
-        sensor = as_sensor(drivetrain, self.question.input)
-        is_input = isinstance(self.question.input, str) and self.question.input in drivetrain.inputs
+        sensor = as_sensor(drivetrain, self.request.input)
+        is_input = isinstance(self.request.input, str) and self.request.input in drivetrain.inputs
         measured = None if is_input or sensor is None else sensor
-        excitation = self.question.excitation if measured is not None else None
+        excitation = self.request.excitation if measured is not None else None
         found = modes(drivetrain, measured_input=measured, excitation=excitation)
         pairs = zip(found.eigenvalues, found.kinds, strict=True)
         return [complex(value) for value, kind in pairs if kind == "oscillatory"]
 
     def _magnitude(self, drivetrain: AssembledModel) -> ComplexArray:
-        asked = self.question
+        asked = self.request
         response = frequency_response(
             drivetrain, asked.output, asked.input, self.frequencies, excitation=asked.excitation
         )

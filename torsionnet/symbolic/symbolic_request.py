@@ -9,6 +9,7 @@ from typing import Any
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import Functional, port_of
 from torsionnet.core.errors import UsageError
+from torsionnet.core.memo import Memo
 from torsionnet.model.channels import ELEMENT_QUANTITIES, Input, Sensor
 from torsionnet.response import Channel
 from torsionnet.solve.cut import Cut, cut_definition, find_cut
@@ -58,7 +59,7 @@ def resolve(
     input: str | Sensor,
     excitation: str | None,
     referred_to: Sequence[str] = (),
-    memory: dict[tuple[int, ...], Mechanism] | None = None,
+    memo: Memo | None = None,
 ) -> SymbolicRequest:
     """Resolve the names; see :meth:`torsionnet.symbolic.symbolic_system.SymbolicSystem.transfer_function`.
 
@@ -67,20 +68,20 @@ def resolve(
     UsageError
         As for a frequency response; also where the excitation does not reach the measured input.
     """
-    question = ask(drivetrain, output, input, excitation)
+    request = ask(drivetrain, output, input, excitation)
     reading = as_sensor(drivetrain, output) or Sensor("angle", str(output))
-    channels = (channel(question.outputs[0]), channel(question.measured[0]))
-    if not question.is_measured:
-        mechanism = _mechanism(drivetrain, [reading], referred_to, memory)
-        node = question.excitations[0].of
-        return SymbolicRequest(mechanism, parts_of(mechanism, reading), None, node, 1, channels, question.notes)
+    channels = (channel(request.outputs[0]), channel(request.measured[0]))
+    if not request.is_measured:
+        mechanism = _mechanism(drivetrain, [reading], referred_to, memo)
+        node = request.excitations[0].of
+        return SymbolicRequest(mechanism, parts_of(mechanism, reading), None, node, 1, channels, request.notes)
     sensor = as_sensor(drivetrain, input)
     if sensor is None:  # a measured input is a sensor
         raise TypeError
-    mechanism = _mechanism(drivetrain, [reading, sensor], referred_to, memory)
-    whole = _measured(reading, sensor, question, mechanism)
-    _require_reached(whole, str(input), question.excitations[0])
-    cut = find_cut(drivetrain, sensor, question.excitations)
+    mechanism = _mechanism(drivetrain, [reading, sensor], referred_to, memo)
+    whole = _measured(reading, sensor, request, mechanism)
+    _require_reached(whole, str(input), request.excitations[0])
+    cut = find_cut(drivetrain, sensor, request.excitations)
     if cut is None or not _is_kept(drivetrain, cut, reading):
         return whole
     return _of_cut(drivetrain, cut, reading, sensor, whole, referred_to)
@@ -95,22 +96,18 @@ def _mechanism(
     drivetrain: AssembledModel,
     sensors: Sequence[Sensor],
     referred_to: Sequence[str],
-    memory: dict[tuple[int, ...], Mechanism] | None = None,
+    memo: Memo | None = None,
 ) -> Mechanism:
-    """The mechanism in which the sensors can be read, from ``memory`` where it has been made before."""
+    """The mechanism in which the sensors can be read, from ``memo`` where it has been made before."""
     loose = loose_constraints(drivetrain, sensors)
-    if memory is not None and loose in memory:
-        return memory[loose]
-    mechanism = Mechanism(drivetrain, tuple(node for node in referred_to if node in drivetrain.nodes), loose)
-    if memory is not None:
-        memory[loose] = mechanism
-    return mechanism
+    kept = tuple(node for node in referred_to if node in drivetrain.nodes)
+    return (memo or Memo()).once(Mechanism, loose, lambda: Mechanism(drivetrain, kept, loose))
 
 
-def _measured(output: Sensor, sensor: Sensor, question: TransferRequest, mechanism: Mechanism) -> SymbolicRequest:
-    channels = (channel(question.outputs[0]), channel(question.measured[0]))
+def _measured(output: Sensor, sensor: Sensor, request: TransferRequest, mechanism: Mechanism) -> SymbolicRequest:
+    channels = (channel(request.outputs[0]), channel(request.measured[0]))
     parts, measured = parts_of(mechanism, output), parts_of(mechanism, sensor)
-    return SymbolicRequest(mechanism, parts, measured, question.excitations[0].of, 1, channels, question.notes)
+    return SymbolicRequest(mechanism, parts, measured, request.excitations[0].of, 1, channels, request.notes)
 
 
 def _require_reached(asked: SymbolicRequest, name: str, excitation: Input) -> None:

@@ -10,13 +10,13 @@ import sympy
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.symbolic import OMEGA, SymbolicMatrices, symbolic_matrices
+from torsionnet.core.memo import Memo
 from torsionnet.model.channels import Sensor
 from torsionnet.response import Channel
 from torsionnet.solve.transfer_request import ask
 from torsionnet.symbolic.imposed import at_rest, is_imposed, posed, single
 from torsionnet.symbolic.program import ProgramNode
 from torsionnet.symbolic.symbolic_request import SymbolicRequest, resolve
-from torsionnet.symbolic.symbolic_sensors import Mechanism
 from torsionnet.symbolic.transfer_function import TransferFunction
 from torsionnet.symbolic.transfer_matrix import TransferMatrix, over_measured
 
@@ -36,13 +36,13 @@ class SymbolicSystem(SymbolicMatrices):
     ----------
     drivetrain : Drivetrain
     referred_to : tuple of str
-    mechanisms : dict
+    memo : Memo
         What transfer functions before have left behind.
     """
 
     drivetrain: AssembledModel | None = None
     referred_to: tuple[str, ...] = ()
-    mechanisms: dict[tuple[int, ...], Mechanism] = field(default_factory=dict, repr=False)
+    memo: Memo = field(default_factory=Memo, repr=False)
 
     def transfer_function(
         self, output: str | Sensor, input: str | Sensor, excitation: str | None = None
@@ -64,11 +64,11 @@ class SymbolicSystem(SymbolicMatrices):
         """
         drivetrain = self._model
         single(output, input)
-        question = posed(drivetrain, output, input, excitation)
-        memory = self.mechanisms if question.drivetrain is drivetrain else None
-        asked = resolve(question.drivetrain, output, question.input, question.excitation, self.referred_to, memory)
-        if question.channel is not None:
-            asked = replace(asked, channels=(asked.channels[0], question.channel))
+        request = posed(drivetrain, output, input, excitation)
+        memo = self.memo if request.drivetrain is drivetrain else None
+        asked = resolve(request.drivetrain, output, request.input, request.excitation, self.referred_to, memo)
+        if request.channel is not None:
+            asked = replace(asked, channels=(asked.channels[0], request.channel))
         return replace(self._written(asked.channels, *_fraction(asked), asked.notes), asked=asked)
 
     def transfer_matrix(
@@ -91,11 +91,11 @@ class SymbolicSystem(SymbolicMatrices):
         1
         """
         drivetrain = self._model
-        question = ask(drivetrain, list(outputs), list(inputs), excitation)
-        if question.is_measured and len(inputs) > 1:
+        request = ask(drivetrain, list(outputs), list(inputs), excitation)
+        if request.is_measured and len(inputs) > 1:
             return over_measured(drivetrain, outputs, inputs, excitation, self._written)
         given = excitation if isinstance(excitation, str | None) else excitation[0]
-        source = given if question.is_measured else None
+        source = given if request.is_measured else None
         return TransferMatrix(
             tuple(tuple(self.transfer_function(output, entry, source) for entry in inputs) for output in outputs)
         )

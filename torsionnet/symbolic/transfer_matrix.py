@@ -127,19 +127,19 @@ def over_measured(
     UsageError
         As for a frequency response; also with more than three measured inputs.
     """
-    question = ask(drivetrain, outputs, inputs, excitation)
+    request = ask(drivetrain, outputs, inputs, excitation)
     if len(inputs) > MOST_MEASURED:
         msg = f"in symbols at most {MOST_MEASURED} inputs are measured at a time"
         raise UsageError(msg)
     sensors = [as_sensor(drivetrain, entry) or Sensor("angle", str(entry)) for entry in (*outputs, *inputs)]
     program, mechanisms = Program(), dict[str, Mechanism]()
     columns = []
-    for source in question.excitations:
+    for source in request.excitations:
         driven = source.of if source.quantity == "angle" else ""
         mechanism = mechanisms.get(driven) or _mechanism(drivetrain, driven, sensors, program)
         mechanisms[driven] = mechanism
         columns.append([mechanism.numerator(parts_of(mechanism, sensor), source.of) for sensor in sensors])
-    return _by_cramer(program, [list(row) for row in zip(*columns, strict=True)], question, write)
+    return _by_cramer(program, [list(row) for row in zip(*columns, strict=True)], request, write)
 
 
 def _mechanism(drivetrain: AssembledModel, driven: str, sensors: Sequence[Sensor], program: Program) -> Mechanism:
@@ -149,9 +149,9 @@ def _mechanism(drivetrain: AssembledModel, driven: str, sensors: Sequence[Sensor
 
 
 def _by_cramer(
-    program: Program, readings: list[list[ProgramNode]], question: TransferRequest, write: Write
+    program: Program, readings: list[list[ProgramNode]], request: TransferRequest, write: Write
 ) -> TransferMatrix:
-    above, below = readings[: len(question.outputs)], readings[len(question.outputs) :]
+    above, below = readings[: len(request.outputs)], readings[len(request.outputs) :]
     whole = _determinant(program, below)
     (polynomial,) = program.run(InPowersOfS(Program().leaf), [whole])
     if all(surely_zero(value) for value in polynomial.coefficients):
@@ -163,11 +163,11 @@ def _by_cramer(
                 write(
                     (channel(output), channel(measured)),
                     *program.reduced(_determinant(program, [*below[:i], row, *below[i + 1 :]]), whole),
-                    question.notes,
+                    request.notes,
                 )
-                for i, measured in enumerate(question.measured)
+                for i, measured in enumerate(request.measured)
             )
-            for output, row in zip(question.outputs, above, strict=True)
+            for output, row in zip(request.outputs, above, strict=True)
         )
     )
 

@@ -193,9 +193,9 @@ def unfit_report(definition: Definition) -> list[Fault]:
     """A report that names what the model does not have."""
     if definition.report is None:
         return []
-    from torsionnet.model.report.report_checks import check_outline
+    from torsionnet.model.report.report_checks import check_report
 
-    return check_outline(definition.report, definition)
+    return check_report(definition.report, definition)
 
 
 CHECKS = (

@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from torsionnet.model.definition import Definition
 
 
-def check_outline(outline: ReportPlan, definition: Definition, path: Path = ("report",)) -> list[Fault]:
-    """Every fault of an outline for this model; the sensors written out in full are left to the solver."""
+def check_report(plan: ReportPlan, definition: Definition, path: Path = ("report",)) -> list[Fault]:
+    """Every fault of a plan for this model; the sensors written out in full are left to the solver."""
     faults = [
         fault.under("transfer_functions", index)
-        for index, pair in enumerate(outline.transfer_functions)
+        for index, pair in enumerate(plan.transfer_functions)
         for fault in _pair(pair, definition)
     ]
-    faults += _configurations(outline, definition)
+    faults += _configurations(plan, definition)
     return [fault.under(*path) for fault in faults]
 
 
@@ -48,8 +48,8 @@ def _listed(names: Iterable[str]) -> str:
     return ", ".join(names) or "none"
 
 
-def _configurations(outline: ReportPlan, definition: Definition) -> Iterator[Fault]:
-    for index, name in enumerate(outline.configurations):
+def _configurations(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
+    for index, name in enumerate(plan.configurations):
         try:
             parse_choice(name, definition.configurations)
         except UsageError as error:

@@ -37,7 +37,7 @@ def findings(subject: ReportData) -> list[Fault]:
 
 def warned(subject: ReportData) -> list[Fault]:
     """What the calculation warned of, each once; that a free drivetrain drifts off is no news."""
-    texts = dict.fromkeys(str(entry.message) for entry in subject.heard)
+    texts = dict.fromkeys(str(entry.message) for entry in subject.warned)
     return [Fault(text, severity="warning") for text in texts if "infinite at 0 Hz" not in text]
 
 

@@ -235,12 +235,12 @@ class _System:
         self.reading: ReadingDerivative | None = None
         self.load: Input | None = None
         if measured is not None:
-            question = ask(drivetrain, measured, measured, excitation)
+            request = ask(drivetrain, measured, measured, excitation)
             sensor = as_sensor(drivetrain, measured)
             assert sensor is not None
             values, elements = chosen.values(chosen.start), dict(chosen.definition.elements)
             self.reading = reading(sensor, elements, self.system, self.nodes, values)
-            self.load = question.excitations[0]
+            self.load = request.excitations[0]
 
     def matrix(self, s: complex) -> ComplexArray:
         omega = np.array([s / 1j])

@@ -49,7 +49,7 @@ class ParametricResponse:
     """
 
     drivetrain: AssembledModel
-    question: TransferRequest
+    request: TransferRequest
     frequencies: FloatArray
     unknowns: Unknowns
     sensors: tuple[Sensor, ...]
@@ -91,9 +91,9 @@ class ParametricResponse:
         solved = respond(arranged.problem, kappa)
         y = arranged.values(solved.values, omega)
         found = self._quotient(y, arranged.slopes(solved.values, whole, kappa.by_law.T, omega))
-        lanes = np.flatnonzero(solved.doubtful)
-        if len(lanes) and np.isfinite(numbers).all():
-            found.values[lanes] = self._settled(arranged, kappa.at(lanes), found.values[lanes], lanes, numbers)
+        points = np.flatnonzero(solved.doubtful)
+        if len(points) and np.isfinite(numbers).all():
+            found.values[points] = self._settled(arranged, kappa.at(points), found.values[points], points, numbers)
         if not (np.isfinite(found.values).all() and np.isfinite(found.jacobian).all()):
             msg = f"the response is not finite at {self._given(numbers)}"
             raise SolveError(msg)
@@ -120,10 +120,10 @@ class ParametricResponse:
         arranged: Arranged,
         kappa: LawStiffness,
         values: ComplexArray,
-        lanes: NDArray[np.intp],
+        points: NDArray[np.intp],
         numbers: Sequence[float],
     ) -> ComplexArray:
-        """Values of lanes in doubt; those in which rounding would show as the drivetrain itself solves them."""
+        """Values of points in doubt; those in which rounding would show as the drivetrain itself solves them."""
 
         def evaluate(some: LawStiffness, turned: bool) -> ComplexArray:
             problem = arranged.problem.otherwise if turned else arranged.problem
@@ -135,17 +135,17 @@ class ParametricResponse:
             changed = AssembledModel.from_definition(self.unknowns.definition).configured(
                 **dict(zip(self.unknowns.parameters, numbers, strict=True))
             )
-            n_out = len(self.question.outputs)
+            n_out = len(self.request.outputs)
             measured = {"input": list(self.sensors[n_out:]), "excitation": list(self.loads)}
-            asked = measured if self.question.is_measured else {"input": list(self.loads)}
-            f = self.frequencies[lanes[poor]]
+            asked = measured if self.request.is_measured else {"input": list(self.loads)}
+            f = self.frequencies[points[poor]]
             values[poor] = frequency_response(changed, list(self.sensors[:n_out]), frequencies=f, **asked).values
         return values
 
     def _quotient(self, y: ComplexArray, dy: ComplexArray) -> Evaluation:
-        if not self.question.is_measured:
+        if not self.request.is_measured:
             return Evaluation(y, dy)
-        n_out = len(self.question.outputs)
+        n_out = len(self.request.outputs)
         with np.errstate(all="ignore"):
             try:
                 inverse = np.linalg.inv(y[:, n_out:])
@@ -187,14 +187,14 @@ def parametric_response(
     if f.ndim != 1 or not np.all(np.isfinite(f)) or not np.all(f > 0):
         msg = "derivatives are taken at frequencies above 0, in Hz"
         raise UsageError(msg)
-    question = ask(drivetrain, output, input, excitation)
+    request = ask(drivetrain, output, input, excitation)
     asked = [output] if isinstance(output, str | Sensor) else list(output)
-    if question.is_measured:
+    if request.is_measured:
         asked += [input] if isinstance(input, str | Sensor) else list(input)
     sensors = tuple(_sensor(drivetrain, entry) for entry in asked)
     redundant = tuple(sorted(drivetrain.assembly.kinematics.reduction.redundant))
     return ParametricResponse(
-        drivetrain, question, f, unknowns(drivetrain, parameters), sensors, question.excitations, redundant
+        drivetrain, request, f, unknowns(drivetrain, parameters), sensors, request.excitations, redundant
     )
 
 
