@@ -13,7 +13,7 @@ BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo figures identify test test-all compare mutation fuzz lint format types docs bench bench-short clean
+.PHONY: help demo figures identify test test-all compare structure hops mutation fuzz lint format types docs bench bench-short clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -35,6 +35,12 @@ test-all: $(VENV)/.group-test  ## all tests, also campaigns over many seeds
 
 compare: $(VENV)/.group-test  ## 300 random models against exact mechanics; make compare ARGS="--models 3000 --seed 1"
 	cd tests && ../$(RUN) -m oracle $(ARGS)
+
+structure: $(VENV)/.group-test  ## counts: code lines, import circles, doubled names; ARGS=COMMIT beside another commit
+	PYTHONPATH=tests $(RUN) -m structure $(ARGS)
+
+hops: $(VENV)/.group-test  ## which functions a stiffness, a frequency and a sensor's name pass
+	PYTHONPATH=tests $(RUN) -m structure.hops $(ARGS)
 
 mutation: $(VENV)/.group-test  ## small faults in a copy of the package: which does no test notice?
 	PYTHONPATH=tests $(RUN) -m mutation $(ARGS)

@@ -26,7 +26,7 @@ except ImportError as error:
     raise MissingExtraError(msg) from error
 
 POINTS = 128
-"""FrequencyPoints worked on at once: enough for vector instructions, few enough for a thousand registers in the cache."""
+"""Points worked on at once: enough for vector instructions, few enough for a thousand registers in the cache."""
 
 LAW, CONSTANT, SUM, PIVOT, PRODUCT = ops.LAW, ops.CONSTANT, ops.SUM, ops.PIVOT, ops.PRODUCT
 QUOTIENT, INVERSE, WATCH, OUTPUT = ops.QUOTIENT, ops.INVERSE, ops.WATCH, ops.OUTPUT

@@ -29,7 +29,7 @@ METHODS: dict[str, Respond] = {
 
 @dataclass(frozen=True)
 class FrequencyPoints:
-    """Transfer functions (n_points, n_out, n_in), the conditioning (n_points,) of measured inputs, and points in doubt."""
+    """Transfer functions (n_points, n_out, n_in), conditioning (n_points,) of measured inputs, points in doubt."""
 
     values: ComplexArray
     conditioning: FloatArray

@@ -16,7 +16,7 @@ from torsionnet.solve.tape import Tape
 BLOCK_BYTES = 24 * 2**20
 """Registers worked on at once."""
 FEWEST, MOST = 1024, 4096
-"""FrequencyPoints worked on at once: with fewer the interpreter takes longer than the arithmetic, more leave the cache."""
+"""Points worked on at once: with fewer the interpreter takes longer than the arithmetic, more leave the cache."""
 
 
 @dataclass
