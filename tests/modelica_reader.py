@@ -100,7 +100,7 @@ class Model:
                 if flange != "support" or mods.get("useSupport") == "true":
                     yield f"{name}.{flange}"
 
-    def equations_at(self, s):  # noqa: PLR0912, PLR0915
+    def equations_at(self, s):
         """Matrix and right-hand sides (one column per input) over angles and torques of flanges and outputs."""
         unknowns = [f"{kind} {flange}" for flange in self.flanges() for kind in ("phi", "tau")] + self.outputs
         index = {name: at for at, name in enumerate(unknowns)}

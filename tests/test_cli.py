@@ -540,8 +540,7 @@ def test_exit_codes(error, code, words, monkeypatch):
 
 def test_debug_shows_where(monkeypatch):
     def fail(*_, **__):
-        msg = "here"
-        raise RuntimeError(msg)
+        raise RuntimeError("here")
 
     monkeypatch.setattr(tn.Drivetrain, "modes", fail)
     monkeypatch.setenv("TORSIONNET_DEBUG", "1")

@@ -43,8 +43,7 @@ def _turn(name: str, seed: str, first: int, seconds: float) -> Iterator[Trial]:
         if running.is_done:
             return
         if running.at is None:
-            msg = f"{name}: the process ended before its first input ({running.ending})"
-            raise SystemExit(msg)
+            raise SystemExit(f"{name}: the process ended before its first input ({running.ending})")
         yield Trial(running.at, "failure", running.ending)
         first = running.at + 1
 

@@ -75,6 +75,5 @@ def chosen_for(module: str) -> list[str]:
     """Files of tests, fast ones first."""
     chosen = next((names for start, names in CHOSEN.items() if module.startswith(start)), None)
     if chosen is None:
-        msg = f"{module}: no tests are chosen for it in tests/mutation/chosen.py"
-        raise SystemExit(msg)
+        raise SystemExit(f"{module}: no tests are chosen for it in tests/mutation/chosen.py")
     return [f"tests/{name}.py" for name in dict.fromkeys((*ALWAYS, *chosen))]

@@ -55,14 +55,15 @@ def _shown(value: Any) -> str:
 
 
 def main() -> None:
+    rig, again = tn.loads(MODEL), tn.loads(MODEL)
     ways = {
         "a stiffness, from text to the assembled rows": (lambda: tn.loads(MODEL).assembly, STIFFNESS),
         "a frequency, from the call to the solved points": (
-            lambda rig=tn.loads(MODEL): rig.frequency_response(SENSOR, "T", [float(FREQUENCY)]),
+            lambda: rig.frequency_response(SENSOR, "T", [float(FREQUENCY)]),
             FREQUENCY,
         ),
         "the name of a sensor, from the call to its row": (
-            lambda rig=tn.loads(MODEL): rig.frequency_response(SENSOR, "T", [1.0]),
+            lambda: again.frequency_response(SENSOR, "T", [1.0]),
             SENSOR,
         ),
     }

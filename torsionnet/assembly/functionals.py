@@ -122,8 +122,7 @@ def functional(drivetrain: AssembledModel, sensor: Sensor, name: str = "") -> Fu
         power = ("angle", "velocity", "acceleration").index(sensor.quantity)
         return Functional(label, unit, (_motion(assembly, {sensor.of: 1}, power),))
     if sensor.quantity not in SENSOR_QUANTITIES:
-        msg = f'"{sensor.quantity}" is no quantity of a sensor; choose {", ".join(SENSOR_QUANTITIES)}'
-        raise UsageError(msg)
+        raise UsageError(f'"{sensor.quantity}" is no quantity of a sensor; choose {", ".join(SENSOR_QUANTITIES)}')
     _require(sensor.of, drivetrain.elements, "element", drivetrain.definition.elements)
     element = drivetrain.elements[sensor.of]
     if sensor.quantity == "twist":
@@ -136,10 +135,8 @@ def _require(name: str, known: Any, what: str, switched_off: Any = ()) -> None:
     if name in known:
         return
     if name in switched_off:
-        msg = f'{what} "{name}" is switched off in this configuration; nothing can be measured there'
-        raise UsageError(msg)
-    msg = f'no {what} is named "{name}"{did_you_mean(name, known)}'
-    raise UsageError(msg)
+        raise UsageError(f'{what} "{name}" is switched off in this configuration; nothing can be measured there')
+    raise UsageError(f'no {what} is named "{name}"{did_you_mean(name, known)}')
 
 
 def _motion(assembly: Assembly, row: Mapping[str, Any], power: int) -> Term:
@@ -167,10 +164,11 @@ def _port_index(element: Element, at: str) -> int:
 
 
 def _other_end(element: Element, index: int) -> int:
-    if element.glyph in ("spring", "damper", "coupling") and len(element.ports) == 2:  # noqa: PLR2004
+    if element.glyph in ("spring", "damper", "coupling") and len(element.ports) == 2:
         return 1 - index
-    msg = f"attach {element.name} to a node with a lock instead of ground to read the torque it hands over there"
-    raise UsageError(msg)
+    raise UsageError(
+        f"attach {element.name} to a node with a lock instead of ground to read the torque it hands over there"
+    )
 
 
 def _torque(assembly: Assembly, element: Element, at: str | None, label: str) -> Functional:

@@ -100,8 +100,9 @@ def symbolic_matrices(drivetrain: AssembledModel, referred_to: Sequence[str] = (
     """
     imposed = [name for name, channel in drivetrain.inputs.items() if channel.quantity == "angle"]
     if imposed:
-        msg = f"equations with imposed angles are not written out; leave out the input(s) {', '.join(imposed)}"
-        raise UsageError(msg)
+        raise UsageError(
+            f"equations with imposed angles are not written out; leave out the input(s) {', '.join(imposed)}"
+        )
     definition = drivetrain.definition
     names = [referred_to] if isinstance(referred_to, str) else list(referred_to)
     values = Values(twin_parameters(definition.parameters, drivetrain.exact_values), TWINS)

@@ -94,8 +94,9 @@ class Bench:
             response = self.drivetrain.frequency_response(list(self.sensors.values()), self.drive, [0.0])
         static = response.values[0, :, 0]
         if not np.all(np.isfinite(static)):
-            msg = f"a mean torque of {mean:g} N*m has no equilibrium: {self.drivetrain.title} is free to turn; lock it"
-            raise UsageError(msg)
+            raise UsageError(
+                f"a mean torque of {mean:g} N*m has no equilibrium: {self.drivetrain.title} is free to turn; lock it"
+            )
         return [float(value.real) * mean for value in static]
 
     def run(self, seed: int | None = None) -> Recording:

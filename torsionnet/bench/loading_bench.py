@@ -52,8 +52,9 @@ def load_bench(bench: str | os.PathLike[str]) -> Bench:
     if definition is None:
         raise ModelError([fault for fault in faults if fault.severity == "error"], path.name)
     if definition.bench is None:
-        msg = f"{path.name} describes no test bench: add bench:, or take one of {', '.join(library_benches())}"
-        raise UsageError(msg)
+        raise UsageError(
+            f"{path.name} describes no test bench: add bench:, or take one of {', '.join(library_benches())}"
+        )
     return Bench(Drivetrain.from_definition(definition, faults), definition.bench)
 
 
@@ -63,8 +64,7 @@ def _find(bench: str | os.PathLike[str]) -> Path:
         if bench in known:
             return known[bench]
         if not Path(bench).suffix and not Path(bench).exists() and (hint := did_you_mean(bench, known)):
-            msg = f'no bench is named "{bench}"{hint}'
-            raise UsageError(msg)
+            raise UsageError(f'no bench is named "{bench}"{hint}')
     return find_model(bench)
 
 
@@ -74,8 +74,7 @@ def _document(path: Path) -> LocatedDocument:
     except ModelError as error:
         raise ModelError(presentable(error.faults), path.name) from None
     except OSError as error:
-        msg = f"{path} cannot be read: {error.strerror or error}"
-        raise UsageError(msg) from None
+        raise UsageError(f"{path} cannot be read: {error.strerror or error}") from None
 
 
 def _of_its_own(document: LocatedDocument, path: Path) -> Bench:

@@ -55,8 +55,7 @@ class LazyGroup(click.Group):
             from torsionnet.core.errors import did_you_mean
 
             hint = did_you_mean(args[0], COMMANDS) or f"; there are {', '.join(COMMANDS)}"
-            msg = f'no command is named "{args[0]}"{hint}'
-            raise click.UsageError(msg, ctx)
+            raise click.UsageError(f'no command is named "{args[0]}"{hint}', ctx)
         return super().resolve_command(ctx, args)
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:

@@ -53,7 +53,7 @@ def command(
     \b
     torsionnet bench amt_bench -c II -o gear_II.tdms
     torsionnet bench dmf_bench --seed 7 --plot signals.png
-    """  # noqa: D301
+    """
     from torsionnet.bench import load_bench
     from torsionnet.cli.progress import progress
     from torsionnet.io.records import write_recording

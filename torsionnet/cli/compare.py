@@ -54,15 +54,14 @@ def command(
     \b
     torsionnet bench amt_bench -c V -o gear_V.npz
     torsionnet compare gear_V.npz amt_rig -c V --output theta_1 --input T_T --preset paper --to 40 --plot V.png
-    """  # noqa: D301
+    """
     from torsionnet.cli.cases import load_cases
     from torsionnet.cli.estimate import estimated
     from torsionnet.response import Conventions
     from torsionnet.signals.agreement import agreement
 
     if len(configurations) > 1 or "all" in configurations:
-        msg = "a record is of one configuration: name one with -c"
-        raise click.UsageError(msg)
+        raise click.UsageError("a record is of one configuration: name one with -c")
     case = load_cases(model, configurations, settings)[0]
     test = estimated(record, reading, (output,), (into,), averaging, start, stop)
     calculated = _calculated(case.drivetrain, test, model_output or output, model_input or into, excitation)

@@ -50,7 +50,7 @@ def command(
     torsionnet estimate test.tdms --input T_T --output theta_1 --preset paper --angle deg --plot frf.png
     torsionnet estimate test.csv --input M1 --output phi --quantity phi=angle --unit phi=deg --csv frf.csv
     torsionnet estimate test.npz --input T_T --output theta_1 --reference T_M_set --plot frf.png
-    """  # noqa: D301
+    """
     from torsionnet.response import Conventions
 
     response = estimated(record, reading, outputs, inputs, averaging, start, stop)

@@ -43,15 +43,15 @@ def command(
     \b
     torsionnet explore amt_rig -c V --tf theta_1/T_T
     torsionnet explore amt_rig -c V --tf theta_1/T_T --overlay gear_V.csv --band 0.5 40
-    """  # noqa: D301
+    """
     from torsionnet.explore.state import HIGHEST
 
     if len(configurations) > 1 or "all" in configurations:
-        msg = "the page begins with one configuration: name one with -c; all of them are tabs of the page"
-        raise click.UsageError(msg)
+        raise click.UsageError(
+            "the page begins with one configuration: name one with -c; all of them are tabs of the page"
+        )
     if band and not 0 < band[0] < band[1] <= HIGHEST:
-        msg = f"--band needs 0 < LOW < HIGH <= {HIGHEST:g} Hz, got {band[0]:g} {band[1]:g}"
-        raise click.UsageError(msg)
+        raise click.UsageError(f"--band needs 0 < LOW < HIGH <= {HIGHEST:g} Hz, got {band[0]:g} {band[1]:g}")
     from torsionnet.explore import ExploreServer, open_session
     from torsionnet.explore.choices import read_pair
 

@@ -48,12 +48,11 @@ def command(
     \b
     torsionnet export amt_rig -c V -o rig.mo
     torsionnet export dmf_rig -o rig.fmu --fmi 3.0
-    """  # noqa: D301
+    """
     chosen = _format(Path(output_file).suffix.lower(), form)
     more = {name: value for name, value in (("step", step), ("version", fmi)) if value is not None}
     if more and chosen != "fmu":
-        msg = f"{'--step' if step is not None else '--fmi'} belongs to an FMU"
-        raise click.UsageError(msg)
+        raise click.UsageError(f"{'--step' if step is not None else '--fmi'} belongs to an FMU")
     cases = load_cases(model, configurations, settings)
     from torsionnet import io
 
@@ -75,9 +74,7 @@ def command(
 def _format(ending: str, form: str | None) -> str:
     usual = FORMATS.get(ending)
     if form is None and usual is None:
-        msg = f'"{ending}" tells no format; end the file in {", ".join(FORMATS)}, or give --format'
-        raise click.UsageError(msg)
+        raise click.UsageError(f'"{ending}" tells no format; end the file in {", ".join(FORMATS)}, or give --format')
     if form and usual and form != usual:
-        msg = f"a file ending in {ending} is of the format {usual}, not {form}"
-        raise click.UsageError(msg)
+        raise click.UsageError(f"a file ending in {ending} is of the format {usual}, not {form}")
     return form or str(usual)

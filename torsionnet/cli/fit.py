@@ -44,7 +44,7 @@ def command(
 
     \b
     torsionnet fit gears.yaml --plot fit.png -o result.yaml
-    """  # noqa: D301
+    """
     from torsionnet.cli.progress import progress
     from torsionnet.identification import identify, rank_causes
     from torsionnet.identification.fit_file import load_fit_plan

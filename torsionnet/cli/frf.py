@@ -108,7 +108,7 @@ def command(
     \b
     torsionnet frf dmf_rig --output theta_1 --input T_T --angle deg --plot bode.png
     torsionnet frf amt_rig -c all --output theta_1 --input T_M --from 0.3 --to 40 --csv gears.csv
-    """  # noqa: D301
+    """
     cases = load_cases(model, configurations, settings)
     from torsionnet.cli.frf_output import Shown, as_data, full_table, peak_table
     from torsionnet.cli.sampling import Sampling

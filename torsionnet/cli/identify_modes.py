@@ -60,12 +60,13 @@ def command(
 
     \b
     torsionnet identify-modes test.npz --output theta_1 --input T_T --preset paper --against amt_rig -c V
-    """  # noqa: D301
+    """
     from torsionnet.cli.estimate import estimated
 
     if plot_file and method == "peaks":
-        msg = "peak picking has no stabilisation diagram; leave --plot out, or choose another --method"
-        raise click.UsageError(msg)
+        raise click.UsageError(
+            "peak picking has no stabilisation diagram; leave --plot out, or choose another --method"
+        )
     response = estimated(record, reading, outputs, inputs, averaging, start, stop)
     if stop is None and response.usable_up_to is not None:
         response = response.between(start, response.usable_up_to)

@@ -16,7 +16,7 @@ def command(source: str, output_file: str | None) -> None:
 
     \b
     torsionnet import thruster.tors -o thruster.yaml
-    """  # noqa: D301
+    """
     from torsionnet.io.tors_reading import read_tors
 
     text = read_tors(source).to_yaml(output_file)

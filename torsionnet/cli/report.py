@@ -82,7 +82,7 @@ def command(
     torsionnet report dmf_rig -o dmf.pdf --author "A. Engineer" --band 0.3 150
     torsionnet report amt_rig -c V --record test.npz --output theta_1 --input T_T --seconds 4 --record-band 0.5 40
     cat model.yaml | torsionnet report - -o model.pdf
-    """  # noqa: D301
+    """
     from torsionnet.model.configurations import EVERY
     from torsionnet.report.report import make_report, writer_for
 
@@ -118,8 +118,7 @@ def _fit(name: str) -> Fit:
 
 def _band(option: str, band: tuple[float, float] | None) -> tuple[float, float] | None:
     if band and not 0 <= band[0] < band[1] < float("inf"):
-        msg = f"{option} needs 0 <= LOW < HIGH in Hz, got {band[0]:g} {band[1]:g}"
-        raise click.UsageError(msg)
+        raise click.UsageError(f"{option} needs 0 <= LOW < HIGH in Hz, got {band[0]:g} {band[1]:g}")
     return band
 
 
@@ -141,8 +140,7 @@ def _measured(
         return Measured(whole, configuration)
     part = whole.between(*band)
     if not len(part.frequencies):
-        msg = f"{file} has nothing between {band[0]:g} and {band[1]:g} Hz; {whole!r}"
-        raise UsageError(msg)
+        raise UsageError(f"{file} has nothing between {band[0]:g} and {band[1]:g} Hz; {whole!r}")
     return Measured(part, configuration)
 
 
@@ -156,8 +154,7 @@ def split(name: str, rig: Drivetrain) -> tuple[str, str]:
     try:
         return rig.configured(before).configuration, after
     except (UsageError, ModelError) as error:
-        msg = f'--record "{name}": {error}'
-        raise UsageError(msg) from None
+        raise UsageError(f'--record "{name}": {error}') from None
 
 
 def _response(file: str, output: str | None, into: str | None, averaging: Averaging) -> FrequencyResponse:

@@ -34,8 +34,7 @@ class Sampling:
         """In Hz; ``scale`` is the unit chosen over Hz."""
         if self.listed is not None:
             if any(given is not None for given in (self.start, self.stop, self.points, self.logarithmic)):
-                msg = "give --frequencies, or --from, --to and --points, not both"
-                raise UsageError(msg)
+                raise UsageError("give --frequencies, or --from, --to and --points, not both")
             return read_list(self.listed) / scale
         start, stop = self.start, self.stop
         if start is None or stop is None:
@@ -48,13 +47,11 @@ class Sampling:
 def spaced(start: float, stop: float, points: int, logarithmic: bool | None) -> FloatArray:
     """Evenly, or by equal factors: unless said, where the range is more than a decade and does not begin at 0."""
     if not (math.isfinite(start) and math.isfinite(stop) and 0 <= start < stop):
-        msg = f"--from must not be negative and must be smaller than --to, got {start:g} and {stop:g}"
-        raise UsageError(msg)
+        raise UsageError(f"--from must not be negative and must be smaller than --to, got {start:g} and {stop:g}")
     if logarithmic is None:
         logarithmic = 0 < start <= stop / BELOW
     if logarithmic and start == 0:
-        msg = "a logarithmic range cannot begin at 0"
-        raise UsageError(msg)
+        raise UsageError("a logarithmic range cannot begin at 0")
     return np.asarray(np.geomspace(start, stop, points) if logarithmic else np.linspace(start, stop, points))
 
 
@@ -67,8 +64,7 @@ def read_list(text: str) -> FloatArray:
     parts = [_part(part, text) for part in text.split(",")]
     frequencies = np.unique(np.concatenate(parts))
     if frequencies[0] < 0:
-        msg = f"a frequency must not be negative, got {frequencies[0]:g}"
-        raise UsageError(msg)
+        raise UsageError(f"a frequency must not be negative, got {frequencies[0]:g}")
     return frequencies
 
 
@@ -86,8 +82,7 @@ def _part(part: str, text: str) -> FloatArray:
         raise _unreadable(text)
     count = math.floor((stop - start) / step * (1 + 1e-12) + 1e-9) + 1
     if count > MOST_POINTS:
-        msg = f'"{part}" are {count} frequencies; at most {MOST_POINTS} are calculated at once'
-        raise UsageError(msg)
+        raise UsageError(f'"{part}" are {count} frequencies; at most {MOST_POINTS} are calculated at once')
     return np.asarray(start + step * np.arange(count), dtype=np.float64)
 
 

@@ -50,7 +50,7 @@ def command(
 
     \b
     torsionnet sensitivity amt_rig -c V --mode 1 --plot tornado.png
-    """  # noqa: D301
+    """
     cases = load_cases(model, configurations, settings)
     from torsionnet.solve.sensitivity import mode_sensitivities
 
@@ -83,8 +83,7 @@ def _require(modes: tuple[int, ...], results: list[ModeSensitivities]) -> None:
     known = sorted({one.number(mode) for one in results for mode in range(len(one.poles))})
     for mode in modes:
         if mode not in known:
-            msg = f"there is no mode {mode} to move; there are {', '.join(map(str, known)) or 'none'}"
-            raise UsageError(msg)
+            raise UsageError(f"there is no mode {mode} to move; there are {', '.join(map(str, known)) or 'none'}")
 
 
 def _chosen(found: ModeSensitivities, modes: tuple[int, ...]) -> Table:

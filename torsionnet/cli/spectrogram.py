@@ -44,7 +44,7 @@ def command(
 
     \b
     torsionnet spectrogram test.npz --channel T_T --decimate 50 --plot torque.png
-    """  # noqa: D301
+    """
     from torsionnet.cli.progress import progress
     from torsionnet.cli.records import load_record
     from torsionnet.response.recording import Recording

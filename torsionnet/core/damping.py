@@ -100,7 +100,7 @@ def convert_damping(
     ratio = _omega_over_stiffness(stiffness, frequency) if "c" in (measure, to) else None
     try:
         eta = source.to_loss_factor(float(value), FLOAT, ratio)
-        if to == "log_decrement" and abs(eta) >= 2:  # noqa: PLR2004
+        if to == "log_decrement" and abs(eta) >= 2:
             raise DampingError(f"{measure} = {value:g} is zeta = {eta / 2:g}; from 1 on there is no decrement")
         return float(target.from_loss_factor(eta, FLOAT, ratio))
     except ZeroDivisionError:

@@ -25,8 +25,7 @@ def names_on_demand(package: str, homes: Mapping[str, str]) -> Callable[[str], o
 
     def attribute(name: str) -> object:
         if name not in homes:
-            msg = f"module {package!r} has no attribute {name!r}"
-            raise AttributeError(msg, name=name)
+            raise AttributeError(f"module {package!r} has no attribute {name!r}", name=name)
         module = importlib.import_module(homes[name])
         return getattr(module, name, module)
 

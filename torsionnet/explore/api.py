@@ -62,18 +62,15 @@ def _parsed(body: bytes) -> Any:
     except RequestError:
         raise
     except (ValueError, RecursionError) as error:  # of bytes, of text, of numbers of thousands of digits
-        msg = f"the request is no JSON text: {error}"
-        raise RequestError(msg) from None
+        raise RequestError(f"the request is no JSON text: {error}") from None
 
 
 def _no_number(text: str) -> Any:
-    msg = f"{text} is no number that a drivetrain can have"
-    raise RequestError(msg)
+    raise RequestError(f"{text} is no number that a drivetrain can have")
 
 
 def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) < len(pairs):
-        msg = "a name stands twice in the request"
-        raise RequestError(msg)
+        raise RequestError("a name stands twice in the request")
     return found

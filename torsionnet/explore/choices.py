@@ -36,8 +36,7 @@ def read_pair(text: str) -> ResponseChoice:
     """``OUTPUT/INPUT``; UsageError where it is something else."""
     output, slash, into = (part.strip() for part in text.partition("/"))
     if not (slash and output and into) or "/" in into:
-        msg = f'a transfer function is written OUTPUT/INPUT, as in theta_1/T_M; got "{text}"'
-        raise UsageError(msg)
+        raise UsageError(f'a transfer function is written OUTPUT/INPUT, as in theta_1/T_M; got "{text}"')
     return ResponseChoice(output, into)
 
 

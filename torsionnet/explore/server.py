@@ -56,8 +56,9 @@ class ExploreServer(ThreadingHTTPServer):
         try:
             super().__init__((HOST, port), Handler)
         except (OSError, OverflowError) as error:
-            msg = f"port {port} cannot be used ({error}); choose another one with --port, or leave it out"
-            raise UsageError(msg) from None
+            raise UsageError(
+                f"port {port} cannot be used ({error}); choose another one with --port, or leave it out"
+            ) from None
         self.guard = Guard(self.server_address[1])
         self._places = BoundedSemaphore(MOST_CONNECTIONS)
 

@@ -68,8 +68,9 @@ class Session:
         changed = self.chosen(state.choice).configured(**state.values) if state.values else self.chosen(state.choice)
         for name in state.values:
             if changed.parameter_definitions[name].is_derived:
-                msg = f"{name}: expected a number with its unit; expressions of parameters belong in the model file"
-                raise UsageError(msg)
+                raise UsageError(
+                    f"{name}: expected a number with its unit; expressions of parameters belong in the model file"
+                )
         return changed
 
     def completed(self, state: State) -> State:

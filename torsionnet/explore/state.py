@@ -74,13 +74,11 @@ def read_state(raw: Any) -> State:
     {'c_O': '360 N*m*s/rad', 'tau': 3.3}
     """
     if not isinstance(raw, Mapping):
-        msg = "a request is a JSON object with the state of the page"
-        raise RequestError(msg)
+        raise RequestError("a request is a JSON object with the state of the page")
     known = [entry.name for entry in fields(State)]
     for key in raw:
         if key not in known:
-            msg = f'"{str(key)[:LONGEST]}" is no part of a state{did_you_mean(str(key), known)}'
-            raise RequestError(msg)
+            raise RequestError(f'"{str(key)[:LONGEST]}" is no part of a state{did_you_mean(str(key), known)}')
     given: dict[str, Any] = {
         key: _text(raw, key) for key in ("output", "input", "excitation", "quantity", "angle") if key in raw
     }
@@ -89,8 +87,7 @@ def read_state(raw: Any) -> State:
     _known("angle", given.get("angle", ANGLES[0]), ANGLES)
     if "decibels" in raw:
         if not isinstance(raw["decibels"], bool):
-            msg = "decibels is true or false"
-            raise RequestError(msg)
+            raise RequestError("decibels is true or false")
         given["decibels"] = raw["decibels"]
     if "band" in raw:
         given["band"] = _band(raw["band"])
@@ -99,22 +96,19 @@ def read_state(raw: Any) -> State:
 
 def _text(raw: Mapping[str, Any], key: str) -> str:
     if not isinstance(raw[key], str) or len(raw[key]) > LONGEST:
-        msg = f"{key} is a text of at most {LONGEST} characters"
-        raise RequestError(msg)
+        raise RequestError(f"{key} is a text of at most {LONGEST} characters")
     return str(raw[key])
 
 
 def _known(key: str, value: str, known: tuple[str, ...]) -> None:
     if value not in known:
-        msg = f'no {key} is named "{value}"{did_you_mean(value, known)}'
-        raise RequestError(msg)
+        raise RequestError(f'no {key} is named "{value}"{did_you_mean(value, known)}')
 
 
 def _table(raw: Mapping[str, Any], key: str) -> dict[str, Value]:
     table = raw[key]
     if not isinstance(table, Mapping) or len(table) > MOST_VALUES:
-        msg = f"{key} is an object of names and values, at most {MOST_VALUES}"
-        raise RequestError(msg)
+        raise RequestError(f"{key} is an object of names and values, at most {MOST_VALUES}")
     return {str(name): _value(f'{key} of "{str(name)[:40]}"', value, key) for name, value in table.items()}
 
 
@@ -125,20 +119,18 @@ def _value(what: str, value: Any, key: str) -> Value:
     if key == "values" and isinstance(value, int | float) and not isinstance(value, bool):
         if abs(value) < math.inf:
             return value
-        msg = f"{what}: a parameter needs a finite number"
-        raise RequestError(msg)
+        raise RequestError(f"{what}: a parameter needs a finite number")
     form = "a number, or a text with a unit" if key == "values" else "a text"
-    msg = f"{what}: expected {form}"
-    raise RequestError(msg)
+    raise RequestError(f"{what}: expected {form}")
 
 
 def _band(raw: Any) -> tuple[float, float]:
-    is_pair = isinstance(raw, list | tuple) and len(raw) == 2  # noqa: PLR2004
+    is_pair = isinstance(raw, list | tuple) and len(raw) == 2
     if not is_pair or not all(isinstance(end, int | float) and not isinstance(end, bool) for end in raw):
-        msg = "a band is [lowest, highest] frequency in Hz"
-        raise RequestError(msg)
+        raise RequestError("a band is [lowest, highest] frequency in Hz")
     low, high = raw
     if (low, high) != (0, 0) and not 0 < low < high <= HIGHEST:
-        msg = f"a band of frequencies needs 0 < lowest < highest <= {HIGHEST:g} Hz, got {low:g} and {high:g}"
-        raise RequestError(msg)
+        raise RequestError(
+            f"a band of frequencies needs 0 < lowest < highest <= {HIGHEST:g} Hz, got {low:g} and {high:g}"
+        )
     return float(low), float(high)

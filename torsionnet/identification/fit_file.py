@@ -61,8 +61,7 @@ def load_fit_plan(path: str | os.PathLike[str], read_response: ReadResponse) -> 
     try:
         document = compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
     except OSError as error:
-        msg = f"{file} cannot be read: {error.strerror or error}"
-        raise UsageError(msg) from None
+        raise UsageError(f"{file} cannot be read: {error.strerror or error}") from None
     except ModelError as error:
         raise ModelError(presentable(error.faults), file.name) from None
     reader = _Reader(document, file, read_response)

@@ -165,8 +165,7 @@ def make_problem(
     labels = [measurement.label for measurement in measurements]
     if len(set(labels)) != len(labels):
         twice = sorted({label for label in labels if labels.count(label) > 1})
-        msg = f"several measurements are called {', '.join(twice)}; give them names"
-        raise UsageError(msg)
+        raise UsageError(f"several measurements are called {', '.join(twice)}; give them names")
     return laid_out(model, [make_block(model, one, tuple(unknowns), form) for one in measurements], unknowns)
 
 
@@ -214,8 +213,7 @@ def _begin(model: AssembledModel, name: str, unknown: Unknown, value: float) -> 
     stated = model.parameter_definitions[name].bounds if name in model.parameter_definitions else None
     bounds = unknown.bounds or stated or natural_bounds(model, name, start)
     if not bounds[0] <= start <= bounds[1]:
-        msg = f"{name} begins at {start:g}, outside its bounds {bounds[0]:g} to {bounds[1]:g}"
-        raise UsageError(msg)
+        raise UsageError(f"{name} begins at {start:g}, outside its bounds {bounds[0]:g} to {bounds[1]:g}")
     return start, bounds
 
 

@@ -90,8 +90,7 @@ class FitResult:
         from torsionnet.identification.reach import reach
 
         if not 0 < level < 1:
-            msg = f"a level is a share between 0 and 1, got {level}"
-            raise UsageError(msg)
+            raise UsageError(f"a level is a share between 0 and 1, got {level}")
         freedom, found = max(self.degrees_of_freedom, 1), {}
         for name, value in self.values.items():
             half = reach(level, self.standard_errors[name], self.steps.get(name, ()), freedom)

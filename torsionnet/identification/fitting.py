@@ -84,12 +84,12 @@ def identify(
     """
     for what, given, known in (("residual", residual, FORMS), ("loss", loss, LOSSES)):
         if given not in known:
-            msg = f'no {what} is named "{given}"{did_you_mean(str(given), known)}; there is {", ".join(known)}'
-            raise UsageError(msg)
+            raise UsageError(
+                f'no {what} is named "{given}"{did_you_mean(str(given), known)}; there is {", ".join(known)}'
+            )
     listed = [measurements] if isinstance(measurements, Measurement) else list(measurements)
     if not listed:
-        msg = "there is nothing measured to fit to"
-        raise UsageError(msg)
+        raise UsageError("there is nothing measured to fit to")
     problem = make_problem(model, listed, read_unknowns(parameters), residual)
     _check_information(problem)
     best = min((solved(problem, start, loss) for start in _starts(problem, starts, seed)), key=lambda one: one.cost)
@@ -100,8 +100,7 @@ def identify(
         if _moved(before, best.x) < SETTLED:
             break
     if not best.converged or not np.isfinite(best.cost):
-        msg = f"the fit does not converge: {best.message}; try other start values, bounds, or starts=10"
-        raise SolveError(msg)
+        raise SolveError(f"the fit does not converge: {best.message}; try other start values, bounds, or starts=10")
     return _judged(model, problem, best, loss)
 
 
@@ -144,11 +143,10 @@ def _starts(problem: FitProblem, count: int, seed: int) -> list[FloatArray]:
 def _check_information(problem: FitProblem) -> None:
     residuals, slopes = problem.both(problem.start)
     if len(residuals) < len(problem.names):
-        msg = (
+        raise UsageError(
             f"{len(problem.names)} parameters cannot be found from {problem.lines} lines: "
             f"{', '.join(problem.names)}; measure more, or fix some of them"
         )
-        raise UsageError(msg)
     reach = np.abs(slopes).max(axis=0) * steps(problem, problem.start)
     seen = max(float(np.max(np.abs(block.measured)) / np.min(block.deviations)) for block in problem.blocks)
     idle = [name for name, size in zip(problem.names, reach, strict=True) if not size > IDLE * seen]
@@ -157,8 +155,7 @@ def _check_information(problem: FitProblem) -> None:
             dict.fromkeys(f"{block.measurement.output}/{block.measurement.input}" for block in problem.blocks)
         )
         does = "does" if len(idle) == 1 else "do"
-        msg = f"{', '.join(idle)} {does} not act on {pairs}; leave {'it' if len(idle) == 1 else 'them'} out"
-        raise UsageError(msg)
+        raise UsageError(f"{', '.join(idle)} {does} not act on {pairs}; leave {'it' if len(idle) == 1 else 'them'} out")
 
 
 @one_thread()

@@ -75,8 +75,9 @@ class Instrument:
         if share >= LEAST_DRIVEN:
             return self, found
         if self.asked:
-            msg = f"{self.signal} explains {100 * share:.2g} % of the input: it does not drive it, and is no reference"
-            raise UsageError(msg)
+            raise UsageError(
+                f"{self.signal} explains {100 * share:.2g} % of the input: it does not drive it, and is no reference"
+            )
         return Instrument("H1", ""), of_input
 
 
@@ -99,8 +100,7 @@ def instrument_of(model: AssembledModel, measurement: Measurement, record: Recor
     why = "is not for the fit of a record; there is H1, H2, and Hr with a reference"
     if asked == "Hr":
         why = f"needs a reference, such as a set-point {' or '.join(set_points(model, measurement.excitation))}"
-    msg = f"{measurement.label}: {asked} {why}"
-    raise UsageError(msg)
+    raise UsageError(f"{measurement.label}: {asked} {why}")
 
 
 def set_points(model: AssembledModel, excitation: str | None = None) -> tuple[str, ...]:

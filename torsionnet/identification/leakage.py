@@ -23,7 +23,7 @@ def narrow_peaks(problem: FitProblem, values: FloatArray) -> Iterator[str]:
 
 def _narrow(block: ResponseBlock, values: FloatArray) -> Iterator[str]:
     smooth, f = block.smoothing, block.frequencies
-    if len(f) < 2 or (smooth is not None and smooth.exact):  # noqa: PLR2004
+    if len(f) < 2 or (smooth is not None and smooth.exact):
         return
     bin_width = float(np.diff(f).min())
     curve, lines = block.curve(values), block.fine

@@ -67,17 +67,15 @@ class Measurement:
     def __post_init__(self) -> None:
         for low, high in (*([self.band] if self.band else ()), *self.excluded):
             if not (np.isfinite(low) and low >= 0 and high > low):
-                msg = f"a band goes from a frequency >= 0 to a higher one, in Hz, got {low}, {high}"
-                raise UsageError(msg)
+                raise UsageError(f"a band goes from a frequency >= 0 to a higher one, in Hz, got {low}, {high}")
         if isinstance(self.data, FrequencyResponse) and (self.settings or self.settling or self.reference):
-            msg = "settings, settling and reference belong to records; this is a response that has been estimated"
-            raise UsageError(msg)
+            raise UsageError(
+                "settings, settling and reference belong to records; this is a response that has been estimated"
+            )
         if self.error is not None and not (np.isfinite(self.error) and self.error > 0):
-            msg = f"a relative standard error is a number above 0, got {self.error}"
-            raise UsageError(msg)
+            raise UsageError(f"a relative standard error is a number above 0, got {self.error}")
         if self.error is not None and isinstance(self.data, Recording):
-            msg = "an error belongs to a response that has been estimated; a record shows its noise itself"
-            raise UsageError(msg)
+            raise UsageError("an error belongs to a response that has been estimated; a record shows its noise itself")
 
     @property
     def label(self) -> str:

@@ -127,6 +127,7 @@ def _response(
     theirs = (response.request.outputs[0].unit, response.request.measured[0].unit)
     for channel, unit in zip(channels, theirs, strict=True):
         if channel.unit and channel.unit != unit:
-            msg = f"{measurement.label}: {channel.name} is in {channel.unit} in the data, in {unit} in the model"
-            raise UsageError(msg)
+            raise UsageError(
+                f"{measurement.label}: {channel.name} is in {channel.unit} in the data, in {unit} in the model"
+            )
     return response

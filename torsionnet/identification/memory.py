@@ -67,8 +67,7 @@ def check_memory(label: str, record: Recording, settings: Welch, band: tuple[flo
     found = demand(record, settings, band)
     if found.most > MOST:
         size = found.most / 1e9
-        msg = (
+        raise UsageError(
             f"{label}: comparing {found.lines} lines from {band[0]:g} to {band[1]:g} Hz takes {size:.1f} GB of memory; "
             "give a narrower band or shorter windows (seconds)"
         )
-        raise UsageError(msg)

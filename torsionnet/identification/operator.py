@@ -152,10 +152,9 @@ def windowed_estimate(
     x, y = _from_rest(record, input), _from_rest(record, output)
     X = segments.lines(x)
     if not len(X):
-        msg = (
+        raise UsageError(
             f"the record of {record.duration:g} s is too short for one window of {settings.seconds:g} s after settling"
         )
-        raise UsageError(msg)
     instrument, R = instrument.lines(X, lambda name: segments.lines(_from_rest(record, name)))
     if instrument.is_clean or instrument.plain:
         background = np.full(len(bins), not instrument.is_clean)
@@ -188,8 +187,7 @@ def _lines_in(band: tuple[float, float], settings: Welch, rate: float) -> NDArra
     kept = every[(f >= band[0] * (1 - 1e-9)) & (f <= band[1] * (1 + 1e-9))]
     if not len(kept):
         apart = f"its lines are {rate / length:g} Hz apart"
-        msg = f"no line of the estimate lies between {band[0]:g} and {band[1]:g} Hz; {apart}"
-        raise UsageError(msg)
+        raise UsageError(f"no line of the estimate lies between {band[0]:g} and {band[1]:g} Hz; {apart}")
     return kept
 
 

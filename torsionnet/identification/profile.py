@@ -24,11 +24,9 @@ EDGE = 1e-6
 def profile_interval(fit: FitResult, name: str, level: float) -> tuple[float, float]:
     """Both ends of the interval in which chi squared rises by less than the level allows."""
     if fit.problem is None:
-        msg = "a fit read from a file has no data to profile; fit again"
-        raise UsageError(msg)
+        raise UsageError("a fit read from a file has no data to profile; fit again")
     if name not in fit.values:
-        msg = f'no parameter of the fit is named "{name}"{did_you_mean(name, fit.values)}'
-        raise UsageError(msg)
+        raise UsageError(f'no parameter of the fit is named "{name}"{did_you_mean(name, fit.values)}')
     if fit.lack_of_fit is not None and fit.lack_of_fit.rejected:
         return -np.inf, np.inf
     profile = _Profile(fit, name, level)

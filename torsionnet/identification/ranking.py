@@ -168,13 +168,11 @@ def _prepared(
 ) -> tuple[FitProblem, FloatArray]:
     if isinstance(model, Fit):
         if model.problem is None:
-            msg = "a fit read from a file has no data to compare with; fit again"
-            raise UsageError(msg)
+            raise UsageError("a fit read from a file has no data to compare with; fit again")
         return model.problem, np.array(list(model.values.values()))
     listed = [measurements] if isinstance(measurements, Measurement) else list(measurements)
     if not listed:
-        msg = "there is nothing measured to compare with"
-        raise UsageError(msg)
+        raise UsageError("there is nothing measured to compare with")
     problem = make_problem(model, listed, read_unknowns(parameters) if parameters else {}, residual)
     return problem, _solve(problem, problem.start).x
 

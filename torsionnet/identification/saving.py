@@ -73,8 +73,7 @@ def read_fit(path: str | os.PathLike[str]) -> FitResult:
     try:
         text = decode(file.read_bytes(), str(file))
     except OSError as error:
-        msg = f"{file} cannot be read: {error.strerror or error}"
-        raise UsageError(msg) from None
+        raise UsageError(f"{file} cannot be read: {error.strerror or error}") from None
     document = compose(text, str(file))
     data = document.data
     if not isinstance(data, dict) or str(data.get("torsionnet_fit")) != str(VERSION):

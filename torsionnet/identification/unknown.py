@@ -36,18 +36,14 @@ class Unknown:
 
     def __post_init__(self) -> None:
         if self.start is not None and not np.isfinite(self.start):
-            msg = f"a start value is a finite number in SI, got {self.start}"
-            raise UsageError(msg)
+            raise UsageError(f"a start value is a finite number in SI, got {self.start}")
         for size in (self.start, *(self.prior or ()), *(self.bounds or ())):
             if size and np.isfinite(size) and not 1 / LARGEST < abs(size) < LARGEST:
-                msg = f"{size:g} is no size that a parameter of a drivetrain has"
-                raise UsageError(msg)
+                raise UsageError(f"{size:g} is no size that a parameter of a drivetrain has")
         if self.bounds is not None and not self.bounds[0] < self.bounds[1]:
-            msg = f"the lower bound must be below the upper bound, got {self.bounds}"
-            raise UsageError(msg)
+            raise UsageError(f"the lower bound must be below the upper bound, got {self.bounds}")
         if self.prior is not None and not self.prior[1] > 0:
-            msg = f"a prior is a mean and a standard deviation above 0, got {self.prior}"
-            raise UsageError(msg)
+            raise UsageError(f"a prior is a mean and a standard deviation above 0, got {self.prior}")
 
 
 def read_unknowns(parameters: str | Sequence[str] | Mapping[str, Unknown | float | None]) -> dict[str, Unknown]:
@@ -63,8 +59,7 @@ def read_unknowns(parameters: str | Sequence[str] | Mapping[str, Unknown | float
     else:
         found = {name: _one(name, given) for name, given in parameters.items()}
     if not found:
-        msg = "name at least one parameter to be found"
-        raise UsageError(msg)
+        raise UsageError("name at least one parameter to be found")
     return found
 
 
@@ -76,5 +71,4 @@ def _one(name: str, given: Unknown | float | None) -> Unknown:
     try:
         return Unknown(float(given))
     except (TypeError, ValueError):
-        msg = f"{name}: expected a start value in SI or Unknown(...), got {given!r}"
-        raise UsageError(msg) from None
+        raise UsageError(f"{name}: expected a start value in SI or Unknown(...), got {given!r}") from None

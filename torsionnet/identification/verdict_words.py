@@ -85,7 +85,7 @@ def _bounds(problem: FitProblem, values: FloatArray, ended: Collection[str]) -> 
 def _odd(problem: FitProblem, values: FloatArray) -> Iterator[str]:
     """Measurements that the common parameters do not fit, judged with each one's own noise."""
     misfits = relative_misfits(problem, values)
-    if len(misfits) < 2:  # noqa: PLR2004
+    if len(misfits) < 2:
         return
     for number, misfit in enumerate(misfits):
         others = np.delete(misfits, number)

@@ -104,18 +104,17 @@ def write_matlab(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None:
     ending = target.suffix.lower()
     if ending == ".m":
         if not re.fullmatch(r"[A-Za-z][A-Za-z0-9_]{0,62}", target.stem):
-            msg = f'Matlab runs no script named "{target.name}"; use letters, digits and _, beginning with a letter'
-            raise UsageError(msg)
+            raise UsageError(
+                f'Matlab runs no script named "{target.name}"; use letters, digits and _, beginning with a letter'
+            )
         if target.stem in RESERVED | NUMBERS.keys() | LISTS.keys() | {"title", "state_space", "sys"}:
             what = "a word of Matlab's own" if target.stem in RESERVED else "a variable that the script sets"
-            msg = f'Matlab cannot run "{target.name}": {target.stem} is {what}; e.g. {target.stem}_model.m'
-            raise UsageError(msg)
+            raise UsageError(f'Matlab cannot run "{target.name}": {target.stem} is {what}; e.g. {target.stem}_model.m')
         write_text(target, to_matlab(drivetrain))
     elif ending == ".mat":
         write_bytes(target, mat_bytes(_variables(drivetrain)))
     else:
-        msg = f'cannot write "{path}": give a file ending in .m or .mat'
-        raise UsageError(msg)
+        raise UsageError(f'cannot write "{path}": give a file ending in .m or .mat')
 
 
 def _variables(drivetrain: Drivetrain) -> dict[str, Any]:

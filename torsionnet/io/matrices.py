@@ -94,12 +94,12 @@ def matrices(drivetrain: Drivetrain) -> Matrices:
 def _refuse(drivetrain: Drivetrain, assembly: Assembly) -> None:
     dynamic = sorted({assembly.owners[index] for index, _ in assembly.system.dynamic})
     if dynamic:
-        msg = f"{', '.join(dynamic)}: a stiffness that depends on frequency has no place in constant matrices"
-        raise UsageError(msg)
+        raise UsageError(
+            f"{', '.join(dynamic)}: a stiffness that depends on frequency has no place in constant matrices"
+        )
     imposed = [name for name, channel in drivetrain.inputs.items() if channel.quantity != "torque"]
     if imposed:
-        msg = f"{', '.join(imposed)} imposes an angle; only torques are inputs of constant matrices"
-        raise UsageError(msg)
+        raise UsageError(f"{', '.join(imposed)} imposes an angle; only torques are inputs of constant matrices")
 
 
 def _motion(assembly: Assembly, reading: Functional) -> FloatArray:

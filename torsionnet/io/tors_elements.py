@@ -121,7 +121,7 @@ def _values(item: Mapping[str, Any], path: Path) -> tuple[dict[str, float], list
         raw, positive = item.get(key), "+" in mark
         if raw is None and "?" in mark:
             continue
-        if isinstance(raw, bool) or not isinstance(raw, int | float) or raw != raw or abs(raw) == float("inf"):  # noqa: PLR0124
+        if isinstance(raw, bool) or not isinstance(raw, int | float) or raw != raw or abs(raw) == float("inf"):
             faults.append(Fault(f"{item['type']} needs a number as {key}, got {raw!r}", (*path, key)))
         elif raw < 0 or (raw == 0 and positive):
             word = "greater than 0" if positive else "not less than 0"
@@ -143,7 +143,7 @@ def _connections(
     entered: set[str] = set()
     for index, pair in enumerate(raw):
         path: Path = ("structure", index)
-        if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(end, str) for end in pair):  # noqa: PLR2004
+        if not isinstance(pair, list) or len(pair) != 2 or not all(isinstance(end, str) for end in pair):
             faults.append(Fault(f"expected [component.element, component.element], got {pair!r}", path))
             continue
         ends = [_end(text, components, (*path, side)) for side, text in enumerate(pair)]

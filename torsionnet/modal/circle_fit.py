@@ -125,12 +125,10 @@ def circle_fit(
     (8.755, 0.2547)
     """
     if damping not in ("viscous", "hysteretic"):
-        msg = f'damping "{damping}" is not known; choose viscous or hysteretic'
-        raise UsageError(msg)
+        raise UsageError(f'damping "{damping}" is not known; choose viscous or hysteretic')
     chosen = response.select(output, input)
     if len(chosen.outputs) * len(chosen.inputs) != 1:
-        msg = "a circle is fitted to one transfer function; name its output= and input="
-        raise UsageError(msg)
+        raise UsageError("a circle is fitted to one transfer function; name its output= and input=")
     return _fitted(chosen, *_points(chosen, near, damping, band), damping)
 
 
@@ -144,11 +142,10 @@ def _points(
     points = lines.values[:, 0, 0] * lines.s**steps
     taken = _around(np.abs(points), omega, 2 * np.pi * near) if band is None else _within(omega, band)
     if taken.stop - taken.start < LEAST_POINTS:
-        msg = (
+        raise UsageError(
             f"only {taken.stop - taken.start} lines lie on the circle near {near:g} Hz and {LEAST_POINTS} are needed; "
             "use finer lines, or give a wider band"
         )
-        raise UsageError(msg)
     weights = lines.weights[:, 0, 0] * omega ** -float(steps)
     return omega[taken], points[taken], weights[taken] / weights[taken].max(), _unit(response, steps)
 
@@ -175,8 +172,7 @@ def _around(size: FloatArray, omega: FloatArray, near: float) -> slice:
 
     summits = find_peaks(size, prominence=0.1 * size.max())[0]
     if not len(summits):
-        msg = f"there is no peak near {near / (2 * np.pi):g} Hz; give the band= of the lines to take"
-        raise UsageError(msg)
+        raise UsageError(f"there is no peak near {near / (2 * np.pi):g} Hz; give the band= of the lines to take")
     top = int(summits[np.abs(omega[summits] - near).argmin()])
     ends = []
     for side in (size[top::-1], size[top:]):
@@ -250,8 +246,7 @@ def _resonance(omega: FloatArray, seen: FloatArray, damping: str) -> tuple[float
 
     turned = seen[0] - seen[-1]
     if turned <= 0:
-        msg = "the points do not turn clockwise with frequency: no resonance, or motion ~ exp(-j omega t)"
-        raise SolveError(msg)
+        raise SolveError("the points do not turn clockwise with frequency: no resonance, or motion ~ exp(-j omega t)")
     fastest = int(np.argmax(-np.diff(seen) / np.diff(omega)))
     start_omega = float(np.mean(omega[fastest : fastest + 2]))
     width = np.ptp(_way(omega, start_omega, damping)) / (2 * np.tan(min(turned / 4, 1.5)))
@@ -264,11 +259,10 @@ def _resonance(omega: FloatArray, seen: FloatArray, damping: str) -> tuple[float
     found = scipy.optimize.least_squares(apart, start, method="lm", xtol=1e-14, ftol=1e-14, gtol=1e-14).x
     resonance = float(start_omega * np.exp(found[1]))
     if not omega[1] < resonance < omega[-2]:
-        msg = (
+        raise SolveError(
             f"the resonance of the circle would be at {resonance / (2 * np.pi):.4g} Hz, at the edge of its points or "
             "outside them; give another band="
         )
-        raise SolveError(msg)
     return float(found[0]), resonance
 
 

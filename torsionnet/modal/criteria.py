@@ -60,8 +60,7 @@ def msf(first: ArrayLike, second: ArrayLike) -> ComplexArray:
     """
     a, b = _pair(first, second)
     if a.shape != b.shape:
-        msg = f"scale factors need as many shapes on both sides, got {a.shape[1]} and {b.shape[1]}"
-        raise UsageError(msg)
+        raise UsageError(f"scale factors need as many shapes on both sides, got {a.shape[1]} and {b.shape[1]}")
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(np.sum(a.conj() * b, axis=0) / np.sum(np.abs(a) ** 2, axis=0))
 
@@ -125,19 +124,16 @@ def _shapes(given: ArrayLike) -> ComplexArray:
     values = np.asarray(given, dtype=complex)
     if values.ndim == 1:
         values = values[:, None]
-    if values.ndim != 2 or not len(values):  # noqa: PLR2004
-        msg = f"shapes are arrays of sensors by modes, got {values.ndim} dimensions"
-        raise UsageError(msg)
+    if values.ndim != 2 or not len(values):
+        raise UsageError(f"shapes are arrays of sensors by modes, got {values.ndim} dimensions")
     return values
 
 
 def _pair(first: ArrayLike, second: ArrayLike) -> tuple[ComplexArray, ComplexArray]:
     a, b = _shapes(first), _shapes(second)
     if len(a) != len(b):
-        msg = f"shapes must be given at the same sensors, got {len(a)} and {len(b)}"
-        raise UsageError(msg)
+        raise UsageError(f"shapes must be given at the same sensors, got {len(a)} and {len(b)}")
     known = np.isfinite(a).all(axis=1) & np.isfinite(b).all(axis=1)
     if not known.any():
-        msg = "there is no sensor at which both shapes are known"
-        raise UsageError(msg)
+        raise UsageError("there is no sensor at which both shapes are known")
     return a[known], b[known]

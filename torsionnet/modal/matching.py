@@ -161,8 +161,7 @@ def _of_model(
     rows = np.asarray(shapes, dtype=complex)
     if rows.shape != (len(estimate.outputs), len(given)):
         size = f"{len(estimate.outputs)} outputs by {len(given)} poles"
-        msg = f"the model's shapes must be {size}, got {' by '.join(str(n) for n in rows.shape)}"
-        raise UsageError(msg)
+        raise UsageError(f"the model's shapes must be {size}, got {' by '.join(str(n) for n in rows.shape)}")
     order = upper_half(given)
     return given[order], (estimate.shapes, rows[:, order]) if len(rows) > 1 else None
 
@@ -173,15 +172,14 @@ def _of_modes(
     names = [channel.name for channel in estimate.outputs]
     for output in at or {}:
         if output not in names:
-            msg = f'no output is named "{output}"{did_you_mean(output, names)}; there is {", ".join(names)}'
-            raise UsageError(msg)
+            raise UsageError(f'no output is named "{output}"{did_you_mean(output, names)}; there is {", ".join(names)}')
     places = {**{name: name for name in names if name in model.nodes}, **(at or {})}
     flexible = model.eigenvalues != 0
     angles = [row for row, channel in enumerate(estimate.outputs) if channel.name in places and channel.unit != "N*m"]
     poles = np.asarray(model.eigenvalues[flexible])
     nodes = [model.shape_at(places[names[row]])[flexible] for row in angles]
     known = [row for row, values in zip(angles, nodes, strict=True) if np.isfinite(values).all()]
-    if len(known) < 2:  # noqa: PLR2004
+    if len(known) < 2:
         return poles, None
     return poles, (estimate.shapes[known], np.array([v for v in nodes if np.isfinite(v).all()]))
 

@@ -107,8 +107,7 @@ class ModalEstimate:
         """The row of ``shapes`` of a sensor."""
         names = [channel.name for channel in self.outputs]
         if output not in names:
-            msg = f'no output is named "{output}"{did_you_mean(output, names)}; there is {", ".join(names)}'
-            raise UsageError(msg)
+            raise UsageError(f'no output is named "{output}"{did_you_mean(output, names)}; there is {", ".join(names)}')
         return np.asarray(self.shapes[names.index(output)])
 
     def response(self, frequencies: FloatArray) -> FrequencyResponse:
@@ -183,7 +182,7 @@ class ModalEstimate:
             f"{f:.4g} Hz ({100 * z:.3g} %)"
             for f, z in zip(self.natural_frequencies[:6], self.damping_ratios[:6], strict=True)
         )
-        more = ", ..." if len(self) > 6 else ""  # noqa: PLR2004
+        more = ", ..." if len(self) > 6 else ""
         return f"<ModalEstimate: {len(self)} modes at {listed}{more}>"
 
     def _repr_html_(self) -> str:

@@ -96,12 +96,10 @@ def peak_picking(
     curve = mean_magnitude(lines)
     peaks = [_read(frequencies, curve, line) for line in _highest(curve, prominence)]
     if not peaks:
-        msg = f"no peak stands out by {prominence:g} dB; give a lower prominence, or fit the modes"
-        raise SolveError(msg)
+        raise SolveError(f"no peak stands out by {prominence:g} dB; give a lower prominence, or fit the modes")
     good = [peak for peak in peaks if 0 < peak.damping_ratio < 1]
     if not good:
-        msg = "no peak falls to half power within the band: nothing can be read; fit the modes instead"
-        raise SolveError(msg)
+        raise SolveError("no peak falls to half power within the band: nothing can be read; fit the modes instead")
     lost = [peak for peak in peaks if peak not in good]
     notes = left_out(response, band)
     notes += tuple(remark for peak in good for remark in _remarks(peak, frequencies))

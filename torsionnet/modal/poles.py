@@ -46,6 +46,5 @@ def as_poles(given: ArrayLike) -> ComplexArray:
     """
     values = cleaned(np.atleast_1d(np.asarray(given, dtype=complex)))
     if values.ndim != 1 or not len(values) or not np.isfinite(values).all() or not values.all():
-        msg = "poles are a list of finite numbers in rad/s other than 0"
-        raise UsageError(msg)
+        raise UsageError("poles are a list of finite numbers in rad/s other than 0")
     return np.asarray(values[upper_half(values)])

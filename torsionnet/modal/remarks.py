@@ -30,7 +30,7 @@ def about_fit(estimate: ModalEstimate, seen: Sequence[int] = (), orders: int = 0
 
 def line_spacing(frequencies: FloatArray, near: float) -> float:
     """Distance in Hz of the lines around a frequency."""
-    if len(frequencies) < 2:  # noqa: PLR2004
+    if len(frequencies) < 2:
         return float("nan")
     place = int(np.clip(np.searchsorted(frequencies, near), 1, len(frequencies) - 1))
     return float(frequencies[place] - frequencies[place - 1])

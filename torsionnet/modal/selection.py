@@ -50,8 +50,7 @@ def select(diagram: Stabilisation, selection: Selection) -> Selected:
         places = clusters(diagram)
         rule = f"stable over at least {diagram.settings.criteria.enough(len(diagram.orders))} orders in a row"
         if not places:
-            msg = f"no pole is {rule}; look at the stabilisation diagram and choose by hand"
-            raise SolveError(msg)
+            raise SolveError(f"no pole is {rule}; look at the stabilisation diagram and choose by hand")
     elif selection == "order" or isinstance(selection, int):
         index = (
             best_order(diagram.lines, [order.left for order in diagram.orders])
@@ -61,11 +60,11 @@ def select(diagram: Stabilisation, selection: Selection) -> Selected:
         places = [(index, pole) for pole in range(len(diagram.orders[index].poles))]
         rule = f"all of order {index + 1}" + (", which is worth its unknowns (BIC)" if selection == "order" else "")
         if not places:
-            msg = f"order {index + 1} has no stable pole; choose another order or a narrower band"
-            raise SolveError(msg)
+            raise SolveError(f"order {index + 1} has no stable pole; choose another order or a narrower band")
     elif isinstance(selection, str):
-        msg = f'select="{selection}" is not known; choose "order", "clusters", an order, or (order, Hz) pairs'
-        raise UsageError(msg)
+        raise UsageError(
+            f'select="{selection}" is not known; choose "order", "clusters", an order, or (order, Hz) pairs'
+        )
     else:
         places = list(dict.fromkeys(_by_hand(diagram, selection)))
         rule = "chosen by hand"
@@ -144,31 +143,28 @@ def _is_same(diagram: Stabilisation, first: Place, second: Place) -> bool:
 
 def _order(diagram: Stabilisation, order: int) -> int:
     if not 1 <= order <= len(diagram.orders):
-        msg = f"there is no order {order} in the diagram; the orders are 1 to {len(diagram.orders)}"
-        raise UsageError(msg)
+        raise UsageError(f"there is no order {order} in the diagram; the orders are 1 to {len(diagram.orders)}")
     return order
 
 
 def _by_hand(diagram: Stabilisation, picks: Sequence[tuple[int, float]]) -> Iterator[Place]:
     if not picks:
-        msg = "no pole is chosen; give (order, Hz) pairs"
-        raise UsageError(msg)
+        raise UsageError("no pole is chosen; give (order, Hz) pairs")
     for pick in picks:
         try:
             order, frequency = int(pick[0]), float(pick[1])
         except (TypeError, ValueError, IndexError) as error:
-            msg = f"a pole is chosen by its order and frequency in Hz, as in (6, 8.7); got {pick!r}"
-            raise UsageError(msg) from error
+            raise UsageError(
+                f"a pole is chosen by its order and frequency in Hz, as in (6, 8.7); got {pick!r}"
+            ) from error
         index = _order(diagram, order) - 1
         known = natural_frequencies(diagram.orders[index].poles)
         if not len(known):
-            msg = f"order {order} has no stable pole"
-            raise UsageError(msg)
+            raise UsageError(f"order {order} has no stable pole")
         nearest = int(np.abs(known - frequency).argmin())
         if abs(known[nearest] / frequency - 1) > FARTHEST_PICK:
             there = ", ".join(f"{value:.4g}" for value in known)
-            msg = f"order {order} has no pole near {frequency:g} Hz; its poles are at {there} Hz"
-            raise UsageError(msg)
+            raise UsageError(f"order {order} has no pole near {frequency:g} Hz; its poles are at {there} Hz")
         yield index, nearest
 
 

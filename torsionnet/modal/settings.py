@@ -38,11 +38,9 @@ class Criteria:
         for name in ("frequency", "damping", "shape"):
             value = getattr(self, name)
             if not (math.isfinite(value) and 0 < value <= 1):
-                msg = f"the criterion for {name} must be a fraction above 0 and up to 1, got {value}"
-                raise UsageError(msg)
-        if self.least_orders is not None and self.least_orders < 2:  # noqa: PLR2004
-            msg = f"a cluster needs the poles of at least 2 orders, got least_orders={self.least_orders}"
-            raise UsageError(msg)
+                raise UsageError(f"the criterion for {name} must be a fraction above 0 and up to 1, got {value}")
+        if self.least_orders is not None and self.least_orders < 2:
+            raise UsageError(f"a cluster needs the poles of at least 2 orders, got least_orders={self.least_orders}")
 
     def enough(self, orders: int) -> int:
         """Orders in a row that make a cluster in a diagram of so many."""
@@ -90,14 +88,13 @@ class Settings:
             chosen = getattr(self, name)
             if chosen not in get_args(known):
                 choices = ", ".join(get_args(known))
-                msg = f'{name} "{chosen}" is not known{did_you_mean(str(chosen), get_args(known))}; choose {choices}'
-                raise UsageError(msg)
+                raise UsageError(
+                    f'{name} "{chosen}" is not known{did_you_mean(str(chosen), get_args(known))}; choose {choices}'
+                )
         if self.order < 1:
-            msg = f"the highest order must be at least 1, got {self.highest_order}"
-            raise UsageError(msg)
+            raise UsageError(f"the highest order must be at least 1, got {self.highest_order}")
         if self.band is not None and not 0 <= self.band[0] < self.band[1]:
-            msg = f"the band must be from a lower to a higher frequency in Hz, got {self.band}"
-            raise UsageError(msg)
+            raise UsageError(f"the band must be from a lower to a higher frequency in Hz, got {self.band}")
 
     @property
     def order(self) -> int:

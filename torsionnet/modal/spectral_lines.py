@@ -59,8 +59,7 @@ def power(output: Channel, input: Channel) -> int:
     """
     for channel in (output, input):
         if channel.unit not in (*ORDERS, "N*m"):
-            msg = f'{channel.name} is in "{channel.unit}"; modes are fitted to {", ".join(ORDERS)} and N*m'
-            raise UsageError(msg)
+            raise UsageError(f'{channel.name} is in "{channel.unit}"; modes are fitted to {", ".join(ORDERS)} and N*m')
     if input.unit == "N*m":
         return ORDERS.get(output.unit, 0)
     return ORDERS.get(output.unit, 2) - ORDERS[input.unit]
@@ -80,16 +79,16 @@ def lines_of(response: FrequencyResponse, settings: Settings) -> Lines:
         There are too few, they all hold nothing or have no phase, or coherence is asked for where there is none.
     """
     if not response.has_phase:
-        msg = "modes are fitted to complex responses; this one has magnitudes only"
-        raise UsageError(msg)
+        raise UsageError("modes are fitted to complex responses; this one has magnitudes only")
     powers = powers_of(response.outputs, response.inputs)
     low, high = settings.band or (0.0, response.usable_up_to or np.inf)
     chosen = response.between(low, high)
     usable = (chosen.frequencies > 0) & np.isfinite(chosen.values).all(axis=(1, 2))
     if usable.sum() < LEAST_LINES:
         where = "" if settings.band is None and np.isinf(high) else f" from {low:g} to {high:g} Hz"
-        msg = f"a fit of modes needs at least {LEAST_LINES} frequencies above 0{where}, there are {usable.sum()}"
-        raise UsageError(msg)
+        raise UsageError(
+            f"a fit of modes needs at least {LEAST_LINES} frequencies above 0{where}, there are {usable.sum()}"
+        )
     values = chosen.values[usable]
     dead = [
         f"{output.name}/{into.name}"
@@ -98,8 +97,7 @@ def lines_of(response: FrequencyResponse, settings: Settings) -> Lines:
         if not values[:, o, i].any()
     ]
     if dead:
-        msg = f"{', '.join(dead)} is zero at every frequency; leave it out"
-        raise UsageError(msg)
+        raise UsageError(f"{', '.join(dead)} is zero at every frequency; leave it out")
     coherence = None if chosen.coherence is None else chosen.coherence[usable]
     s = np.asarray(2j * np.pi * chosen.frequencies[usable], dtype=np.complex128)
     return Lines(s, values, powers, _weights(values, coherence, settings))
@@ -122,7 +120,8 @@ def _weights(values: ComplexArray, coherence: FloatArray | None, settings: Setti
     if settings.weights == "relative":
         return np.asarray(relative)
     if coherence is None:
-        msg = 'weights="coherence" need a coherence, which only an estimate from recordings has; use "uniform"'
-        raise UsageError(msg)
+        raise UsageError(
+            'weights="coherence" need a coherence, which only an estimate from recordings has; use "uniform"'
+        )
     certain = np.clip(coherence, 0, CERTAIN)
     return np.asarray(relative * np.sqrt(certain / (1 - certain)))

@@ -114,11 +114,10 @@ def diagram(response: FrequencyResponse, settings: Settings) -> Stabilisation:
     for order, found in enumerate(poles_of_orders(lines, highest, settings), start=1):
         orders.append(_compared(lines, settings, order, found, orders[-1] if orders else None))
     if not any(len(order.poles) for order in orders):
-        msg = (
+        raise SolveError(
             "no order gives a stable pole: the responses look like noise, or like motion ~ exp(-j omega t); "
             "check the sign of the phase"
         )
-        raise SolveError(msg)
     return Stabilisation(response, settings, tuple(orders), lines)
 
 

@@ -40,11 +40,9 @@ class Sensor:
         if self.quantity not in SENSOR_QUANTITIES:
             raise UsageError(_wrong_quantity("a sensor measures", self.quantity, SENSOR_QUANTITIES))
         if not isinstance(self.of, str) or not isinstance(self.at, str | None):
-            msg = f"a sensor is on a node or element given by its name, got {self.of!r}, {self.at!r}"
-            raise UsageError(msg)
+            raise UsageError(f"a sensor is on a node or element given by its name, got {self.of!r}, {self.at!r}")
         if self.at is not None and self.quantity != "torque":
-            msg = f"only a torque is taken at a port; leave out at={self.at!r}, or measure a torque instead"
-            raise UsageError(msg)
+            raise UsageError(f"only a torque is taken at a port; leave out at={self.at!r}, or measure a torque instead")
 
     def __str__(self) -> str:
         return f"{self.quantity}({self.of}{', ' + self.at if self.at else ''})"
@@ -64,8 +62,7 @@ class Input:
         if self.quantity not in INPUT_QUANTITIES:
             raise UsageError(_wrong_quantity("an input drives", self.quantity, INPUT_QUANTITIES))
         if not isinstance(self.of, str):
-            msg = f"an input is on a node given by its name, got {self.of!r}"
-            raise UsageError(msg)
+            raise UsageError(f"an input is on a node given by its name, got {self.of!r}")
 
     def __str__(self) -> str:
         return f"{self.quantity} on {self.of}"
@@ -111,8 +108,7 @@ class ChannelEntry(Spec):
         at = raw.get("at")
         if at is not None and (quantity != "torque" or not isinstance(at, str)):
             only = f"only a torque is taken at a port; leave out at:, or measure a torque instead of the {quantity}"
-            msg = only if quantity != "torque" else f"expected the name of a node, got {at!r}"
-            raise EntryError(msg, ("at",))
+            raise EntryError(only if quantity != "torque" else f"expected the name of a node, got {at!r}", ("at",))
         return Sensor(quantity, of, at)
 
     @property
@@ -121,20 +117,17 @@ class ChannelEntry(Spec):
 
     def _one_quantity(self, raw: Any) -> tuple[str, str]:
         if not isinstance(raw, Mapping):
-            msg = f"expected {self.description}, got {raw!r}"
-            raise EntryError(msg)
+            raise EntryError(f"expected {self.description}, got {raw!r}")
         for key in raw:
             if key not in self.quantities and key not in self._extra:
                 rest = f"expected {' or '.join(self.quantities)}"
                 raise EntryError(unknown_key(key, (*self.quantities, *self._extra), (key,), rest))
         given = [key for key in raw if key in self.quantities]
         if len(given) != 1:
-            msg = f"expected one of {', '.join(self.quantities)}, as in {self.description}"
-            raise EntryError(msg)
+            raise EntryError(f"expected one of {', '.join(self.quantities)}, as in {self.description}")
         name = raw[given[0]]
         if not isinstance(name, str) or not name:
-            msg = f"expected a name, got {name!r}"
-            raise EntryError(msg, (given[0],))
+            raise EntryError(f"expected a name, got {name!r}", (given[0],))
         return given[0], name
 
     def plain(self, value: Any) -> dict[str, str]:

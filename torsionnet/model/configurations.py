@@ -85,8 +85,7 @@ class ElementName(Spec):
 
     def coerce(self, raw: Any) -> str:
         if not isinstance(raw, str):
-            msg = f"expected the name of an element, got {raw!r}"
-            raise EntryError(msg)
+            raise EntryError(f"expected the name of an element, got {raw!r}")
         return raw
 
     def schema(self) -> Schema:
@@ -192,13 +191,11 @@ def parse_choice(text: str, axes: Axes) -> dict[str, str]:
     """The choice meant by ``V``, ``gear=V`` or ``gear=V,clutch=open``; UsageError lists what there is."""
     choice: dict[str, str] = {}
     if not isinstance(text, str):
-        msg = f"a configuration is named by a text such as gear=V, got {text!r}"
-        raise UsageError(msg)
+        raise UsageError(f"a configuration is named by a text such as gear=V, got {text!r}")
     for part in (piece.strip() for piece in text.split(",")):
         axis, name = _parse_part(part, axes)
         if axis in choice:
-            msg = f'"{text}" chooses twice on axis "{axis}"'
-            raise UsageError(msg)
+            raise UsageError(f'"{text}" chooses twice on axis "{axis}"')
         choice[axis] = name
     return choice
 
@@ -207,22 +204,24 @@ def _parse_part(part: str, axes: Axes) -> tuple[str, str]:
     if "=" in part:
         axis, name = (piece.strip() for piece in part.split("=", 1))
         if axis not in axes:
-            msg = f'no axis of configurations is named "{axis}"{did_you_mean(axis, axes)}; there is {_listed(axes)}'
-            raise UsageError(msg)
+            raise UsageError(
+                f'no axis of configurations is named "{axis}"{did_you_mean(axis, axes)}; there is {_listed(axes)}'
+            )
         if name not in axes[axis]:
-            msg = f'axis "{axis}" has no "{name}"{did_you_mean(name, axes[axis])}; it has {_listed(axes[axis])}'
-            raise UsageError(msg)
+            raise UsageError(
+                f'axis "{axis}" has no "{name}"{did_you_mean(name, axes[axis])}; it has {_listed(axes[axis])}'
+            )
         return axis, name
     homes = [axis for axis, alternatives in axes.items() if part in alternatives]
     if len(homes) == 1:
         return homes[0], part
     if homes:
-        msg = f'"{part}" stands on several axes; write one of {", ".join(f"{axis}={part}" for axis in homes)}'
-        raise UsageError(msg)
+        raise UsageError(
+            f'"{part}" stands on several axes; write one of {", ".join(f"{axis}={part}" for axis in homes)}'
+        )
     names = [name for alternatives in axes.values() for name in alternatives]
     hint = f"there is {_listed(names)}" if names else "the model has no configurations"
-    msg = f'no configuration is named "{part}"{did_you_mean(part, names)}; {hint}'
-    raise UsageError(msg)
+    raise UsageError(f'no configuration is named "{part}"{did_you_mean(part, names)}; {hint}')
 
 
 def _listed(names: Any) -> str:
@@ -245,8 +244,7 @@ def read_overrides(
     for name, raw in overrides.items():
         if name not in parameters:
             axis = f'; configurations are chosen by text: configured("{name}={raw}")' if name in axes else ""
-            msg = f'no parameter is named "{name}"{axis or did_you_mean(name, parameters)}'
-            raise UsageError(msg)
+            raise UsageError(f'no parameter is named "{name}"{axis or did_you_mean(name, parameters)}')
         try:
             values[name] = read_value(raw)
         except EntryError as error:
@@ -265,6 +263,5 @@ def known_elements(names: Iterable[str] | str, elements: Mapping[str, Any]) -> l
     listed = [names] if isinstance(names, str) else list(names)
     for name in listed:
         if name not in elements:
-            msg = f'no element is named "{name}"{did_you_mean(str(name), elements)}'
-            raise UsageError(msg)
+            raise UsageError(f'no element is named "{name}"{did_you_mean(str(name), elements)}')
     return listed

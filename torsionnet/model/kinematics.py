@@ -131,8 +131,7 @@ def solve_kinematics(
     tied = [index for index in reduction.blocked if _names_kept(rows[index], reduction, referred_to)]
     if tied and referred_to:
         kept = ", ".join(referred_to)
-        msg = f"{kept} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground"
-        raise UsageError(msg)
+        raise UsageError(f"{kept} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground")
     coordinates = in_order_given([node for node in nodes if reduction.is_free(node)], referred_to)
     return Kinematics(nodes, parts, tuple(imposed), driven, reduction, coordinates)
 
@@ -163,8 +162,7 @@ def _names_kept(row: Row, reduction: Reduction, referred_to: Collection[str]) ->
 def _require_nodes(wanted: Collection[str], nodes: Collection[str]) -> None:
     for node in wanted:
         if node not in nodes:
-            msg = f'no node is named "{node}"{did_you_mean(node, nodes)}'
-            raise UsageError(msg)
+            raise UsageError(f'no node is named "{node}"{did_you_mean(node, nodes)}')
 
 
 FEW = 100
@@ -227,7 +225,7 @@ def torques_are_determinate(kinematics: Kinematics) -> bool:
 
 
 def _indeterminate(element: str, loop: list[str]) -> str:
-    if len(loop) < 2:  # noqa: PLR2004
+    if len(loop) < 2:
         return f"torque through {element} is statically indeterminate; give it a stiffness"
     return (
         f"torque through {element} is statically indeterminate: {', '.join(loop)} form a rigid loop; "

@@ -17,7 +17,7 @@ from torsionnet.core.expressions import ExpressionError, Number
 from torsionnet.core.units import Dimension
 
 
-class Bounds(tuple[float, float]):  # noqa: SLOT001
+class Bounds(tuple[float, float]):
     """Lower and upper bound in SI, with the dimensions in which they were written; None of a bare number."""
 
     dimensions: tuple[Dimension | None, ...] = ()
@@ -30,13 +30,11 @@ class BoundsEntry(Spec):
     def coerce(self, raw: Any) -> Bounds:
         if isinstance(raw, Bounds):
             return raw
-        if not isinstance(raw, list | tuple) or len(raw) != 2:  # noqa: PLR2004
-            msg = f"bounds are [lower, upper], got {raw!r}"
-            raise EntryError(msg)
+        if not isinstance(raw, list | tuple) or len(raw) != 2:
+            raise EntryError(f"bounds are [lower, upper], got {raw!r}")
         ends = [under(index, _BOUND, end) for index, end in enumerate(raw)]
         if ends[0].value >= ends[1].value:
-            msg = "the lower bound must be smaller than the upper bound"
-            raise EntryError(msg)
+            raise EntryError("the lower bound must be smaller than the upper bound")
         bounds = Bounds((float(ends[0].value), float(ends[1].value)))
         bounds.dimensions = tuple(end.unit_dimension for end in ends)
         return bounds
@@ -61,8 +59,7 @@ class Bound(Spec):
     def coerce(self, raw: Any) -> Number:
         value = read_value(raw)
         if not isinstance(value, Number):
-            msg = "a bound is a number or a quantity, no expression"
-            raise EntryError(msg)
+            raise EntryError("a bound is a number or a quantity, no expression")
         return value
 
 

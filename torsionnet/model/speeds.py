@@ -69,8 +69,7 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
     nodes = all_nodes(definition.active)
     for node in (first, second):
         if node not in nodes:
-            msg = f'no node is named "{node}"{did_you_mean(node, nodes)}'
-            raise UsageError(msg)
+            raise UsageError(f'no node is named "{node}"{did_you_mean(node, nodes)}')
     order = {node: index for index, node in enumerate(nodes)}
     rows = holding_rows(definition, values)
     turning = [
@@ -79,16 +78,13 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
     reduction = reduce_rows([*rows, *_clamp(definition, turning)], order)
     row, other = (reduction.reduced({node: Fraction(1)}) for node in (first, second))
     if not other:
-        msg = f"{second} cannot turn, there is no ratio to it"
-        raise UsageError(msg)
+        raise UsageError(f"{second} cannot turn, there is no ratio to it")
     if row and row.keys() != other.keys():
         free = ", ".join(sorted(row.keys() | other.keys()))
-        msg = f"no fixed ratio between {first} and {second}: {free} turn independently"
-        raise UsageError(msg)
+        raise UsageError(f"no fixed ratio between {first} and {second}: {free} turn independently")
     ratios = {row.get(node, Fraction(0)) / other[node] for node in other}
     if len(ratios) > 1:
-        msg = f"no fixed ratio between {first} and {second}: the speed splits in between"
-        raise UsageError(msg)
+        raise UsageError(f"no fixed ratio between {first} and {second}: the speed splits in between")
     return float(ratios.pop())
 
 

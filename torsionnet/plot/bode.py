@@ -106,8 +106,7 @@ def bode(
     """
     given = [responses] if isinstance(responses, FrequencyResponse) else list(responses)
     if not given:
-        msg = "there is no frequency response to plot"
-        raise UsageError(msg)
+        raise UsageError("there is no frequency response to plot")
     chosen = [response.select(output, input) for response in given]
     unit = _common_unit(chosen, conventions)
     common, names = _labels(chosen, labels)
@@ -135,8 +134,9 @@ def _common_unit(responses: Sequence[FrequencyResponse], conventions: Convention
         for i in range(len(response.inputs))
     }
     if len(units) != 1:
-        msg = f"transfer functions in {', '.join(sorted(units))} do not fit on one axis; choose with output=, input="
-        raise UsageError(msg)
+        raise UsageError(
+            f"transfer functions in {', '.join(sorted(units))} do not fit on one axis; choose with output=, input="
+        )
     return units.pop()
 
 
@@ -147,8 +147,7 @@ def _labels(responses: Sequence[FrequencyResponse], labels: Sequence[str] | None
     common = titles[0] if len(set(titles)) == 1 else models.pop() if len(models) == 1 else ""
     if labels is not None:
         if len(labels) != len(responses):
-            msg = f"{len(labels)} labels were given for {len(responses)} responses"
-            raise UsageError(msg)
+            raise UsageError(f"{len(labels)} labels were given for {len(responses)} responses")
         return common, list(labels)
     if len(responses) == 1:
         return common, [""]
@@ -191,8 +190,7 @@ def _limit(response: FrequencyResponse) -> float:
 def _panels(curves: Sequence[Curve], coherence: bool | None) -> list[str]:
     available = any(curve.coherence is not None for curve in curves)
     if coherence and not available:
-        msg = "none of the responses has a coherence: only estimates from recorded signals have"
-        raise UsageError(msg)
+        raise UsageError("none of the responses has a coherence: only estimates from recorded signals have")
     wanted = available if coherence is None else coherence
     return ["magnitude", "phase", *(["coherence"] if wanted else [])]
 

@@ -51,8 +51,9 @@ def coherence(
     style.dress(axes)
     for number, (response, name) in enumerate(zip(given, names, strict=True)):
         if response.coherence is None:
-            msg = f"{response.title or 'a response'} has no coherence: only estimates from recorded signals have"
-            raise UsageError(msg)
+            raise UsageError(
+                f"{response.title or 'a response'} has no coherence: only estimates from recorded signals have"
+            )
         f, values = response.frequencies * conventions.frequency_scale, response.coherence[:, 0, 0]
         look = style.line_style(number)
         axes.plot(f, values, label=name, **look)

@@ -47,8 +47,7 @@ def fit(found: Fit, *, conventions: Conventions = SI, title: str | None = None) 
     """
     shown = found.comparisons[:MOST_MEASUREMENTS]
     if not shown:
-        msg = "the fit holds no measurement to plot"
-        raise UsageError(msg)
+        raise UsageError("the fit holds no measurement to plot")
     width = max(style.WIDTH, 2.6 * len(shown))
     figure = style.new_figure(width, 5.6)
     panels = figure.subplots(
@@ -83,7 +82,7 @@ def correlation(found: Fit, *, title: str | None = None) -> Figure:
     for i in range(len(names)):
         for j in range(len(names)):
             value = float(found.correlation[i, j])
-            colour = style.PAPER if abs(value) > 0.6 else style.INK  # noqa: PLR2004
+            colour = style.PAPER if abs(value) > 0.6 else style.INK
             axes.text(j, i, f"{value:.2f}", ha="center", va="center", fontsize=style.SMALL, color=colour)
     bar = figure.colorbar(shown, ax=axes)
     bar.set_label("correlation [-]", fontsize=style.FONT)

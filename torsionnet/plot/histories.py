@@ -51,8 +51,7 @@ def time_histories(
     """
     chosen = recording if names is None else recording.select([names] if isinstance(names, str) else names)
     if not len(chosen):
-        msg = "the recording has no samples to plot"
-        raise UsageError(msg)
+        raise UsageError("the recording has no samples to plot")
     figure = style.new_figure(style.WIDTH, 1.0 + 1.5 * len(chosen.signals))
     panels = figure.subplots(len(chosen.signals), 1, sharex=True, squeeze=False)[:, 0]
     for number, (panel, signal) in enumerate(zip(panels, chosen, strict=True)):

@@ -45,17 +45,17 @@ def mac_matrix(
     'identified mode'
     """
     matrix = np.asarray(values, dtype=float)
-    if matrix.ndim != 2 or not matrix.size:  # noqa: PLR2004
-        msg = "a picture of MAC takes a matrix; a match has none where there are fewer than two common sensors"
-        raise UsageError(msg)
+    if matrix.ndim != 2 or not matrix.size:
+        raise UsageError(
+            "a picture of MAC takes a matrix; a match has none where there are fewer than two common sensors"
+        )
     names = [
         [str(number + 1) for number in range(size)] if given is None else list(given)
         for given, size in zip((rows, columns), matrix.shape, strict=True)
     ]
     for given, size in zip(names, matrix.shape, strict=True):
         if len(given) != size:
-            msg = f"{size} modes need as many names, got {len(given)}"
-            raise UsageError(msg)
+            raise UsageError(f"{size} modes need as many names, got {len(given)}")
     cell = 0.45
     figure = style.new_figure(min(style.WIDTH, 2.2 + cell * matrix.shape[1]), min(9, 1.6 + cell * matrix.shape[0]))
     axes = figure.subplots()

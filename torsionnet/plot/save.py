@@ -42,8 +42,7 @@ def save(figure: Figure, path: str | Path) -> None:
     """
     form = Path(path).suffix.lower().removeprefix(".")
     if form not in METADATA:
-        msg = f'cannot write "{path}": give a file ending in .svg, .png or .pdf'
-        raise UsageError(msg)
+        raise UsageError(f'cannot write "{path}": give a file ending in .svg, .png or .pdf')
     buffer = io.BytesIO()
     with mpl.rc_context(SETTINGS):
         figure.savefig(buffer, format=form, dpi=DPI, metadata=METADATA[form])

@@ -77,8 +77,7 @@ def schematic(drivetrain: Drivetrain, *, title: str | None = None, width: float 
 def _page(width: float) -> float:
     """Points that a drawing may be wide."""
     if not width >= NARROWEST_PAGE:
-        msg = f"a schematic needs a page at least {NARROWEST_PAGE:g} mm wide; got {width:g}"
-        raise UsageError(msg)
+        raise UsageError(f"a schematic needs a page at least {NARROWEST_PAGE:g} mm wide; got {width:g}")
     smallest = min(role.size for role in ROLES.values())
     return width / MILLIMETRES_PER_INCH * POINTS_PER_INCH * smallest / LEGIBLE - 2 * EDGE
 

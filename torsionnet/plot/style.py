@@ -85,7 +85,7 @@ def phase_ticks(axes: Axes, low: float, high: float) -> None:
 
 def plain(value: float) -> str:
     """A tick as a short number."""
-    return f"{value:g}" if 1e-4 <= abs(value) < 1e5 or value == 0 else f"{value:.0e}".replace("e-0", "e-")  # noqa: PLR2004
+    return f"{value:g}" if 1e-4 <= abs(value) < 1e5 or value == 0 else f"{value:.0e}".replace("e-0", "e-")
 
 
 def shown_unit(unit: str) -> str:

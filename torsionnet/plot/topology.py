@@ -97,7 +97,7 @@ def connections(drivetrain: Drivetrain) -> Connections:
 def _is_box(element: Element) -> bool:
     """Three ports and more do not lie on a line; a gear stage is drawn beside its housing."""
     ports = [port for port in element.ports if element.glyph != "gear" or port != "housing"]
-    return len(ports) > 2  # noqa: PLR2004
+    return len(ports) > 2
 
 
 def _ends(element: Element) -> list[str]:
@@ -188,7 +188,7 @@ def _best_root(start: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]
     tree = _rooted(start, joined)
     height = heights(tree)
     ways = sorted((height[child] + 1 for link, child in tree.children[start] if not link.is_gear), reverse=True)
-    if len(ways) < 2 or 2 * ways[1] < ways[0]:  # noqa: PLR2004
+    if len(ways) < 2 or 2 * ways[1] < ways[0]:
         return start
     one = _farthest(start, joined)
     other = _farthest(one, joined)

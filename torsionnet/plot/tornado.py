@@ -46,13 +46,11 @@ def tornado(found: ModeSensitivities, *, modes: list[int] | None = None, title: 
     wrong = [number for number in modes or () if number not in known]
     if wrong or not known:
         have = f"there are {', '.join(map(str, known))}" if known else "there is none that vibrates"
-        msg = f"there is no mode {wrong[0] if wrong else 1}; {have}"
-        raise UsageError(msg)
+        raise UsageError(f"there is no mode {wrong[0] if wrong else 1}; {have}")
     chosen = [known.index(number) for number in modes or known]
     chosen = [mode for mode in chosen if _moves(found, mode)][: len(chosen) if modes else MOST_MODES]
     if not chosen:
-        msg = "none of the parameters moves these modes"
-        raise UsageError(msg)
+        raise UsageError("none of the parameters moves these modes")
     size = (np.abs(found.relative_frequencies) + np.abs(found.relative_dampings))[chosen].max(axis=0)
     shown = [int(p) for p in np.argsort(-size)[:MOST_PARAMETERS] if size[p] > FAINTEST * size.max()]
     damped = any(np.abs(found.relative_dampings[mode]).max() > NOTHING for mode in chosen)

@@ -113,7 +113,7 @@ def _shortest(grid: Grid, start: tuple[int, int], goal: tuple[int, int]) -> list
         if (x, y) == goal and heading % 2 == 1:
             return _traced(state, came)
         for turn, (dx, dy) in enumerate(MOVES):
-            if (turn - heading) % 4 == 2 or not _inside(grid, x + dx, y + dy):  # noqa: PLR2004
+            if (turn - heading) % 4 == 2 or not _inside(grid, x + dx, y + dy):
                 continue
             step = int(grid.cost[x + dx, y + dy])
             new = (x + dx, y + dy, turn)
@@ -152,7 +152,7 @@ def _cornered(points: list[Point], start: Point, end: Point) -> list[Point]:
         if (before[0] == here[0]) != (here[0] == after[0]):
             corners.append(here)
     corners.append(points[-1])
-    if len(corners) == 2:  # noqa: PLR2004
+    if len(corners) == 2:
         return [start, (end[0], start[1]), end]
     level = points[0][1] == points[1][1]
     corners[1] = (corners[1][0], start[1]) if level else (start[0], corners[1][1])

@@ -21,7 +21,6 @@ __all__ = ["Measured", "Report", "make_report", "write_report"]
 def __getattr__(name: str) -> object:
     """Pictures, which had their place here before they got a package of their own."""
     if name not in plot.__all__:
-        msg = f"module {__name__!r} has no attribute {name!r}"
-        raise AttributeError(msg, name=name)
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name)
     warnings.warn(f"torsionnet.report.{name} is torsionnet.plot.{name} now", DeprecationWarning, stacklevel=2)
     return getattr(plot, name)

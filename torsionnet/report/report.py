@@ -77,8 +77,7 @@ def writer_for(path: str | os.PathLike[str]) -> Callable[[Report, Path], tuple[P
     """
     ending = Path(path).suffix.lower()
     if ending not in WRITERS:
-        msg = f'cannot write "{path}": a report ends in {", ".join(WRITERS)}'
-        raise UsageError(msg)
+        raise UsageError(f'cannot write "{path}": a report ends in {", ".join(WRITERS)}')
     write: Callable[[Report, Path], tuple[Path, ...]] = importlib.import_module(
         f"torsionnet.report.writers.{WRITERS[ending]}"
     ).write

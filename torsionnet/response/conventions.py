@@ -43,11 +43,11 @@ class Conventions:
         for name, known in (("angle", ANGLES), ("frequency", FREQUENCIES), ("amplitude", AMPLITUDES)):
             chosen = getattr(self, name)
             if chosen not in known:
-                msg = f'{name} "{chosen}" is not known{did_you_mean(str(chosen), known)}; choose {", ".join(known)}'
-                raise UsageError(msg)
+                raise UsageError(
+                    f'{name} "{chosen}" is not known{did_you_mean(str(chosen), known)}; choose {", ".join(known)}'
+                )
         if not (math.isfinite(self.db_reference) and self.db_reference > 0):
-            msg = f"the dB reference must be a positive number, got {self.db_reference}"
-            raise UsageError(msg)
+            raise UsageError(f"the dB reference must be a positive number, got {self.db_reference}")
 
     def scale(self, unit: str) -> float:
         """Factor from an SI unit with rad in it to the unit shown."""

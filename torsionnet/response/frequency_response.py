@@ -210,8 +210,9 @@ class FrequencyResponse:
     def _of_order(self, unit: str) -> FrequencyResponse:
         wrong = [channel.name for channel in self.outputs if channel.unit not in ORDERS]
         if wrong:
-            msg = f"{', '.join(wrong)} is no angle, velocity or acceleration; select the outputs of motion first"
-            raise UsageError(msg)
+            raise UsageError(
+                f"{', '.join(wrong)} is no angle, velocity or acceleration; select the outputs of motion first"
+            )
         s: ComplexArray = (2j * np.pi * self.frequencies[:, None]).astype(complex)
         steps = np.array([ORDERS[unit] - ORDERS[channel.unit] for channel in self.outputs])
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -232,14 +233,13 @@ class FrequencyResponse:
         receptance = self.receptance()
         if len(self.outputs) != len(self.inputs):
             size = f"{len(self.outputs)} x {len(self.inputs)}"
-            msg = f"dynamic stiffness is the inverse of a square receptance matrix; this one is {size}"
-            raise UsageError(msg)
+            raise UsageError(f"dynamic stiffness is the inverse of a square receptance matrix; this one is {size}")
         if not self.has_phase and len(self.inputs) > 1:
-            msg = "a matrix of magnitudes without phases cannot be inverted; select one output and one input"
-            raise UsageError(msg)
+            raise UsageError(
+                "a matrix of magnitudes without phases cannot be inverted; select one output and one input"
+            )
         if not np.isfinite(receptance.values).all():
-            msg = "the receptance is not finite at some frequency; leave that frequency out"
-            raise UsageError(msg)
+            raise UsageError("the receptance is not finite at some frequency; leave that frequency out")
         values: ComplexArray = np.linalg.inv(receptance.values).astype(np.complex128)
         outputs, inputs = receptance.inputs, receptance.outputs
         return replace(receptance, values=values, outputs=outputs, inputs=inputs, coherence=None, estimation=None)
@@ -310,8 +310,7 @@ def _shaped(name: str, array: NDArray[Any], shape: tuple[int, ...]) -> NDArray[A
     if array.shape == shape[:1] and shape[1:] == (1, 1):
         return array.reshape(shape)
     wanted = "(n_f,)" if len(shape) == 1 else "(n_f, n_out, n_in)"
-    msg = f"{name} have the shape {array.shape}; expected {wanted} = {shape}"
-    raise UsageError(msg)
+    raise UsageError(f"{name} have the shape {array.shape}; expected {wanted} = {shape}")
 
 
 def limit_line(response: FrequencyResponse) -> str:
@@ -330,6 +329,5 @@ def _indices(names: str | Sequence[str] | None, channels: tuple[Channel, ...], w
     wanted = [names] if isinstance(names, str) else list(names)
     for name in wanted:
         if name not in known:
-            msg = f'no {what} is named "{name}"{did_you_mean(name, known)}; there is {", ".join(known)}'
-            raise UsageError(msg)
+            raise UsageError(f'no {what} is named "{name}"{did_you_mean(name, known)}; there is {", ".join(known)}')
     return [known.index(name) for name in wanted]

@@ -102,8 +102,7 @@ class Modes:
     def shape_at(self, node: str) -> ComplexArray:
         """The row of ``shapes`` of a node."""
         if node not in self.nodes:
-            msg = f'no node is named "{node}"{did_you_mean(node, self.nodes)}'
-            raise UsageError(msg)
+            raise UsageError(f'no node is named "{node}"{did_you_mean(node, self.nodes)}')
         return np.asarray(self.shapes[self.nodes.index(node)])
 
     def energy_shares(self, mode: int) -> Mapping[str, tuple[float, float, float]]:
@@ -181,7 +180,7 @@ class Modes:
 
     def __repr__(self) -> str:
         listed = ", ".join(f"{value:.4g}" for value in self.natural_frequencies[:8])
-        more = ", ..." if len(self) > 8 else ""  # noqa: PLR2004
+        more = ", ..." if len(self) > 8 else ""
         return f"<Modes: {len(self)} modes at {listed}{more} Hz>"
 
     def _repr_html_(self) -> str:

@@ -79,11 +79,9 @@ class Recording:
         lengths = {len(signal.values) for signal in self.signals}
         if len(lengths) > 1:
             sizes = ", ".join(f"{signal.name} has {len(signal.values)}" for signal in self.signals)
-            msg = f"the signals of a recording must be of one length: {sizes}"
-            raise UsageError(msg)
+            raise UsageError(f"the signals of a recording must be of one length: {sizes}")
         if not (np.isfinite(self.sampling_rate) and self.sampling_rate > 0):
-            msg = f"the sampling rate must be a positive number of Hz, got {self.sampling_rate}"
-            raise UsageError(msg)
+            raise UsageError(f"the sampling rate must be a positive number of Hz, got {self.sampling_rate}")
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -100,8 +98,9 @@ class Recording:
         for signal in self.signals:
             if signal.name == name:
                 return signal
-        msg = f'no signal is named "{name}"{did_you_mean(name, self.names)}; there is {", ".join(self.names) or "none"}'
-        raise UsageError(msg)
+        raise UsageError(
+            f'no signal is named "{name}"{did_you_mean(name, self.names)}; there is {", ".join(self.names) or "none"}'
+        )
 
     @property
     def duration(self) -> float:

@@ -120,8 +120,7 @@ def resolution_limit(frequencies: FloatArray, amplitude: FloatArray, step: float
     12.8
     """
     if not step > 0:
-        msg = f"an encoder's step must be a positive angle, got {step}"
-        raise UsageError(msg)
+        raise UsageError(f"an encoder's step must be a positive angle, got {step}")
     level = step * steps
     enough = amplitude >= level
     if not enough.any():

@@ -78,8 +78,9 @@ def _solved(places: FloatArray, values: FloatArray, times: FloatArray) -> FloatA
         if size < SETTLED:
             return found
         if size > SHRINKS * before:
-            msg = f"the speed changes too fast around {times[worst]:.6g} s for the angle between pulses to be found"
-            raise SolveError(msg)
+            raise SolveError(
+                f"the speed changes too fast around {times[worst]:.6g} s for the angle between pulses to be found"
+            )
         before = size
 
 

@@ -75,29 +75,27 @@ def differentiate(recording: Recording, name: str, *, ends: Ends = "mirror", new
 def _neighbour(signal: Signal, order: int) -> str:
     place = _place(signal.quantity, signal.name) + order
     if not 0 <= place < len(MOTION):
-        msg = f"{signal.name} is {signal.quantity}, the {'first' if order < 0 else 'last'} of {', '.join(MOTION)}"
-        raise UsageError(msg)
+        raise UsageError(
+            f"{signal.name} is {signal.quantity}, the {'first' if order < 0 else 'last'} of {', '.join(MOTION)}"
+        )
     return MOTION[place]
 
 
 def _order(signal: Signal, quantity: str) -> int:
     if quantity not in MOTION:
-        msg = f'"{quantity}" is none of {", ".join(MOTION)}{did_you_mean(quantity, MOTION)}'
-        raise UsageError(msg)
+        raise UsageError(f'"{quantity}" is none of {", ".join(MOTION)}{did_you_mean(quantity, MOTION)}')
     return MOTION.index(quantity) - _place(signal.quantity, signal.name)
 
 
 def _place(quantity: str, name: str) -> int:
     if quantity not in MOTION:
-        msg = f"{name} is {quantity or 'of unknown quantity'}, not one of {', '.join(MOTION)}"
-        raise UsageError(msg)
+        raise UsageError(f"{name} is {quantity or 'of unknown quantity'}, not one of {', '.join(MOTION)}")
     return MOTION.index(quantity)
 
 
 def _check_ends(ends: str) -> None:
     if ends not in get_args(Ends):
-        msg = f'ends are {" or ".join(get_args(Ends))}, got "{ends}"'
-        raise UsageError(msg)
+        raise UsageError(f'ends are {" or ".join(get_args(Ends))}, got "{ends}"')
 
 
 def _changed(values: FloatArray, sign: int, rate: float, ends: Ends, lowest: float) -> FloatArray:

@@ -62,8 +62,7 @@ def frac(first: FrequencyResponse, second: FrequencyResponse) -> FloatArray:
     """
     _check_comparable(first, second)
     if not (first.has_phase and second.has_phase):
-        msg = "the assurance criterion compares complex responses; one of these has magnitudes only"
-        raise UsageError(msg)
+        raise UsageError("the assurance criterion compares complex responses; one of these has magnitudes only")
     common = np.abs(np.einsum("foi,foi->oi", first.values.conj(), second.values)) ** 2
     sizes = [np.einsum("foi,foi->oi", r.values.conj(), r.values).real for r in (first, second)]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -73,16 +72,14 @@ def frac(first: FrequencyResponse, second: FrequencyResponse) -> FloatArray:
 def _check_comparable(first: FrequencyResponse, second: FrequencyResponse) -> None:
     for what, one, other in (("output", first.outputs, second.outputs), ("input", first.inputs, second.inputs)):
         if _units(one) != _units(other):
-            msg = f"the {what}s differ: {_described(one)} against {_described(other)}"
-            raise UsageError(msg)
+            raise UsageError(f"the {what}s differ: {_described(one)} against {_described(other)}")
     if first.frequencies.shape != second.frequencies.shape or not np.allclose(
         first.frequencies, second.frequencies, rtol=1e-9, atol=0
     ):
-        msg = (
+        raise UsageError(
             "the two are not of the same frequencies, and interpolating a resonance falsifies it; ask the model at "
             "the frequencies of the test"
         )
-        raise UsageError(msg)
 
 
 def _units(channels: tuple[Channel, ...]) -> list[str]:

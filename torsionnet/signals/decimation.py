@@ -42,8 +42,7 @@ def decimate(recording: Recording, factor: int) -> Recording:
 def decimated(recordings: Recordings, factor: int) -> Iterator[Recording]:
     """Decimate block by block in bounded memory; blocks that follow on each other give one seamless result."""
     if factor < 1 or int(factor) != factor:
-        msg = f"the decimation factor must be a whole number from 1, got {factor}"
-        raise UsageError(msg)
+        raise UsageError(f"the decimation factor must be a whole number from 1, got {factor}")
     if factor == 1:
         yield from [recordings] if isinstance(recordings, Recording) else recordings
         return
@@ -108,8 +107,9 @@ class _Stream:
     def rest(self) -> Iterator[Recording]:
         if not self.primed:
             need = self.half + 1
-            msg = f"{self.pending.shape[1]} samples are too few to decimate by {self.factor}; it takes {need}"
-            raise UsageError(msg)
+            raise UsageError(
+                f"{self.pending.shape[1]} samples are too few to decimate by {self.factor}; it takes {need}"
+            )
         tail = 2 * self.pending[:, -1:] - self.pending[:, -2 : -self.half - 2 : -1]
         self.pending = np.concatenate([self.pending, tail], axis=1)
         yield from self._filtered()

@@ -57,6 +57,5 @@ def check_trend(trend: Trend) -> Trend:
     """The trend, if it is one."""
     known = get_args(Trend)
     if trend not in known:
-        msg = f'no trend is named "{trend}"{did_you_mean(trend, known)}; there is {", ".join(known)}'
-        raise UsageError(msg)
+        raise UsageError(f'no trend is named "{trend}"{did_you_mean(trend, known)}; there is {", ".join(known)}')
     return trend

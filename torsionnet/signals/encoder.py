@@ -26,8 +26,7 @@ def angle_from_counts(counts: ArrayLike, steps_per_revolution: float, bits: int 
     [398.982, 400.553, 402.124, 403.695]
     """
     if not steps_per_revolution > 0:
-        msg = f"the steps per revolution must be a positive number, got {steps_per_revolution}"
-        raise UsageError(msg)
+        raise UsageError(f"the steps per revolution must be a positive number, got {steps_per_revolution}")
     steps = np.asarray(counts, dtype=float)
     whole = steps if bits is None else np.unwrap(steps, period=2.0**bits)
     return whole * (REVOLUTION / steps_per_revolution)
@@ -40,8 +39,7 @@ def unwrapped(signal: Signal, period: float = REVOLUTION) -> Signal:
     [6.0, 6.2, 6.383]
     """
     if not period > 0:
-        msg = f"the period must be a positive angle in rad, got {period}"
-        raise UsageError(msg)
+        raise UsageError(f"the period must be a positive angle in rad, got {period}")
     values = np.unwrap(signal.values, period=period)
     return replace(signal, values=values, notes=(*signal.notes, f"wrap-around of {period:.6g} rad removed"))
 

@@ -135,8 +135,7 @@ def _spectra(
         chosen = (block.select(wanted) for block in measured)
         return cross_spectra(watch.passing(chosen) if watch else chosen, used), None
     if settings is not None:
-        msg = "spectra are averaged already; settings can only be given for a recording"
-        raise UsageError(msg)
+        raise UsageError("spectra are averaged already; settings can only be given for a recording")
     return measured, None
 
 
@@ -160,23 +159,21 @@ def _check(
 ) -> str:
     known = get_args(Estimator)
     if estimator not in known:
-        msg = f'no estimator is named "{estimator}"{did_you_mean(estimator, known)}; there is {", ".join(known)}'
-        raise UsageError(msg)
+        raise UsageError(
+            f'no estimator is named "{estimator}"{did_you_mean(estimator, known)}; there is {", ".join(known)}'
+        )
     if estimator == "H2" and 1 < len(inputs) > len(outputs):
-        msg = f"H2 needs as many outputs as inputs; there are {len(outputs)} and {len(inputs)}"
-        raise UsageError(msg)
+        raise UsageError(f"H2 needs as many outputs as inputs; there are {len(outputs)} and {len(inputs)}")
     if estimator == "Hs" and noise_ratio is None and len(inputs) > 1:
-        msg = "Hs of several inputs needs a noise ratio"
-        raise UsageError(msg)
+        raise UsageError("Hs of several inputs needs a noise ratio")
     if noise_ratio is not None and (estimator != "Hs" or not noise_ratio > 0):
-        msg = f"a noise ratio is a positive number and belongs to Hs, got {noise_ratio} for {estimator}"
-        raise UsageError(msg)
+        raise UsageError(f"a noise ratio is a positive number and belongs to Hs, got {noise_ratio} for {estimator}")
     if estimator == "Hr" and len(references) < len(inputs):
-        msg = f"Hr needs a reference for each input, such as the set-point: {len(references)} for {len(inputs)}"
-        raise UsageError(msg)
+        raise UsageError(
+            f"Hr needs a reference for each input, such as the set-point: {len(references)} for {len(inputs)}"
+        )
     if references and estimator != "Hr":
-        msg = f"a reference belongs to Hr; {estimator} has no use for {', '.join(references)}"
-        raise UsageError(msg)
+        raise UsageError(f"a reference belongs to Hr; {estimator} has no use for {', '.join(references)}")
     return estimator
 
 

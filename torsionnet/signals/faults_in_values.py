@@ -69,7 +69,7 @@ def leaps(values: FloatArray) -> NDArray[np.intp]:
     """Samples before which a quantised angle goes on by three steps or more than around it."""
     steps = np.diff(values)
     moved = np.abs(steps[steps != 0])
-    if len(moved) < 10:  # noqa: PLR2004
+    if len(moved) < 10:
         return np.empty(0, np.intp)
     quantum = float(np.min(moved))
     if np.max(moved) > MOST_STEPS * quantum:

@@ -104,19 +104,16 @@ def sweep_cycles(frequency: FloatArray, sampling_rate: float) -> FloatArray:
 def _checked(frequency: ArrayLike, count: int, points: int) -> FloatArray:
     values = np.asarray(frequency, dtype=np.float64)
     if values.shape != (count,) or not np.all(values > 0):
-        msg = f"the sweep's frequency must be a positive number for each of the {count} samples"
-        raise UsageError(msg)
+        raise UsageError(f"the sweep's frequency must be a positive number for each of the {count} samples")
     if points < 1:
-        msg = f"at least one point along the sweep is needed, got {points}"
-        raise UsageError(msg)
+        raise UsageError(f"at least one point along the sweep is needed, got {points}")
     return values
 
 
 def _centres(cycles: FloatArray, periods: float, points: int) -> list[int]:
     first, last = np.searchsorted(cycles, [periods / 2, cycles[-1] - periods / 2])
     if last <= first:
-        msg = f"the sweep of {cycles[-1]:.3g} periods is too short for windows of {periods:g}"
-        raise UsageError(msg)
+        raise UsageError(f"the sweep of {cycles[-1]:.3g} periods is too short for windows of {periods:g}")
     return [int(place) for place in np.unique(np.linspace(first, last - 1, points).round())]
 
 

@@ -93,8 +93,7 @@ def order_map(
     equal = np.arange(count) / per_turn
     length, step = revolutions * per_turn, max(1, round(revolutions * per_turn * (1 - overlap)))
     if count < length:
-        msg = f"the record of {turns[-1]:.3g} revolutions is too short for one window of {revolutions}"
-        raise UsageError(msg)
+        raise UsageError(f"the record of {turns[-1]:.3g} revolutions is too short for one window of {revolutions}")
     times = np.interp(equal, turns, chosen.time)
     starts = np.arange(0, count - length + 1, step)
     middles, ends = starts + length // 2, np.minimum(starts + length, count - 1)
@@ -111,16 +110,16 @@ def order_map(
 def _rotation(speed: ArrayLike, count: int) -> FloatArray:
     values = np.asarray(speed, dtype=np.float64)
     if values.shape != (count,) or not np.all(values > 0):
-        msg = f"the speed must be a positive number of rad/s for each of the {count} samples"
-        raise UsageError(msg)
+        raise UsageError(f"the speed must be a positive number of rad/s for each of the {count} samples")
     return values / (2 * np.pi)
 
 
 def _samples_per_turn(rotation: FloatArray, turns: FloatArray, sampling_rate: float, highest: float) -> int:
     per_turn = int(np.ceil(max(sampling_rate / rotation.min(), 2.5 * highest)))
     if per_turn * turns[-1] > LARGEST_SIZE:
-        msg = f"the lowest speed, {rotation.min() * 60:.3g} rpm, makes the steps of angle too fine; leave it out"
-        raise UsageError(msg)
+        raise UsageError(
+            f"the lowest speed, {rotation.min() * 60:.3g} rpm, makes the steps of angle too fine; leave it out"
+        )
     return per_turn
 
 

@@ -17,7 +17,7 @@ LEAST_SAMPLES = 4.0
 
 def is_stamped(values: FloatArray) -> bool:
     """Whether a channel holds the times of pulses rather than their shape: its values only increase."""
-    return len(values) > 2 and bool(np.all(np.diff(values) > 0))  # noqa: PLR2004
+    return len(values) > 2 and bool(np.all(np.diff(values) > 0))
 
 
 def pulse_times(values: FloatArray, times: FloatArray) -> FloatArray:
@@ -48,9 +48,8 @@ def pulse_times(values: FloatArray, times: FloatArray) -> FloatArray:
     state = np.where(values > middle + reach, 1, np.where(values < middle - reach, -1, 0))
     sure = np.flatnonzero(state)
     rises = np.flatnonzero(np.diff(state[sure]) > 0)
-    if not high > low or len(rises) < 2:  # noqa: PLR2004
-        msg = "there are no pulses: the signal does not rise between two levels at least twice"
-        raise UsageError(msg)
+    if not high > low or len(rises) < 2:
+        raise UsageError("there are no pulses: the signal does not rise between two levels at least twice")
     # Of the samples between one level and the other, the pair around the middle.
     after = np.array(
         [
@@ -60,7 +59,8 @@ def pulse_times(values: FloatArray, times: FloatArray) -> FloatArray:
     )
     apart = float(np.median(np.diff(after)))
     if apart < LEAST_SAMPLES:
-        msg = f"there are only {apart:g} samples from pulse to pulse, {LEAST_SAMPLES:g} are needed; sample faster"
-        raise UsageError(msg)
+        raise UsageError(
+            f"there are only {apart:g} samples from pulse to pulse, {LEAST_SAMPLES:g} are needed; sample faster"
+        )
     share = (middle - values[after - 1]) / (values[after] - values[after - 1])
     return np.asarray(times[after - 1] + share * (times[after] - times[after - 1]))

@@ -102,8 +102,7 @@ def missing_pulses(times: ArrayLike) -> MissingPulses:
     if len(intervals) < NEIGHBOURS:
         return MissingPulses(np.empty(0, np.intp), np.empty(0, np.intp))
     if not np.all(intervals > 0):
-        msg = "the times of pulses must be finite and increase"
-        raise UsageError(msg)
+        raise UsageError("the times of pulses must be finite and increase")
     missing = np.rint(intervals / around(intervals, NEIGHBOURS)).astype(np.intp) - 1
     after = np.flatnonzero(missing > 0)
     return MissingPulses(after, missing[after])
@@ -152,9 +151,8 @@ def repaired_pulses(times: ArrayLike, steps_per_revolution: float = 0.0) -> Puls
 def check_pulses(times: ArrayLike) -> FloatArray:
     """The times, if they are those of pulses."""
     stamps = np.asarray(times, dtype=float)
-    if len(stamps) < 2 or not np.all(np.diff(stamps) > 0):  # noqa: PLR2004
-        msg = "an angle needs at least two pulses, at finite times that increase"
-        raise UsageError(msg)
+    if len(stamps) < 2 or not np.all(np.diff(stamps) > 0):
+        raise UsageError("an angle needs at least two pulses, at finite times that increase")
     return stamps
 
 
@@ -170,19 +168,17 @@ def _check(times: FloatArray, steps: NDArray[np.intp], places: NDArray[np.intp])
         counts = intervals[gap] / np.array([np.median(side) for side in sides])
         if np.ptp(counts) > 1 or abs(counts.mean() - steps[gap]) > UNCLEAR:
             where = f"the gap of {intervals[gap]:.4g} s after pulse {places[gap]} at {times[gap]:.6g} s"
-            msg = (
+            raise UsageError(
                 f"{where} is {counts.min():.2f} to {counts.max():.2f} times as long as those around it: how many "
                 "pulses are missing cannot be told; cut the record there"
             )
-            raise UsageError(msg)
     change = np.maximum(each[1:] / each[:-1], each[:-1] / each[1:])
     at = int(change.argmax())
     if change[at] > MOST_CHANGE:
-        msg = (
+        raise UsageError(
             f"the intervals on either side of pulse {places[at + 1]} at {times[at + 1]:.6g} s differ by a factor of "
             f"{change[at]:.2f}: neither a lost pulse nor one too many explains that; cut the record there"
         )
-        raise UsageError(msg)
 
 
 def _period(numbers: NDArray[np.intp], times: FloatArray, steps: float) -> int:
@@ -194,11 +190,10 @@ def _period(numbers: NDArray[np.intp], times: FloatArray, steps: float) -> int:
     if counts[period] < REGULAR * (len(numbers) - 1):
         return 0
     if steps and period != steps:
-        msg = (
+        raise UsageError(
             f"pulses are missing every {period} pulses, first at {times[0]:.6g} s: a wheel with a gap, of {period} "
             f"steps per revolution with the missing ones; {steps:g} were given"
         )
-        raise UsageError(msg)
     return period
 
 

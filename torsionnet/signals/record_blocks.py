@@ -42,20 +42,18 @@ def stacked(recording: Recording) -> FloatArray:
 def check_processable(block: Recording) -> None:
     """Refuse a recording with time stamps, or with values that are not finite."""
     if block.times is not None:
-        msg = "sampling is not uniform: the recording has time stamps; resample it first"
-        raise UsageError(msg)
+        raise UsageError("sampling is not uniform: the recording has time stamps; resample it first")
     for signal in block:
         missing = int(np.count_nonzero(~np.isfinite(signal.values)))
         if missing:
-            msg = f"{signal.name} has {missing} values that are not finite; repair or leave them out first"
-            raise UsageError(msg)
+            raise UsageError(f"{signal.name} has {missing} values that are not finite; repair or leave them out first")
 
 
 def _check_alike(block: Recording, first: Recording) -> None:
     if block.names != first.names:
-        msg = f"blocks of one test must have the same signals: {', '.join(first.names)}; then {', '.join(block.names)}"
-        raise UsageError(msg)
+        raise UsageError(
+            f"blocks of one test must have the same signals: {', '.join(first.names)}; then {', '.join(block.names)}"
+        )
     if block.sampling_rate != first.sampling_rate:
         rates = f"{first.sampling_rate:g} Hz, then {block.sampling_rate:g} Hz"
-        msg = f"blocks of one test must have the same sampling rate: {rates}"
-        raise UsageError(msg)
+        raise UsageError(f"blocks of one test must have the same sampling rate: {rates}")

@@ -72,7 +72,7 @@ def _length(recording: Recording, window: float) -> Iterator[Fault]:
 
 def _times(recording: Recording) -> Iterator[Fault]:
     times = recording.times
-    if times is None or len(times) < 2:  # noqa: PLR2004
+    if times is None or len(times) < 2:
         return
     if not np.all(np.diff(times) > 0):
         at = int(np.flatnonzero(~(np.diff(times) > 0))[0])
@@ -93,7 +93,7 @@ def _times(recording: Recording) -> Iterator[Fault]:
 
 def _counts_steps(signal: Signal) -> bool:
     """Whether every sample is one step of an encoder further: stamped pulses."""
-    if signal.quantity != "angle" or len(signal.values) < 3:  # noqa: PLR2004
+    if signal.quantity != "angle" or len(signal.values) < 3:
         return False
     steps = np.diff(signal.values)
     return bool(steps[0] != 0 and np.allclose(steps, steps[0], rtol=1e-6, atol=0.0))

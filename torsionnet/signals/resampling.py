@@ -56,17 +56,17 @@ def _resampled(signal: Signal, time: FloatArray, even: FloatArray) -> Signal:
 
 def _check(recording: Recording, rate: float, bridge_gaps: bool) -> None:
     if not (np.isfinite(rate) and rate >= SLOWER * recording.sampling_rate):
-        msg = f"cannot resample {recording.sampling_rate:g} Hz to {rate:g} Hz: decimate with a filter instead"
-        raise UsageError(msg)
-    if len(recording) < 2 or not np.all(np.diff(recording.time) > 0):  # noqa: PLR2004
-        msg = "resampling needs at least two samples, and time stamps that increase"
-        raise UsageError(msg)
+        raise UsageError(
+            f"cannot resample {recording.sampling_rate:g} Hz to {rate:g} Hz: decimate with a filter instead"
+        )
+    if len(recording) < 2 or not np.all(np.diff(recording.time) > 0):
+        raise UsageError("resampling needs at least two samples, and time stamps that increase")
     broken = [signal.name for signal in recording if not np.all(np.isfinite(signal.values))]
     if broken:
-        msg = f"cannot resample {', '.join(broken)}: there are values that are no finite numbers"
-        raise UsageError(msg)
+        raise UsageError(f"cannot resample {', '.join(broken)}: there are values that are no finite numbers")
     found = gaps(recording.time)
     if len(found) and not bridge_gaps:
         where = ", ".join(f"{recording.time[at]:.6g} s" for at in found[:3])
-        msg = f"cannot resample across {len(found)} gaps (after {where}); bridge_gaps=True does all the same"
-        raise UsageError(msg)
+        raise UsageError(
+            f"cannot resample across {len(found)} gaps (after {where}); bridge_gaps=True does all the same"
+        )

@@ -69,7 +69,7 @@ def swept(recording: Recording, output: str, input: str, seconds: float = 2.0) -
     """
     count = round(seconds * recording.sampling_rate)
     whole = len(recording) // count
-    if not whole or count < 8:  # noqa: PLR2004
+    if not whole or count < 8:
         return np.empty(0), np.empty(0)
     drive = recording[input].values[: whole * count].reshape(whole, count)
     answer = recording[output].values[: whole * count].reshape(whole, count)

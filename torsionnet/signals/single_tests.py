@@ -94,8 +94,7 @@ def _sines(recording: Recording, step: Step, settling: float) -> ComplexArray:
     last = min(round((step.end - recording.start) * rate), len(recording))
     periods = int((last / rate - (begin - recording.start)) * step.frequency + 1e-9)
     if periods < 1 or begin < recording.start:
-        msg = f"the step at {step.frequency:g} Hz has no whole period in the record after settling"
-        raise UsageError(msg)
+        raise UsageError(f"the step at {step.frequency:g} Hz has no whole period in the record after settling")
     first = last - round(periods / step.frequency * rate)
     time = recording.time[first:last]
     angle = 2 * np.pi * step.frequency * time

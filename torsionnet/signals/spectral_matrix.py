@@ -54,8 +54,7 @@ class CrossSpectra:
         wanted = list(names)
         for name in wanted:
             if name not in known:
-                msg = f'no signal is named "{name}"{did_you_mean(name, known)}; there is {", ".join(known)}'
-                raise UsageError(msg)
+                raise UsageError(f'no signal is named "{name}"{did_you_mean(name, known)}; there is {", ".join(known)}')
         return [known.index(name) for name in wanted]
 
     def between(self, first: Iterable[str], second: Iterable[str]) -> ComplexArray:

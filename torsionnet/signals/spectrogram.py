@@ -78,8 +78,7 @@ def spectrogram(recording: Recording, name: str, settings: Welch | None = None) 
     chosen = decimate(chosen, settings.decimation)
     rate, count = chosen.sampling_rate, len(chosen)
     if count < settings.samples(rate):
-        msg = f"the record of {chosen.duration:g} s is too short for one window of {settings.seconds:g} s"
-        raise UsageError(msg)
+        raise UsageError(f"the record of {chosen.duration:g} s is too short for one window of {settings.seconds:g} s")
     weights, step = settings.weights(rate), settings.step(rate)
     transform = ShortTimeFFT(weights, step, rate, scale_to="magnitude", fft_mode="onesided")
     middle, slices = len(weights) // 2, (count - len(weights)) // step + 1

@@ -47,8 +47,7 @@ def random_error(coherence: FloatArray, averages: float) -> RandomError:
     [0.0333]
     """
     if not averages > 0:
-        msg = f"the number of averages must be positive, got {averages}"
-        raise UsageError(msg)
+        raise UsageError(f"the number of averages must be positive, got {averages}")
     bounded = np.clip(coherence, 0, 1)
     with np.errstate(divide="ignore"):
         return _of_relative(np.sqrt((1 - bounded) / (2 * averages * bounded)))
@@ -79,8 +78,9 @@ def random_errors(
     s_rx, s_ry = spectra.between(references, inputs), spectra.between(references, outputs)
     free = spectra.effective_averages - len(inputs) + 1
     if free <= 0:
-        msg = f"{spectra.effective_averages:.1f} effective averages cannot tell {len(inputs)} inputs from noise"
-        raise UsageError(msg)
+        raise UsageError(
+            f"{spectra.effective_averages:.1f} effective averages cannot tell {len(inputs)} inputs from noise"
+        )
     backward, found = np.linalg.pinv(s_rx), hr(s_rx, s_ry)
     alone = np.einsum("fir,frs,fis->fi", backward, spectra.between(references, references), backward.conj()).real
     squared = unexplained(found, s_xx, s_xy, s_yy)[:, :, None] * alone[:, None, :] / (2 * free)

@@ -48,11 +48,9 @@ class Welch:
     def __post_init__(self) -> None:
         check_trend(self.detrend)
         if not 0 <= self.overlap < 1:
-            msg = f"overlap is a share from 0 to below 1, got {self.overlap}"
-            raise UsageError(msg)
+            raise UsageError(f"overlap is a share from 0 to below 1, got {self.overlap}")
         if not SHORTEST <= self.seconds <= LONGEST:
-            msg = f"a segment must have a length from {SHORTEST:g} to {LONGEST:g} s, got {self.seconds:g}"
-            raise UsageError(msg)
+            raise UsageError(f"a segment must have a length from {SHORTEST:g} to {LONGEST:g} s, got {self.seconds:g}")
 
     def samples(self, sampling_rate: float) -> int:
         """Length of a segment."""
@@ -70,8 +68,9 @@ class Welch:
         try:
             return np.asarray(get_window(self.window, self.samples(sampling_rate)), dtype=np.float64)
         except ValueError:
-            msg = f'no window is named "{self.window}"{did_you_mean(self.window, WINDOWS)}; e.g. {", ".join(WINDOWS)}'
-            raise UsageError(msg) from None
+            raise UsageError(
+                f'no window is named "{self.window}"{did_you_mean(self.window, WINDOWS)}; e.g. {", ".join(WINDOWS)}'
+            ) from None
 
     def __str__(self) -> str:
         return f"Welch, {self.window} {self.seconds:g} s, overlap {self.overlap:.0%}, detrend {self.detrend}"

@@ -41,8 +41,9 @@ def by_spectrum(
     request = _question(drivetrain, readings, excitations)
     H = responses([drivetrain], request, frequencies, "graph").values[0]
     if not np.isfinite(H).all():
-        msg = f"{drivetrain.title} has frequency-dependent laws and no finite static response: lock it to simulate it"
-        raise UsageError(msg)
+        raise UsageError(
+            f"{drivetrain.title} has frequency-dependent laws and no finite static response: lock it to simulate it"
+        )
     spectra = np.fft.rfft(torques, size, axis=1)
     H[0] = H[0].real
     motion = np.fft.irfft(np.einsum("foi,if->of", H, spectra), size, axis=1)

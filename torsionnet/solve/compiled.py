@@ -22,8 +22,7 @@ from torsionnet.solve.tape import Tape
 try:
     import numba
 except ImportError as error:
-    msg = 'the compiled solver needs numba: pip install "torsionnet[fast]"'
-    raise MissingExtraError(msg) from error
+    raise MissingExtraError('the compiled solver needs numba: pip install "torsionnet[fast]"') from error
 
 POINTS = 128
 """Points worked on at once: enough for vector instructions, few enough for a thousand registers in the cache."""
@@ -55,7 +54,7 @@ def _sampled(kappa: LawStiffness) -> tuple[Any, ComplexArray]:
     return place, np.stack(values) if values else nothing
 
 
-def _loop(  # noqa: PLR0912, PLR0915
+def _loop(
     operations: Any, factors: Any, inertia: Any, damping: Any, stiffness: Any, place: Any, sampled: Any, omega: Any,
     r: Any, values: Any, doubtful: Any, offset: int,
 ) -> None:  # fmt: skip

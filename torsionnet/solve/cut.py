@@ -53,8 +53,7 @@ def poles_of_measured(
     require_resistance(system, np.ones(len(system.sparse_rows), dtype=bool))
     request = ask(drivetrain, _anything(drivetrain), measured_input, excitation)
     if not request.is_measured:
-        msg = f'"{measured_input}" is no sensor; a measured input is one'
-        raise UsageError(msg)
+        raise UsageError(f'"{measured_input}" is no sensor; a measured input is one')
     entries = [measured_input] if isinstance(measured_input, str | Sensor) else list(measured_input)
     sensor = as_sensor(drivetrain, entries[0])
     cut = find_cut(drivetrain, sensor, request.excitations) if sensor is not None and len(entries) == 1 else None
@@ -67,8 +66,7 @@ def poles_of_measured(
 
 def _anything(drivetrain: AssembledModel) -> str:
     if not drivetrain.nodes:
-        msg = "the drivetrain has no nodes"
-        raise UsageError(msg)
+        raise UsageError("the drivetrain has no nodes")
     return f"angle({drivetrain.nodes[0]})"
 
 
@@ -144,8 +142,9 @@ def _of_cut_system(
     try:
         found, doubts = natural_modes(rest)
     except SolveError as error:  # the whole has been checked, so it is the cut that leaves a loose end
-        msg = f"{measured} is zero at every frequency: nothing on the other side of it resists a motion"
-        raise UsageError(msg) from error
+        raise UsageError(
+            f"{measured} is zero at every frequency: nothing on the other side of it resists a motion"
+        ) from error
     shapes = np.full((len(drivetrain.nodes), len(found)), np.nan + 0j)
     place = {node: number for number, node in enumerate(drivetrain.nodes)}
     shapes[[place[node] for node in found.nodes]] = found.shapes

@@ -51,8 +51,7 @@ class Adaptive:
 
     def __post_init__(self) -> None:
         if not (0 <= self.start < self.stop < np.inf) or min(self.points, self.per_peak) < 1:
-            msg = f"a range of frequencies needs 0 <= start < stop and points, got {self}"
-            raise UsageError(msg)
+            raise UsageError(f"a range of frequencies needs 0 <= start < stop and points, got {self}")
 
     def frequencies(self, *modes: Modes) -> FloatArray:
         """All of them in Hz, ascending, for the modes of a drivetrain."""

@@ -97,8 +97,9 @@ def lowest_vibrations(system: RowSystem, motions: Motions, count: int, *, undamp
         if system.n_coordinates <= HUGE:
             return None
         size = system.n_coordinates
-        msg = f"a sparse search finds too few of the lowest modes of {size} coordinates; all modes at once take long"
-        raise SolveError(msg) from error
+        raise SolveError(
+            f"a sparse search finds too few of the lowest modes of {size} coordinates; all modes at once take long"
+        ) from error
     return found if system.n_coordinates > HUGE or np.all(found.errors[:count] <= ACCURATE) else None
 
 

@@ -98,8 +98,7 @@ class ManyDigits:
                     _add(matrix[self.place[i]], self.place[j], stiffness * number(law.exact_row[i] * law.exact_row[j]))
         _, solution = eliminate(matrix, loads)
         if len(solution) < len(self.place):
-            msg = "the response cannot be told from rounding; ask for another frequency"
-            raise SolveError(msg)
+            raise SolveError("the response cannot be told from rounding; ask for another frequency")
         least = max((abs(angle) for angle in solution), default=number(0)) * _share()
         return motion | {name: _above(solution[index], least) for name, index in self.place.items()}
 

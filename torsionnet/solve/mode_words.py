@@ -88,7 +88,7 @@ def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[st
     count = len(crossings)
     nodes = "no node of vibration" if not count else f"{count} node{'s' if count > 1 else ''} of vibration"
     places = list(dict.fromkeys(crossings))
-    where = f" {', '.join(places)}" if 0 < len(places) <= 3 else ""  # noqa: PLR2004
+    where = f" {', '.join(places)}" if 0 < len(places) <= 3 else ""
     return f"strain in {_leading(elements, strain)}; {nodes}{where}"
 
 
@@ -109,7 +109,7 @@ class Links:
     def of(cls, assembly: Assembly) -> Links:
         laws = zip(assembly.owners, assembly.laws, assembly.system.sparse_rows, strict=True)
         elastic = [(owner, row) for owner, law, row in laws if law.is_elastic and len(row) > 1]
-        pairs = [(owner, row) for owner, row in elastic if len(row) == 2]  # noqa: PLR2004
+        pairs = [(owner, row) for owner, row in elastic if len(row) == 2]
         ends = np.array([list(row) for _, row in pairs], dtype=int).reshape(-1, 2)
         factors = np.array([list(row.values()) for _, row in pairs]).reshape(-1, 2)
         owners = tuple(owner for owner, _ in pairs)

@@ -31,13 +31,11 @@ def modes(
 ) -> Modes:
     """See :meth:`torsionnet.Drivetrain.modes`."""
     if lowest is not None and lowest < 1:
-        msg = f"lowest={lowest}: at least one mode must be asked for"
-        raise UsageError(msg)
+        raise UsageError(f"lowest={lowest}: at least one mode must be asked for")
     if measured_input is not None:
         found, doubts = poles_of_measured(drivetrain, measured_input, excitation, partial(natural_modes, lowest=lowest))
     elif excitation is not None:
-        msg = "excitation= goes with measured_input=; the modes of the drivetrain itself need none"
-        raise UsageError(msg)
+        raise UsageError("excitation= goes with measured_input=; the modes of the drivetrain itself need none")
     else:
         found, doubts = natural_modes(drivetrain, lowest)
     for doubt in doubts:

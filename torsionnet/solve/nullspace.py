@@ -115,13 +115,13 @@ def null_space(rows: Sequence[SparseRow], size: int) -> NullSpace:
     """Directions of ``size`` coordinates in which every row, a map from coordinate to coefficient, is zero."""
     parts = _Parts(rows, size)
     turning = [number for number in range(len(parts.members)) if number not in parts.held]
-    wide = [row for row in (parts.collected(row) for row in rows if len(row) > 2) if row]  # noqa: PLR2004
+    wide = [row for row in (parts.collected(row) for row in rows if len(row) > 2) if row]
     solved = reduce_rows(wide, {part: part for part in turning}).solved
     columns = {part: parts.turned(part, 1.0) for part in turning if part not in solved}
     for part, free in solved.items():
         for other, ratio in free.items():
             columns[other] |= parts.turned(part, Rounded.of(ratio).value)
-    return NullSpace(size, tuple(columns.values()), disjoint=all(len(free) < 2 for free in solved.values()))  # noqa: PLR2004
+    return NullSpace(size, tuple(columns.values()), disjoint=all(len(free) < 2 for free in solved.values()))
 
 
 class _Parts:
@@ -132,7 +132,7 @@ class _Parts:
 
     def __init__(self, rows: Sequence[SparseRow], size: int) -> None:
         links: list[list[tuple[int, float]]] = [[] for _ in range(size)]
-        ties = [tuple(row.items()) for row in rows if len(row) == 2]  # noqa: PLR2004
+        ties = [tuple(row.items()) for row in rows if len(row) == 2]
         for (a, x), (b, y) in ties:
             links[a].append((b, -x / y))
             links[b].append((a, -y / x))

@@ -53,17 +53,15 @@ def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tupl
     """
     assembly = drivetrain.assembly
     if acting(assembly.system).dynamic or any(excitation.quantity != "torque" for excitation in request.excitations):
-        msg = (
+        raise UsageError(
             "the measured input does not cut the drivetrain in two, and with frequency-dependent stiffness or imposed "
             "angles the poles are not calculated then"
         )
-        raise UsageError(msg)
     names = ", ".join(reading.name for reading in request.measured)
     bordered = Bordered.of(assembly, request)
     counts = bordered.roots()
     if counts is None:
-        msg = f"the excitation does not reach {names}: the measured input is zero at every frequency"
-        raise UsageError(msg)
+        raise UsageError(f"the excitation does not reach {names}: the measured input is zero at every frequency")
     still = _still(bordered) if counts[1] else np.zeros((bordered.size, 0))
     roots = _refined(bordered, _approximate(bordered, _rate(assembly), counts[0] - counts[1], counts[1]), counts[1])
     real = on_real_axis(roots.values)

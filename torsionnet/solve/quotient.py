@@ -97,7 +97,7 @@ def _divide(outputs: ComplexArray, measured: ComplexArray) -> tuple[ComplexArray
 
 def _inverse(matrices: ComplexArray) -> tuple[ComplexArray, FloatArray]:
     """Of every matrix, inf where it is singular; and of what size the rounding of each entry is."""
-    if matrices.shape[1] == 2:  # noqa: PLR2004
+    if matrices.shape[1] == 2:
         (a, b), (c, d) = matrices.transpose(1, 2, 0)
         inverse = (np.array([[d, -b], [-c, a]]) / (a * d - b * c)).transpose(2, 0, 1)
         return inverse, np.abs(inverse)

@@ -79,7 +79,7 @@ def null_basis(rows: FloatArray) -> FloatArray:
     free = _not_pinned(rows)
     rest = rows[:, free]
     rest = rest[np.any(rest != 0, axis=1)]
-    ties = len(free) > LARGE and np.all(np.count_nonzero(rest, axis=1) == 2)  # noqa: PLR2004
+    ties = len(free) > LARGE and np.all(np.count_nonzero(rest, axis=1) == 2)
     inside = null_space(Rows.of(rest).maps, len(free)).basis() if ties else _null_of_any(rest)
     basis = np.zeros((n_q, inside.shape[1]))
     basis[free] = inside

@@ -40,8 +40,7 @@ def simulate(
     asked = [outputs] if isinstance(outputs, str | Sensor) else list(outputs)
     request = ask(drivetrain, asked, list(inputs), None)
     if request.is_measured or any(source.quantity != "torque" for source in request.excitations):
-        msg = "a simulation is driven by torques: name inputs or nodes on which they act"
-        raise UsageError(msg)
+        raise UsageError("a simulation is driven by torques: name inputs or nodes on which they act")
     motion = respond(drivetrain, request.outputs, request.excitations, torques, sampling_rate)
     names = (name if name in drivetrain.inputs else f"torque on {name}" for name in inputs)
     driven = (Signal(name, "torque", torque) for name, torque in zip(names, torques, strict=True))
@@ -58,9 +57,8 @@ def _torques(inputs: Mapping[str, ArrayLike]) -> FloatArray:
         torques = np.array([np.asarray(values, dtype=float) for values in inputs.values()])
     except (TypeError, ValueError):
         torques = np.array(np.nan)
-    if torques.ndim != 2 or not torques.size or not np.isfinite(torques).all():  # noqa: PLR2004
-        msg = "the torques of a simulation are lists of finite numbers in N m by input, all of one length"
-        raise UsageError(msg)
+    if torques.ndim != 2 or not torques.size or not np.isfinite(torques).all():
+        raise UsageError("the torques of a simulation are lists of finite numbers in N m by input, all of one length")
     return torques
 
 

@@ -53,8 +53,7 @@ def to_control(drivetrain: AssembledModel) -> control.StateSpace:
 
     present = active_channels(drivetrain)
     if not present.inputs or not present.sensors:
-        msg = "a state space needs at least one input and one sensor in the model"
-        raise UsageError(msg)
+        raise UsageError("a state space needs at least one input and one sensor in the model")
     assembly = drivetrain.assembly
     inputs = list(present.inputs.values())
     system = first_order(assembly, inputs)
@@ -101,11 +100,11 @@ def first_order(assembly: Assembly, inputs: Sequence[Input]) -> StateSpaceForm:
     system = assembly.system
     if system.dynamic:
         names = ", ".join(sorted({assembly.owners[index] for index, _ in system.dynamic}))
-        msg = f"{names}: a stiffness that depends on frequency has no state space"
-        raise UsageError(msg)
+        raise UsageError(f"{names}: a stiffness that depends on frequency has no state space")
     if any(channel.quantity != "torque" for channel in inputs):
-        msg = "an imposed angle has no state space with torque inputs; make it a torque, or use frequency_response"
-        raise UsageError(msg)
+        raise UsageError(
+            "an imposed angle has no state space with torque inputs; make it a torque, or use frequency_response"
+        )
     loads = [assembly.rows_of({channel.of: 1})[0] for channel in inputs]
     heavy, damped, static = _kinds(system)
     columns = np.array(loads).reshape(len(loads), system.n_coordinates).T
@@ -196,13 +195,14 @@ def output_rows(
             rates[order] += gain * part
             sizes[order] += float(np.abs(gain * part).max(initial=0.0))
     if np.any(np.abs(rates) > NEGLIGIBLE * np.maximum(sizes, 1e-300)[:, None]):
-        msg = f"{reading.name} contains the rate of change of an input; it has a frequency response but no state space"
-        raise UsageError(msg)
+        raise UsageError(
+            f"{reading.name} contains the rate of change of an input; it has a frequency response but no state space"
+        )
     return C, D
 
 
 def _factors(assembly: Assembly, law: int | None, power: int) -> tuple[float, float, float]:
     if law is None:
-        return float(power == 0), float(power == 1), float(power == 2)  # noqa: PLR2004
+        return float(power == 0), float(power == 1), float(power == 2)
     system = assembly.system
     return float(system.stiffness[law]), float(system.damping[law]), float(system.inertia[law])

@@ -61,8 +61,7 @@ def frequency_response(
 def known_method(method: str) -> None:
     """Refuse a method that does not exist."""
     if method not in METHODS:
-        msg = f'no method is named "{method}"; choose {", ".join(METHODS)}'
-        raise UsageError(msg)
+        raise UsageError(f'no method is named "{method}"; choose {", ".join(METHODS)}')
 
 
 def chosen_frequencies(
@@ -122,8 +121,7 @@ def _checked(frequencies: ArrayLike) -> FloatArray:
     except (TypeError, ValueError):
         f = np.array([np.nan])
     if f.ndim != 1 or not np.isfinite(f).all() or (f < 0).any():
-        msg = "frequencies must be a list of finite numbers >= 0, in Hz"
-        raise UsageError(msg)
+        raise UsageError("frequencies must be a list of finite numbers >= 0, in Hz")
     return f
 
 

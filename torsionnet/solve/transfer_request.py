@@ -48,13 +48,15 @@ class TransferRequest:
         driven = " and ".join(str(excitation) for excitation in self.excitations)
         for reading, reached in zip(self.measured, felt, strict=True):
             if not reached:
-                msg = f"{reading.name} stays zero under a {driven} at every frequency; it cannot be a measured input"
-                raise UsageError(msg)
+                raise UsageError(
+                    f"{reading.name} stays zero under a {driven} at every frequency; it cannot be a measured input"
+                )
         names = " and ".join(reading.name for reading in self.measured)
         for number, excitation in enumerate(self.excitations):
             if not any(number in reached for reached in felt):
-                msg = f"{names} stay zero under a {excitation} at every frequency; they cannot be its measured inputs"
-                raise UsageError(msg)
+                raise UsageError(
+                    f"{names} stay zero under a {excitation} at every frequency; they cannot be its measured inputs"
+                )
 
     def dependent(self) -> UsageError:
         """What to say where measured inputs never tell the excitations apart."""
@@ -102,16 +104,14 @@ def ask(
     outputs = tuple(_output(drivetrain, entry) for entry in _listed(output, "an output", (str, Sensor)))
     entries = _listed(input, "an input", (str, Sensor, Input))
     if not outputs or not entries:
-        msg = "name at least one output and one input"
-        raise UsageError(msg)
+        raise UsageError("name at least one output and one input")
     resolved = [_input(drivetrain, entry) for entry in entries]
     if all(isinstance(entry, Input) for entry in resolved):
         excitations = tuple(entry for entry in resolved if isinstance(entry, Input))
         labels = [entry if isinstance(entry, str) else str(entry) for entry in entries]
         measured = tuple(_excitation_reading(label, entry) for label, entry in zip(labels, excitations, strict=True))
         if excitation is not None and _chosen(drivetrain, excitation) != excitations:
-            msg = "excitation= goes with measured inputs; here the input itself is the excitation"
-            raise UsageError(msg)
+            raise UsageError("excitation= goes with measured inputs; here the input itself is the excitation")
         return TransferRequest(outputs, measured, excitations, is_measured=False, assembly=drivetrain.assembly)
     return _measured(drivetrain, outputs, entries, resolved, excitation)
 
@@ -125,19 +125,17 @@ def _measured(
 ) -> TransferRequest:
     unmeasured = [str(entry) for entry, found in zip(entries, resolved, strict=True) if isinstance(found, Input)]
     if unmeasured:
-        msg = (
+        raise UsageError(
             f"{', '.join(unmeasured)} is an excitation and the other inputs are measured; "
             "put a sensor where the excitation acts, or name measured inputs only"
         )
-        raise UsageError(msg)
     measured = tuple(entry for entry in resolved if isinstance(entry, Functional))
     excitations = _chosen(drivetrain, excitation) if excitation is not None else _default(drivetrain)
     if len(excitations) != len(measured):
-        msg = (
+        raise UsageError(
             f"{len(measured)} measured input(s) but {len(excitations)} excitation(s); "
             f"there must be as many of one as of the other{_known_inputs(drivetrain)}"
         )
-        raise UsageError(msg)
     names = ", ".join(str(entry) for entry in excitations)
     return TransferRequest(
         outputs,
@@ -165,23 +163,19 @@ def _torque_on(drivetrain: AssembledModel, node: str) -> Input:
     solved = drivetrain.assembly.kinematics.reduction.solved
     driven = [name for name, channel in drivetrain.inputs.items() if channel.quantity == "angle" and channel.of == node]
     if driven:
-        msg = f'the angle of "{node}" is imposed by {driven[0]}; name that input, or another node'
-        raise UsageError(msg)
+        raise UsageError(f'the angle of "{node}" is imposed by {driven[0]}; name that input, or another node')
     if node in solved and solved[node].keys().isdisjoint(drivetrain.assembly.kinematics.coordinates):
         held = "its motion is imposed" if solved[node] else "it is locked"
-        msg = f'a torque on "{node}" moves nothing: {held}'
-        raise UsageError(msg)
+        raise UsageError(f'a torque on "{node}" moves nothing: {held}')
     return Input("torque", node)
 
 
 def _present(drivetrain: AssembledModel, name: str) -> Input:
     channel = drivetrain.inputs[name]
     if channel.of not in drivetrain.nodes:
-        msg = f'input {name} acts on node "{channel.of}", which is not there in this configuration'
-        raise UsageError(msg)
+        raise UsageError(f'input {name} acts on node "{channel.of}", which is not there in this configuration')
     if drivetrain.assembly.kinematics.holds(channel.of):
-        msg = f'input {name} does nothing: "{channel.of}" is locked in this configuration'
-        raise UsageError(msg)
+        raise UsageError(f'input {name} does nothing: "{channel.of}" is locked in this configuration')
     return channel
 
 
@@ -202,8 +196,7 @@ def _named_input(drivetrain: AssembledModel, name: Any) -> Input:
         return _torque_on(drivetrain, name)
     known = [*drivetrain.inputs, *drivetrain.nodes]
     declared = ", ".join(drivetrain.inputs) or "none"
-    msg = f'no input or node is named "{name}"{did_you_mean(name, known)}; inputs: {declared}'
-    raise UsageError(msg)
+    raise UsageError(f'no input or node is named "{name}"{did_you_mean(name, known)}; inputs: {declared}')
 
 
 def _given(drivetrain: AssembledModel, channel: Input) -> Input:
@@ -213,8 +206,9 @@ def _given(drivetrain: AssembledModel, channel: Input) -> Input:
     for name, declared in drivetrain.inputs.items():
         if channel == declared:
             return _present(drivetrain, name)
-    msg = f"the model has no {channel}; declare an imposed angle as an input of the model, a torque needs a node"
-    raise UsageError(msg)
+    raise UsageError(
+        f"the model has no {channel}; declare an imposed angle as an input of the model, a torque needs a node"
+    )
 
 
 def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:
@@ -222,8 +216,7 @@ def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:
     entries = [names] if isinstance(names, kinds) else list(names) if isinstance(names, list | tuple) else [None]
     for entry in entries:
         if not isinstance(entry, kinds):
-            msg = f"{what} is a name or a list of names, got {names!r}"
-            raise UsageError(msg)
+            raise UsageError(f"{what} is a name or a list of names, got {names!r}")
     return entries
 
 
@@ -245,8 +238,7 @@ def _output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:
     hint = did_you_mean(str(entry), known)
     declared = ", ".join(drivetrain.sensors) or "none"
     others = "or write torque(element), twist(element), velocity(node)"
-    msg = f'no sensor or node is named "{entry}"{hint}; sensors: {declared}; {others}'
-    raise UsageError(msg)
+    raise UsageError(f'no sensor or node is named "{entry}"{hint}; sensors: {declared}; {others}')
 
 
 def usable(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
@@ -272,8 +264,7 @@ def _require_moving(drivetrain: AssembledModel, sensor: Sensor, name: str) -> No
     """Refuse a sensor of the model on a node that this configuration locks; a node asked for by name is zero there."""
     of_node = name in drivetrain.sensors and sensor.quantity not in ELEMENT_QUANTITIES
     if of_node and sensor.of in drivetrain.nodes and drivetrain.assembly.kinematics.holds(sensor.of):
-        msg = f'{name} reads zero: "{sensor.of}" is locked in this configuration'
-        raise UsageError(msg)
+        raise UsageError(f'{name} reads zero: "{sensor.of}" is locked in this configuration')
 
 
 def _input(drivetrain: AssembledModel, entry: str | Sensor | Input) -> Input | Functional:
@@ -288,8 +279,7 @@ def _input(drivetrain: AssembledModel, entry: str | Sensor | Input) -> Input | F
     if entry in drivetrain.nodes:
         return _torque_on(drivetrain, str(entry))
     known = [*drivetrain.inputs, *drivetrain.sensors, *drivetrain.nodes]
-    msg = f'no input, sensor or node is named "{entry}"{did_you_mean(str(entry), known)}'
-    raise UsageError(msg)
+    raise UsageError(f'no input, sensor or node is named "{entry}"{did_you_mean(str(entry), known)}')
 
 
 def _excitation_reading(label: str, excitation: Input) -> Functional:

@@ -60,8 +60,9 @@ def _columns(variants: Mapping[str, ArrayLike]) -> dict[str, FloatArray]:
     except (TypeError, ValueError):
         spread = []
     if not spread or any(column.ndim != 1 for column in spread) or not len(spread[0]):
-        msg = "variants are lists of numbers in SI by parameter, all of one length: {'k_2': [400, 460, 500]}"
-        raise UsageError(msg)
+        raise UsageError(
+            "variants are lists of numbers in SI by parameter, all of one length: {'k_2': [400, 460, 500]}"
+        )
     return dict(zip(columns, (column.copy() for column in spread), strict=True))
 
 

@@ -108,4 +108,4 @@ def is_forest(network: Network[L]) -> bool:
     """Whether all blocks are bundles."""
     pairs = {frozenset(member.row) for member in network.members if len(member.row) > 1}
     parts = len(roots_of(network))
-    return all(len(pair) == 2 for pair in pairs) and len(pairs) == len(network.coordinates) - parts  # noqa: PLR2004
+    return all(len(pair) == 2 for pair in pairs) and len(pairs) == len(network.coordinates) - parts

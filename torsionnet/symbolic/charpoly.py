@@ -36,11 +36,10 @@ class ExpandedBlock:
 
     def __post_init__(self) -> None:
         if len(self.names) > MOST_COORDINATES:
-            msg = (
+            raise UsageError(
                 f"{len(self.names)} coordinates that closed loops or planetary sets tie together in many ways have no "
                 "short expression; use frequency_response"
             )
-            raise UsageError(msg)
 
     @cached_property
     def names(self) -> tuple[str, ...]:

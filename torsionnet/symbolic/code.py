@@ -61,8 +61,7 @@ def checked(name: str) -> str:
     'k_1'
     """
     if not IDENTIFIER.fullmatch(name) or keyword.iskeyword(name):
-        msg = f'"{name}" cannot be a name in Python code; use letters, digits and underscores'
-        raise UsageError(msg)
+        raise UsageError(f'"{name}" cannot be a name in Python code; use letters, digits and underscores')
     return name
 
 

@@ -31,8 +31,7 @@ def to_latex(system: SymbolicMatrices, part: str = "") -> str:
     if part == "u":
         return column([symbol_latex(name) for name in system.inputs])
     if part:
-        msg = f'"{part}" is no part of the equations{did_you_mean(part, PARTS)}; choose {", ".join(PARTS)}'
-        raise UsageError(msg)
+        raise UsageError(f'"{part}" is no part of the equations{did_you_mean(part, PARTS)}; choose {", ".join(PARTS)}')
     terms = [f"{to_latex(system, key)} {dotted(system.coordinates, dots)}" for key, dots in DOTS.items()]
     rest = complex_stiffness(system)
     terms += [f"{matrix_latex(rest.tolist())} {to_latex(system, 'q')}"] if any(rest) else []

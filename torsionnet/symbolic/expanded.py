@@ -70,11 +70,10 @@ def expanded(function: SymbolicFraction, cap: int) -> Expanded:
     """See :meth:`TransferFunction.expanded`."""
     predicted = predicted_terms(function)
     if predicted > cap:
-        msg = (
+        raise UsageError(
             f"fully expanded, this transfer function has up to {predicted:,} terms, more than {cap:,}; "
             "use .mechanical or .program, keep(...) fewer parameters, or raise cap="
         )
-        raise UsageError(msg)
     program, outputs = function.steps, [function.numerator, function.denominator]
     algebra = monomials_for(program.payloads(outputs))
     above, below = program.run(algebra, outputs)

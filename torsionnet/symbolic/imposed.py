@@ -79,5 +79,4 @@ def posed(
 def single(output: object, input: object) -> None:
     """Refuse several outputs or inputs."""
     if not isinstance(output, str | Sensor) or not isinstance(input, str | Sensor):
-        msg = "a transfer function in symbols has one output and one input; transfer_matrix takes several"
-        raise UsageError(msg)
+        raise UsageError("a transfer function in symbols has one output and one input; transfer_matrix takes several")

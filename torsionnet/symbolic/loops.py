@@ -35,8 +35,8 @@ def tied(block: GraphBlock[Quotient], hanging: Mapping[str, Quotient], program: 
 
 def loops_of(block: GraphBlock[Quotient]) -> int:
     """Laws over more than two coordinates, and pairs of coordinates tied beyond a spanning tree."""
-    pairs = {frozenset(member.row) for member in block.members if len(member.row) == 2}  # noqa: PLR2004
-    wide = sum(len(member.row) > 2 for member in block.members)  # noqa: PLR2004
+    pairs = {frozenset(member.row) for member in block.members if len(member.row) == 2}
+    wide = sum(len(member.row) > 2 for member in block.members)
     return wide + max(0, len(pairs) - len(block.below))
 
 

@@ -87,7 +87,7 @@ class Continued:
     def reading(self, row: SymbolRow, law: Any = None) -> Any:
         """Row theta, times a law, over the motion at the root."""
         row = {name: value for name, value in row.items() if name in self.tree.below}
-        for child in row if len(row) == 2 else ():  # noqa: PLR2004
+        for child in row if len(row) == 2 else ():
             block = self.tree.above.get(child)
             if block and block.top in row and _parallel(row, block.members[0].row):
                 return self._torque(block, row[block.top], law)
@@ -124,7 +124,7 @@ def single_edges(network: Network[Stiffness]) -> Network[Stiffness]:
     members = []
     for member in added_up(network, reflected).members:
         row = first.setdefault(frozenset(member.row), member.row)
-        if len(row) != 2 or row is member.row:  # noqa: PLR2004
+        if len(row) != 2 or row is member.row:
             members.append(member)
             continue
         v, c = row

@@ -80,7 +80,7 @@ class Network(Generic[L]):
         """The last of the coordinates; of more than two, one on which few laws act, so that few rows get longer."""
         names = [name for name in row if name != keep]
         uses: Counter[str] = Counter()
-        if len(row) > 2:  # noqa: PLR2004
+        if len(row) > 2:
             uses.update(name for member in self.members if len(member.row) > 1 for name in member.row)
         return max(names, key=lambda name: (-uses[name], self.coordinates.index(name)))
 
@@ -121,7 +121,7 @@ def _direction(row: SymbolRow, known: Collection[Any]) -> tuple[tuple[tuple[str,
     """The row over one of its coefficients, the same for parallel rows, and that coefficient."""
     names = sorted(row, key=lambda name: row[name] not in (1, -1))
     first, last = row[names[0]], row[names[-1]]
-    if len(names) == 2:  # noqa: PLR2004
+    if len(names) == 2:
         back = ((names[1], ONE), (names[0], first / last))
         return (back, last) if back in known else (((names[0], ONE), (names[1], last / first)), first)
     return tuple((name, row[name] / first) for name in sorted(names)), first

@@ -47,12 +47,12 @@ class Factor:
         """Corner or natural frequency in rad/s, of first and second order."""
         if self.order == 1:
             return sympy.simplify(1 / self.coefficients[1])
-        return sympy.sqrt(sympy.simplify(1 / self.coefficients[2])) if self.order == 2 else None  # noqa: PLR2004
+        return sympy.sqrt(sympy.simplify(1 / self.coefficients[2])) if self.order == 2 else None
 
     @property
     def zeta(self) -> Any:
         """Damping ratio, of second order."""
-        if self.order != 2:  # noqa: PLR2004
+        if self.order != 2:
             return None
         p_1, p_2 = (sympy.fraction(sympy.together(value)) for value in self.coefficients[1:])
         p_0 = sympy.lcm(p_1[1], p_2[1])
@@ -70,7 +70,7 @@ class Factor:
         power = f"({{}})**{self.power}" if self.power != 1 else "{}"
         if self.order == 1:
             return f"{power.format('1 + s/omega_n')} with omega_n = {_both(self.omega_n, values)} rad/s"
-        if self.order == 2:  # noqa: PLR2004
+        if self.order == 2:
             form = power.format("1 + 2*zeta*s/omega_n + s**2/omega_n**2")
             return f"{form} with omega_n = {_both(self.omega_n, values)} rad/s, zeta = {_both(self.zeta, values)}"
         return power.format(
@@ -173,7 +173,7 @@ def _irreducible(function: SymbolicFraction, index: int) -> list[tuple[list[Any]
     coefficients = [sympy.Integer(0) if surely_zero(value) else tidy(value) for value in polynomial.coefficients]
     (count,) = function.steps.run(TermCounts(), [function.steps.at(index)])
     whole = in_s(coefficients)
-    if count > MOST_TERMS or len(coefficients) < 3 or whole.has(sympy.I):  # noqa: PLR2004
+    if count > MOST_TERMS or len(coefficients) < 3 or whole.has(sympy.I):
         return [(coefficients, 1)]
     number, denominator = sympy.fraction(sympy.together(whole))
     if (
@@ -193,10 +193,10 @@ def _factors_at_random(polynomial: Any) -> bool:
     """
     symbols = sorted(polynomial.free_symbols - {S}, key=str)
     for seed in range(2):
-        draw = random.Random(seed)  # noqa: S311
+        draw = random.Random(seed)
         chosen = {symbol: draw.randrange(10**3, 10**4) for symbol in symbols}
         _, found = sympy.factor_list(polynomial.xreplace(chosen), S)
-        if sum(power for factor, power in found if factor != S) < 2:  # noqa: PLR2004
+        if sum(power for factor, power in found if factor != S) < 2:
             return False
     return True
 

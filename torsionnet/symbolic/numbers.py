@@ -32,8 +32,7 @@ def evaluate(function: SymbolicFraction, frequencies: ArrayLike, given: Mapping[
     """See :meth:`TransferFunction.evaluate`."""
     f = np.atleast_1d(np.asarray(frequencies, dtype=float))
     if f.ndim != 1 or not np.isfinite(f).all() or (f < 0).any():
-        msg = "frequencies must be a list of finite numbers >= 0, in Hz"
-        raise UsageError(msg)
+        raise UsageError("frequencies must be a list of finite numbers >= 0, in Hz")
     values = _complete(function, given)
     result = np.empty(f.shape, dtype=complex)
     moving = f > 0
@@ -52,8 +51,7 @@ def _complete(function: SymbolicFraction, given: Mapping[Any, Any]) -> dict[Any,
     values |= {name: exact(value) for name, value in given.items()}
     missing = sorted(str(name) for name in function.free_symbols - set(values))
     if missing:
-        msg = f"give values for {', '.join(missing)}"
-        raise UsageError(msg)
+        raise UsageError(f"give values for {', '.join(missing)}")
     return values
 
 
@@ -129,8 +127,7 @@ def lowest(function: SymbolicFraction, coefficient: Any, vanishes: Any) -> tuple
         if found[1] is not None and (found[0] is not None or limit > len(function.steps.steps)):
             return found[0], found[1]
         if limit > 4 * len(function.steps.steps) + 4:
-            msg = "the transfer function is not determined: numerator and denominator vanish"
-            raise UsageError(msg)
+            raise UsageError("the transfer function is not determined: numerator and denominator vanish")
         limit *= 4
 
 
@@ -153,7 +150,7 @@ def surely_zero(node: ProgramNode | int) -> bool:
     def number(expression: Any) -> Fraction:
         if expression.is_Rational:
             return exact_fraction(expression)
-        return chosen.setdefault(expression, Fraction(random.Random(str(expression)).randrange(10**6, 10**7)))  # noqa: S311
+        return chosen.setdefault(expression, Fraction(random.Random(str(expression)).randrange(10**6, 10**7)))
 
     class Chance:
         def leaf(self, payload: Any) -> Fraction:

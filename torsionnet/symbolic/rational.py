@@ -118,7 +118,7 @@ def _trimmed(coefficients: Sequence[Any]) -> tuple[Any, ...]:
 def rational(function: SymbolicFraction) -> Rational:
     """Coefficients in s: expanded where they are short, else as a program of their own."""
     program, outputs = function.steps, [function.numerator, function.denominator]
-    if sum(program.run(TermCounts(), outputs)) <= FEW or len(function.free_symbols) <= 6:  # noqa: PLR2004
+    if sum(program.run(TermCounts(), outputs)) <= FEW or len(function.free_symbols) <= 6:
         algebra = monomials_for(program.payloads(outputs))
         above, below = program.run(algebra, outputs)
         return Rational(Flat(above, below, algebra))

@@ -25,16 +25,14 @@ def require_readable(function: SymbolicFraction) -> None:
     nodes = [value for polynomial in polynomials for value in polynomial.coefficients if isinstance(value, ProgramNode)]
     leaves = sum(part.leaves for part in nodes[0].program.run(Lengths(), nodes)) if nodes else 0
     if leaves > MOST_WRITTEN:
-        msg = f'the coefficients would be written with {leaves:,} elements and numbers; ask for "program"'
-        raise UsageError(msg)
+        raise UsageError(f'the coefficients would be written with {leaves:,} elements and numbers; ask for "program"')
 
 
 def require_short(function: SymbolicFraction, most: int) -> None:
     """Nested expressions repeat themselves; a continued fraction does not."""
     leaves = function.nested_leaves if function.continued is None else 0
     if leaves > most:
-        msg = (
+        raise UsageError(
             f"with its closed loops written out, this transfer function is a fraction of {leaves:,} elements and "
             'numbers; ask for "program"'
         )
-        raise UsageError(msg)

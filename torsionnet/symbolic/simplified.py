@@ -150,8 +150,7 @@ def _band(drivetrain: AssembledModel, band: tuple[float, float] | None) -> tuple
         return lowest / 20, 2 * lowest
     low, high = band
     if not 0 < low < high < math.inf:
-        msg = "band is two frequencies in Hz, 0 < low < high"
-        raise UsageError(msg)
+        raise UsageError("band is two frequencies in Hz, 0 < low < high")
     return low, high
 
 
@@ -199,8 +198,7 @@ class _Reference:
         self.frequencies = np.geomspace(low, high, POINTS)
         self.poles = [pole for pole in self._poles(drivetrain) if abs(pole) <= 2 * np.pi * high]
         if not self.poles:
-            msg = f"there is no mode of vibration up to {high:g} Hz to be kept; widen band="
-            raise UsageError(msg)
+            raise UsageError(f"there is no mode of vibration up to {high:g} Hz to be kept; widen band=")
         self.magnitude = self._magnitude(drivetrain)
 
     def _poles(self, drivetrain: AssembledModel) -> list[complex]:

@@ -112,8 +112,7 @@ def _measured(output: Sensor, sensor: Sensor, request: TransferRequest, mechanis
 
 def _require_reached(asked: SymbolicRequest, name: str, excitation: Input) -> None:
     if asked.measured is not None and asked.mechanism.numerator(asked.measured, asked.node).is_zero:
-        msg = f"{name} does not feel the {excitation}: the transfer function against it does not exist"
-        raise UsageError(msg)
+        raise UsageError(f"{name} does not feel the {excitation}: the transfer function against it does not exist")
 
 
 def _is_kept(drivetrain: AssembledModel, cut: Cut, reading: Sensor) -> bool:

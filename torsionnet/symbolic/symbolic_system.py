@@ -163,8 +163,7 @@ class SymbolicSystem(SymbolicMatrices):
     @property
     def _model(self) -> AssembledModel:
         if self.drivetrain is None:
-            msg = "these matrices do not know their drivetrain"
-            raise TypeError(msg)
+            raise TypeError("these matrices do not know their drivetrain")
         return self.drivetrain
 
 

@@ -157,8 +157,7 @@ class TransferFunction(SymbolicFraction):
     def _symbol(self, name: str) -> Any:
         known = {str(symbol): symbol for symbol in {*self.values, *self.free_symbols}}
         if str(name) not in known:
-            msg = f'no parameter is named "{name}"{did_you_mean(str(name), known)}'
-            raise UsageError(msg)
+            raise UsageError(f'no parameter is named "{name}"{did_you_mean(str(name), known)}')
         return known[str(name)]
 
     def evaluate(self, frequencies: ArrayLike, **parameters: float) -> FrequencyResponse:
@@ -200,8 +199,7 @@ class TransferFunction(SymbolicFraction):
             return with_where(latex(result), table)
         if form == "expanded":
             return latex(self.expanded().expression)
-        msg = f'"{form}" is no form{did_you_mean(form, FORMS)}; choose {", ".join(FORMS)}'
-        raise UsageError(msg)
+        raise UsageError(f'"{form}" is no form{did_you_mean(form, FORMS)}; choose {", ".join(FORMS)}')
 
     def _repr_latex_(self) -> str | None:
         form = self._short_form

@@ -106,8 +106,7 @@ def _place(key: int | str, names: Sequence[str]) -> int:
     if isinstance(key, int):
         return key
     if key not in names:
-        msg = f'nothing is named "{key}"{did_you_mean(key, names)}; there is {", ".join(names)}'
-        raise UsageError(msg)
+        raise UsageError(f'nothing is named "{key}"{did_you_mean(key, names)}; there is {", ".join(names)}')
     return names.index(key)
 
 
@@ -129,8 +128,7 @@ def over_measured(
     """
     request = ask(drivetrain, outputs, inputs, excitation)
     if len(inputs) > MOST_MEASURED:
-        msg = f"in symbols at most {MOST_MEASURED} inputs are measured at a time"
-        raise UsageError(msg)
+        raise UsageError(f"in symbols at most {MOST_MEASURED} inputs are measured at a time")
     sensors = [as_sensor(drivetrain, entry) or Sensor("angle", str(entry)) for entry in (*outputs, *inputs)]
     program, mechanisms = Program(), dict[str, Mechanism]()
     columns = []
@@ -155,8 +153,7 @@ def _by_cramer(
     whole = _determinant(program, below)
     (polynomial,) = program.run(InPowersOfS(Program().leaf), [whole])
     if all(surely_zero(value) for value in polynomial.coefficients):
-        msg = "the measured inputs do not tell the excitations apart: the transfer functions do not exist"
-        raise UsageError(msg)
+        raise UsageError("the measured inputs do not tell the excitations apart: the transfer functions do not exist")
     return TransferMatrix(
         tuple(
             tuple(

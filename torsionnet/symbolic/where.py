@@ -110,7 +110,7 @@ class _Names:
                 self.uses.update(program.steps[index][1:])
 
     def named(self, index: int, expression: Any) -> Any:
-        if self.uses[index] < 2 or expression.is_Atom or index == self.result.index:  # noqa: PLR2004
+        if self.uses[index] < 2 or expression.is_Atom or index == self.result.index:
             return expression
         name = sympy.Symbol(f"z_{len(self.table) + 1}")
         self.table[name] = expression

@@ -46,21 +46,18 @@ def parse_band(raw: Any, *, from_zero: bool = False) -> tuple[float, float]:
     is_at_zero = from_zero and low == 0
     if not (0 < low < high or (is_at_zero and high > 0)):
         above = "" if from_zero else ", both above 0"
-        msg = f"a band goes from a lower to a higher frequency{above}, as in {BAND_FORMS}; got {raw!r}"
-        raise EntryError(msg)
+        raise EntryError(f"a band goes from a lower to a higher frequency{above}, as in {BAND_FORMS}; got {raw!r}")
     if not ((low >= LOWEST or is_at_zero) and low < high <= HIGHEST):
-        msg = f"a band lies between {LOWEST:g} and {HIGHEST:g} Hz, got {raw!r}"
-        raise EntryError(msg)
+        raise EntryError(f"a band lies between {LOWEST:g} and {HIGHEST:g} Hz, got {raw!r}")
     return low, high
 
 
 def _edges(raw: Any) -> tuple[Any, Any]:
-    if isinstance(raw, (list, tuple)) and len(raw) == 2:  # noqa: PLR2004
+    if isinstance(raw, (list, tuple)) and len(raw) == 2:
         return raw[0], raw[1]
     match = _BAND.fullmatch(raw) if isinstance(raw, str) else None
     if match is None:
-        msg = f"expected a band such as {BAND_FORMS}, got {raw!r}"
-        raise EntryError(msg)
+        raise EntryError(f"expected a band such as {BAND_FORMS}, got {raw!r}")
     unit = match[4] or "Hz"
     return f"{match[1]} {match[2] or unit}", f"{match[3]} {unit}"
 
@@ -68,8 +65,7 @@ def _edges(raw: Any) -> tuple[Any, Any]:
 def _hertz(raw: Any) -> float:
     value = read_scalar(raw, "frequency")
     if not isinstance(value, Number):
-        msg = f"a band is given by numbers with units, not by expressions such as {raw!r}"
-        raise EntryError(msg)
+        raise EntryError(f"a band is given by numbers with units, not by expressions such as {raw!r}")
     return float(value.value)
 
 

@@ -208,7 +208,7 @@ class PairOf(Composite):
     of: Spec
 
     def read(self, raw: Any) -> tuple[tuple[Any, Any] | None, list[Fault]]:
-        if not isinstance(raw, list | tuple) or len(raw) != 2:  # noqa: PLR2004
+        if not isinstance(raw, list | tuple) or len(raw) != 2:
             return None, [Fault(f"expected two values [a, b], got {raw!r}")]
         values, faults = Listed(self.description, self.of).read(raw)
         return (None if faults else (values[0], values[1])), faults

@@ -18,11 +18,9 @@ SCALAR_SCHEMA: Schema = {"type": ["number", "string"]}
 def read_scalar(raw: Any, dimension: str) -> Expression:
     """A number (SI), a quantity with unit or an expression of parameters; its written unit must fit ``dimension``."""
     if raw is None:
-        msg = f"a value is missing; expected {_wanted(dimension)}"
-        raise EntryError(msg)
+        raise EntryError(f"a value is missing; expected {_wanted(dimension)}")
     if isinstance(raw, (Mapping, list, tuple)):
-        msg = f"expected {_wanted(dimension)}, got {'a mapping' if isinstance(raw, Mapping) else 'a list'}"
-        raise EntryError(msg)
+        raise EntryError(f"expected {_wanted(dimension)}, got {'a mapping' if isinstance(raw, Mapping) else 'a list'}")
     try:
         value = scalar(raw)
     except (ExpressionError, UnitError, TypeError, ValueError) as error:
@@ -33,8 +31,9 @@ def read_scalar(raw: Any, dimension: str) -> Expression:
 def read_value(raw: Any) -> Expression:
     """A scalar of any dimension."""
     if raw is None or isinstance(raw, (Mapping, list, tuple)):
-        msg = f"expected a number, a quantity with unit or an expression, got {'nothing' if raw is None else repr(raw)}"
-        raise EntryError(msg)
+        raise EntryError(
+            f"expected a number, a quantity with unit or an expression, got {'nothing' if raw is None else repr(raw)}"
+        )
     try:
         return scalar(raw)
     except (ExpressionError, UnitError, TypeError, ValueError) as error:
@@ -148,8 +147,9 @@ class Value(Spec):
     def coerce(self, raw: Any) -> float:
         number = _finite(_number(read_scalar(raw, self.dimension)))
         if self.lower is not None and (number < self.lower or (self.exclusive and number == self.lower)):
-            msg = f"must {'be greater than' if self.exclusive else 'not be less than'} {self.lower:g}, got {raw!r}"
-            raise EntryError(msg)
+            raise EntryError(
+                f"must {'be greater than' if self.exclusive else 'not be less than'} {self.lower:g}, got {raw!r}"
+            )
         return number
 
     def plain(self, value: Any) -> Any:
@@ -192,8 +192,7 @@ class AnyNumber(Spec):
     def coerce(self, raw: Any) -> float:
         value = read_value(raw)
         if not isinstance(value, Number):
-            msg = f"expected a number with unit, got {raw!r}"
-            raise EntryError(msg)
+            raise EntryError(f"expected a number with unit, got {raw!r}")
         return float(value.value)
 
     def plain(self, value: Any) -> Any:
@@ -205,17 +204,14 @@ class AnyNumber(Spec):
 
 def _number(value: Expression) -> Any:
     if not isinstance(value, Number):
-        msg = f'a bench is described by numbers with units, not by expressions such as "{value}"'
-        raise EntryError(msg)
+        raise EntryError(f'a bench is described by numbers with units, not by expressions such as "{value}"')
     return value.value
 
 
 def _finite(value: Any) -> float:
     number = float(value)
     if not float("-inf") < number < float("inf"):
-        msg = f"expected a finite number, got {value!r}"
-        raise EntryError(msg)
+        raise EntryError(f"expected a finite number, got {value!r}")
     if is_beyond_range(number):
-        msg = f"{number:g} is no size that anything on a test bench has"
-        raise EntryError(msg)
+        raise EntryError(f"{number:g} is no size that anything on a test bench has")
     return number

@@ -97,8 +97,7 @@ def spec_of(declared: Field[Any]) -> Spec:
     """The specification in a dataclass field's metadata."""
     spec = declared.metadata["spec"]
     if not isinstance(spec, Spec):
-        msg = f"field {declared.name} has no specification"
-        raise TypeError(msg)
+        raise TypeError(f"field {declared.name} has no specification")
     return spec
 
 

@@ -25,8 +25,7 @@ class Text(Spec):
 
     def coerce(self, raw: Any) -> str:
         if not isinstance(raw, str):
-            msg = f"expected text, got {raw!r}"
-            raise EntryError(msg)
+            raise EntryError(f"expected text, got {raw!r}")
         return raw
 
     def schema(self) -> Schema:
@@ -39,8 +38,7 @@ class ModelName(Spec):
 
     def coerce(self, raw: Any) -> str:
         if not isinstance(raw, str):
-            msg = f"expected the name of a library model or the path of a model file, got {raw!r}"
-            raise EntryError(msg)
+            raise EntryError(f"expected the name of a library model or the path of a model file, got {raw!r}")
         return raw
 
     def schema(self) -> Schema:
@@ -56,8 +54,7 @@ class OneOf(Spec):
     def coerce(self, raw: Any) -> str:
         if raw not in self.options:
             hint = did_you_mean(raw, self.options) if isinstance(raw, str) else ""
-            msg = f"expected {' or '.join(self.options)}, got {raw!r}{hint}"
-            raise EntryError(msg)
+            raise EntryError(f"expected {' or '.join(self.options)}, got {raw!r}{hint}")
         return str(raw)
 
     def schema(self) -> Schema:
@@ -73,8 +70,7 @@ class Count(Spec):
 
     def coerce(self, raw: Any) -> int:
         if isinstance(raw, bool) or not isinstance(raw, Integral) or not self.lower <= int(raw) <= self.upper:
-            msg = f"expected a whole number from {self.lower} to {self.upper}, got {raw!r}"
-            raise EntryError(msg)
+            raise EntryError(f"expected a whole number from {self.lower} to {self.upper}, got {raw!r}")
         return int(raw)
 
     def schema(self) -> Schema:
@@ -87,8 +83,7 @@ class Flag(Spec):
 
     def coerce(self, raw: Any) -> bool:
         if not isinstance(raw, bool):
-            msg = f"expected true or false, got {raw!r}"
-            raise EntryError(msg)
+            raise EntryError(f"expected true or false, got {raw!r}")
         return raw
 
     def schema(self) -> Schema:

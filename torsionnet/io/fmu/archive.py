@@ -101,16 +101,13 @@ def write_fmu(
 
 def _refuse(path: str | os.PathLike[str], step: float | None, version: str) -> None:
     if Path(path).suffix.lower() != ".fmu":
-        msg = f'cannot write "{path}": give a file ending in .fmu'
-        raise UsageError(msg)
+        raise UsageError(f'cannot write "{path}": give a file ending in .fmu')
     if step is not None and not (isinstance(step, int | float) and math.isfinite(step) and step > 0):
-        msg = f"the communication step is a positive time in s, got {step}"
-        raise UsageError(msg)
+        raise UsageError(f"the communication step is a positive time in s, got {step}")
     if version not in OF_VERSION:
-        msg = (
+        raise UsageError(
             f'there are FMUs of version {" and ".join(OF_VERSION)}, not "{version}"{did_you_mean(version, OF_VERSION)}'
         )
-        raise UsageError(msg)
 
 
 def _sources(version: str) -> dict[str, str]:

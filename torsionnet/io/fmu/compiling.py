@@ -50,8 +50,7 @@ def _commands() -> dict[Platform, list[str]]:
     except MissingExtraError as error:
         compiler = _compiler()
         if compiler is None:
-            msg = f"{error}; a C compiler (CC, cc, gcc or clang) would do for this machine"
-            raise MissingExtraError(msg) from None
+            raise MissingExtraError(f"{error}; a C compiler (CC, cc, gcc or clang) would do for this machine") from None
         return {this_machine(): [compiler]}
     zig = [sys.executable, "-m", "ziglang", "cc", "-s", "-target"]
     return {platform: [*zig, platform.target] for platform in PLATFORMS}
@@ -70,17 +69,15 @@ def _compiled(command: list[str], platform: Platform, folder: Path) -> bytes:
     plain = ["-Wl,--build-id=none"] if platform.suffix == ".so" else []
     call = [*command, *FLAGS, *position, *plain, "-o", library.name, "all.c", "-lm"]
     try:
-        done = subprocess.run(  # noqa: S603
+        done = subprocess.run(
             call, cwd=folder, env=environment, capture_output=True, text=True, errors="replace",
             timeout=LONGEST, check=False, stdin=subprocess.DEVNULL,
         )  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
-        msg = f"the C compiler {command[0]} cannot be run: {error}"
-        raise CompilerError(msg) from None
+        raise CompilerError(f"the C compiler {command[0]} cannot be run: {error}") from None
     if done.returncode or not library.is_file():
         said = done.stderr.strip().splitlines()[-10:]
-        msg = "\n".join([f"the C compiler failed for {platform.name}: {' '.join(call)}", *said])
-        raise CompilerError(msg)
+        raise CompilerError("\n".join([f"the C compiler failed for {platform.name}: {' '.join(call)}", *said]))
     return library.read_bytes()
 
 

@@ -141,5 +141,4 @@ class _Kinds:
     def _require_held(self, free: tuple[str, ...], static: tuple[str, ...]) -> None:
         loose = [name for name in free if name in static]
         if loose:
-            msg = f"nothing resists the motion of {', '.join(loose)}: no inertia, no damper and no spring"
-            raise UsageError(msg)
+            raise UsageError(f"nothing resists the motion of {', '.join(loose)}: no inertia, no damper and no spring")

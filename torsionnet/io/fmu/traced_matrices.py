@@ -80,8 +80,7 @@ def trace_system(drivetrain: Drivetrain) -> System:
     """
     channels = active_channels(drivetrain)
     if not channels.inputs or not channels.sensors:
-        msg = "an FMU needs at least one input and one sensor in the model"
-        raise UsageError(msg)
+        raise UsageError("an FMU needs at least one input and one sensor in the model")
     _refuse(drivetrain)
     motion = trace_motion(drivetrain)
     coordinates = (*motion.heavy, *motion.damped, *motion.static)
@@ -107,12 +106,12 @@ def _refuse(drivetrain: Drivetrain) -> None:
     channels, assembly = active_channels(drivetrain), drivetrain.assembly
     imposed = [name for name, channel in channels.inputs.items() if channel.quantity != "torque"]
     if imposed:
-        msg = f"{', '.join(imposed)}: an FMU is driven by torques, not by imposed angles; leave out such inputs"
-        raise UsageError(msg)
+        raise UsageError(
+            f"{', '.join(imposed)}: an FMU is driven by torques, not by imposed angles; leave out such inputs"
+        )
     n = assembly.system.n_coordinates
     if n > MOST:
-        msg = f"the drivetrain has {n} coordinates; an FMU with its dense matrices takes up to {MOST}"
-        raise UsageError(msg)
+        raise UsageError(f"the drivetrain has {n} coordinates; an FMU with its dense matrices takes up to {MOST}")
     inputs = list(channels.inputs.values())
     system = first_order(assembly, inputs)
     for name, sensor in channels.sensors.items():

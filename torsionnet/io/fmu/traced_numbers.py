@@ -133,7 +133,7 @@ class NumberTape:
     operations: list[tuple[Any, ...]] = field(default_factory=list)
     settled: set[str] = field(default_factory=set)
     _known: dict[Any, Traced] = field(default_factory=dict)
-    _draw: random.Random = field(default_factory=lambda: random.Random(1))  # noqa: S311
+    _draw: random.Random = field(default_factory=lambda: random.Random(1))
 
     def number(self, value: Any) -> Traced:
         """Anything as a number on this tape; fractions and floats become constants."""

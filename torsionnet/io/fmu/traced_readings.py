@@ -29,7 +29,7 @@ def parts_of(drivetrain: Drivetrain, motion: Motion, sensor: Sensor) -> list[Tra
     """The parts whose sum a sensor reads."""
     if sensor.quantity in POWERS:
         power = POWERS[sensor.quantity]
-        return [TracedPart({sensor.of: 1}, (int(power == 0), int(power == 1), int(power == 2)))]  # noqa: PLR2004
+        return [TracedPart({sensor.of: 1}, (int(power == 0), int(power == 1), int(power == 2)))]
     element = drivetrain.elements[sensor.of]
     if sensor.quantity == "twist":
         return [TracedPart(element.twist(motion.values), (1, 0, 0))]

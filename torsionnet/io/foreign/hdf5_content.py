@@ -76,12 +76,12 @@ def _attributes(item: Any) -> dict[str, Plain]:
 
 def _is_channel(name: str, item: Any) -> bool:
     text = item.attrs.get(CLASS, b"double") in (b"char", b"cell", "char", "cell")
-    known = item.dtype.kind in "fiub" and item.shape is not None and 0 <= item.ndim <= 2  # noqa: PLR2004
+    known = item.dtype.kind in "fiub" and item.shape is not None and 0 <= item.ndim <= 2
     return bool(not text and not name.startswith("#") and known)
 
 
 def _is_across(item: Any, turned: bool) -> bool:
-    return item.ndim == 2 and (turned or item.shape[0] == 1)  # noqa: PLR2004
+    return item.ndim == 2 and (turned or item.shape[0] == 1)
 
 
 def _stored(name: str, item: Any, turned: bool) -> Stored:

@@ -45,14 +45,12 @@ def _elements(file: BinaryIO, order: str, size: int) -> Iterator[int]:
         file.seek(at)
         kind, length = pair.unpack(file.read(pair.size))
         if length > size - at - pair.size:
-            msg = f"variable {number} {_TOO_MUCH}"
-            raise ForeignFileError(msg)
+            raise ForeignFileError(f"variable {number} {_TOO_MUCH}")
         start = file.read(min(length, START))
         if kind == COMPRESSED:
             start = zlib.decompressobj().decompress(start, START)
             if len(start) < pair.size:
-                msg = f"variable {number} cannot be unpacked; the file is damaged"
-                raise ForeignFileError(msg)
+                raise ForeignFileError(f"variable {number} cannot be unpacked; the file is damaged")
             kind, unpacked = pair.unpack(start[: pair.size])
             start = start[pair.size :]
         else:
@@ -73,8 +71,7 @@ def _check_dimensions(start: bytes, order: str, length: int, number: int) -> Non
     kind = flags & 0xFF
     least = 0 if kind == SPARSE else 8 if kind in OBJECTS else 1
     if least * prod(dimensions) > length:
-        msg = f"variable {number} {_TOO_MUCH}"
-        raise ForeignFileError(msg)
+        raise ForeignFileError(f"variable {number} {_TOO_MUCH}")
 
 
 def _check_v4(file: BinaryIO, size: int) -> None:
@@ -83,16 +80,13 @@ def _check_v4(file: BinaryIO, size: int) -> None:
         number += 1
         file.seek(at)
         start = file.read(20)
-        if len(start) < 20:  # noqa: PLR2004
-            msg = f"variable {number} {_TOO_MUCH}"
-            raise ForeignFileError(msg)
-        order = "<" if 0 <= Struct("<i").unpack_from(start)[0] <= 5000 else ">"  # noqa: PLR2004
+        if len(start) < 20:
+            raise ForeignFileError(f"variable {number} {_TOO_MUCH}")
+        order = "<" if 0 <= Struct("<i").unpack_from(start)[0] <= 5000 else ">"
         kind, rows, columns, imaginary, letters = Struct(f"{order}5i").unpack(start)
         precision = kind // 10 % 10
-        if not (0 <= kind <= 5000 and precision < len(V4_SIZES) and min(rows, columns, letters) >= 0):  # noqa: PLR2004
-            msg = "this is no MAT file, or a damaged one"
-            raise ForeignFileError(msg)
+        if not (0 <= kind <= 5000 and precision < len(V4_SIZES) and min(rows, columns, letters) >= 0):
+            raise ForeignFileError("this is no MAT file, or a damaged one")
         at += 20 + letters + rows * columns * V4_SIZES[precision] * (2 if imaginary else 1)
         if at > size:
-            msg = f"variable {number} {_TOO_MUCH}"
-            raise ForeignFileError(msg)
+            raise ForeignFileError(f"variable {number} {_TOO_MUCH}")

@@ -40,7 +40,7 @@ def opened(path: Path) -> Iterator[Content]:
 
 
 def _column(values: Any) -> tuple[Any, dict[str, Plain]]:
-    is_row = values.ndim == 2 and values.shape[0] == 1  # noqa: PLR2004
+    is_row = values.ndim == 2 and values.shape[0] == 1
     given: dict[str, Plain] = {COMPLEX: True} if values.dtype.kind == "c" else {}
     return (values.reshape(-1, 1) if is_row else values), given | ({ROW: True} if is_row else {})
 

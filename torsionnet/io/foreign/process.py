@@ -40,12 +40,13 @@ class Process:
         import subprocess
 
         if not sys.executable:
-            msg = "there is no Python program to start (sys.executable is empty), which such files are read with"
-            raise ForeignFileError(msg)
+            raise ForeignFileError(
+                "there is no Python program to start (sys.executable is empty), which such files are read with"
+            )
         self.is_used = False
         self.is_sound = True
         self.folder = Path(tempfile.mkdtemp(prefix="torsionnet-"))
-        self._running = subprocess.Popen(  # noqa: S603
+        self._running = subprocess.Popen(
             # -P and the search path of this process: a file h5py.py in the working folder is not taken for the library.
             [sys.executable, "-P", "-W", "ignore", "-m", "torsionnet.io.foreign", str(self.folder)],
             stdin=subprocess.PIPE,

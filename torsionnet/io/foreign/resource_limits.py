@@ -27,11 +27,10 @@ def allowed(path: Path) -> int:
 def check(size: float, path: Path, what: str = "the file") -> None:
     """Refuse what would unpack to more bytes than is allowed."""
     if size > allowed(path):
-        msg = (
+        raise ForeignFileError(
             f"{what} would take {size / 1e6:.6g} MB when unpacked; "
             f"a file of {path.stat().st_size / 1e3:.4g} kB may take {allowed(path) / 1e6:.4g} MB"
         )
-        raise ForeignFileError(msg)
 
 
 def confine(path: Path) -> None:

@@ -36,8 +36,9 @@ def opened(path: Path) -> Iterator[Content]:
         values, axis = (np.asarray(item[key]) if is_function else np.empty(0) for key in ("data", "x"))
         name = str(item.get("id1") or "").strip()
         if is_function and len(values) != item.get("num_pts"):
-            msg = f"{name} has {len(values)} values, its heading says {item.get('num_pts')}; the file is damaged"
-            raise ForeignFileError(msg)
+            raise ForeignFileError(
+                f"{name} has {len(values)} values, its heading says {item.get('num_pts')}; the file is damaged"
+            )
         arrays += [(name, values, plain(item)), (name, axis, {})]
     yield in_memory(arrays)
 
@@ -46,8 +47,7 @@ def check_end(raw: bytes) -> None:
     """Refuse a file that ends early: datasets stand between two marks, those written here count down to the last."""
     marks = [found.end() for found in _MARK.finditer(raw)]
     if not marks:
-        msg = "there is no whole dataset in it; the file ends early, or is no universal file"
-        raise ForeignFileError(msg)
+        raise ForeignFileError("there is no whole dataset in it; the file ends early, or is no universal file")
     if len(marks) % 2:
         lines = raw[marks[-1] :].split(b"\n")[:-1]  # the last one may be cut itself
         name = b"".join(lines[_LINES]).decode("latin-1").strip()
@@ -57,8 +57,7 @@ def check_end(raw: bytes) -> None:
     after = _after(last) if len(marks) > 1 and _is_own(last) else ""
     if after:
         name = b"".join(last[_LINES]).decode("latin-1").strip()
-        msg = f'the file ends early, after the channel "{name}"{after}'
-        raise ForeignFileError(msg)
+        raise ForeignFileError(f'the file ends early, after the channel "{name}"{after}')
 
 
 def _is_own(lines: list[bytes]) -> bool:

@@ -81,7 +81,7 @@ def content_source(content: Content, stored: str, title: str) -> Source:
 
 
 def _is_channel(item: Stored) -> bool:
-    return len(item.shape) <= 2 and not item.attributes.get(COMPLEX)  # noqa: PLR2004
+    return len(item.shape) <= 2 and not item.attributes.get(COMPLEX)
 
 
 def _shape(shape: Sequence[int]) -> tuple[int, int]:

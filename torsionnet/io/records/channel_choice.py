@@ -57,8 +57,7 @@ def _choice(
     name = names[channel.name] if isinstance(names, Mapping) else channel.name
     quantity = next(known for known in (given, channel.quantity, quantity_of(unit)) if known is not None)
     if quantity and quantity not in QUANTITY_UNITS:
-        msg = f'"{quantity}" is no quantity; expected {", ".join(QUANTITY_UNITS)}'
-        raise UnitError(msg)
+        raise UnitError(f'"{quantity}" is no quantity; expected {", ".join(QUANTITY_UNITS)}')
     if not quantity:
         if names is not None and given is None:
             raise UnitError(_unknown(unit, channel.name))
@@ -84,7 +83,7 @@ def length_faults(source: Source, choices: Iterable[ChannelChoice]) -> list[Faul
     """One fault that says how many values every channel has, where they differ."""
     channels = [choice.channel for choice in choices] + ([source.time] if source.time else [])
     lengths = {channel.name: channel.length for channel in channels if channel.length is not None}
-    if len(set(lengths.values())) < 2:  # noqa: PLR2004
+    if len(set(lengths.values())) < 2:
         return []
     groups = Counter(lengths.values()).most_common()
     parts = [

@@ -53,7 +53,7 @@ def clock_of(stamps: FloatArray, rate: float | None, *, stamped: bool = False) -
     >>> clock_of(np.array([1.0, 1.1, 1.2]), None).rate.__round__(9)
     10.0
     """
-    if len(stamps) < 2:  # noqa: PLR2004
+    if len(stamps) < 2:
         return Clock(rate or 1.0, float(stamps[0]) if len(stamps) else 0.0)
     mean = (len(stamps) - 1) / float(stamps[-1] - stamps[0])
     even = stamps[0] + np.arange(len(stamps)) / mean
@@ -65,12 +65,12 @@ def clock_of(stamps: FloatArray, rate: float | None, *, stamped: bool = False) -
 def _rounded(rate: float) -> float:
     """The rate without the rounding of the stamps it comes from, which are good for some nine digits."""
     plain = float(f"{rate:.7g}")
-    return plain if abs(plain / rate - 1) < 1e-9 else rate  # noqa: PLR2004
+    return plain if abs(plain / rate - 1) < 1e-9 else rate
 
 
 def rate_fault(stamps: FloatArray, given: float | None) -> list[Fault]:
     """Fault of a sampling rate given that is not the one of the stamps."""
-    if given is None or len(stamps) < 2:  # noqa: PLR2004
+    if given is None or len(stamps) < 2:
         return []
     mean = (len(stamps) - 1) / float(stamps[-1] - stamps[0])
     if abs(given / mean - 1) < SAME_RATE:

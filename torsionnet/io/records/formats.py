@@ -44,7 +44,8 @@ def format_of(path: Path) -> tuple[str, Any]:
     ending = path.suffix.lower()
     if ending not in MODULES:
         known = ", ".join(MODULES)
-        msg = f'"{path.name}" has no ending of a recording{did_you_mean(ending, MODULES)}; expected one of {known}'
-        raise UsageError(msg)
+        raise UsageError(
+            f'"{path.name}" has no ending of a recording{did_you_mean(ending, MODULES)}; expected one of {known}'
+        )
     name = MODULES[ending]
     return LABELS[name], importlib.import_module(f"torsionnet.io.records.{name}")

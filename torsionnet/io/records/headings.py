@@ -28,7 +28,7 @@ class Headings:
 def headings(dialect: Dialect, above: Sequence[str], width: int) -> Headings:
     """Names and units from the lines above ``width`` columns of numbers."""
     rows = [dialect.cells(line) for line in above[-2:]]
-    if len(rows) == 2 and _is_units(rows[1], width) and len(rows[0]) == width:  # noqa: PLR2004
+    if len(rows) == 2 and _is_units(rows[1], width) and len(rows[0]) == width:
         units = tuple(cell.strip("[]() ") if cell != "-" else "" for cell in rows[1])
         return Headings(_named(rows[0]), units, 2, ("names and units from two rows of headings",))
     if rows and len(rows[-1]) == width and any(rows[-1]):

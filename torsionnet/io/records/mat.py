@@ -46,8 +46,9 @@ def write(recording: Recording, path: Path) -> None:
     checked_names(recording)
     keys = plain_keys(recording.names, "[^A-Za-z0-9_]|^(?=[^A-Za-z])", (TIME, KEY))
     if any(len(key) > LONGEST_NAME for key in keys) or 8 * len(recording) >= LARGEST:
-        msg = "a MAT v5 file takes names of 63 characters and 2 GB for each signal; write an .h5 or .npz file"
-        raise UsageError(msg)
+        raise UsageError(
+            "a MAT v5 file takes names of 63 characters and 2 GB for each signal; write an .h5 or .npz file"
+        )
     keys = [f"x{key}" if key.startswith("_") else key for key in keys]
     content: dict[str, Any] = dict(zip(keys, (signal.values for signal in recording), strict=True))
     if recording.times is not None:

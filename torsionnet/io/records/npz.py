@@ -47,12 +47,12 @@ def opened(path: Path) -> Iterator[Source]:
 
 
 def _member(archive: zipfile.ZipFile, name: str, header: Header) -> tuple[ArrayMember, Reader] | None:
-    if header.dtype.kind not in "fiub" or len(header.shape) > 2:  # noqa: PLR2004
+    if header.dtype.kind not in "fiub" or len(header.shape) > 2:
         return None
     if len(header.shape) == 1 and header.shape[0] != 1:
         return ArrayMember(name, (header.shape[0], 1)), _Stream(archive, f"{name}.npy", header.dtype, header.offset)
     values = loaded(archive, name)
-    columns = values.reshape(-1, 1) if values.ndim < 2 or 1 in values.shape else values  # noqa: PLR2004
+    columns = values.reshape(-1, 1) if values.ndim < 2 or 1 in values.shape else values
     value = float(columns.ravel()[0]) if columns.size == 1 else None
     return ArrayMember(name, (columns.shape[0], columns.shape[1]), value=value), lambda first, last: columns[first:last]
 

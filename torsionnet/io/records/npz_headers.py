@@ -60,8 +60,7 @@ def _header(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> Header:
         read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
         shape, _fortran, dtype = read(file)
         if any(size < 0 for size in shape):
-            msg = f"{entry.filename} has the shape {shape}"
-            raise ForeignFileError(msg)
+            raise ForeignFileError(f"{entry.filename} has the shape {shape}")
         return Header(shape, dtype, file.tell())
 
 

@@ -46,8 +46,7 @@ def factor_to_si(unit: str, quantity: str) -> float:
     """
     read = parse_unit(plain_unit(unit))
     if read.dimension != DIMENSIONS[_DIMENSIONS[quantity]]:
-        msg = f'"{unit}" is no unit of {quantity}; expected one like {QUANTITY_UNITS[quantity]}'
-        raise UnitError(msg)
+        raise UnitError(f'"{unit}" is no unit of {quantity}; expected one like {QUANTITY_UNITS[quantity]}')
     return float(read.factor)
 
 

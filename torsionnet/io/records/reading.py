@@ -86,8 +86,7 @@ def iter_blocks(
     the other formats the library reads everything. Arguments are those of :func:`read_recording`, without ``pulses``.
     """
     if not seconds > 0:
-        msg = f"blocks must last a positive number of seconds, got {seconds}"
-        raise UsageError(msg)
+        raise UsageError(f"blocks must last a positive number of seconds, got {seconds}")
     return _read(Path(path), Wanted(names, quantities or {}, units or {}, sampling_rate), seconds, dialect)
 
 
@@ -112,11 +111,9 @@ def _read(
 def _opened(path: Path, dialect: dict[str, str]) -> Iterator[Source]:
     label, module = format_of(path)
     if not path.is_file():
-        msg = f'there is no file "{path}"'
-        raise UsageError(msg)
+        raise UsageError(f'there is no file "{path}"')
     if dialect and (label != "text" or not dialect.keys() <= {"separator", "decimal"}):
-        msg = f"{', '.join(dialect)} cannot be given for a {label} file"
-        raise UsageError(msg)
+        raise UsageError(f"{', '.join(dialect)} cannot be given for a {label} file")
     try:
         with module.opened(path, **dialect) as source:
             yield source

@@ -43,8 +43,9 @@ def with_stored(source: Source, text: str) -> Source:
         known = {"rate": float(data["sampling_rate"]), "start": float(data["start"]), "stamped": bool(data["stamped"])}
         words = {"title": str(data["title"]), "notes": tuple(map(str, data["notes"]))}
     except (json.JSONDecodeError, KeyError, TypeError, AttributeError) as error:
-        msg = f"the description of the recording in the file is damaged ({type(error).__name__}: {error})"
-        raise ValueError(msg) from error
+        raise ValueError(
+            f"the description of the recording in the file is damaged ({type(error).__name__}: {error})"
+        ) from error
     return replace(source, channels=channels, time=time, **known, **words)  # type: ignore[arg-type]
 
 
@@ -63,8 +64,7 @@ def _named(source: Source, key: str) -> FileChannel:
     for channel in source.channels:
         if channel.name == key:
             return channel
-    msg = f"channel {key}, which its description names, is not in the file"
-    raise ValueError(msg)
+    raise ValueError(f"channel {key}, which its description names, is not in the file")
 
 
 def checked_names(recording: Recording, *, with_time: bool = False) -> None:
@@ -72,8 +72,7 @@ def checked_names(recording: Recording, *, with_time: bool = False) -> None:
     names = [*recording.names, *([TIME] if with_time or recording.times is not None else [])]
     twice = sorted({name for name in names if names.count(name) > 1})
     if twice:
-        msg = f"cannot write two channels of one name: {', '.join(twice)}"
-        raise UsageError(msg)
+        raise UsageError(f"cannot write two channels of one name: {', '.join(twice)}")
 
 
 def plain_keys(names: Sequence[str], pattern: str, taken: Sequence[str] = (TIME,)) -> list[str]:

@@ -35,7 +35,7 @@ def opened(path: Path) -> Iterator[Source]:
 
 def _rate_notes(waves: Sequence[Mapping[str, Plain]]) -> tuple[str, ...]:
     increments = sorted({float(wave[INCREMENT] or 0) for wave in waves})
-    if len(increments) < 2:  # noqa: PLR2004
+    if len(increments) < 2:
         return ()
     return (f"channels have sampling intervals of {increments} s; the first channel's was taken for all",)
 

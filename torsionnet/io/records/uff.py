@@ -50,7 +50,7 @@ def opened(path: Path) -> Iterator[Source]:
 
 
 def _is_time_response(item: Stored) -> bool:
-    return item.attributes.get("type") == 58 and item.attributes.get("func_type") == TIME_RESPONSE  # noqa: PLR2004
+    return item.attributes.get("type") == 58 and item.attributes.get("func_type") == TIME_RESPONSE
 
 
 def _line(item: Stored, key: str) -> str:

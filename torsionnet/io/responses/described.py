@@ -63,8 +63,9 @@ def words(text: str) -> ResponseWords:
         title, notes, has_phase = str(data["title"]), tuple(map(str, data["notes"])), bool(data.get("has_phase", True))
         return ResponseWords(outputs, inputs, title, notes, limit, estimation, has_phase)
     except (json.JSONDecodeError, KeyError, TypeError, ValueError) as error:
-        msg = f"the description of the response in the file is damaged ({type(error).__name__}: {error})"
-        raise ValueError(msg) from error
+        raise ValueError(
+            f"the description of the response in the file is damaged ({type(error).__name__}: {error})"
+        ) from error
 
 
 def described(text: str, numbers: dict[str, Any]) -> FrequencyResponse:
@@ -74,8 +75,7 @@ def described(text: str, numbers: dict[str, Any]) -> FrequencyResponse:
     shapes = {"frequencies": sizes[:1], "values": sizes, "coherence": sizes, "conditioning": sizes[:1]}
     for name, values in numbers.items():
         if values.shape != shapes[name]:
-            msg = f"{name} has shape {values.shape}, its description says {shapes[name]}"
-            raise ValueError(msg)
+            raise ValueError(f"{name} has shape {values.shape}, its description says {shapes[name]}")
     return FrequencyResponse(
         outputs=said.outputs,
         inputs=said.inputs,

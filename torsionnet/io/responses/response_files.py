@@ -51,8 +51,7 @@ def read_frequency_response(path: str | os.PathLike[str]) -> FrequencyResponse:
     source = Path(path)
     label, module = _format_of(source)
     if not source.is_file():
-        msg = f'there is no file "{source}"'
-        raise UsageError(msg)
+        raise UsageError(f'there is no file "{source}"')
     try:
         response: FrequencyResponse = module.read(source)
     except TorsionnetError:
@@ -98,7 +97,8 @@ def _format_of(path: Path) -> tuple[str, Any]:
     if ending not in MODULES:
         known = ", ".join(MODULES)
         hint = did_you_mean(ending, MODULES)
-        msg = f'"{path.name}" has no ending of a frequency response{hint}; expected one of {known}'
-        raise UsageError(msg.replace("?;", "?"))
+        raise UsageError(
+            f'"{path.name}" has no ending of a frequency response{hint}; expected one of {known}'.replace("?;", "?")
+        )
     name = MODULES[ending]
     return LABELS[name], importlib.import_module(f"torsionnet.io.responses.response_{name}")

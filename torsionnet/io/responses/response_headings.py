@@ -83,36 +83,35 @@ def _heading(text: str, *, first: bool) -> ColumnHeading:
         found = pattern.fullmatch(what)
         if found:
             return _pair(kind, found["pair"], unit)
-    msg = f'"{text}" is no heading of a frequency response; {EXPECTED}'
-    raise _HeadingError(msg)
+    raise _HeadingError(f'"{text}" is no heading of a frequency response; {EXPECTED}')
 
 
 def _frequency(what: str, unit: str) -> ColumnHeading:
     if what != "frequency":
         several = "; a table of several configurations is read one at a time" if what == "configuration" else ""
-        msg = f'the first column is "{what}"; {EXPECTED}{several}'
-        raise _HeadingError(msg)
+        raise _HeadingError(f'the first column is "{what}"; {EXPECTED}{several}')
     if unit not in FREQUENCIES:
-        msg = f'"{unit}" is no unit of frequency{did_you_mean(unit, FREQUENCIES)}; expected {", ".join(FREQUENCIES)}'
-        raise _HeadingError(msg.replace("?;", "?"))
+        expected = f"expected {', '.join(FREQUENCIES)}"
+        raise _HeadingError(
+            f'"{unit}" is no unit of frequency{did_you_mean(unit, FREQUENCIES)}; {expected}'.replace("?;", "?")
+        )
     return ColumnHeading("frequency", unit)
 
 
 def _pair(kind: str, label: str, unit: str) -> ColumnHeading:
     output, slash, driven = label.partition("/")
     if not slash or "/" in driven:
-        msg = f'"{label}" is not of the form output/input'
-        raise _HeadingError(msg)
+        raise _HeadingError(f'"{label}" is not of the form output/input')
     if kind == "coherence":
         return ColumnHeading(kind, unit, (output, driven))
     if kind == "phase":
         if unit != "deg":
-            msg = f'the phase of {label} is in "{unit}"; expected deg'
-            raise _HeadingError(msg)
+            raise _HeadingError(f'the phase of {label} is in "{unit}"; expected deg')
         return ColumnHeading(kind, unit, (output, driven))
     if unit.startswith("dB"):
-        msg = f"{label} is a level in dB; write the table without --db, levels are rounded and have lost their sign"
-        raise _HeadingError(msg)
+        raise _HeadingError(
+            f"{label} is a level in dB; write the table without --db, levels are rounded and have lost their sign"
+        )
     return ColumnHeading(kind, unit, (output, driven), *_split(unit, label))
 
 
@@ -128,5 +127,4 @@ def _split(unit: str, label: str) -> tuple[str, str, float]:
                 if above != below and unit in (f"{shown[0]}/({shown[1]})", bare if "/" not in shown[1] else ""):
                     return above, below, factor ** (int("rad" in above) - int("rad" in below))
     known = "rad/(N*m), deg/(N*m), (N*m)/rad, 1"
-    msg = f'"{unit}" is no unit of {label} that is known here; expected one such as {known}'
-    raise _HeadingError(msg)
+    raise _HeadingError(f'"{unit}" is no unit of {label} that is known here; expected one such as {known}')

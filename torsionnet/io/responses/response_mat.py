@@ -42,7 +42,7 @@ def _values(content: Content, number: int) -> Any:
 
 def _cubic(values: Any) -> Any:
     """Matlab drops a third dimension of one when it saves again."""
-    return values if values.ndim == 3 else values[:, :, None]  # noqa: PLR2004
+    return values if values.ndim == 3 else values[:, :, None]
 
 
 def write(response: FrequencyResponse, path: Path) -> None:

@@ -58,7 +58,7 @@ def read(path: Path) -> FrequencyResponse:
     lines, is_ended = content.splitlines(), content.endswith("\n")
     comments = [line for line in lines if line.startswith("#")]
     body = [(number, line) for number, line in enumerate(lines, 1) if line.strip() and not line.startswith("#")]
-    if len(body) < 2:  # noqa: PLR2004
+    if len(body) < 2:
         place = Position(path.name, 1, 1, 1, lines[0][:200] if lines else "")
         raise ModelError([Fault("there are no rows of numbers below a heading", position=place)], path.name)
     number, heading = body[0]

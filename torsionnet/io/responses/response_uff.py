@@ -60,16 +60,17 @@ def read(path: Path) -> FrequencyResponse:
 def write(response: FrequencyResponse, path: Path) -> None:
     """Binary datasets 58 in double precision."""
     require("uff")
-    if len(response.frequencies) < 2:  # noqa: PLR2004
-        msg = "a universal file takes responses at two frequencies or more; write an .npz or .csv file"
-        raise UsageError(msg)
+    if len(response.frequencies) < 2:
+        raise UsageError("a universal file takes responses at two frequencies or more; write an .npz or .csv file")
     if not response.has_phase:
-        msg = "a universal file takes complex responses only; write magnitudes into a .csv, .npz or .mat file"
-        raise UsageError(msg)
+        raise UsageError(
+            "a universal file takes complex responses only; write magnitudes into a .csv, .npz or .mat file"
+        )
     functions = list(_datasets(response))
     if not all(np.isfinite(item["data"]).all() for item in functions):
-        msg = "a universal file takes finite values only; leave frequencies without them out, as with between()"
-        raise UsageError(msg)
+        raise UsageError(
+            "a universal file takes finite values only; leave frequencies without them out, as with between()"
+        )
     # Sequence numbers say how many follow: a file that ends early is known by it.
     counted = [{**item, "ver_num": len(functions) - number} for number, item in enumerate(functions, 1)]
     write_sets([_SI, _nodes(response), *counted], path)
@@ -128,8 +129,9 @@ def _is_even(frequencies: FloatArray) -> bool:
 def _first_line(output: Channel, input: Channel) -> str:
     text = f"{output.name}{BETWEEN}{input.name}"
     if len(text) > WIDTH or text.count(BETWEEN) > 1 or not text.isascii():
-        msg = f"a universal file has no room for the names {text}: 80 plain characters, with one slash between them"
-        raise UsageError(msg)
+        raise UsageError(
+            f"a universal file has no room for the names {text}: 80 plain characters, with one slash between them"
+        )
     return text
 
 

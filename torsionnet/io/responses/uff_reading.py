@@ -33,7 +33,7 @@ _DIRECTIONS = {0: "", 1: "X", 2: "Y", 3: "Z", 4: "RX", 5: "RY", 6: "RZ"}
 
 def collected(sets: Sequence[dict[str, Any]], path: Path) -> FrequencyResponse:
     """One response of all transfer functions; ModelError lists what does not fit, by the number of the dataset."""
-    numbered = [(number, item) for number, item in enumerate(sets, 1) if item.get("type") == 58]  # noqa: PLR2004
+    numbered = [(number, item) for number, item in enumerate(sets, 1) if item.get("type") == 58]
     functions = [(number, item) for number, item in numbered if item["func_type"] in (FRF, TRANSMISSIBILITY)]
     if not functions:
         text = "there is no frequency response (dataset 58 with function type 4) in the file"
@@ -110,12 +110,12 @@ def _unit(item: dict[str, Any], axis: str, side: str) -> tuple[str, float]:
     if not label:
         code = int(item.get(f"{axis}_spec_data_type") or 0)
         if code not in UNITS or abs(int(item.get(f"{side}_dir") or 0)) in TRANSLATIONS:
-            msg = f"the {axis} has no unit and is no rotation of a known kind; only rotations and torques are read"
-            raise UnitError(msg)
+            raise UnitError(
+                f"the {axis} has no unit and is no rotation of a known kind; only rotations and torques are read"
+            )
         return UNITS[code], 1.0
     dimension = parse_unit(plain_unit(label)).dimension
     for quantity, name in _DIMENSIONS.items():
         if dimension == DIMENSIONS[name]:
             return QUANTITY_UNITS[quantity], factor_to_si(label, quantity)
-    msg = f'"{label}" is no unit of an angle, angular velocity, angular acceleration or torque'
-    raise UnitError(msg)
+    raise UnitError(f'"{label}" is no unit of an angle, angular velocity, angular acceleration or torque')

@@ -19,14 +19,14 @@ class Shares(Spec):
 
     def coerce(self, raw: Any) -> dict[int, float]:
         if not isinstance(raw, Mapping):
-            msg = f"expected {{2: 2 %, 3: 1 %}}, got {raw!r}"
-            raise EntryError(msg)
+            raise EntryError(f"expected {{2: 2 %, 3: 1 %}}, got {raw!r}")
         shares = {}
         for key, share in raw.items():
             order = str(key)
-            if not (order.isascii() and order.isdigit() and 2 <= int(order) <= self.highest):  # noqa: PLR2004
-                msg = f'an order is a whole number from 2 to {self.highest}, got "{key}"'
-                raise EntryError(Fault(msg, (key,), on_key=True))
+            if not (order.isascii() and order.isdigit() and 2 <= int(order) <= self.highest):
+                raise EntryError(
+                    Fault(f'an order is a whole number from 2 to {self.highest}, got "{key}"', (key,), on_key=True)
+                )
             shares[int(order)] = under(key, Value(self.description, "1"), share)
         return shares
 

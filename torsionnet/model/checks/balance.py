@@ -24,7 +24,7 @@ def unbalanced_torques(definition: Definition, kinematics: Kinematics, values: M
     given = {
         node: torque for node, torque in mean_torques(definition, values).items() if torque and node in kinematics.nodes
     }
-    if len(given) < 2:  # noqa: PLR2004
+    if len(given) < 2:
         return []
     left = left_free(kinematics, lambda law: law.is_elastic)
     work: dict[str, dict[str, float]] = {}
@@ -37,7 +37,7 @@ def unbalanced_torques(definition: Definition, kinematics: Kinematics, values: M
 def _unbalanced(given: Mapping[str, float], done: Mapping[str, float]) -> list[Fault]:
     """``done`` is the work of every torque on one rigid motion."""
     rest, largest = sum(done.values()), max(map(abs, done.values()))
-    if len(done) < 2 or abs(rest) <= TOLERANCE * largest:  # noqa: PLR2004
+    if len(done) < 2 or abs(rest) <= TOLERANCE * largest:
         return []
     last = list(done)[-1]
     over = rest * given[last] / done[last]

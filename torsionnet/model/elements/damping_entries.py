@@ -28,17 +28,22 @@ class DampingQuantity(PhysicalQuantity):
         given = [key for key in raw if key != "at"]
         for key in given:
             if key not in MEASURES:
-                msg = (
-                    f'"{key}" is no measure of damping{did_you_mean(str(key), MEASURES)}; known: {", ".join(MEASURES)}'
+                hint = did_you_mean(str(key), MEASURES)
+                known = f"known: {', '.join(MEASURES)}"
+                raise EntryError(
+                    Fault(
+                        f'"{key}" is no measure of damping{hint}; {known}',
+                        (key,),
+                        on_key=True,
+                    )
                 )
-                raise EntryError(Fault(msg, (key,), on_key=True))
         if len(given) != 1:
-            msg = f"give one measure of damping ({', '.join(MEASURES)}) and at: the frequency where it holds"
-            raise EntryError(msg)
+            raise EntryError(
+                f"give one measure of damping ({', '.join(MEASURES)}) and at: the frequency where it holds"
+            )
         measure = given[0]
         if "at" not in raw and measure != "c":
-            msg = f"{measure} gives a viscous coefficient only at a stated frequency; add at: 12 Hz"
-            raise EntryError(msg)
+            raise EntryError(f"{measure} gives a viscous coefficient only at a stated frequency; add at: 12 Hz")
         value = _within(raw[measure], "damping" if measure == "c" else "1", measure)
         at = _within(raw["at"], "frequency", "at") if "at" in raw else None
         return DampingMeasure(measure, value, at)
@@ -83,8 +88,7 @@ class LossFactor(PhysicalQuantity):
             return read_scalar(raw, self.dimension)
         known = [name for name in MEASURES if name != "c"]
         if len(raw) != 1 or next(iter(raw)) not in known:
-            msg = f"give a loss factor, or one measure of damping out of {', '.join(known)}"
-            raise EntryError(msg)
+            raise EntryError(f"give a loss factor, or one measure of damping out of {', '.join(known)}")
         measure = next(iter(raw))
         return DampingMeasure(measure, _within(raw[measure], "1", measure), None)
 

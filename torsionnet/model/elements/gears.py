@@ -135,7 +135,7 @@ class Planetary(Element):
         faults = _one_of(self, "ratio", "teeth") + _mesh_faults(self)
         if self.teeth is not None and not 0 < self.teeth[0] < self.teeth[1]:
             faults.append(Fault("a ring has more teeth than its sun, and both counts are positive", ("teeth",)))
-        if len({self.sun, self.ring, self.carrier}) < 3:  # noqa: PLR2004
+        if len({self.sun, self.ring, self.carrier}) < 3:
             faults.append(Fault("sun, ring and carrier must be on three different nodes"))
         return faults
 
@@ -173,7 +173,7 @@ class Differential(Element):
     locked: Any = entry(Flag("whether both outputs are locked to the cage"), False)
 
     def contradictions(self) -> list[Fault]:
-        if len({self.cage, self.left, self.right}) == 3:  # noqa: PLR2004
+        if len({self.cage, self.left, self.right}) == 3:
             return []
         return [Fault("cage, left and right must be on three different nodes")]
 

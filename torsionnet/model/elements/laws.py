@@ -87,6 +87,5 @@ class Values:
 def as_expression(scalar: Any) -> Expression:
     """The expression behind a field that its element has already coerced."""
     if not isinstance(scalar, Expression):
-        msg = f"{scalar!r} was not coerced to an expression"
-        raise TypeError(msg)
+        raise TypeError(f"{scalar!r} was not coerced to an expression")
     return scalar

@@ -26,14 +26,12 @@ class NodeName(Spec):
 
 def read_node(raw: Any, *, allow_ground: bool = True) -> str:
     if not isinstance(raw, str) or not raw:
-        msg = f"expected the name of a node, got {raw!r}"
-        raise EntryError(msg)
+        raise EntryError(f"expected the name of a node, got {raw!r}")
     fault = name_fault(raw)
     if fault:
         raise EntryError(fault)
     if raw == GROUND and not allow_ground:
-        msg = "ground does not move; attach this to a node"
-        raise EntryError(msg)
+        raise EntryError("ground does not move; attach this to a node")
     return raw
 
 
@@ -42,14 +40,12 @@ class NodePair(Spec):
     """Two nodes; the first defines the sign of the element's twist and torque."""
 
     def coerce(self, raw: Any) -> tuple[str, str]:
-        if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:  # noqa: PLR2004
+        if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:
             shown = "nothing" if raw is None else repr(raw)
-            msg = f"expected two nodes [first, second], got {shown}"
-            raise EntryError(msg)
+            raise EntryError(f"expected two nodes [first, second], got {shown}")
         names = tuple(self._one(entry, index) for index, entry in enumerate(raw))
         if names[0] == names[1]:
-            msg = f'both ends are on node "{names[0]}"; the element would do nothing'
-            raise EntryError(msg, (1,))
+            raise EntryError(f'both ends are on node "{names[0]}"; the element would do nothing', (1,))
         return (names[0], names[1])
 
     @staticmethod

@@ -24,21 +24,21 @@ class TableEntry(Spec):
             return raw
         raw = raw.tolist() if hasattr(raw, "tolist") else raw
         if isinstance(raw, str) or not isinstance(raw, Sequence) or not raw:
-            msg = f"expected rows [frequency, stiffness, damping], got {'nothing' if raw is None else repr(raw)}"
-            raise EntryError(msg)
+            raise EntryError(
+                f"expected rows [frequency, stiffness, damping], got {'nothing' if raw is None else repr(raw)}"
+            )
         rows = [self._row(row, index) for index, row in enumerate(raw)]
         for index in range(1, len(rows)):
             if rows[index][0] <= rows[index - 1][0]:
-                msg = "the frequencies of the table must increase from row to row"
-                raise EntryError(msg, (index, 0))
+                raise EntryError("the frequencies of the table must increase from row to row", (index, 0))
         return StiffnessTable(*(tuple(column) for column in zip(*rows, strict=True)))
 
     def _row(self, row: Any, index: int) -> tuple[float, ...]:
         if isinstance(row, str) or not isinstance(row, Sequence) or len(row) != len(_COLUMNS):
-            msg = (
-                f"a row of the table is [frequency, stiffness, damping], got {'nothing' if row is None else repr(row)}"
+            raise EntryError(
+                f"a row of the table is [frequency, stiffness, damping], got {'nothing' if row is None else repr(row)}",
+                (index,),
             )
-            raise EntryError(msg, (index,))
         return tuple(self._cell(cell, index, column) for column, cell in enumerate(row))
 
     @staticmethod
@@ -48,15 +48,12 @@ class TableEntry(Spec):
         except EntryError as error:
             raise EntryError(error.fault.under(index, column)) from None
         if not isinstance(value, Number):
-            msg = "a table holds numbers, not expressions"
-            raise EntryError(msg, (index, column))
-        if column < 2 and value.value < 0:  # noqa: PLR2004
-            msg = f"{_COLUMNS[column][0]} must not be negative"
-            raise EntryError(msg, (index, column))
+            raise EntryError("a table holds numbers, not expressions", (index, column))
+        if column < 2 and value.value < 0:
+            raise EntryError(f"{_COLUMNS[column][0]} must not be negative", (index, column))
         size = float(value.value)
         if is_beyond_range(size):
-            msg = f"{size:g} is no size that anything in a drivetrain has"
-            raise EntryError(msg, (index, column))
+            raise EntryError(f"{size:g} is no size that anything in a drivetrain has", (index, column))
         return size
 
     def plain(self, value: Any) -> Any:

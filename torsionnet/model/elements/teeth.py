@@ -17,16 +17,13 @@ class Teeth(Spec):
     """Two teeth counts; one negative count marks opposite senses of rotation (an external mesh)."""
 
     def coerce(self, raw: Any) -> tuple[int, int]:
-        if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:  # noqa: PLR2004
-            msg = f"expected two teeth counts [z1, z2], got {'nothing' if raw is None else repr(raw)}"
-            raise EntryError(msg)
+        if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != 2:
+            raise EntryError(f"expected two teeth counts [z1, z2], got {'nothing' if raw is None else repr(raw)}")
         for index, count in enumerate(raw):
             if isinstance(count, bool) or not isinstance(count, Integral) or count == 0:
-                msg = f"a teeth count is a whole number other than zero, got {count!r}"
-                raise EntryError(msg, (index,))
+                raise EntryError(f"a teeth count is a whole number other than zero, got {count!r}", (index,))
             if abs(int(count)) > MOST_TEETH:
-                msg = f"no gear has more than {MOST_TEETH} teeth; for a ratio give ratio:"
-                raise EntryError(msg, (index,))
+                raise EntryError(f"no gear has more than {MOST_TEETH} teeth; for a ratio give ratio:", (index,))
         return (int(raw[0]), int(raw[1]))
 
     def plain(self, value: Any) -> Any:

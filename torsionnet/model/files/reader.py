@@ -25,8 +25,7 @@ def read_file(path: str | os.PathLike[str]) -> tuple[Definition | None, list[Fau
     try:
         raw = found.read_bytes()
     except OSError as error:
-        msg = f"{found} cannot be read: {error.strerror or error}"
-        raise UsageError(msg) from None
+        raise UsageError(f"{found} cannot be read: {error.strerror or error}") from None
     try:
         text = decode(raw, str(found))
     except ModelError as error:
@@ -61,19 +60,16 @@ def find_model(model: str | os.PathLike[str]) -> Path:
     """The file meant by a path or by the name of a library model; UsageError says what there is instead."""
     path = Path(model)
     if "\0" in str(path):
-        msg = "a file name cannot hold the character U+0000"
-        raise UsageError(msg)
+        raise UsageError("a file name cannot hold the character U+0000")
     library = library_models()
     if isinstance(model, str) and model in library:
         return library[model]
     if _holds(Path.is_dir, path):
-        msg = f"{path} is a folder; name a model file in it{_files_in(path)}"
-        raise UsageError(msg)
+        raise UsageError(f"{path} is a folder; name a model file in it{_files_in(path)}")
     if not _holds(Path.exists, path):
         raise UsageError(_missing(path, library))
     if path.suffix.lower() not in SUFFIXES:
-        msg = f"{path} is no model file; its name would end in {', '.join(SUFFIXES)}"
-        raise UsageError(msg)
+        raise UsageError(f"{path} is no model file; its name would end in {', '.join(SUFFIXES)}")
     return path
 
 

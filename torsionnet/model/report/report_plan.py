@@ -43,9 +43,8 @@ class Pair:
             There is not exactly one ``/`` with a name on either side.
         """
         parts = [part.strip() for part in text.split("/")]
-        if len(parts) != 2 or not all(parts):  # noqa: PLR2004
-            msg = f'a transfer function is written OUTPUT/INPUT, as in theta_1/T_T; got "{text}"'
-            raise UsageError(msg)
+        if len(parts) != 2 or not all(parts):
+            raise UsageError(f'a transfer function is written OUTPUT/INPUT, as in theta_1/T_T; got "{text}"')
         return cls(*parts)
 
     def __str__(self) -> str:
@@ -73,8 +72,7 @@ class PairEntry(Spec):
     def _in_parts(raw: Any) -> Pair:
         if isinstance(raw, Mapping) and {"output", "input"} <= set(raw) <= set(_PARTS):
             return Pair(**{str(key): str(value) for key, value in raw.items()})
-        msg = f"expected OUTPUT/INPUT, or {{output: ..., input: ..., excitation: ...}}; got {raw!r}"
-        raise UsageError(msg)
+        raise UsageError(f"expected OUTPUT/INPUT, or {{output: ..., input: ..., excitation: ...}}; got {raw!r}")
 
     def plain(self, value: Any) -> Any:
         return value.to_data()
@@ -128,8 +126,7 @@ class ConfigurationName(Spec):
 
     def coerce(self, raw: Any) -> str:
         if not isinstance(raw, str | int) or isinstance(raw, bool):
-            msg = f"expected a name, got {raw!r}"
-            raise EntryError(msg)
+            raise EntryError(f"expected a name, got {raw!r}")
         return str(raw)
 
     def schema(self) -> Schema:

@@ -28,8 +28,7 @@ def _case(subject: ReportData, test: Measured) -> Case:
         return cases_of(subject.model, (test.configuration,))[0]
     if len(subject.cases) > 1:
         names = ", ".join(case.configuration for case in subject.cases)
-        msg = f"a test is of one configuration; say which: {names}"
-        raise UsageError(msg)
+        raise UsageError(f"a test is of one configuration; say which: {names}")
     return subject.cases[0]
 
 

@@ -159,7 +159,7 @@ def numbers_latex(matrix: FloatArray) -> str:
         return r"\mathbf{0}"
     sizes = np.abs(matrix[matrix != 0])
     power = 3 * math.floor(math.log10(sizes.max()) / 3)
-    power = power if abs(power) > 3 else 0  # noqa: PLR2004
+    power = power if abs(power) > 3 else 0
     rows = [[_cell(value / 10.0**power) for value in row] for row in matrix.tolist()]
     return (rf"10^{{{power}}} \cdot " if power else "") + bracketed(rows)
 

@@ -47,18 +47,18 @@ def find_browser() -> str:
     if given:
         found = shutil.which(given) or (given if Path(given).is_file() else None)
         if found is None:
-            msg = f'{VARIABLE} names "{given}", which is no program; name the program file of Chromium, Chrome or Edge'
-            raise MissingExtraError(msg)
+            raise MissingExtraError(
+                f'{VARIABLE} names "{given}", which is no program; name the program file of Chromium, Chrome or Edge'
+            )
         return found
     for path in _candidates():
         found = shutil.which(path)
         if found:
             return found
-    msg = (
+    raise MissingExtraError(
         "a PDF is printed by a browser, and there is neither Chromium nor Chrome nor Edge: install one, name its "
         f"program in the environment variable {VARIABLE}, or write -o report.html and print that from any browser"
     )
-    raise MissingExtraError(msg)
 
 
 def _candidates() -> Iterator[str]:

@@ -41,7 +41,7 @@ def _char(char: str) -> str:
     known = SPECIAL.get(char) or GREEK.get(char)
     if known:
         return known
-    if char in "\n\t" or (char.isprintable() and ord(char) < 0x7F):  # noqa: PLR2004
+    if char in "\n\t" or (char.isprintable() and ord(char) < 0x7F):
         return char
     if char.isalpha() and ord(char) < LATIN:
         return char

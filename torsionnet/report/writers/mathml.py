@@ -27,8 +27,9 @@ def mathml(latex: str, *, block: bool = False) -> str:
     try:
         from latex2mathml.converter import convert
     except ImportError:
-        msg = "formulas in HTML and PDF need latex2mathml: pip install latex2mathml (or write -o report.md, report.tex)"
-        raise MissingExtraError(msg) from None
+        raise MissingExtraError(
+            "formulas in HTML and PDF need latex2mathml: pip install latex2mathml (or write -o report.md, report.tex)"
+        ) from None
     whole = _MATHRM.sub(lambda match: rf"\text{{{match[1].replace('~', ' ')}}}", latex)  # one word, not its letters
     text = convert(whole, display="block" if block else "inline")
     text = re.sub(r'<math xmlns="[^"]*" display="(\w+)">', r'<math display="\1">', text)

@@ -45,7 +45,7 @@ def _print(browser: str, page: Path, printed: Path) -> None:
         page.as_uri(),
     ]
     try:
-        done = subprocess.run(command, capture_output=True, timeout=PATIENCE, check=False)  # noqa: S603
+        done = subprocess.run(command, capture_output=True, timeout=PATIENCE, check=False)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise _failed(browser, str(error)) from None
     if not printed.is_file() or not printed.stat().st_size:

@@ -74,8 +74,9 @@ class _Periodic(Excitation):
         """
         count = round(self.period * sampling_rate)
         if abs(count - self.period * sampling_rate) > WHOLE * count:
-            msg = f"{self.kind}: a period of {self.period:g} s is no whole number of samples at {sampling_rate:g} Hz"
-            raise UsageError(msg)
+            raise UsageError(
+                f"{self.kind}: a period of {self.period:g} s is no whole number of samples at {sampling_rate:g} Hz"
+            )
         return count
 
     def _contradictions(self) -> list[str]:

@@ -49,8 +49,7 @@ class Excitation(ABC, Declared):
             faults.append(f"mean must be a number, got {self.mean!r}")
         faults += self._contradictions() if not faults else []
         if faults:
-            msg = f"{self.kind}: {'; '.join(faults)}"
-            raise UsageError(msg)
+            raise UsageError(f"{self.kind}: {'; '.join(faults)}")
 
     @classmethod
     def _is_common(cls, declared: Field[Any]) -> bool:
@@ -90,6 +89,5 @@ class Excitation(ABC, Declared):
         """
         if not sampling_rate > POINTS_PER_CYCLE * self.highest_frequency:
             top = f"{self.kind} up to {self.highest_frequency:g} Hz"
-            msg = f"{top} needs more than twice that rate, not {sampling_rate:g} Hz"
-            raise UsageError(msg)
+            raise UsageError(f"{top} needs more than twice that rate, not {sampling_rate:g} Hz")
         return self.mean + self.amplitude * self._alternating(self.time(sampling_rate), sampling_rate)

@@ -24,15 +24,13 @@ class Frequencies(Spec):
         if isinstance(raw, Mapping):
             return self._between(raw)
         if isinstance(raw, str) or not hasattr(raw, "__iter__"):
-            msg = f"expected a list of frequencies or {{from: 1 Hz, to: 40 Hz, count: 60}}, got {raw!r}"
-            raise EntryError(msg)
+            raise EntryError(f"expected a list of frequencies or {{from: 1 Hz, to: 40 Hz, count: 60}}, got {raw!r}")
         return tuple(under(index, _FREQUENCY, value) for index, value in enumerate(raw))
 
     def _between(self, raw: Mapping[str, Any]) -> tuple[float, ...]:
         specs: dict[str, Spec] = {"from": _FREQUENCY, "to": _FREQUENCY, "count": Count("", lower=2, upper=100_000)}
         if raw.keys() != specs.keys():
-            msg = f"expected from, to and count, got {', '.join(map(str, raw)) or 'nothing'}"
-            raise EntryError(msg)
+            raise EntryError(f"expected from, to and count, got {', '.join(map(str, raw)) or 'nothing'}")
         start, stop, count = (under(key, spec, raw[key]) for key, spec in specs.items())
         try:
             return steps_between(start, stop, count)
@@ -58,6 +56,5 @@ def steps_between(start: float, stop: float, count: int) -> tuple[float, ...]:
     (1.0, 10.0, 100.0)
     """
     if not (0 < start < stop and count > 1):
-        msg = f"steps go from a frequency > 0 to a higher one, at least two: got {start}, {stop}, {count}"
-        raise UsageError(msg)
+        raise UsageError(f"steps go from a frequency > 0 to a higher one, at least two: got {start}, {stop}, {count}")
     return tuple(np.geomspace(start, stop, count).tolist())

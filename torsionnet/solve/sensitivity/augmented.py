@@ -151,8 +151,9 @@ def _conditions(unknowns: Unknowns, parts: Sequence[OwnedPart], nodes: Sequence[
 def _refuse_redundant(owners: Sequence[str], rows: Sequence[Mapping[str, Any]], count: int) -> None:
     for owner, row in zip(owners, rows, strict=True):
         if any(gradient_of(coefficient, count).any() for coefficient in row.values()):
-            msg = f"the ratio of {owner} is fixed by the other ratios of its rigid loop and cannot be varied alone"
-            raise UsageError(msg)
+            raise UsageError(
+                f"the ratio of {owner} is fixed by the other ratios of its rigid loop and cannot be varied alone"
+            )
 
 
 def _rows(rows: Sequence[Mapping[str, Any]], place: Mapping[str, int], count: int) -> DerivativeRows:

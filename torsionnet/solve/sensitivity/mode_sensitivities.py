@@ -205,8 +205,7 @@ def mode_sensitivities(
 def _basic(drivetrain: AssembledModel) -> list[str]:
     basic = [name for name, one in drivetrain.parameter_definitions.items() if not one.value.names]
     if not basic:
-        msg = f"{drivetrain.name} has no parameters; name numbers of elements, such as shaft.stiffness"
-        raise UsageError(msg)
+        raise UsageError(f"{drivetrain.name} has no parameters; name numbers of elements, such as shaft.stiffness")
     return basic
 
 
@@ -271,8 +270,7 @@ class _System:
             return self._followed(-moved[0] / rates[0, 0], -self._frozen_rate(s, r[:, 0], l[:, 0]) / rates[0, 0])
         if self.system.tables:
             owners = ", ".join(dict.fromkeys(self.system.law_owners[law] for law, _ in self.system.tables))
-            msg = f"equal poles have no derivatives here, with springs tabulated over frequency: {owners}"
-            raise UsageError(msg)
+            raise UsageError(f"equal poles have no derivatives here, with springs tabulated over frequency: {owners}")
         found = np.zeros((multiplicity, self.count), dtype=complex)
         for p in range(self.count):
             found[:, p] = np.sort_complex(linalg.eigvals(-moved[:, :, p], rates))

@@ -84,8 +84,7 @@ class ParametricResponse:
         try:
             whole = augmented(self.unknowns, numbers, self._nodes, self._redundant)
         except (ZeroDivisionError, OverflowError, ExpressionError) as error:
-            msg = f"the drivetrain cannot be calculated at {self._given(numbers)}: {error}"
-            raise SolveError(msg) from None
+            raise SolveError(f"the drivetrain cannot be calculated at {self._given(numbers)}: {error}") from None
         arranged, omega = self._arranged(whole, numbers), 2 * np.pi * self.frequencies
         kappa = law_stiffness_of(whole, omega)
         solved = respond(arranged.problem, kappa)
@@ -95,8 +94,7 @@ class ParametricResponse:
         if len(points) and np.isfinite(numbers).all():
             found.values[points] = self._settled(arranged, kappa.at(points), found.values[points], points, numbers)
         if not (np.isfinite(found.values).all() and np.isfinite(found.jacobian).all()):
-            msg = f"the response is not finite at {self._given(numbers)}"
-            raise SolveError(msg)
+            raise SolveError(f"the response is not finite at {self._given(numbers)}")
         return found
 
     def _arranged(self, system: Augmented, numbers: Sequence[float]) -> Arranged:
@@ -185,8 +183,7 @@ def parametric_response(
     """
     f = np.atleast_1d(np.asarray(frequencies, dtype=float))
     if f.ndim != 1 or not np.all(np.isfinite(f)) or not np.all(f > 0):
-        msg = "derivatives are taken at frequencies above 0, in Hz"
-        raise UsageError(msg)
+        raise UsageError("derivatives are taken at frequencies above 0, in Hz")
     request = ask(drivetrain, output, input, excitation)
     asked = [output] if isinstance(output, str | Sensor) else list(output)
     if request.is_measured:

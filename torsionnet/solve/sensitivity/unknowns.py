@@ -57,8 +57,7 @@ class Unknowns:
             try:
                 values[name] = varied[name] if name in varied else self._evaluated(name, values)
             except (ExpressionError, ZeroDivisionError) as error:
-                msg = f"{name} cannot be calculated: {error}"
-                raise ModelError(msg) from None
+                raise ModelError(f"{name} cannot be calculated: {error}") from None
         return values
 
     def _evaluated(self, name: str, values: Mapping[str, Any]) -> Any:
@@ -83,12 +82,10 @@ def unknowns(drivetrain: AssembledModel, names: Sequence[str]) -> Unknowns:
     parameters, start = [], []
     strange = [name for name in names if not isinstance(name, str)]
     if strange:
-        msg = f"a parameter is called by its name, got {strange[0]!r}"
-        raise UsageError(msg)
+        raise UsageError(f"a parameter is called by its name, got {strange[0]!r}")
     twice = sorted({name for name in names if list(names).count(name) > 1})
     if twice:
-        msg = f"{', '.join(twice)} was named twice"
-        raise UsageError(msg)
+        raise UsageError(f"{', '.join(twice)} was named twice")
     for name in names:
         if name in definition.parameters:
             parameters.append(name)
@@ -105,18 +102,19 @@ def _with_parameter(definition: Definition, name: str, drivetrain: AssembledMode
     element_name, dot, field = name.partition(".")
     if not dot or element_name not in definition.elements:
         known = [*definition.parameters, *(f"{e}.{f}" for e in definition.elements for f in _fields(drivetrain, e))]
-        msg = f'no parameter is named "{name}"{did_you_mean(name, known)}; or name a field: element.stiffness'
-        raise UsageError(msg)
+        raise UsageError(
+            f'no parameter is named "{name}"{did_you_mean(name, known)}; or name a field: element.stiffness'
+        )
     element = definition.elements[element_name]
     known_fields = _fields(drivetrain, element_name)
     if field not in known_fields:
         has = ", ".join(known_fields) or "none"
-        msg = f'{element_name} has no number "{field}"{did_you_mean(field, known_fields)} to vary; it has {has}'
-        raise UsageError(msg)
+        raise UsageError(
+            f'{element_name} has no number "{field}"{did_you_mean(field, known_fields)} to vary; it has {has}'
+        )
     value = getattr(element, field)
     if isinstance(value, DampingMeasure) or not isinstance(value, Number):
-        msg = f"{name} is given as {value}; vary the parameters in it, or give it a plain value"
-        raise UsageError(msg)
+        raise UsageError(f"{name} is given as {value}; vary the parameters in it, or give it a plain value")
     parameter = f"{element_name}__{field}"
     varied: Any = {field: Name(parameter)}
     changed: Element = replace(element, **varied)
