@@ -1,6 +1,7 @@
 """Pages and tables made from the code when the documentation is built: elements, units, damping, traps, validation.
 
-``python docs/generate.py`` writes them into docs/generated; conf.py does the same before every build.
+``python docs/generate.py`` writes them into docs/generated; conf.py does the same before every build. The program also
+writes the names of the element types for type checkers, a stub in the package.
 """
 
 from __future__ import annotations
@@ -25,12 +26,22 @@ from torsionnet.core.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimensi
 from torsionnet.model.bench import Acquisition, Encoder, Exciter, Transducer
 from torsionnet.model.bench.excitations import EXCITATIONS, specs_of
 from torsionnet.model.bench.fields import BenchEntries, BenchPart
-from torsionnet.model.elements import ELEMENT_TYPES, Constraint, Element, Law, Part, Values, make_element
+from torsionnet.model.elements import (
+    ELEMENT_TYPES,
+    Constraint,
+    Element,
+    Law,
+    Part,
+    Values,
+    element_classes,
+    make_element,
+)  # fmt: skip
 from torsionnet.model.elements import fields as spec
 from torsionnet.model.report import SECTIONS
 
 DOCS = Path(__file__).parent
 GENERATED = DOCS / "generated"
+STUB = DOCS.parent / "torsionnet" / "model" / "elements" / "element_types.pyi"
 
 SAMPLES = {
     "inertia": "0.15 kg*m^2",
@@ -72,6 +83,18 @@ def element_section(kind: str, cls: type[Element]) -> str:
         f"```yaml\nelements:\n  part: {flow(minimal.to_data())}\n```\n",
     ]
     return "\n".join(parts)
+
+
+def element_classes_page() -> str:
+    """The types in the reference of the Python interface."""
+    entries = "\n\n".join(f".. autoclass:: {name}" for name in sorted(element_classes()))
+    return f"```{{eval-rst}}\n.. currentmodule:: torsionnet\n\n{entries}\n```\n"
+
+
+def element_types_stub() -> str:
+    """The types where a type checker looks for them; at run time the register has them."""
+    lines = sorted(f"from {cls.__module__} import {name} as {name}" for name, cls in element_classes().items())
+    return "\n".join(lines) + "\n"
 
 
 def own_fields(cls: type[Element]) -> list[Field[Any]]:
@@ -398,6 +421,7 @@ def symbol_pictures(folder: Path) -> None:
 
 PAGES = {
     "elements.md": elements_page,
+    "element_classes.md": element_classes_page,
     "units.md": units_page,
     "damping.md": damping_page,
     "traps.md": traps_page,
@@ -423,3 +447,4 @@ def write_all(folder: Path = GENERATED) -> None:
 
 if __name__ == "__main__":
     write_all()
+    STUB.write_text(element_types_stub(), encoding="utf-8")
