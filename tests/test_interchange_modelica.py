@@ -6,6 +6,7 @@ equations it has the poles and responses of the drivetrain.
 
 import numpy as np
 import pytest
+from made_up_elements import EXPORTED, GROUND, TwoPorts, of_kind
 from modelica_reader import Model
 from models import EVERY_ELEMENT, geared_line
 
@@ -102,6 +103,7 @@ def around(element):
     sensors = {"twist": {"twist": "e"}}
     sensors |= {f"T_{port}": {"torque": "e", "at": port} for port in element.ports}
     sensors |= {f"w_{node}": {"velocity": node} for node in nodes} | {"a": {"acceleration": nodes[-1]}}
+    sensors |= {f"inside_{index}": {"angle": node} for index, node in enumerate(element.internal_nodes)}
     parts += [
         tn.Inertia("j_x", node="x", inertia=0.7),
         tn.Spring("s_x", nodes=("x", nodes[0]), stiffness=70, damping=2),
@@ -140,6 +142,22 @@ def test_every_element_with_all_its_sensors(case):
     rig = without_indeterminate(around(CASES[case]))
     assert len(rig.sensors) >= 4
     agree(rig, Model(to_modelica(rig)))
+
+
+@pytest.mark.parametrize("case", EXPORTED)
+def test_an_element_the_format_knows_nothing_of_is_written_by_its_parts(case):
+    rig = without_indeterminate(around(EXPORTED[case]))
+    assert {"twist", "a"} <= set(rig.sensors)
+    agree(rig, Model(to_modelica(rig)))
+
+
+def test_laws_keep_their_parameters():
+    element = of_kind(TwoPorts, nodes=("a", GROUND), give="2*k/(1 + k)**2")
+    parts = [tn.Inertia("i", node="a", inertia=2), element]
+    rig = tn.Drivetrain("x", parts, {"k": 3}, inputs={"T": {"torque": "a"}}, sensors={"y": {"angle": "a"}})
+    text = to_modelica(rig)
+    assert "Spring e(c=2*k/(1 + k)^2)" in text
+    agree(rig.configured(k=7), Model(text, k=7.0))
 
 
 def test_parameters_stay_parameters():
@@ -196,7 +214,8 @@ def test_descriptions_are_quoted():
 
 @pytest.mark.parametrize("kind", sorted(NO_COUNTERPART))
 def test_elements_without_counterpart_are_refused_by_name(kind):
-    with pytest.raises(UsageError, match=rf"has no counterpart of e \({kind}\)"):
+    part = {"hysteretic_spring": "loss factor", "tabulated_spring": "table over frequency"}[kind]
+    with pytest.raises(UsageError, match=rf"has no counterpart of e \({kind}\), .*{part} on a - b"):
         to_modelica(around(EVERY_ELEMENT[kind]))
 
 
