@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from made_up_elements import EXPORTED, GROUND, TwoPorts, of_kind
 from modelica_reader import Model
-from models import EVERY_ELEMENT, geared_line
+from models import EVERY_ELEMENT, around, geared_line, without_indeterminate
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError
@@ -95,22 +95,6 @@ def test_poles_are_those_of_the_paper(name, configuration, expected):
     np.testing.assert_allclose(natural, expected, atol=6e-4)
 
 
-def around(element):
-    """A drivetrain that needs the element: inertias and springs on its nodes, every sensor it can have."""
-    nodes = [node for node in element.ports.values() if node != "ground"]
-    parts = [tn.Inertia(f"j_{node}", node=node, inertia=1 + i) for i, node in enumerate(nodes)]
-    parts += [tn.Spring(f"s_{n}", nodes=(n, "ground"), stiffness=100 + 30 * i) for i, n in enumerate(nodes)]
-    sensors = {"twist": {"twist": "e"}}
-    sensors |= {f"T_{port}": {"torque": "e", "at": port} for port in element.ports}
-    sensors |= {f"w_{node}": {"velocity": node} for node in nodes} | {"a": {"acceleration": nodes[-1]}}
-    sensors |= {f"inside_{index}": {"angle": node} for index, node in enumerate(element.internal_nodes)}
-    parts += [
-        tn.Inertia("j_x", node="x", inertia=0.7),
-        tn.Spring("s_x", nodes=("x", nodes[0]), stiffness=70, damping=2),
-    ]
-    return tn.Drivetrain("around", [*parts, element], inputs={"T": {"torque": "x"}}, sensors=sensors)
-
-
 CASES = {kind: element for kind, element in EVERY_ELEMENT.items() if kind not in NO_COUNTERPART} | {
     "rigid gear": tn.Gear("e", nodes=("a", "b"), ratio=-2.5, housing="c"),
     "compliant planetary": tn.Planetary("e", sun="a", ring="b", carrier="c", ratio=2.6, stiffness=900, damping=3),
@@ -121,20 +105,6 @@ CASES = {kind: element for kind, element in EVERY_ELEMENT.items() if kind not in
     "damping measure": tn.Spring("e", nodes=("a", "b"), stiffness=300, damping={"zeta": 0.05, "at": "3 Hz"}),
     "spring without damping": tn.Spring("e", nodes=("a", "b"), stiffness=300),
 }
-
-
-def without_indeterminate(rig):
-    """Sensors of torques that no equation of statics gives are left out."""
-    from torsionnet.assembly.functionals import functional
-
-    kept = {}
-    for name, sensor in rig.sensors.items():
-        try:
-            functional(rig, sensor, name)
-            kept[name] = sensor
-        except UsageError:
-            continue
-    return tn.Drivetrain(rig.name, rig.elements, inputs=rig.inputs, sensors=kept)
 
 
 @pytest.mark.parametrize("case", CASES)
