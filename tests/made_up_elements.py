@@ -23,6 +23,23 @@ class OnePort(Element):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class Absorber(Element):
+    """A mass of its own on a spring and a dashpot, at a node."""
+
+    node: Any = entry(NodeName("its node"))
+    mass: Any = entry(PhysicalQuantity("mass moment of inertia", "inertia", "J"), 2)
+
+    @property
+    def internal_nodes(self):
+        return (f"{self.name}.mass",)
+
+    def parts(self, value):
+        (inner,) = self.internal_nodes
+        spring = Law(difference(self.node, inner), stiffness=300, damping=4)
+        return (spring, Law(make_row([(inner, 1)]), inertia=value(self.mass)))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class TwoPorts(Element):
     """Stiffness between two nodes."""
 
@@ -98,6 +115,7 @@ def with_glyph(cls, glyph):
 
 SHAPES = {
     "one port": lambda glyph: with_glyph(OnePort, glyph)("made", node="a"),
+    "one port, mass of its own": lambda glyph: with_glyph(Absorber, glyph)("made", node="a"),
     "two ports": lambda glyph: with_glyph(TwoPorts, glyph)("made", nodes=("a", "b")),
     "to ground": lambda glyph: with_glyph(TwoPorts, glyph)("made", nodes=("a", GROUND)),
     "from ground": lambda glyph: with_glyph(TwoPorts, glyph)("made", nodes=(GROUND, "a")),
@@ -151,6 +169,7 @@ def of_kind(cls, *nodes, **given):
 
 EXPORTED = {
     "one port": of_kind(OnePort, node="a"),
+    "one port, mass of its own": of_kind(Absorber, node="a"),
     "two ports": of_kind(TwoPorts, nodes=("a", "b")),
     "to ground": of_kind(TwoPorts, nodes=("a", GROUND)),
     "from ground": of_kind(TwoPorts, nodes=(GROUND, "a")),
