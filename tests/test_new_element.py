@@ -126,6 +126,7 @@ def test_every_element_type_is_public():
     assert all(getattr(tn, cls.__name__) is cls for cls in ELEMENT_TYPES.values())
 
 
+@pytest.mark.slow
 def test_a_file_in_the_folder_of_elements_is_all_a_new_type_needs(tmp_path):
     shutil.copytree(ROOT / "torsionnet", tmp_path / "torsionnet")
     shutil.copytree(ROOT / "library", tmp_path / "library")
