@@ -9,3 +9,4 @@ from torsionnet.model.elements.springs import Damper as Damper
 from torsionnet.model.elements.springs import HystereticSpring as HystereticSpring
 from torsionnet.model.elements.springs import Spring as Spring
 from torsionnet.model.elements.springs import TabulatedSpring as TabulatedSpring
+from torsionnet.model.elements.viscous_damper import ViscousDamper as ViscousDamper
