@@ -1,6 +1,7 @@
 """Pages and tables made from the code when the documentation is built: elements, units, damping, traps, validation.
 
-``python docs/generate.py`` writes them into docs/generated; conf.py does the same before every build.
+``python docs/generate.py`` writes them into docs/generated; conf.py does the same before every build. The program also
+writes the names of the element types for type checkers, a stub in the package.
 """
 
 from __future__ import annotations
@@ -28,7 +29,16 @@ from torsionnet.core.expressions import Algebra
 from torsionnet.core.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimension, expected_unit
 from torsionnet.model.bench import Acquisition, Encoder, Exciter, Transducer
 from torsionnet.model.bench.excitations import EXCITATIONS
-from torsionnet.model.elements import ELEMENT_TYPES, Constraint, Element, Law, Part, Values, make_element
+from torsionnet.model.elements import (
+    ELEMENT_TYPES,
+    Constraint,
+    Element,
+    Law,
+    Part,
+    Values,
+    element_classes,
+    make_element,
+)  # fmt: skip
 from torsionnet.model.elements.damping_entries import LossFactor
 from torsionnet.model.elements.nodes import NodeName, NodePair
 from torsionnet.model.elements.stiffness_rows import TableEntry
@@ -37,6 +47,7 @@ from torsionnet.model.report import SECTIONS
 
 DOCS = Path(__file__).parent
 GENERATED = DOCS / "generated"
+STUB = DOCS.parent / "torsionnet" / "model" / "elements" / "element_types.pyi"
 
 SAMPLES = {
     "inertia": "0.15 kg*m^2",
@@ -78,6 +89,18 @@ def element_section(kind: str, cls: type[Element]) -> str:
         f"```yaml\nelements:\n  part: {flow(minimal.to_data())}\n```\n",
     ]
     return "\n".join(parts)
+
+
+def element_classes_page() -> str:
+    """The types in the reference of the Python interface."""
+    entries = "\n\n".join(f".. autoclass:: {name}" for name in sorted(element_classes()))
+    return f"```{{eval-rst}}\n.. currentmodule:: torsionnet\n\n{entries}\n```\n"
+
+
+def element_types_stub() -> str:
+    """The types where a type checker looks for them; at run time the register has them."""
+    lines = sorted(f"from {cls.__module__} import {name} as {name}" for name, cls in element_classes().items())
+    return "\n".join(lines) + "\n"
 
 
 def own_fields(cls: type[Element]) -> list[Field[Any]]:
@@ -399,6 +422,7 @@ def symbol_pictures(folder: Path) -> None:
 
 PAGES = {
     "elements.md": elements_page,
+    "element_classes.md": element_classes_page,
     "units.md": units_page,
     "damping.md": damping_page,
     "traps.md": traps_page,
@@ -424,3 +448,4 @@ def write_all(folder: Path = GENERATED) -> None:
 
 if __name__ == "__main__":
     write_all()
+    STUB.write_text(element_types_stub(), encoding="utf-8")

@@ -7,14 +7,13 @@ from pathlib import Path
 
 from sign_picture import EDGE, save
 
-from torsionnet.model.elements import Element
-from torsionnet.plot import emblems, glyphs, outlines
+from torsionnet.model.elements import GROUND, Element
+from torsionnet.plot import emblems, glyphs, outlines, strands
 from torsionnet.plot.branch_lines import Drop, Stage
 from torsionnet.plot.canvas import painted
 from torsionnet.plot.pieces import Piece, Stroke
 
 BETWEEN = 60.0
-INLINE = ("spring", "damper", "coupling", "shaft")
 
 
 def write(folder: Path, kind: str, samples: Sequence[Element]) -> None:
@@ -39,7 +38,7 @@ def picture(element: Element) -> Piece:
         return _clamp(element)
     if element.glyph == "gear":
         return _gear(element)
-    return _inline(element) if element.glyph in INLINE else _box(element)
+    return {1: _hanging, 2: _inline}.get(len(element.ports), _box)(element)
 
 
 def _disc(element: Element) -> Piece:
@@ -57,6 +56,19 @@ def _clamp(element: Element) -> Piece:
     block.strokes += [stroke.shifted(50, 0) for stroke in outlines.wall(0)]
     block.boxes.append((50, 58, -18, 18))
     _port(block, 14, element, 0)
+    return block
+
+
+def _hanging(element: Element) -> Piece:
+    """Below a shaft, with the ground or the mass at its far end."""
+    glyph, end, top = glyphs.inline_glyph(element, {}), strands.far_end(element, {}), -14.0
+    block = Piece(glyph.hanging(44, top))
+    block.line((0, 0), (88, 0))
+    block.strokes.append(Stroke(((44, 0), (44, top))))
+    foot = top - glyph.length
+    block.strokes += outlines.ground(44, foot) if end == GROUND else outlines.mass(44, foot) if end else []
+    block.boxes.append((44 - glyph.reach, 44 + glyph.reach, foot, 0))
+    _port(block, 16, element, 0)
     return block
 
 
@@ -86,15 +98,15 @@ def _gear(element: Element) -> Piece:
 
 
 def _box(element: Element) -> Piece:
-    """Three ports at the edges of a box."""
+    """Three ports at the edges of a box; any others beside the third."""
     block, half = Piece(), 35.0
     block.line((-110, 0), (-60, 0))
     block.line((60, 0), (110, 0))
     block.line((0, -half), (0, -half - 22))
     block.strokes += [outlines.rectangle(-60, 60, -half, half, outlines.BOX), *emblems.emblem(element, 0, 6)]
     block.boxes.append((-60, 60, -half, half))
-    first, second, third = element.ports
-    for x, y, name in ((-44, -10, first), (44, -10, second), (0, -half + 2, third)):
+    first, second, *others = element.ports
+    for x, y, name in ((-44, -10, first), (44, -10, second), (0, -half + 2, ", ".join(others))):
         block.write(x, y, [(name, "port")])
     return block
 

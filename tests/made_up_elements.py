@@ -1,11 +1,12 @@
 """Element types that the package does not have: any glyph with any ports, and springs and dashpots arranged otherwise."""
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
-from torsionnet.model.elements import ELEMENT_TYPES, GROUND, Element, Law
+from torsionnet.model.elements import ELEMENT_TYPES, GROUND, Constraint, Element, Law
 from torsionnet.model.elements.laws import difference, make_row
 from torsionnet.model.elements.nodes import NodeName, NodePair
 
@@ -21,6 +22,23 @@ class OnePort(Element):
 
     def parts(self, value):
         return (Law(make_row([(self.node, 1)]), inertia=value(self.mass), damping=1),)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Absorber(Element):
+    """A mass of its own on a spring and a dashpot, at a node."""
+
+    node: Any = entry(NodeName("its node"))
+    mass: Any = entry(PhysicalQuantity("mass moment of inertia", "inertia", "J"), 2)
+
+    @property
+    def internal_nodes(self):
+        return (f"{self.name}.mass",)
+
+    def parts(self, value):
+        (inner,) = self.internal_nodes
+        spring = Law(difference(self.node, inner), stiffness=300, damping=4)
+        return (spring, Law(make_row([(inner, 1)]), inertia=value(self.mass)))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -99,6 +117,7 @@ def with_glyph(cls, glyph):
 
 SHAPES = {
     "one port": lambda glyph: with_glyph(OnePort, glyph)("made", node="a"),
+    "one port, mass of its own": lambda glyph: with_glyph(Absorber, glyph)("made", node="a"),
     "two ports": lambda glyph: with_glyph(TwoPorts, glyph)("made", nodes=("a", "b")),
     "to ground": lambda glyph: with_glyph(TwoPorts, glyph)("made", nodes=("a", GROUND)),
     "from ground": lambda glyph: with_glyph(TwoPorts, glyph)("made", nodes=(GROUND, "a")),
@@ -107,3 +126,65 @@ SHAPES = {
     "three on two nodes": lambda glyph: with_glyph(ThreePorts, glyph)("made", "a", "b", "b"),
     "four ports": lambda glyph: with_glyph(FourPorts, glyph)("made", "a", "b", "c", fourth="d"),
 }
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Inerter(TwoPorts):
+    """Torque from a relative acceleration, with a spring and a dashpot."""
+
+    def parts(self, value):
+        return (Law(difference(*self.nodes), inertia=3, damping=2, stiffness=value(self.give)),)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Mesh(ThreePorts):
+    """Inertia, damping and stiffness on a weighted sum of three angles whose weights do not add up to zero."""
+
+    def parts(self, value):
+        row = make_row([(self.left, 2), (self.right, Fraction(-1, 2)), (self.middle, 3)])
+        return (Law(row, inertia=Fraction(1, 5), damping=2, stiffness=value(self.give)),)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RigidMesh(ThreePorts):
+    """The weighted sum of three angles is zero."""
+
+    def parts(self, value):
+        del value
+        return (Constraint(make_row([(self.left, 2), (self.right, -2), (self.middle, 3)])),)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class RigidPair(TwoPorts):
+    """Two angles in a ratio."""
+
+    def parts(self, value):
+        del value
+        return (Constraint(make_row([(self.nodes[0], 1), (self.nodes[1], Fraction(5, 2))])),)
+
+
+def of_kind(cls, *nodes, **given):
+    """An element ``e`` of a type with a kind of its own."""
+    made = type(cls.__name__, (cls,), {"kind": f"made_up_{cls.__name__.lower()}", "glyph": ""})
+    return made("e", **given) if given else made("e", *nodes)
+
+
+EXPORTED = {
+    "one port": of_kind(OnePort, node="a"),
+    "one port, mass of its own": of_kind(Absorber, node="a"),
+    "two ports": of_kind(TwoPorts, nodes=("a", "b")),
+    "to ground": of_kind(TwoPorts, nodes=("a", GROUND)),
+    "from ground": of_kind(TwoPorts, nodes=(GROUND, "a")),
+    "three ports": of_kind(ThreePorts, "a", "b", "c"),
+    "three, one on ground": of_kind(ThreePorts, "a", "b", GROUND),
+    "in series": of_kind(Maxwell, nodes=("a", "b")),
+    "in series, one beside": of_kind(Zener, nodes=("a", "b")),
+    "inertia of a difference": of_kind(Inerter, nodes=("a", "b")),
+    "all on three": of_kind(Mesh, "a", "b", "c"),
+    "all on three, one on ground": of_kind(Mesh, "a", "b", GROUND),
+    "rigid, three": of_kind(RigidMesh, "a", "b", "c"),
+    "rigid, three, one on ground": of_kind(RigidMesh, "a", "b", GROUND),
+    "rigid, two": of_kind(RigidPair, nodes=("a", "b")),
+    "rigid, two, one on ground": of_kind(RigidPair, nodes=("a", GROUND)),
+}
+"""Elements that an export can only write by their laws and constraints."""

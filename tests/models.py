@@ -1,6 +1,8 @@
 """Small drivetrains that several tests use, built through the public API."""
 
 import torsionnet as tn
+from torsionnet.assembly.functionals import functional
+from torsionnet.core.errors import UsageError
 
 EVERY_ELEMENT = {
     "inertia": tn.Inertia("e", node="a", inertia=2),
@@ -18,6 +20,7 @@ EVERY_ELEMENT = {
     "shaft": tn.Shaft(
         "e", nodes=("a", "b"), outer_diameter=0.05, inner_diameter=0.02, length=1.2, segments=3, damping=4
     ),
+    "viscous_damper": tn.ViscousDamper("e", node="a", ring_inertia=3, damping=5, stiffness=200, hub_inertia=0.5),
 }
 
 
@@ -39,3 +42,31 @@ def geared_line(**changes):
         inputs={"T_M": {"torque": "m"}},
         sensors={"angle": {"angle": "m"}, "T": {"torque": "meter"}},
     )
+
+
+def around(element):
+    """A drivetrain that needs the element: inertias and springs on its nodes, every sensor it can have."""
+    nodes = [node for node in element.ports.values() if node != "ground"]
+    parts = [tn.Inertia(f"j_{node}", node=node, inertia=1 + i) for i, node in enumerate(nodes)]
+    parts += [tn.Spring(f"s_{n}", nodes=(n, "ground"), stiffness=100 + 30 * i) for i, n in enumerate(nodes)]
+    sensors = {"twist": {"twist": "e"}}
+    sensors |= {f"T_{port}": {"torque": "e", "at": port} for port in element.ports}
+    sensors |= {f"w_{node}": {"velocity": node} for node in nodes} | {"a": {"acceleration": nodes[-1]}}
+    sensors |= {f"inside_{index}": {"angle": node} for index, node in enumerate(element.internal_nodes)}
+    parts += [
+        tn.Inertia("j_x", node="x", inertia=0.7),
+        tn.Spring("s_x", nodes=("x", nodes[0]), stiffness=70, damping=2),
+    ]
+    return tn.Drivetrain("around", [*parts, element], inputs={"T": {"torque": "x"}}, sensors=sensors)
+
+
+def without_indeterminate(rig):
+    """Sensors of torques that no equation of statics gives are left out."""
+    kept = {}
+    for name, sensor in rig.sensors.items():
+        try:
+            functional(rig, sensor, name)
+            kept[name] = sensor
+        except UsageError:
+            continue
+    return tn.Drivetrain(rig.name, rig.elements, inputs=rig.inputs, sensors=kept)

@@ -79,11 +79,16 @@ class TestGeneratedPages:
         assert all(f"| `{name}` |" in units for name in _BASE)
         assert all(f"| `{name}` |" in damping for name in MEASURES)
 
-    @pytest.mark.parametrize("name", ["elements", "units", "damping", "traps", "bench", "file_entries", "report"])
+    @pytest.mark.parametrize(
+        "name", ["elements", "element_classes", "units", "damping", "traps", "bench", "file_entries", "report"]
+    )
     def test_pages_in_the_repository_are_current(self, generate, name):
         """They are read on the web without a build; `python docs/generate.py` writes them."""
         committed = (DOCS / "generated" / f"{name}.md").read_text(encoding="utf-8")
         assert committed == getattr(generate, f"{name}_page")()
+
+    def test_type_checkers_know_every_element_type(self, generate):
+        assert generate.STUB.read_text(encoding="utf-8") == generate.element_types_stub()
 
     def test_traps_are_refused_with_a_message(self, generate):
         assert generate.traps_page().count("\n") == len(generate.TRAPS) + 2
@@ -233,11 +238,15 @@ PUBLIC = ("", "bench", "identification", "io", "modal", "plot", "report", "signa
 ELSEWHERE = {"document", "interchange", "sensitivity", "units"}  # other names of packages
 CURRENT_MODULE = re.compile(r"currentmodule:: (\S+)|auto(?:class|function|data|module):: (\S+)|:members: (.+)")
 
+INCLUDED = re.compile(r"^```{include} (\S+)\n```$", re.MULTILINE)
+
 
 def documented():
     """Full names of what the reference page describes."""
     module, found = "", set()
-    for now, name, members in CURRENT_MODULE.findall((DOCS / "reference.md").read_text(encoding="utf-8")):
+    text = (DOCS / "reference.md").read_text(encoding="utf-8")
+    text = INCLUDED.sub(lambda page: (DOCS / page[1]).read_text(encoding="utf-8"), text)
+    for now, name, members in CURRENT_MODULE.findall(text):
         module = now or module
         if name:
             last = name if name.startswith("torsionnet") else f"{module}.{name}"

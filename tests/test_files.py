@@ -9,7 +9,7 @@ import stat
 import subprocess
 import sys
 import threading
-from dataclasses import MISSING
+from dataclasses import MISSING, replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -160,6 +160,8 @@ def rich_model():
         Inertia("wheel", node="i", inertia="0.1234567890123456789"),
         Lock("brake", node="h", enabled=False),
     ]
+    there = {element.kind for element in elements}
+    elements += [replace(element, name=f"a_{kind}") for kind, element in EVERY_ELEMENT.items() if kind not in there]
     return Drivetrain(
         "no",
         elements,

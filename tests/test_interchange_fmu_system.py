@@ -5,6 +5,8 @@ import random
 
 import numpy as np
 import pytest
+from made_up_elements import EXPORTED
+from models import EVERY_ELEMENT, around, without_indeterminate
 from random_drivetrains import draw
 
 import torsionnet as tn
@@ -78,6 +80,26 @@ def with_every_sensor(drawn, source):
     if not sensors:
         return None
     return tn.Drivetrain("drawn", drawn.elements.values(), definition.parameters, inputs=inputs, sensors=sensors)
+
+
+ELEMENTS = EVERY_ELEMENT | EXPORTED
+DYNAMIC = {"hysteretic_spring", "tabulated_spring"}
+
+
+@pytest.mark.parametrize("case", sorted(ELEMENTS.keys() - DYNAMIC))
+def test_every_element_with_all_its_sensors(case):
+    rig = without_indeterminate(around(ELEMENTS[case]))
+    system = trace_system(rig)
+    found = response(system, evaluated(system.motion.tape, {}))
+    expected = rig.frequency_response(list(system.outputs), list(system.inputs), F).values
+    scale = np.maximum(np.abs(expected).max(axis=0), 1e-300)
+    np.testing.assert_allclose(found / scale, expected / scale, atol=1e-8, rtol=0)
+
+
+@pytest.mark.parametrize("case", sorted(DYNAMIC))
+def test_an_element_without_state_space_is_named(case):
+    with pytest.raises(UsageError, match="e: a stiffness that depends on frequency has no state space"):
+        trace_system(around(ELEMENTS[case]))
 
 
 @pytest.mark.slow

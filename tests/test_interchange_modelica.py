@@ -6,8 +6,9 @@ equations it has the poles and responses of the drivetrain.
 
 import numpy as np
 import pytest
+from made_up_elements import EXPORTED, GROUND, TwoPorts, of_kind
 from modelica_reader import Model
-from models import EVERY_ELEMENT, geared_line
+from models import EVERY_ELEMENT, around, geared_line, without_indeterminate
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError
@@ -94,21 +95,6 @@ def test_poles_are_those_of_the_paper(name, configuration, expected):
     np.testing.assert_allclose(natural, expected, atol=6e-4)
 
 
-def around(element):
-    """A drivetrain that needs the element: inertias and springs on its nodes, every sensor it can have."""
-    nodes = [node for node in element.ports.values() if node != "ground"]
-    parts = [tn.Inertia(f"j_{node}", node=node, inertia=1 + i) for i, node in enumerate(nodes)]
-    parts += [tn.Spring(f"s_{n}", nodes=(n, "ground"), stiffness=100 + 30 * i) for i, n in enumerate(nodes)]
-    sensors = {"twist": {"twist": "e"}}
-    sensors |= {f"T_{port}": {"torque": "e", "at": port} for port in element.ports}
-    sensors |= {f"w_{node}": {"velocity": node} for node in nodes} | {"a": {"acceleration": nodes[-1]}}
-    parts += [
-        tn.Inertia("j_x", node="x", inertia=0.7),
-        tn.Spring("s_x", nodes=("x", nodes[0]), stiffness=70, damping=2),
-    ]
-    return tn.Drivetrain("around", [*parts, element], inputs={"T": {"torque": "x"}}, sensors=sensors)
-
-
 CASES = {kind: element for kind, element in EVERY_ELEMENT.items() if kind not in NO_COUNTERPART} | {
     "rigid gear": tn.Gear("e", nodes=("a", "b"), ratio=-2.5, housing="c"),
     "compliant planetary": tn.Planetary("e", sun="a", ring="b", carrier="c", ratio=2.6, stiffness=900, damping=3),
@@ -121,25 +107,27 @@ CASES = {kind: element for kind, element in EVERY_ELEMENT.items() if kind not in
 }
 
 
-def without_indeterminate(rig):
-    """Sensors of torques that no equation of statics gives are left out."""
-    from torsionnet.assembly.functionals import functional
-
-    kept = {}
-    for name, sensor in rig.sensors.items():
-        try:
-            functional(rig, sensor, name)
-            kept[name] = sensor
-        except UsageError:
-            continue
-    return tn.Drivetrain(rig.name, rig.elements, inputs=rig.inputs, sensors=kept)
-
-
 @pytest.mark.parametrize("case", CASES)
 def test_every_element_with_all_its_sensors(case):
     rig = without_indeterminate(around(CASES[case]))
     assert len(rig.sensors) >= 4
     agree(rig, Model(to_modelica(rig)))
+
+
+@pytest.mark.parametrize("case", EXPORTED)
+def test_an_element_the_format_knows_nothing_of_is_written_by_its_parts(case):
+    rig = without_indeterminate(around(EXPORTED[case]))
+    assert {"twist", "a"} <= set(rig.sensors)
+    agree(rig, Model(to_modelica(rig)))
+
+
+def test_laws_keep_their_parameters():
+    element = of_kind(TwoPorts, nodes=("a", GROUND), give="2*k/(1 + k)**2")
+    parts = [tn.Inertia("i", node="a", inertia=2), element]
+    rig = tn.Drivetrain("x", parts, {"k": 3}, inputs={"T": {"torque": "a"}}, sensors={"y": {"angle": "a"}})
+    text = to_modelica(rig)
+    assert "Spring e(c=2*k/(1 + k)^2)" in text
+    agree(rig.configured(k=7), Model(text, k=7.0))
 
 
 def test_parameters_stay_parameters():
@@ -196,7 +184,8 @@ def test_descriptions_are_quoted():
 
 @pytest.mark.parametrize("kind", sorted(NO_COUNTERPART))
 def test_elements_without_counterpart_are_refused_by_name(kind):
-    with pytest.raises(UsageError, match=rf"has no counterpart of e \({kind}\)"):
+    part = {"hysteretic_spring": "loss factor", "tabulated_spring": "table over frequency"}[kind]
+    with pytest.raises(UsageError, match=rf"has no counterpart of e \({kind}\), .*{part} on a - b"):
         to_modelica(around(EVERY_ELEMENT[kind]))
 
 

@@ -8,6 +8,7 @@ from datetime import date
 
 import numpy as np
 import pytest
+from made_up_elements import EXPORTED
 from tors_models import THRUSTER, random_tree
 
 import torsionnet as tn
@@ -159,7 +160,7 @@ FAULTS = {
     "missing": (changed(["components", 0, "elements", 2], {"name": "c", "type": "ShaftDiscrete"}), "needs a number as"),
     "negative": (
         changed(["components", 0, "elements", 2, "stiffness"], -5),
-        "stiffness must be greater than 0, got -5",
+        "stiffness must be not less than 0, got -5",
     ),
     "text": (changed(["components", 0, "elements", 0, "inertia"], "1"), "needs a number as inertia, got '1'"),
     "truth": (changed(["components", 0, "elements", 0, "inertia"], True), "needs a number as inertia, got True"),
@@ -276,11 +277,23 @@ class TestWriting:
     @pytest.mark.parametrize(
         ("elements", "text"),
         [
-            ([tn.Lock("l", node="a")], "l (lock)"),
-            ([tn.Spring("s", nodes=("a", "ground"), stiffness=1)], "s (spring to ground)"),
-            ([tn.HystereticSpring("h", nodes=("a", "b"), stiffness=1, loss_factor=0.1)], "h (hysteretic_spring)"),
-            ([tn.Gear("g", nodes=("a", "b"), ratio=2, stiffness=5)], "g (compliant mesh)"),
-            ([tn.Planetary("p", sun="a", ring="b", carrier="c", ratio=2)], "p (planetary)"),
+            ([tn.Lock("l", node="a")], "l (lock), constraint a = 0;"),
+            ([tn.Spring("s", nodes=("a", "ground"), stiffness=1)], "s (spring), stiffness on a;"),
+            (
+                [tn.HystereticSpring("h", nodes=("a", "b"), stiffness=1, loss_factor=0.1)],
+                "h (hysteretic_spring), stiffness and loss factor on a - b;",
+            ),
+            ([tn.Gear("g", nodes=("a", "b"), ratio=2, stiffness=5)], "g (gear), stiffness on a - 2*b;"),
+            ([tn.Gear("g", nodes=("a", "b"), ratio=2, housing="c")], "g (gear), constraint a - 2*b + c = 0;"),
+            (
+                [tn.Shaft("s", nodes=("a", "ground"), outer_diameter=0.05, length=1, segments=2, inertia="lumped")],
+                "s (shaft), stiffness on s.1;",
+            ),
+            (
+                [tn.Planetary("p", sun="a", ring="b", carrier="c", ratio=2)],
+                "p (planetary), constraint a + 2*b - 3*c = 0;",
+            ),
+            ([EXPORTED["in series, one beside"]], "e closes a loop"),
             ([tn.Spring(f"s{a}{b}", nodes=(a, b), stiffness=1) for a, b in ("ab", "bc", "ca")], "sca closes a loop"),
             ([tn.Spring(f"s{b}", nodes=("a", b), stiffness=1) for b in "bcd"], "sc, sd lead on together from node a"),
         ],
@@ -291,6 +304,46 @@ class TestWriting:
         with pytest.raises(UsageError) as caught:
             to_tors(tn.Drivetrain("x", [*masses, *elements]))
         assert text in str(caught.value)
+
+    def test_what_a_configuration_takes_apart_is_no_tree(self):
+        masses = [tn.Inertia(node, node=node, inertia=1) for node in "ab"]
+        clutch = tn.RigidCoupling("clutch", nodes=("a", "b"), enabled=False)
+        with pytest.raises(UsageError, match="nothing connects a and b in this configuration"):
+            to_tors(tn.Drivetrain("x", [*masses, clutch]))
+
+    def test_a_damper_alone_is_a_shaft_without_stiffness(self):
+        masses = [tn.Inertia(node, node=node, inertia=1) for node in "ab"]
+        data = to_tors(tn.Drivetrain("x", [*masses, tn.Damper("oil", nodes=("a", "b"), damping=3)]))
+        assert data["components"][0]["elements"][1]["stiffness"] == 0
+        assert from_tors(data).elements["oil"].to_data() == {"type": "damper", "nodes": ["a", "b"], "damping": 3}
+
+    @pytest.mark.parametrize("case", sorted(EXPORTED.keys() - {"in series, one beside"}))
+    def test_an_element_the_format_knows_nothing_of_is_written_by_its_parts_or_refused(self, case):
+        element = EXPORTED[case]
+        ports = dict.fromkeys(node for node in element.ports.values() if node != "ground")
+        masses = [tn.Inertia(f"J_{node}", node=node, inertia=1 + place) for place, node in enumerate(ports)]
+        rig = tn.Drivetrain("x", [element, *masses])
+        if case in REFUSED:
+            with pytest.raises(UsageError, match=rf"no counterpart of e \({element.kind}\), ({REFUSED[case]})"):
+                to_tors(rig)
+            return
+        back = from_tors(to_tors(rig))
+        nodes = [node for node in ports if node in back.nodes]  # of nodes joined rigidly there is one
+        ours, theirs = (model.frequency_response(nodes, nodes, [3.0, 20.0]).values for model in (rig, back))
+        np.testing.assert_allclose(theirs, ours, rtol=1e-10)
+
+
+REFUSED = {
+    "to ground": "stiffness on a",
+    "from ground": "stiffness on -a",
+    "three ports": r"stiffness on a \+ b - 2\*c",
+    "three, one on ground": r"stiffness on a \+ b",
+    "inertia of a difference": "inertia and damping and stiffness on a - b",
+    "all on three": r"inertia and damping and stiffness on 2\*a - 0.5\*b \+ 3\*c",
+    "all on three, one on ground": r"inertia and damping and stiffness on 2\*a - 0.5\*b",
+    "rigid, three": r"constraint 2\*a - 2\*b \+ 3\*c = 0",
+    "rigid, two, one on ground": "constraint a = 0",
+}
 
 
 def frequencies_by_counting(data):

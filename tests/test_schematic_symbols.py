@@ -6,7 +6,7 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 from drawn_models import MODELS, inertia
-from made_up_elements import GLYPHS, SHAPES, Maxwell, OnePort, Zener, with_glyph
+from made_up_elements import GLYPHS, SHAPES, Absorber, Maxwell, OnePort, Zener, with_glyph
 from pictures import EXAMPLES, collisions, crossed, drawable, is_round, outside, texts
 
 import torsionnet as tn
@@ -80,6 +80,20 @@ class TestMadeUpElements:
         (pot,) = (points for points in found if len(points) == 4 and is_cup(points))
         overlap = min(spring[:, 0].max(), pot[:, 0].max()) - max(spring[:, 0].min(), pot[:, 0].min())
         assert (overlap > 0) == side_by_side
+
+    @pytest.mark.parametrize("glyph", ["spring", "damper"])
+    @pytest.mark.parametrize(("cls", "stands_on_ground"), [(OnePort, True), (Absorber, False)])
+    def test_what_is_on_one_node_ends_where_its_laws_do(self, cls, stands_on_ground, glyph):
+        """Four short slanted lines are the ground; a mass of its own is one filled rectangle more."""
+        lone, found = tn.Drivetrain("lone", [inertia("J", "a")]), {}
+        for name, model in {"lone": lone, "made": between(with_glyph(cls, glyph)("e", node="a"))}.items():
+            patches = schematic(model).axes[0].patches
+            lines = [patch.get_path().vertices for patch in patches if not patch.get_fill()]
+            slanted = [points for points in lines if len(points) == 2 and (np.ptp(points, axis=0) > 1).all()]
+            filled = [patch for patch in patches if mpl.colors.to_hex(patch.get_facecolor()) == BODY]
+            found[name] = np.array([len(slanted), len(filled)])
+        hatches, masses = found["made"] - found["lone"]
+        assert (hatches >= 4, masses) == (stands_on_ground, not stands_on_ground)
 
     def test_a_spring_beside_a_series_of_two(self):
         found = strokes(schematic(between(Zener("e", nodes=("a", "b")))))

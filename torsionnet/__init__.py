@@ -22,32 +22,21 @@ _HOMES = {
     "Bench": "torsionnet.bench",
     "Channel": "torsionnet.response",
     "Conventions": "torsionnet.response",
-    "Damper": "torsionnet.model.elements",
-    "Differential": "torsionnet.model.elements",
     "Drivetrain": "torsionnet.drivetrain",
     "Element": "torsionnet.model.elements",
     "Fault": "torsionnet.core.errors",
     "Fit": "torsionnet.identification",
     "FrequencyResponse": "torsionnet.response",
     "FrequencyResponses": "torsionnet.response",
-    "Gear": "torsionnet.model.elements",
-    "HystereticSpring": "torsionnet.model.elements",
-    "Inertia": "torsionnet.model.elements",
     "Input": "torsionnet.model.channels",
-    "Lock": "torsionnet.model.elements",
     "Measurement": "torsionnet.identification",
     "MissingExtraError": "torsionnet.core.errors",
     "ModelError": "torsionnet.core.errors",
     "Modes": "torsionnet.response",
     "OperatingPoint": "torsionnet.model.operating_point",
     "Parameter": "torsionnet.model.parameters",
-    "Planetary": "torsionnet.model.elements",
-    "RigidCoupling": "torsionnet.model.elements",
     "Sensor": "torsionnet.model.channels",
-    "Shaft": "torsionnet.model.elements",
     "SolveError": "torsionnet.core.errors",
-    "Spring": "torsionnet.model.elements",
-    "TabulatedSpring": "torsionnet.model.elements",
     "TorsionnetError": "torsionnet.core.errors",
     "TorsionnetWarning": "torsionnet.core.errors",
     "Unknown": "torsionnet.identification",
@@ -75,8 +64,6 @@ _PACKAGES = {
 }
 _RENAMED = {"document": "report", "interchange": "io"}
 
-__all__ = ["__version__", *_HOMES, *_PACKAGES, *_RENAMED]  # noqa: PLE0604
-
 if TYPE_CHECKING:
     from torsionnet import bench, identification, io, modal, plot, report, signals
     from torsionnet import io as interchange
@@ -97,20 +84,8 @@ if TYPE_CHECKING:
     from torsionnet.identification import Fit, Measurement, Unknown, identify
     from torsionnet.loading import load, loads
     from torsionnet.model.channels import Input, Sensor
-    from torsionnet.model.elements import (
-        Damper,
-        Differential,
-        Element,
-        Gear,
-        HystereticSpring,
-        Inertia,
-        Lock,
-        Planetary,
-        RigidCoupling,
-        Shaft,
-        Spring,
-        TabulatedSpring,
-    )
+    from torsionnet.model.elements import Element
+    from torsionnet.model.elements.element_types import *
     from torsionnet.model.files import library_benches, library_models
     from torsionnet.model.operating_point import OperatingPoint
     from torsionnet.model.parameters import Parameter
@@ -128,9 +103,24 @@ def __getattr__(name: str) -> object:
         instead = _RENAMED[name]
         warnings.warn(f"torsionnet.{name} is called torsionnet.{instead} now", DeprecationWarning, stacklevel=2)
         return _offered(instead)
+    if name == "__all__":
+        return _public_names()
+    if name[:1].isupper() and name not in _HOMES and name in _element_types():
+        return _element_types()[name]
     value = globals()[name] = _offered(name)
     return value
 
 
+def _element_types() -> dict[str, type[Element]]:
+    """Those that files of the package or of a program have registered by now."""
+    from torsionnet.model.elements import element_classes
+
+    return element_classes()
+
+
+def _public_names() -> list[str]:
+    return ["__version__", *_HOMES, *_PACKAGES, *_RENAMED, *_element_types()]
+
+
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return sorted(_public_names())

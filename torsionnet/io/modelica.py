@@ -8,12 +8,14 @@ from dataclasses import dataclass
 from torsionnet.core.atomic import write_text
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.io.modelica_elements import COMPONENTS, WRITERS, has_counterpart, port
+from torsionnet.io.modelica_elements import write_element
 from torsionnet.io.modelica_net import Net
+from torsionnet.io.modelica_parts import COMPONENTS, FIXED, has_counterpart, port
 from torsionnet.io.modelica_words import KEYWORDS, ROTATIONAL, ModelicaWords, quoted, unit_of, written_unit
+from torsionnet.io.part_words import unwritten
 from torsionnet.io.plain_names import Names
 from torsionnet.model.channels import UNITS, Input, Sensor
-from torsionnet.model.elements import GROUND, Values
+from torsionnet.model.elements import Values
 from torsionnet.model.parameters import dimensions
 from torsionnet.solve.state_space import active_channels
 
@@ -27,12 +29,13 @@ def to_modelica(drivetrain: Drivetrain) -> str:
     Parameters stay parameters, with their expressions; elements become Inertia, Spring, Damper, SpringDamper,
     IdealGear, IdealPlanetary and Fixed, nodes connection sets, inputs and sensors ``RealInput`` and ``RealOutput``. An
     open differential is a planetary set of ratio 1; the consistent inertia of a shaft is put on its ends and, through
-    another such set, on the mean of their angles. The same drivetrain always gives the same text.
+    another such set, on the mean of their angles. Element types without a component of their own become those of their
+    laws and constraints. The same drivetrain always gives the same text.
 
     Raises
     ------
     UsageError
-        Elements without counterpart: springs with hysteresis or with a table over frequency.
+        Laws without counterpart: hysteresis, and tables over frequency.
 
     Examples
     --------
@@ -62,10 +65,14 @@ def write_modelica(drivetrain: Drivetrain, path: str | os.PathLike[str]) -> None
 
 def _refuse(drivetrain: Drivetrain) -> None:
     values = Values(drivetrain.exact_values)
-    missing = [element for element in drivetrain.elements.values() if not has_counterpart(element, values)]
-    without = [f"{element.name} ({element.kind})" for element in missing]
+    without = [
+        unwritten(element, part)
+        for element in drivetrain.elements.values()
+        for part in element.parts(values)
+        if not has_counterpart(part)
+    ]
     if without:
-        msg = f"Modelica.Mechanics.Rotational has no counterpart of {', '.join(without)}"
+        msg = f"Modelica.Mechanics.Rotational has no counterpart of {'; '.join(without)}"
         raise UsageError(msg)
 
 
@@ -80,7 +87,7 @@ class _Model:
     def write(self) -> None:
         drivetrain, channels = self.drivetrain, active_channels(self.drivetrain)
         known = {name: self.names.new(name) for name in drivetrain.parameter_definitions}
-        words = ModelicaWords(known, Values(drivetrain.exact_values))
+        words = ModelicaWords(known, drivetrain.exact_values)
         self.parameters = self._parameters(known, words)
         self.net = Net(self.names)
         driven = {
@@ -96,14 +103,14 @@ class _Model:
         for node in drivetrain.nodes:
             self.net.join(f"node:{node}")
         for element in drivetrain.elements.values():
-            WRITERS[type(element)](element, self.net, words)
+            write_element(element, self.net, words)
             for name, node in element.ports.items():
                 self._attach(
                     port(element, name), node, list(element.ports).index(name), meters.pop((element.name, name), [])
                 )
-        if f"node:{GROUND}" in self.net.home:
+        if FIXED in self.net.home:
             fixed = self.net.declare(f"{COMPONENTS}.Fixed", "fixed")
-            self.net.join(f"node:{GROUND}", f"{fixed}.flange")
+            self.net.join(FIXED, f"{fixed}.flange")
         for name, entry in channels.inputs.items():
             self._drive(driven[name], entry)
         for name, sensor in channels.sensors.items():

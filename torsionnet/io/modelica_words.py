@@ -9,6 +9,7 @@ from typing import Any
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.expressions import Expression
 from torsionnet.core.units import DIMENSIONS, Dimension
+from torsionnet.io.open_numbers import open_values
 from torsionnet.model.elements import Values
 from torsionnet.model.elements.element import viscous
 
@@ -46,8 +47,8 @@ _INTEGER = re.compile(r"(?<![\w.])\d+(?![\w.])")
 class ModelicaWords:
     """Expressions of a model with its parameters under the names they have in Modelica."""
 
-    def __init__(self, names: Mapping[str, str], values: Values) -> None:
-        self.names, self.values = names, values
+    def __init__(self, names: Mapping[str, str], values: Mapping[str, Any]) -> None:
+        self.names, self.values, self.open = names, Values(values), open_values(values)
 
     def expression(self, value: Expression) -> str:
         """An expression in SI; equal to the model's for any values of the parameters."""

@@ -19,7 +19,7 @@ SHEAR_MODULUS, DENSITY = 80e9, 8000.0
 
 NUMBERS: dict[str, dict[str, str]] = {
     "Disk": {"inertia": "", "damping": "?", "stiffness": "?"},
-    "ShaftDiscrete": {"stiffness": "+", "damping": "?"},
+    "ShaftDiscrete": {"stiffness": "", "damping": "?"},
     "ShaftContinuous": {"length": "+", "outerDiameter": "+", "innerDiameter": "?", "damping": "?", "density": "+?"},
     "GearElement": {"inertia": "", "diameter": "+?", "teeth": "+?"},
 }

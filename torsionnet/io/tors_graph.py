@@ -6,25 +6,13 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import zip_longest
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, TypeGuard
 
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.part_words import unwritten
 from torsionnet.io.tors_elements import SHEAR_MODULUS
-from torsionnet.model.elements import (
-    GROUND,
-    Damper,
-    Element,
-    Gear,
-    HystereticSpring,
-    Inertia,
-    Law,
-    RigidCoupling,
-    Shaft,
-    Spring,
-    Values,
-)
-from torsionnet.model.elements.element import viscous
+from torsionnet.model.elements import GROUND, Constraint, Element, Gear, Law, Row, Shaft, Values
 
 Disks: TypeAlias = dict[str, list[dict[str, Any]]]
 
@@ -37,8 +25,12 @@ class Edge:
     second: str
     names: list[str]
     items: list[dict[str, Any]] = field(default_factory=list)
-    gear: Gear | None = None
     ratio: float = 1.0
+    teeth: tuple[int, int] | None = None
+
+    @property
+    def is_gear(self) -> bool:
+        return not self.items
 
     def other(self, node: str) -> str:
         return self.second if node == self.first else self.first
@@ -62,40 +54,95 @@ class Graph:
 
 
 def tors_graph(drivetrain: Drivetrain) -> Graph:
-    """The drivetrain in words of the format; UsageError names all elements it has no word for."""
-    value = Values(drivetrain.exact_values)
-    inside = {node for element in drivetrain.elements.values() for node in element.internal_nodes}
-    merged = _merged(drivetrain.elements.values(), [node for node in drivetrain.nodes if node not in inside])
-    disks: Disks = {node: [] for node in dict.fromkeys(merged.values())}
-    edges: list[Edge] = []
-    refused: list[str] = []
+    """The drivetrain in words of the format; UsageError names all parts of elements it has no word for."""
+    writer = _GraphWriter(drivetrain)
     for element in drivetrain.elements.values():
-        ends = [merged.get(node, node) for node in element.ports.values()]
-        if isinstance(element, RigidCoupling) and GROUND not in ends:
-            continue
-        if isinstance(element, Inertia):
-            disks[ends[0]].append(_disk(element.name, inertia=float(value(element.inertia))))
-        elif isinstance(element, Damper) and GROUND in ends:
-            node = next(end for end in ends if end != GROUND)
-            disks[node].append(_disk(element.name, damping=float(value(element.damping))))
-        elif GROUND in ends or not isinstance(element, Spring | Damper | Shaft | Gear | HystereticSpring):
-            refused.append(f"{element.name} ({element.kind}{' to ground' if GROUND in ends else ''})")
-        elif _is_lossy(element, value):
-            refused.append(f"{element.name} ({element.kind})")
-        elif isinstance(element, Gear):
-            _add_gear(element, ends, value, edges, refused)
-        elif isinstance(element, Shaft):
-            edges.append(Edge(*_two(ends), [element.name], _segments(element, value, disks, ends)))
-        else:
-            _add_spring(element, ends, value, edges)
-    if refused:
-        msg = f"TORS has no counterpart of {', '.join(refused)}; it knows disks, shafts and rigid gears in a tree"
+        writer.write(element)
+    if writer.refused:
+        msg = (
+            f"TORS has no counterpart of {'; '.join(writer.refused)}; it knows disks, shafts and rigid gears in a tree"
+        )
         raise UsageError(msg)
-    _refuse_loops(disks, edges)
-    return Graph(disks, edges)
+    _refuse_all_but_a_tree(writer.disks, writer.edges)
+    return Graph(writer.disks, writer.edges)
 
 
-def _refuse_loops(disks: Disks, edges: list[Edge]) -> None:
+class _GraphWriter:
+    """Disks and edges of one element after the other: a shaft as such, any other by its laws and constraints."""
+
+    def __init__(self, drivetrain: Drivetrain) -> None:
+        self.value = Values(drivetrain.exact_values)
+        elements = drivetrain.elements.values()
+        inside = {node for element in elements if _is_chain(element) for node in element.internal_nodes}
+        self.home = _merged(elements, self.value, [node for node in drivetrain.nodes if node not in inside])
+        self.disks: Disks = {node: [] for node in dict.fromkeys(self.home.values())}
+        self.edges: list[Edge] = []
+        self.refused: list[str] = []
+
+    def write(self, element: Element) -> None:
+        if _is_chain(element):
+            first, second = (self.home[node] for node in element.nodes)
+            items = _segments(element, self.value, self.disks, [first, second])
+            self.edges.append(Edge(first, second, [element.name], items))
+            return
+        for part in element.parts(self.value):
+            is_written = self._law(element, part) if isinstance(part, Law) else self._constraint(element, part.row)
+            if not is_written:
+                self.refused.append(unwritten(element, part))
+
+    def _law(self, element: Element, law: Law) -> bool:
+        """An inertia or damping at a node, a spring or damper between two; whether it is one of these."""
+        factor = next(iter(law.row.values()), 0) ** 2
+        inertia, damping, stiffness = (float(size * factor) for size in (law.inertia, law.damping, law.stiffness))
+        nodes = [self.home.get(node, node) for node in law.row]
+        if law.loss_factor != 0 or law.table is not None:
+            return False
+        if len(nodes) == 1 and not stiffness:
+            self.disks[nodes[0]].append(_disk(element.name, inertia=inertia, damping=damping))
+            return True
+        if not _is_difference(law.row) or inertia:
+            return False
+        self._spring(element.name, nodes, {"stiffness": stiffness, "damping": damping})
+        return True
+
+    def _spring(self, name: str, ends: list[str], numbers: dict[str, float]) -> None:
+        """A spring or damper; beside another one on the same nodes it adds to it."""
+        for edge in self.edges:
+            if {edge.first, edge.second} == set(ends) and [item["type"] for item in edge.items] == ["ShaftDiscrete"]:
+                for key, number in numbers.items():
+                    edge.items[0][key] += number
+                edge.names.append(name)
+                return
+        self.edges.append(Edge(*_two(ends), [name], [{"name": name, "type": "ShaftDiscrete", **numbers}]))
+
+    def _constraint(self, element: Element, row: Row) -> bool:
+        """Nodes made one, or a gear between two; whether it is one of these."""
+        if _is_joint(element, row):
+            return True
+        if len(row) != 2:
+            return False
+        (first, share), (second, other) = row.items()
+        teeth = element.teeth if isinstance(element, Gear) and set(row) == set(element.nodes) else None
+        ends = self.home[first], self.home[second]
+        self.edges.append(Edge(*ends, [element.name], ratio=float(-other / share), teeth=teeth))
+        return True
+
+
+def _is_chain(element: Element) -> TypeGuard[Shaft]:
+    """Whether an element is written with all that is between its two ends."""
+    return isinstance(element, Shaft) and GROUND not in element.nodes
+
+
+def _is_difference(row: Row) -> bool:
+    return len(row) == 2 and sum(row.values()) == 0
+
+
+def _is_joint(element: Element, row: Row) -> bool:
+    """Whether a constraint makes two nodes one; a gear of ratio 1 stays a gear."""
+    return _is_difference(row) and not isinstance(element, Gear)
+
+
+def _refuse_all_but_a_tree(disks: Disks, edges: list[Edge]) -> None:
     home = {node: node for node in disks}
 
     def root(node: str) -> str:
@@ -110,44 +157,29 @@ def _refuse_loops(disks: Disks, edges: list[Edge]) -> None:
             msg = f"{', '.join(edge.names)} closes a loop; TORS holds trees only"
             raise UsageError(msg)
         home[second] = first
-
-
-def _is_lossy(element: Element, value: Values) -> bool:
-    return any(isinstance(part, Law) and bool(part.loss_factor) for part in element.parts(value))
+    parts = {root(node): node for node in disks}
+    if len(parts) > 1:
+        msg = f"nothing connects {' and '.join(parts)} in this configuration; TORS holds one tree"
+        raise UsageError(msg)
 
 
 def _two(ends: list[str]) -> tuple[str, str]:
     return ends[0], ends[1]
 
 
-def _merged(elements: Iterable[Element], nodes: Iterable[str]) -> dict[str, str]:
-    """Every node with the one that stands for it: rigid couplings make one of two."""
+def _merged(elements: Iterable[Element], value: Values, nodes: Iterable[str]) -> dict[str, str]:
+    """Every node with the one that stands for it: rigid connections make one of two."""
     home = {node: node for node in nodes}
     for element in elements:
-        if isinstance(element, RigidCoupling) and GROUND not in element.nodes:
-            first, second = (home[node] for node in element.nodes)
-            home = {node: first if other == second else other for node, other in home.items()}
+        for part in element.parts(value):
+            if isinstance(part, Constraint) and _is_joint(element, part.row):
+                first, second = (home[node] for node in part.row)
+                home = {node: first if other == second else other for node, other in home.items()}
     return home
 
 
 def _disk(name: str, inertia: float = 0.0, damping: float = 0.0) -> dict[str, Any]:
     return {"name": name, "type": "Disk", "inertia": inertia, "damping": damping}
-
-
-def _add_spring(element: Any, ends: list[str], value: Values, edges: list[Edge]) -> None:
-    """A spring or damper; beside another one on the same nodes it adds to it."""
-    stiffness = 0 if isinstance(element, Damper) else value(element.stiffness)
-    damping = viscous(element.damping, stiffness, value)
-    same = [edge for edge in edges if {edge.first, edge.second} == set(ends) and len(edge.items) == 1]
-    for edge in same:
-        shaft = edge.items[0]
-        if shaft["type"] == "ShaftDiscrete":
-            shaft["stiffness"] += float(stiffness)
-            shaft["damping"] += float(damping)
-            edge.names.append(element.name)
-            return
-    numbers = {"stiffness": float(stiffness), "damping": float(damping)}
-    edges.append(Edge(*_two(ends), [element.name], [{"name": element.name, "type": "ShaftDiscrete", **numbers}]))
 
 
 def _segments(shaft: Shaft, value: Values, disks: Disks, ends: list[str]) -> list[dict[str, Any]]:
@@ -183,11 +215,3 @@ def _continuous(shaft: Shaft, value: Values, n: int) -> dict[str, Any]:
         "innerDiameter": inner,
         "density": float(value(shaft.density)) / stretch,
     }
-
-
-def _add_gear(gear: Gear, ends: list[str], value: Values, edges: list[Edge], refused: list[str]) -> None:
-    if gear.stiffness is not None or gear.housing is not None:
-        refused.append(f"{gear.name} ({'compliant mesh' if gear.stiffness is not None else 'moving housing'})")
-        return
-    ratio = float(gear.ratio_value(dict(value.parameters)))
-    edges.append(Edge(*_two(ends), [gear.name], gear=gear, ratio=ratio))

@@ -201,7 +201,9 @@ class _Builder:
 
     def _made(self, kind: str, entry: Entry, nodes: list[str]) -> Iterator[Element]:
         label, values = self.short[entry.label], entry.values
-        if kind == "ShaftDiscrete":
+        if kind == "ShaftDiscrete" and not values["stiffness"]:
+            yield Damper(self.names.new(label), nodes=nodes, damping=values.get("damping", 0))
+        elif kind == "ShaftDiscrete":
             yield Spring(self.names.new(label), nodes=nodes, **_pick(values, "stiffness", "damping"))
         elif kind == "ShaftContinuous":
             yield _continuous(self.names.new(label), nodes, values)

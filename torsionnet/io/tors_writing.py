@@ -25,14 +25,16 @@ def to_tors(drivetrain: Drivetrain) -> dict[str, Any]:
 
     The format knows disks, shafts and gears in a tree. Nodes joined by a rigid coupling become one; springs and dampers
     between the same nodes one shaft; a gear of positive ratio a train with an idler; a shaft of another modulus than
-    80 GPa one of equal stiffness and inertia with another length and density. Every element carries its ``node``, so
-    that :func:`read_tors` finds it again; openTorsion passes over that. Inputs and sensors are left out.
+    80 GPa one of equal stiffness and inertia with another length and density. Other element types are written by their
+    laws and constraints, as far as these are disks, shafts and gears. Every element carries its ``node``, so that
+    :func:`read_tors` finds it again; openTorsion passes over that. Inputs and sensors are left out.
 
     Raises
     ------
     UsageError
         What the format, or openTorsion 0.3.2 in reading it, cannot express: a clamp or a spring to ground, a compliant
-        mesh, planetary sets, differentials, frequency-dependent springs, loops, two shafts leaving one node.
+        mesh, planetary sets, open differentials, frequency-dependent springs, loops, parts that nothing connects, two
+        shafts leaving one node.
 
     Examples
     --------
@@ -129,12 +131,12 @@ class _Layout:
         """Shafts and gears that lead on from a node, marked as used."""
         onward = [edge for edge in self.graph.at[node] if id(edge) not in self.used]
         self.used |= {id(edge) for edge in onward}
-        shafts = [edge for edge in onward if edge.gear is None]
+        shafts = [edge for edge in onward if not edge.is_gear]
         if len(shafts) > 1:
             names = ", ".join(name for edge in shafts for name in edge.names)
             msg = f"{names} lead on together from node {node}; openTorsion lets one shaft go on from a place"
             raise UsageError(msg)
-        return shafts, [edge for edge in onward if edge.gear is not None]
+        return shafts, [edge for edge in onward if edge.is_gear]
 
     def _shaft(self, chain: _Chain, edge: Edge, node: str) -> str:
         for item in edge.items[:-1]:  # equal segments: the same from either side
@@ -161,7 +163,6 @@ class _Layout:
 
 def _wheel(edge: Edge, node: str) -> Item:
     side = 0 if node == edge.first else 1
-    teeth = edge.gear.teeth if edge.gear else None
-    size = float(abs(teeth[side])) if teeth else WHEEL * (abs(edge.ratio) if side else 1.0)
+    size = float(abs(edge.teeth[side])) if edge.teeth else WHEEL * (abs(edge.ratio) if side else 1.0)
     wheel = {"name": f"{edge.names[0]} {node}", "type": "GearElement", "inertia": 0.0, "diameter": size}
-    return {**wheel, "teeth": abs(int(teeth[side]))} if teeth else wheel
+    return {**wheel, "teeth": abs(int(edge.teeth[side]))} if edge.teeth else wheel

@@ -1,13 +1,14 @@
-"""What sits on a shaft: discs, what hangs below them down to ground, and what the line ends in."""
+"""What sits on a shaft: discs, what hangs below them down to ground or a mass, and what the line ends in."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from torsionnet.model.elements import Element
+from torsionnet.model.elements import GROUND, Element
 from torsionnet.plot import outlines
 from torsionnet.plot.glyphs import inline_glyph
 from torsionnet.plot.pieces import LEADING, ROLES, Piece, Stroke, Texts, widest
+from torsionnet.plot.strands import far_end
 
 if TYPE_CHECKING:
     from torsionnet.plot.planned_row import PlannedRow
@@ -32,7 +33,7 @@ def body(line: PlannedRow, disc: Element | None, hanging: Element | None) -> Non
 
 
 def _hang(line: PlannedRow, piece: Piece, element: Element, y: float, texts: Texts) -> None:
-    """An element down to ground, its torques beside the piece that leads there, its texts below the hatching."""
+    """An element down to its far end, its torques beside the piece that leads there, its texts below."""
     length, reach = 14.0, 8.0
     y = _tapped(line, piece, element, y)
     if element.glyph == "clamp":
@@ -41,10 +42,13 @@ def _hang(line: PlannedRow, piece: Piece, element: Element, y: float, texts: Tex
         glyph = inline_glyph(element, line.values).scaled(line.plan.scale)
         length, reach = glyph.length, glyph.reach
         piece.strokes += glyph.hanging(0, y)
-    piece.strokes += outlines.ground(0, y - length)
+    end = far_end(element, line.values)
+    foot = outlines.ground(0, y - length) if end == GROUND else outlines.mass(0, y - length) if end else []
+    piece.strokes += foot
+    bottom = min([y - length, *(v for stroke in foot for _, v in stroke.points)]) - 1
     wide = max(reach, outlines.GROUND_WIDTH / 2 + 1)
-    piece.boxes.append((-wide, wide, y - length - 7, y))
-    piece.write(0, y - length - 9, texts, upward=False)
+    piece.boxes.append((-wide, wide, bottom, y))
+    piece.write(0, bottom - 2, texts, upward=False)
 
 
 def _tapped(line: PlannedRow, piece: Piece, element: Element, y: float) -> float:
@@ -61,11 +65,14 @@ def _tapped(line: PlannedRow, piece: Piece, element: Element, y: float) -> float
 
 
 def ending(line: PlannedRow, element: Element) -> float:
-    """A wall the shaft ends in, after the element unless that is a clamp; gives where the shaft stops."""
+    """The far end of an element the shaft ends in, a clamp by itself; gives where the shaft stops."""
     texts = line.plan.texts(element)
     glyph = None if element.glyph == "clamp" else inline_glyph(element, line.values).scaled(line.plan.scale)
     length, reach = (glyph.length, glyph.reach) if glyph else (0.0, 0.0)
-    piece = Piece([*(glyph.along(-length / 2, 0) if glyph else []), *outlines.wall(length / 2, WALL)])
-    piece.boxes.append((-length / 2, length / 2 + 8, -max(WALL, reach), max(WALL, reach)))
-    piece.write(0, max(WALL, reach) + 4, texts)
+    end = far_end(element, line.values)
+    last = outlines.wall(length / 2, WALL) if end == GROUND else outlines.disc(length / 2 + 4, WALL) if end else []
+    high = max(WALL, reach) if end else reach
+    piece = Piece([*(glyph.along(-length / 2, 0) if glyph else []), *last])
+    piece.boxes.append((-length / 2, length / 2 + 8, -high, high))
+    piece.write(0, high + 4, texts)
     return line.put(piece, length / 2 + 8, length / 2 + 8) - length / 2

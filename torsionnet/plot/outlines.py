@@ -64,6 +64,11 @@ def ground(x: float, y: float) -> list[Stroke]:
     return [Stroke(((x - half, y), (x + half, y))), *hatches]
 
 
+def mass(x: float, y: float) -> list[Stroke]:
+    """An inertia below what it hangs on."""
+    return [rectangle(x - GROUND_WIDTH / 2, x + GROUND_WIDTH / 2, y - DISC_WIDTH, y, BODY)]
+
+
 def wall(x: float, half: float = 18.0) -> list[Stroke]:
     """A line with hatching to the right."""
     count = int(2 * half / 6)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from torsionnet.model.elements import GROUND, Element, Law, Values
+from torsionnet.model.elements import GROUND, Element, Law, Part, Values
 from torsionnet.model.elements.damping_entries import LossFactor
 from torsionnet.model.elements.stiffness_rows import TableEntry
 from torsionnet.plot.outlines import Glyph, dashpot, rectangle, zigzag
@@ -24,7 +24,7 @@ Strand = tuple[str, ...]
 def strands(element: Element, values: Mapping[str, Any]) -> list[Strand]:
     """Ways from one end of an element to the other, springs first; none if its laws form no such ways."""
     edges = _edges(element, values)
-    first, second = _ends(element)
+    first, second = _ends(element, values)
     direct = [(what,) for ends, what in edges if ends == {first, second}]
     inner = dict.fromkeys(node for ends, _ in edges for node in ends if node not in (first, second))
     chains = [_chain(node, first, second, edges) for node in inner]
@@ -33,9 +33,24 @@ def strands(element: Element, values: Mapping[str, Any]) -> list[Strand]:
     return sorted(dict.fromkeys([*direct, *chains]), key=lambda strand: (strand[0] != "spring", len(strand)))
 
 
-def _ends(element: Element) -> tuple[str, str]:
-    nodes = [*element.ports.values(), GROUND]
-    return nodes[0], nodes[1]
+def _ends(element: Element, values: Mapping[str, Any]) -> tuple[str, str]:
+    nodes = [*element.ports.values()]
+    return nodes[0], nodes[1] if len(nodes) > 1 else far_end(element, values)
+
+
+def far_end(element: Element, values: Mapping[str, Any]) -> str:
+    """Where an element on one node leads to: ground, a mass of its own, or empty where it leads nowhere."""
+    parts = element.parts(Values(values))
+    if GROUND in element.ports.values() or any(map(_resists_turning, parts)):
+        return GROUND
+    heavy = {node for part in parts if isinstance(part, Law) and part.inertia != 0 for node in part.row}
+    return next((node for node in element.internal_nodes if node in heavy), "")
+
+
+def _resists_turning(part: Part) -> bool:
+    """Whether a part is felt when all nodes turn alike at a constant speed, or stand turned."""
+    acts = not isinstance(part, Law) or part.is_elastic or part.damping != 0
+    return bool(acts and sum(part.row.values()) != 0)
 
 
 def _edges(element: Element, values: Mapping[str, Any]) -> list[tuple[set[str], str]]:

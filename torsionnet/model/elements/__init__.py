@@ -1,33 +1,36 @@
-"""The element types. One class is one place: ports, parameters, laws; importing this package registers them all."""
+"""The element types. One class is one place: ports, parameters, laws; every file of this package is imported here."""
 
-from torsionnet.model.elements.element import ELEMENT_TYPES, Element, make_element, register
-from torsionnet.model.elements.gears import Differential, Gear, Planetary
-from torsionnet.model.elements.inertia import Inertia
+import importlib
+import pkgutil
+from typing import TYPE_CHECKING
+
+from torsionnet.model.elements.element import ELEMENT_TYPES, Element, element_classes, make_element, register
 from torsionnet.model.elements.laws import GROUND, Constraint, Law, Part, Row, Values
-from torsionnet.model.elements.rigid import Lock, RigidCoupling
-from torsionnet.model.elements.shaft import Shaft
-from torsionnet.model.elements.springs import Damper, HystereticSpring, Spring, TabulatedSpring
+
+if TYPE_CHECKING:
+    from torsionnet.model.elements.element_types import *
+
+for _name in sorted(module.name for module in pkgutil.iter_modules(__path__)):
+    importlib.import_module(f"{__name__}.{_name}")
 
 __all__ = [
     "ELEMENT_TYPES",
     "GROUND",
     "Constraint",
-    "Damper",
-    "Differential",
     "Element",
-    "Gear",
-    "HystereticSpring",
-    "Inertia",
     "Law",
-    "Lock",
     "Part",
-    "Planetary",
-    "RigidCoupling",
     "Row",
-    "Shaft",
-    "Spring",
-    "TabulatedSpring",
     "Values",
+    "element_classes",
     "make_element",
     "register",
 ]
+
+
+def __getattr__(name: str) -> object:
+    """An element type by the name of its class."""
+    classes = element_classes()
+    if name not in classes:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}", name=name)
+    return classes[name]

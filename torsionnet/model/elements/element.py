@@ -23,14 +23,22 @@ from torsionnet.model.elements.laws import Constraint, Law, Part, Row, Values
 from torsionnet.model.elements.nodes import NodeName, NodePair
 
 ELEMENT_TYPES: dict[str, type[Element]] = {}
+"""Kind -> type, in the order of the kinds, whatever the order in which files were imported."""
 
 E = TypeVar("E", bound="Element")
 
 
 def register(cls: type[E]) -> type[E]:
     """Make an element type known under its ``kind``."""
-    ELEMENT_TYPES[cls.kind] = cls
+    known: dict[str, type[Element]] = {**ELEMENT_TYPES, cls.kind: cls}
+    ELEMENT_TYPES.clear()
+    ELEMENT_TYPES.update(sorted(known.items()))
     return cls
+
+
+def element_classes() -> dict[str, type[Element]]:
+    """The registered types by the names of their classes, as Python offers them: ``torsionnet.Spring``."""
+    return {cls.__name__: cls for cls in ELEMENT_TYPES.values()}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -165,6 +173,7 @@ __all__ = [
     "Part",
     "Row",
     "Values",
+    "element_classes",
     "make_element",
     "register",
     "viscous",

@@ -1,0 +1,125 @@
+"""Any element as components of Modelica.Mechanics.Rotational, from its laws and constraints."""
+
+from __future__ import annotations
+
+from functools import reduce
+from typing import TypeAlias
+
+from torsionnet.io.modelica_net import Net
+from torsionnet.io.modelica_words import ROTATIONAL, ModelicaWords, quoted
+from torsionnet.io.open_numbers import OpenNumber, open_number
+from torsionnet.model.elements import GROUND, Constraint, Element, Law, Part, Row
+
+COMPONENTS = f"{ROTATIONAL}.Components"
+FIXED = f"node:{GROUND}"
+
+Lever: TypeAlias = tuple[str, OpenNumber]
+"""A point, and what its angle has to be multiplied with to give gamma."""
+
+
+def port(element: Element, name: str) -> str:
+    """The point of a port; joined to its node, or to a torque sensor in between."""
+    return f"port:{element.name}.{name}"
+
+
+def declared(element: Element, net: Net, kind: str, values: str = "", suffix: str = "") -> str:
+    """A component of an element; the plain one has its description."""
+    comment = quoted(element.description) if element.description and not suffix else ""
+    return net.declare(f"{COMPONENTS}.{kind}", element.name + suffix, values, comment)
+
+
+def write_parts(element: Element, net: Net, words: ModelicaWords) -> None:
+    """Springs, dampers and inertias on the row of each law, ideal gears or nothing but connections for constraints.
+
+    A row of one node, or the difference of two, is acted on as it is. Any other row becomes the angle of a flange: an
+    ideal planetary set has the weighted mean of two angles on its carrier.
+    """
+    writer = _PartWriter(element, net, words)
+    for part in element.parts(words.open):
+        writer.write(part)
+
+
+def has_counterpart(part: Part) -> bool:
+    """Whether components can do what a part does: nothing that depends on frequency."""
+    return isinstance(part, Constraint) or (part.loss_factor == 0 and part.table is None)
+
+
+class _PartWriter:
+    def __init__(self, element: Element, net: Net, words: ModelicaWords) -> None:
+        self.element, self.net, self.words = element, net, words
+        self.points = {node: f"node:{node}" for node in element.internal_nodes}
+        for name, node in reversed(element.ports.items()):
+            self.points[node] = port(element, name)
+        self.is_first = True
+
+    def write(self, part: Part) -> None:
+        if isinstance(part, Constraint):
+            self._constraint(part.row)
+        elif part.acts:
+            if part.is_elastic or part.damping != 0:
+                self._spring(part)
+            if part.inertia != 0:
+                point, factor = self._mean(part.row)
+                name = self._declared("Inertia", f"J={self._text(part.inertia * factor**2)}", "_inertia")
+                self.net.join(point, f"{name}.flange_a")
+
+    def _declared(self, kind: str, values: str, suffix: str) -> str:
+        name = declared(self.element, self.net, kind, values, "" if self.is_first else suffix)
+        self.is_first = False
+        return name
+
+    def _text(self, number: OpenNumber) -> str:
+        return self.words.expression(open_number(number).expression)
+
+    def _spring(self, law: Law) -> None:
+        first, second, factor = self._ends(law.row)
+        laws = {"c": law.stiffness * factor**2, "d": law.damping * factor**2}
+        values = ", ".join(f"{letter}={self._text(number)}" for letter, number in laws.items() if number != 0)
+        kind = "Damper" if law.stiffness == 0 else "Spring" if law.damping == 0 else "SpringDamper"
+        name = self._declared(kind, values, f"_{kind.lower()}")
+        self.net.join(first, f"{name}.flange_a")
+        self.net.join(second, f"{name}.flange_b")
+
+    def _ends(self, row: Row) -> tuple[str, str, OpenNumber]:
+        """Two points whose difference, times a factor, is gamma."""
+        nodes = list(row)
+        if len(nodes) == 2 and row[nodes[0]] + row[nodes[1]] == 0:
+            return self.points[nodes[0]], self.points[nodes[1]], open_number(row[nodes[0]])
+        point, factor = self._mean(row)
+        return point, self.points.get(GROUND, FIXED), factor
+
+    def _mean(self, row: Row) -> Lever:
+        """A point that turns with gamma, but for a factor."""
+        levers = [(self.points[node], open_number(share)) for node, share in row.items()]
+        return reduce(self._mean_of_two, levers)
+
+    def _mean_of_two(self, one: Lever, other: Lever) -> Lever:
+        (point, factor), (end, share) = one, other
+        if factor + share == 0:  # there is no mean of weights that cancel: the other angle turned round
+            reverse = self._declared("IdealGear", "ratio=-1", "_reverse")
+            self.net.join(end, f"{reverse}.flange_a")
+            end, share = f"{reverse}.flange_b", -share
+        mean = self._declared("IdealPlanetary", f"ratio={self._text(share / factor)}", "_mean")
+        self.net.join(point, f"{mean}.sun")
+        self.net.join(end, f"{mean}.ring")
+        return f"{mean}.carrier", factor + share
+
+    def _constraint(self, row: Row) -> None:
+        *some, last = row
+        if not some:
+            self._hold(self.points[last])
+            return
+        point, factor = self._mean({node: row[node] for node in some})
+        share = open_number(row[last])
+        if factor + share == 0:
+            self.net.join(point, self.points[last])
+            return
+        gear = self._declared("IdealGear", f"ratio={self._text(-share / factor)}", "_gear")
+        self.net.join(point, f"{gear}.flange_a")
+        self.net.join(self.points[last], f"{gear}.flange_b")
+
+    def _hold(self, point: str) -> None:
+        if GROUND in self.points:
+            self.net.join(point, self.points[GROUND])
+        else:
+            self.net.join(point, f"{self._declared('Fixed', '', '_fixed')}.flange")

@@ -1,0 +1,112 @@
+"""Numbers that keep the expression of the model's parameters they come from, so that an export can write it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from math import pi
+from typing import Any, Literal
+
+from torsionnet.core.expressions import Algebra, Binary, Expression, Name, Negative, Number, Pi, Power, SquareRoot
+from torsionnet.core.units import exact_sqrt, limited
+from torsionnet.model.elements import Values
+
+
+@dataclass(frozen=True, eq=False)
+class OpenNumber:
+    """A number with its expression; it compares by its present value.
+
+    Elements run on such numbers as they do on fractions.
+
+    >>> import torsionnet as tn
+    >>> (law,) = tn.Spring("s", nodes=("a", "b"), stiffness="2*k").parts(open_values({"k": Fraction(5)}))
+    >>> law.stiffness.value, str(law.stiffness.expression)
+    (Fraction(10, 1), '2*k')
+    """
+
+    value: Fraction | float
+    expression: Expression
+
+    def __add__(self, right: Any) -> OpenNumber:
+        other = open_number(right)
+        if other.is_constantly(0):
+            return self
+        return other if self.is_constantly(0) else self._with("+", other, self.value + other.value)
+
+    def __sub__(self, right: Any) -> OpenNumber:
+        other = open_number(right)
+        if self.is_constantly(0):
+            return -other
+        return self if other.is_constantly(0) else self._with("-", other, self.value - other.value)
+
+    def __mul__(self, right: Any) -> OpenNumber:
+        other = open_number(right)
+        for factor, rest in ((self, other), (other, self)):
+            if factor.is_constantly(0) or rest.is_constantly(1):
+                return factor
+        return self._with("*", other, self.value * other.value)
+
+    def __truediv__(self, right: Any) -> OpenNumber:
+        other = open_number(right)
+        return self if other.is_constantly(1) else self._with("/", other, self.value / other.value)
+
+    def __pow__(self, power: int) -> OpenNumber:
+        return self if power == 1 else _made(self.value**power, Power(self.expression, power))
+
+    def __neg__(self) -> OpenNumber:
+        inner = self.expression
+        return _made(-self.value, inner.operand if isinstance(inner, Negative) else Negative(inner))
+
+    def __radd__(self, left: Any) -> OpenNumber:
+        return open_number(left) + self
+
+    def __rsub__(self, left: Any) -> OpenNumber:
+        return open_number(left) - self
+
+    def __rmul__(self, left: Any) -> OpenNumber:
+        return open_number(left) * self
+
+    def __rtruediv__(self, left: Any) -> OpenNumber:
+        return open_number(left) / self
+
+    def __eq__(self, right: object) -> bool:
+        return self.value == open_number(right).value
+
+    def __lt__(self, right: Any) -> bool:
+        return bool(self.value < open_number(right).value)
+
+    def __hash__(self) -> int:
+        return hash(self.value)
+
+    def __float__(self) -> float:
+        return float(self.value)
+
+    def is_constantly(self, number: int) -> bool:
+        """Whether it is a number that no parameter can change."""
+        return isinstance(self.expression, Number) and self.value == number
+
+    def _with(self, operator: Literal["+", "-", "*", "/"], right: OpenNumber, value: Fraction | float) -> OpenNumber:
+        return _made(value, Binary(operator, self.expression, right.expression))
+
+
+def open_number(value: Any) -> OpenNumber:
+    """A plain number as one without parameters."""
+    return value if isinstance(value, OpenNumber) else OpenNumber(value, Number(value))
+
+
+def open_values(parameters: Mapping[str, Any]) -> Values:
+    """What turns the scalars of elements into numbers that stay open in these parameters."""
+    named = {name: OpenNumber(value, Name(name)) for name, value in parameters.items()}
+    return Values(named, Algebra(open_number, _square_root, OpenNumber(pi, Pi())))
+
+
+def _square_root(number: OpenNumber) -> OpenNumber:
+    return _made(exact_sqrt(number.value), SquareRoot(number.expression))
+
+
+def _made(value: Fraction | float, expression: Expression) -> OpenNumber:
+    """A result; what depends on no parameter and is exact needs no expression."""
+    value = limited(value)
+    is_plain = isinstance(value, Fraction | int) and not expression.names
+    return OpenNumber(value, Number(value) if is_plain else expression)

@@ -1,0 +1,12 @@
+from torsionnet.model.elements.gears import Differential as Differential
+from torsionnet.model.elements.gears import Gear as Gear
+from torsionnet.model.elements.gears import Planetary as Planetary
+from torsionnet.model.elements.inertia import Inertia as Inertia
+from torsionnet.model.elements.rigid import Lock as Lock
+from torsionnet.model.elements.rigid import RigidCoupling as RigidCoupling
+from torsionnet.model.elements.shaft import Shaft as Shaft
+from torsionnet.model.elements.springs import Damper as Damper
+from torsionnet.model.elements.springs import HystereticSpring as HystereticSpring
+from torsionnet.model.elements.springs import Spring as Spring
+from torsionnet.model.elements.springs import TabulatedSpring as TabulatedSpring
+from torsionnet.model.elements.viscous_damper import ViscousDamper as ViscousDamper
