@@ -72,8 +72,7 @@ def _refuse(drivetrain: Drivetrain) -> None:
         if not has_counterpart(part)
     ]
     if without:
-        msg = f"Modelica.Mechanics.Rotational has no counterpart of {'; '.join(without)}"
-        raise UsageError(msg)
+        raise UsageError(f"Modelica.Mechanics.Rotational has no counterpart of {'; '.join(without)}")
 
 
 @dataclass

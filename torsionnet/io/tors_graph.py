@@ -59,10 +59,9 @@ def tors_graph(drivetrain: Drivetrain) -> Graph:
     for element in drivetrain.elements.values():
         writer.write(element)
     if writer.refused:
-        msg = (
+        raise UsageError(
             f"TORS has no counterpart of {'; '.join(writer.refused)}; it knows disks, shafts and rigid gears in a tree"
         )
-        raise UsageError(msg)
     _refuse_all_but_a_tree(writer.disks, writer.edges)
     return Graph(writer.disks, writer.edges)
 
@@ -154,13 +153,11 @@ def _refuse_all_but_a_tree(disks: Disks, edges: list[Edge]) -> None:
     for edge in edges:
         first, second = root(edge.first), root(edge.second)
         if first == second:
-            msg = f"{', '.join(edge.names)} closes a loop; TORS holds trees only"
-            raise UsageError(msg)
+            raise UsageError(f"{', '.join(edge.names)} closes a loop; TORS holds trees only")
         home[second] = first
     parts = {root(node): node for node in disks}
     if len(parts) > 1:
-        msg = f"nothing connects {' and '.join(parts)} in this configuration; TORS holds one tree"
-        raise UsageError(msg)
+        raise UsageError(f"nothing connects {' and '.join(parts)} in this configuration; TORS holds one tree")
 
 
 def _two(ends: list[str]) -> tuple[str, str]:

@@ -63,8 +63,7 @@ def read_tors(path: str | os.PathLike[str]) -> Drivetrain:
     """
     source = Path(path)
     if not source.is_file():
-        msg = f'there is no file "{source}"'
-        raise UsageError(msg)
+        raise UsageError(f'there is no file "{source}"')
     try:
         data = json.loads(source.read_text(encoding="utf-8-sig"))
     except UnicodeDecodeError:

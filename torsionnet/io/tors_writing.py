@@ -134,8 +134,9 @@ class _Layout:
         shafts = [edge for edge in onward if not edge.is_gear]
         if len(shafts) > 1:
             names = ", ".join(name for edge in shafts for name in edge.names)
-            msg = f"{names} lead on together from node {node}; openTorsion lets one shaft go on from a place"
-            raise UsageError(msg)
+            raise UsageError(
+                f"{names} lead on together from node {node}; openTorsion lets one shaft go on from a place"
+            )
         return shafts, [edge for edge in onward if edge.is_gear]
 
     def _shaft(self, chain: _Chain, edge: Edge, node: str) -> str:
