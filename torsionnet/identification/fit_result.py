@@ -47,28 +47,7 @@ class Compared:
 
 @dataclass(frozen=True, eq=False)
 class FitResult:
-    """Parameters found from measurements.
-
-    Attributes
-    ----------
-    values, standard_errors : mapping of str to float
-        SI; an infinite standard error says that the data do not determine the value, or that the model does not fit.
-    correlation : (n, n) array
-        In the order of ``values``.
-    chi_squared : float
-        Sum of the squared weighted residuals, priors included.
-    degrees_of_freedom : int
-        Independent values that the residuals are worth, less the parameters.
-    comparisons : tuple of Compared
-    verdicts : tuple of str
-        Which values can be trusted, in words.
-    notes : tuple of str
-    steps : mapping of str to tuple of tuples of float
-        By how much the steps of a sensor move a value from each place that it may rest at, for each test that has
-        them, SI. The errors contain it.
-    lack_of_fit : LackOfFit, optional
-        What the residuals hold beyond noise; none of a fit that was read from a file.
-    """
+    """Values and errors without the measurements behind them; :class:`torsionnet.Fit` says what each is."""
 
     values: Mapping[str, float]
     standard_errors: Mapping[str, float]

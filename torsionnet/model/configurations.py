@@ -10,6 +10,7 @@ from typing import Any
 from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.scalars import AnyQuantity, plain_scalar, read_value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
+from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.core.expressions import Expression
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
@@ -79,23 +80,11 @@ class AlternativeEntry(Spec):
         return {"alternative": alternative, **OPERATING_POINT.definitions()}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
-class ElementName(Spec):
-    """An element of the model."""
-
-    def coerce(self, raw: Any) -> str:
-        if not isinstance(raw, str):
-            raise EntryError(f"expected the name of an element, got {raw!r}")
-        return raw
-
-    def schema(self) -> Schema:
-        return {"type": "string"}
-
-
+_ELEMENT = Text("an element of the model", "the name of an element")
 _ELEMENTS = "a list of element names"
 _KNOWN: dict[str, Spec] = {
-    "on": Listed("elements to switch on", ElementName(""), form=_ELEMENTS),
-    "off": Listed("elements to switch off", ElementName(""), form=_ELEMENTS),
+    "on": Listed("elements to switch on", _ELEMENT, form=_ELEMENTS),
+    "off": Listed("elements to switch off", _ELEMENT, form=_ELEMENTS),
     "operating_point": OPERATING_POINT,
 }
 _VALUE = AnyQuantity("value of a parameter")

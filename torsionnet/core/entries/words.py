@@ -9,6 +9,7 @@ from typing import Any
 from torsionnet.core.entries.spec import EntryError, Schema, Spec
 from torsionnet.core.errors import did_you_mean
 
+MODEL_NAME = "the name of a library model or the path of a model file"
 NAME_SCHEMA: Schema = {"pattern": "^[A-Za-z][A-Za-z0-9_]*$"}
 
 
@@ -21,24 +22,13 @@ def name_fault(name: str) -> str | None:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Text(Spec):
-    """Free text."""
+    """Free text, or the name of something."""
+
+    what: str = "text"
 
     def coerce(self, raw: Any) -> str:
         if not isinstance(raw, str):
-            raise EntryError(f"expected text, got {raw!r}")
-        return raw
-
-    def schema(self) -> Schema:
-        return {"type": "string", "description": self.description}
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class ModelName(Spec):
-    """A model by its name in the library, or by its file."""
-
-    def coerce(self, raw: Any) -> str:
-        if not isinstance(raw, str):
-            raise EntryError(f"expected the name of a library model or the path of a model file, got {raw!r}")
+            raise EntryError(f"expected {self.what}, got {raw!r}")
         return raw
 
     def schema(self) -> Schema:

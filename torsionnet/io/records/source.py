@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
 from torsionnet.core.errors import Position
 from torsionnet.core.units import DIMENSIONS, UnitError, parse_unit
 from torsionnet.response.recording import FloatArray
@@ -90,8 +88,3 @@ def sliced(readers: Sequence[Reader], lengths: Sequence[int]) -> Blocks:
             yield [readers[column](first, min(first + step, length)) for column in columns]
 
     return blocks
-
-
-def reader_of(values: FloatArray) -> Reader:
-    """Reads slices of an array that is in memory."""
-    return lambda first, last: np.asarray(values[first:last], dtype=float)

@@ -9,7 +9,7 @@ from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.format_version import KEY
 from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import ModelName, Text
+from torsionnet.core.entries.words import MODEL_NAME, Text
 from torsionnet.model.bench.plan import Plan
 from torsionnet.model.report.report_plan import ConfigurationName
 
@@ -27,6 +27,8 @@ class BenchFile(Declared):
     name: str = entry(Text("title of the test"), "")
     source: str = entry(Text("where the numbers come from"), "")
     description: str = entry(Text("what the test is"), "")
-    model: str = entry(ModelName("name of a library model, or path of a model file from the folder of this file"))
+    model: str = entry(
+        Text("name of a library model, or path of a model file from the folder of this file", MODEL_NAME)
+    )
     configuration: str | None = entry(ConfigurationName("configuration in which the model is tested"), None)
     bench: Plan = entry(_PLAN)

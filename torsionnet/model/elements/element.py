@@ -19,7 +19,7 @@ from torsionnet.core.entries.spec import Spec, entry
 from torsionnet.core.entries.words import Flag, Text, name_fault
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.core.expressions import Expression
-from torsionnet.model.elements.laws import Constraint, Law, Part, Row, Values
+from torsionnet.model.elements.laws import Constraint, Part, Row, Values
 from torsionnet.model.elements.nodes import NodeName, NodePair
 
 ELEMENT_TYPES: dict[str, type[Element]] = {}
@@ -163,18 +163,3 @@ def viscous(damping: Any, stiffness: Any, value: Values) -> Any:
     if isinstance(damping, DampingMeasure):
         return damping.viscous(stiffness, value.parameters, value.algebra)
     return 0 if damping is None else value(damping)
-
-
-__all__ = [
-    "ELEMENT_TYPES",
-    "Constraint",
-    "Element",
-    "Law",
-    "Part",
-    "Row",
-    "Values",
-    "element_classes",
-    "make_element",
-    "register",
-    "viscous",
-]

@@ -12,7 +12,7 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.format_version import KEY
 from torsionnet.core.entries.scalars import AnyNumber, Value
 from torsionnet.core.entries.spec import Schema, entry
-from torsionnet.core.entries.words import Count, Flag, ModelName, OneOf, Text
+from torsionnet.core.entries.words import MODEL_NAME, Count, Flag, OneOf, Text
 from torsionnet.core.errors import Fault
 
 RANGES = ("band", "from", "to", "start", "stop", "low", "high", "frequencies")
@@ -126,7 +126,9 @@ class FitFile(Declared):
     head: ClassVar[tuple[str, ...]] = (KEY,)
 
     name: str = entry(Text("title of the fit"), "")
-    model: str = entry(ModelName("name of a library model, or path of a model file from the folder of this file"))
+    model: str = entry(
+        Text("name of a library model, or path of a model file from the folder of this file", MODEL_NAME)
+    )
     parameters: Mapping[str, FitParameter | None] = entry(
         ParameterTable("the parameters to be found, by name", _PARAMETER, fewest=1)
     )

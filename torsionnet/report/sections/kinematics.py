@@ -59,11 +59,6 @@ def kinematics_section(subject: ReportData) -> Section:
     return Section("kinematics", ("Kinematic relations",), tuple(blocks))
 
 
-def _in_numbers(form: Form) -> TableBlock:
-    rig = form.cases[0].drivetrain
-    return _numeric(rig, [node for node in rig.nodes if node not in rig.assembly.kinematics.coordinates])
-
-
 def _is_short(form: Form) -> bool:
     """Whether the ratios in symbols can be read; in numbers they always can."""
     return max((letters(cell) for cell in form.system.T if cell != 0), default=0) <= LONGEST

@@ -193,11 +193,6 @@ class Arranged:
             return Loading(load=self._row({load.of: Fraction(1)}))
         return Loading(motion={self.columns[f"input:{names[load]}"]: 1.0})
 
-    def _adjoint(self, one: SolvedReadings) -> Loading:
-        if one.row is None:
-            return Loading(motion={len(self.columns) + one.gap: 1.0})
-        return Loading(load=self._row(one.row))
-
     # --- what its solution says -------------------------------------------------------------------------------------
 
     def values(self, solved: ComplexArray, omega: FloatArray) -> ComplexArray:
