@@ -27,6 +27,6 @@ def names_on_demand(package: str, homes: Mapping[str, str]) -> Callable[[str], o
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}", name=name)
         module = importlib.import_module(homes[name])
-        return getattr(module, name, module)
+        return module if homes[name].endswith(f".{name}") else getattr(module, name)
 
     return attribute

@@ -23,29 +23,21 @@ _HOMES = {
     "write_tors": "torsionnet.io.tors_writing",
 }
 
-__all__ = [
-    "from_tors",
-    "iter_blocks",
-    "read_frequency_response",
-    "read_recording",
-    "read_tors",
-    "to_matlab",
-    "to_modelica",
-    "to_tors",
-    "write_fmu",
-    "write_frequency_response",
-    "write_matlab",
-    "write_modelica",
-    "write_recording",
-    "write_tors",
-]
+__all__ = [*_HOMES]  # noqa: PLE0604
 __getattr__ = names_on_demand(__name__, _HOMES)
 
 if TYPE_CHECKING:
-    from torsionnet.io.fmu import write_fmu
-    from torsionnet.io.matlab import to_matlab, write_matlab
-    from torsionnet.io.modelica import to_modelica, write_modelica
-    from torsionnet.io.records import iter_blocks, read_recording, write_recording
-    from torsionnet.io.responses.response_files import read_frequency_response, write_frequency_response
-    from torsionnet.io.tors_reading import from_tors, read_tors
-    from torsionnet.io.tors_writing import to_tors, write_tors
+    from torsionnet.io.fmu import write_fmu as write_fmu
+    from torsionnet.io.matlab import to_matlab as to_matlab
+    from torsionnet.io.matlab import write_matlab as write_matlab
+    from torsionnet.io.modelica import to_modelica as to_modelica
+    from torsionnet.io.modelica import write_modelica as write_modelica
+    from torsionnet.io.records import iter_blocks as iter_blocks
+    from torsionnet.io.records import read_recording as read_recording
+    from torsionnet.io.records import write_recording as write_recording
+    from torsionnet.io.responses.response_files import read_frequency_response as read_frequency_response
+    from torsionnet.io.responses.response_files import write_frequency_response as write_frequency_response
+    from torsionnet.io.tors_reading import from_tors as from_tors
+    from torsionnet.io.tors_reading import read_tors as read_tors
+    from torsionnet.io.tors_writing import to_tors as to_tors
+    from torsionnet.io.tors_writing import write_tors as write_tors
