@@ -340,7 +340,9 @@ def test_standard_errors_are_the_scatter(runs):
     fits = [tn.identify(rig, measured(response(rig, noise=0.02, seed=seed)), ["c_2", "k_2"]) for seed in range(runs)]
     for name in ("c_2", "k_2"):
         scatter = np.std([fit.values[name] for fit in fits])
-        assert np.median([fit.standard_errors[name] for fit in fits]) == pytest.approx(scatter, rel=2.6 / np.sqrt(2 * runs))
+        assert np.median([fit.standard_errors[name] for fit in fits]) == pytest.approx(
+            scatter, rel=2.6 / np.sqrt(2 * runs)
+        )
         inside = np.mean([fit.intervals()[name][0] < rig.parameters[name] < fit.intervals()[name][1] for fit in fits])
         assert 0.9 < inside < 0.99
 

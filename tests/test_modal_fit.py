@@ -4,6 +4,7 @@ import warnings
 from dataclasses import replace
 from itertools import pairwise
 
+import campaigns
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -57,22 +58,6 @@ SYSTEMS = {
 }
 
 
-APART = st.lists(
-    st.tuples(st.floats(2, 25), st.floats(0.005, 0.6)), min_size=1, max_size=3, unique_by=lambda p: round(p[0])
-)
-
-
-def come_back(modes, seed):
-    """Modes by frequency and damping ratio are found again, where they are not close together."""
-    modes = sorted(modes)
-    if any(b[0] < 1.25 * a[0] for a, b in pairwise(modes)):
-        return
-    poles = [pole(*mode) for mode in modes]
-    residues, _ = chain_residues(poles, 2, seed=seed)
-    found = identify_modes(response_of(poles, residues, LINES))
-    assert nearest(found.poles, poles).max() < 1e-6
-
-
 class TestKnownPoles:
     @pytest.mark.parametrize("name", SYSTEMS)
     @pytest.mark.parametrize(
@@ -116,16 +101,21 @@ class TestKnownPoles:
             without = identify_modes(response, Settings(residuals="none"), selection=4, refined=False)
             assert nearest(without.poles, poles).max() > 1e-6
 
-    @given(APART, st.integers(0, 10_000))
-    @settings(max_examples=8)
+    @given(
+        st.lists(
+            st.tuples(st.floats(2, 25), st.floats(0.005, 0.6)), min_size=1, max_size=3, unique_by=lambda p: round(p[0])
+        ),
+        st.integers(0, 10_000),
+    )
+    @settings(max_examples=campaigns.examples(8, 60))
     def test_any_oscillatory_modes_apart(self, modes, seed):
-        come_back(modes, seed)
-
-    @pytest.mark.slow
-    @given(APART, st.integers(0, 10_000))
-    @settings(max_examples=100)
-    def test_many_oscillatory_modes_apart(self, modes, seed):
-        come_back(modes, seed)
+        modes = sorted(modes)
+        if any(b[0] < 1.25 * a[0] for a, b in pairwise(modes)):
+            return
+        poles = [pole(*mode) for mode in modes]
+        residues, _ = chain_residues(poles, 2, seed=seed)
+        found = identify_modes(response_of(poles, residues, LINES))
+        assert nearest(found.poles, poles).max() < 1e-6
 
     def test_a_repeated_pole_needs_two_inputs(self):
         poles = [pole(6, 0.02), pole(11, 0.03), pole(11, 0.03)]
