@@ -26,7 +26,14 @@ OWN = ["index", "concepts", "sign_conventions", "model_file", "get_started", "te
 PAGES = [DOCS / f"{name}.md" for name in OWN] + sorted((DOCS / "how_to").glob("*.md"))
 PRINTED = ["fit_speed", "trust_a_fit"]
 """Pages whose blocks of text are what their programs print."""
-LONG = {"identify_parameters", "trust_a_fit", "from_test_to_response", "plot_fit_gears", "plot_damping_choice"}
+LONG = {
+    "identify_parameters",
+    "trust_a_fit",
+    "from_test_to_response",
+    "plot_fit_gears",
+    "plot_damping_choice",
+    "plot_tdms_to_response",
+}
 """Pages and examples that fit long records: their programs and commands run where slow tests do."""
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 SHOWN = re.compile(r"generated/(\w+\.svg)")
