@@ -3,6 +3,7 @@
 import os
 from collections import Counter
 
+import campaigns
 from hypothesis import settings
 
 # Before numpy is loaded: threads of BLAS on tiny matrices cost half the time of all tests, and one worker runs per core.
@@ -24,6 +25,11 @@ TOOLS = {
     "compiler": "the system's packages, as apt-get install gcc, or pip install ziglang",
 }
 WANTING = "skipped for want of a tool"
+
+
+def pytest_configure(config):
+    """Without slow tests properties are tried with few examples."""
+    campaigns.quick = "not slow" in (config.option.markexpr or "")
 
 
 def pytest_terminal_summary(terminalreporter):

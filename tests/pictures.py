@@ -31,7 +31,6 @@ def texts(figure):
 
 def collisions(figure):
     """Pairs of texts whose boxes overlap by more than half a pixel, as drawn."""
-    figure.canvas.draw()
     renderer = figure.canvas.get_renderer()
     shown = [(text.get_text(), text.get_window_extent(renderer)) for text in figure.axes[0].texts]
     return [
@@ -50,7 +49,6 @@ def outside(figure):
 
 def crossed(figure):
     """Texts with a line through them, or on a filled symbol other than the box whose port or content they name."""
-    figure.canvas.draw()
     renderer, back = figure.canvas.get_renderer(), figure.axes[0].transData.inverted()
     boxes = [
         (text.get_text(), text.get_window_extent(renderer).transformed(back).padded(-1.0))
@@ -83,6 +81,7 @@ def is_round(patch):
 
 
 def drawable(figure):
+    """The figure on a canvas, whose renderer measures texts where they stand; nothing has to be drawn for that."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
     FigureCanvasAgg(figure)

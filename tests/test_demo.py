@@ -1,12 +1,15 @@
 """The demo: numbers beside the paper's, and the files it promises."""
 
+import contextlib
 import csv
+import io
 import re
 
 import pytest
 
 from torsionnet import demo
-from torsionnet.demo import rigs
+from torsionnet.bench import load_bench
+from torsionnet.demo import figures, identification, rigs
 
 FIGURES = [
     "fig_02_time_histories.png",
@@ -23,17 +26,25 @@ FIGURES = [
 SLUGS = ["dmf", "amt_II", "amt_III", "amt_IV", "amt_V", "amt_V_c_O_360"]
 
 
-@pytest.fixture(scope="module")
-def shown(tmp_path_factory):
+def printed(main, folder):
     """(what it printed, its folder)."""
-    import contextlib
-    import io
-
-    folder = tmp_path_factory.mktemp("demo") / "out"
     text = io.StringIO()
     with contextlib.redirect_stdout(text):
-        assert demo.main([str(folder)]) == 0
+        main(folder)
     return text.getvalue(), folder
+
+
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory):
+    """The whole demo."""
+    folder = tmp_path_factory.mktemp("demo") / "out"
+    return printed(lambda folder: demo.main([str(folder)]), folder)
+
+
+@pytest.fixture(scope="module")
+def models(tmp_path_factory):
+    """What it says of the models, without tests of them."""
+    return printed(rigs.show, tmp_path_factory.mktemp("models"))
 
 
 def row(text, case, quantity):
@@ -42,6 +53,7 @@ def row(text, case, quantity):
     return re.split(r"  +", line)[3:]
 
 
+@pytest.mark.slow
 def test_writes_the_figures_schematics_and_curves(shown):
     text, folder = shown
     names = {path.name for path in folder.iterdir()}
@@ -63,8 +75,8 @@ def test_writes_the_figures_schematics_and_curves(shown):
     assert "<svg" in (folder / "dmf_schematic.svg").read_text(encoding="utf-8")
 
 
-def test_prints_modes_of_every_gear(shown):
-    text, _ = shown
+def test_prints_modes_of_every_gear(models):
+    text, _ = models
     for title in ("DMF test rig", *(f"AMT test rig ({gear})" for gear in ("II", "III", "IV", "V", "V_c_O_360"))):
         assert f"{title}\nmode " in text
     for frequency in ("7.10526", "80.9834", "3.4091", "4.56396", "5.34326", "5.912", "6.2678"):
@@ -88,15 +100,15 @@ def test_prints_modes_of_every_gear(shown):
         ("AMT V, c_O = 360", "damping ratio", ("0.276870", "0.27", "+2.5 %")),
     ],
 )
-def test_compares_with_the_paper(shown, case, quantity, cells):
-    model, *rest = row(shown[0], case, quantity)
+def test_compares_with_the_paper(models, case, quantity, cells):
+    model, *rest = row(models[0], case, quantity)
     assert float(model) == pytest.approx(float(cells[0]), rel=2e-4, abs=6 * 10 ** -len(cells[0].split(".")[-1]) / 10)
     assert tuple(rest) == cells[1:]
 
 
-def test_every_figure_of_the_paper_is_compared(shown):
+def test_every_figure_of_the_paper_is_compared(models):
     for case, quantity in rigs.PAPER:
-        assert row(shown[0], case, quantity)[1] != "-"
+        assert row(models[0], case, quantity)[1] != "-"
 
 
 @pytest.mark.parametrize(
@@ -110,26 +122,27 @@ def test_every_figure_of_the_paper_is_compared(shown):
         ("AMT V, c_O = 360", 7.809, 0.308),
     ],
 )
-def test_shows_the_poles_of_the_cut_rigs(shown, case, frequency, damping):
-    table = shown[0].split("cut at the torque meter")[1]
+def test_shows_the_poles_of_the_cut_rigs(models, case, frequency, damping):
+    table = models[0].split("cut at the torque meter")[1]
     cells = re.split(r"  +", next(line for line in table.splitlines() if line.startswith(f"{case}  ")))
     assert [float(cell) for cell in cells[1:3]] == pytest.approx([frequency, damping], abs=6e-4)
 
 
-def test_says_where_the_test_differs(shown):
-    text = " ".join(shown[0].split())
+def test_says_where_the_test_differs(models):
+    text = " ".join(models[0].split())
     assert "Where the test differs from the model, and why" in text
     assert "losses that do not depend on frequency" in text
 
 
-def test_curves_are_in_degrees_over_the_papers_range(shown):
-    lines = (shown[1] / "amt_II_theta_1_T_T.csv").read_text(encoding="utf-8").splitlines()
+def test_curves_are_in_degrees_over_the_papers_range(models):
+    lines = (models[1] / "amt_II_theta_1_T_T.csv").read_text(encoding="utf-8").splitlines()
     rows = list(csv.DictReader(line for line in lines if not line.startswith("#")))
     frequencies = [float(entry["frequency [Hz]"]) for entry in rows]
     assert (frequencies[0], frequencies[-1]) == pytest.approx((0.3, 40))
     assert max(float(entry["|theta_1/T_T| [deg/(N*m)]"]) for entry in rows) == pytest.approx(0.8661, abs=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("case", "limit", "peak"),
     [("DMF", 10.5, 8.0), ("AMT II", 8.2, 3.7), ("AMT III", 8.9, 5.0), ("AMT IV", 9.6, 6.0), ("AMT V", 10.0, 6.7)],
@@ -145,9 +158,32 @@ def test_virtual_bench_agrees_with_the_model_where_the_encoder_resolves_it(shown
     assert degrees < 6
 
 
+@pytest.mark.slow
 def test_identification_finds_the_true_values(shown):
     text, _ = shown
     for name, true in (("c_2", 4), ("c_O", 170), ("c_B", 1.5)):
         line = next(line for line in text.splitlines() if re.match(rf" *{name}  +\d.* (yes|no)$", line))
         assert float(line.split()[1]) == pytest.approx(true, rel=0.01)
     assert "c_O and c_B cannot be told apart in II alone" in text
+
+
+def test_models_bring_their_schematics_and_curves(models):
+    text, folder = models
+    names = {path.name for path in folder.iterdir()}
+    assert names >= {"dmf_theta1_TM_and_TT.png", "amt_gears.png", "dmf_schematic.svg", "amt_schematic.svg"}
+    assert names >= {f"{slug}_theta_1_{against}.csv" for slug in SLUGS for against in ("T_T", "T_M")}
+    assert all(str(folder / name) in text for name in names)
+
+
+def test_one_test_agrees_with_its_model():
+    """The flywheel's alone: usable up to, peak, decibels, degrees."""
+    done = figures.run(load_bench("dmf_bench"), "DMF")
+    (cells,) = figures.agreements([done]).rows
+    assert cells[1:3] == (pytest.approx(10.5, abs=0.3), pytest.approx(8.0, abs=0.5))
+    assert cells[3] < 0.6
+    assert abs(cells[4]) < 6
+
+
+def test_drag_of_the_flywheel_is_found():
+    fit = identification.flywheel()
+    assert fit.values["c_2"] == pytest.approx(4, rel=0.01)

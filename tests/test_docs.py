@@ -1,5 +1,6 @@
 """The documentation is true: generated tables are complete, snippets load, programs run."""
 
+import ast
 import importlib
 import json
 import os
@@ -25,6 +26,15 @@ OWN = ["index", "concepts", "sign_conventions", "model_file", "get_started", "te
 PAGES = [DOCS / f"{name}.md" for name in OWN] + sorted((DOCS / "how_to").glob("*.md"))
 PRINTED = ["fit_speed", "trust_a_fit"]
 """Pages whose blocks of text are what their programs print."""
+LONG = {
+    "identify_parameters",
+    "trust_a_fit",
+    "from_test_to_response",
+    "plot_fit_gears",
+    "plot_damping_choice",
+    "plot_tdms_to_response",
+}
+"""Pages and examples that fit long records: their programs and commands run where slow tests do."""
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 SHOWN = re.compile(r"generated/(\w+\.svg)")
 FILE_NAME = re.compile(r"# (\w+\.yaml)\n")
@@ -174,6 +184,12 @@ def test_axes_of_the_model_file_page_combine():
     assert all(f"`{name}`" in page for name in tn.loads(json.dumps(base)).configurations)
 
 
+def each(paths):
+    """Parametrise over pages or examples."""
+    cases = [pytest.param(path, marks=[pytest.mark.slow] * (path.stem in LONG), id=path.stem) for path in paths]
+    return pytest.mark.parametrize("path", cases)
+
+
 def lay_out(page, folder):
     """Models that a page gives a file name."""
     for text in blocks(page, "yaml"):
@@ -182,16 +198,29 @@ def lay_out(page, folder):
             (folder / name[1]).write_text(text, encoding="utf-8")
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.stem)
-def test_programs_on_pages_run(page, workplace, capsys):
-    lay_out(page, workplace)
+@each(path for path in PAGES if blocks(path, "python"))
+def test_programs_on_pages_run(path, workplace, capsys):
+    lay_out(path, workplace)
     names, printed = {}, ""
-    for text in blocks(page, "python"):
-        exec(compile(text, page.name, "exec"), names)
+    for text in blocks(path, "python"):
+        exec(compile(text, path.name, "exec"), names)
         printed += capsys.readouterr().out
     assert "Traceback" not in printed
-    if page.stem in PRINTED:
-        assert words("".join(blocks(page, "text"))) == words(printed)
+    if path.stem in PRINTED:
+        assert words("".join(blocks(path, "text"))) == words(printed)
+
+
+@pytest.mark.parametrize(
+    "path", [path for path in [*PAGES, *EXAMPLES] if path.stem in LONG], ids=lambda path: path.stem
+)
+def test_long_programs_use_names_that_there_are(path):
+    """A quick look at what runs only with slow tests: every name of torsionnet in it exists."""
+    text = "\n".join(blocks(path, "python")) if path.suffix == ".md" else path.read_text(encoding="utf-8")
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.ImportFrom):
+            assert all(hasattr(importlib.import_module(node.module), name.name) for name in node.names)
+        elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "tn":
+            assert hasattr(tn, node.attr)
 
 
 def words(text):
@@ -204,10 +233,10 @@ def commands(page):
     return [line for line in lines if line.startswith("torsionnet ")]
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if commands(page)], ids=lambda page: page.stem)
-def test_commands_on_pages_work_one_after_the_other(page, workplace, capsys):
-    lay_out(page, workplace)
-    for line in commands(page):
+@each(path for path in PAGES if commands(path))
+def test_commands_on_pages_work_one_after_the_other(path, workplace, capsys):
+    lay_out(path, workplace)
+    for line in commands(path):
         code = main(shlex.split(line)[1:])
         assert code == 0, (line, capsys.readouterr())
 
@@ -273,7 +302,7 @@ def test_there_is_a_gallery():
     assert len(EXAMPLES) >= 6
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+@each(EXAMPLES)
 def test_example_draws(path, workplace, capsys):
     import matplotlib.pyplot as plt
     from matplotlib.figure import Figure

@@ -3,6 +3,7 @@
 from fractions import Fraction
 from math import pi
 
+import campaigns
 import mpmath
 import numpy as np
 import pytest
@@ -395,7 +396,7 @@ def test_graded_chains_need_the_refinement(monkeypatch):
     assert np.max(np.abs(complex_modes(s).eigenvalues - before) / np.abs(before)) > 1e-4
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=campaigns.examples(25, 60), deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(2, 5), st.integers(0, 2))
 def test_no_stable_model_has_an_unstable_pole(seed, n, massless):
     for refine_above in (1e-10, np.inf):

@@ -5,6 +5,7 @@ import keyword
 import math
 from fractions import Fraction
 
+import campaigns
 import numpy as np
 import pint
 import pytest
@@ -260,7 +261,7 @@ TREES = st.recursive(
 )
 
 
-@settings(max_examples=400)
+@settings(max_examples=campaigns.examples(150, 400))
 @given(TREES)
 def test_the_text_of_any_tree_parses_back(tree):
     if len(str(tree)) > 200:
@@ -274,7 +275,7 @@ def test_the_text_of_any_tree_parses_back(tree):
     assert parsed.names == tree.names
 
 
-@settings(max_examples=400)
+@settings(max_examples=campaigns.examples(150, 400))
 @given(st.text(alphabet="ab2.5+-*/^() e", max_size=30))
 def test_what_is_read_means_the_same_as_in_python(text):
     with contextlib.suppress(ExpressionError):

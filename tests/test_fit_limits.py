@@ -79,11 +79,20 @@ def test_a_value_that_grows_without_end_is_named():
     ]
 
 
+NOWHERE = {"J_1": 1e-9, "J_2": 1e7, "k": 1e-6, "d": 1e-9}
+
+
+@pytest.mark.slow
 def test_a_fit_that_leads_nowhere_ends_with_words(record):
     test = tn.Measurement(record, "n", "T_set", model_input="T", band=BAND, settings=SHORT)
-    fit = tn.identify(rig(), test, {"J_1": 1e-9, "J_2": 1e7, "k": 1e-6, "d": 1e-9})
+    fit = tn.identify(rig(), test, NOWHERE)
     assert fit.lack_of_fit.rejected
     assert fit.verdicts[0].startswith("the model does not fit")
+
+
+def test_a_fit_of_a_response_that_leads_nowhere_ends_with_words():
+    response = rig().frequency_response("n", "T", np.linspace(5, 30, 60))
+    assert tn.identify(rig(), tn.Measurement(noisy(response, 0.01), "n", "T"), NOWHERE).verdicts
 
 
 @pytest.mark.parametrize(

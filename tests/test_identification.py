@@ -13,7 +13,6 @@ from torsionnet.signals import LinearChirp, Recording, Signal, Welch, estimate
 
 F = np.linspace(0.5, 25, 120)
 GEARS = ("II", "III", "IV")
-RUNS = 40
 FINE = Encoder(lines=1024, quadrature=True)
 FAST = Welch("hamming", 2.0, 0.8)
 DECIMATED = Welch("hamming", 2.0, 0.8, decimation=10)
@@ -31,10 +30,21 @@ def measured(data, configuration="", **more):
     return tn.Measurement(data, "theta_1", "T_T", configuration, **more)
 
 
+ROUTES = pytest.mark.parametrize("route", ["response", pytest.param("record", marks=pytest.mark.slow)])
+"""Fits of responses take tenths of a second, of records many seconds."""
+
+
+def observed(route, truth, configuration="", **more):
+    """A test of the rig that there is: its response with noise, or a record of a quick bench."""
+    if route == "response":
+        return measured(response(truth, noise=0.01), configuration, **more)
+    return measured(tn.Bench(truth, quick("dmf_rig").plan).run(), configuration, settings=FAST, **more)
+
+
 @pytest.fixture(scope="module")
 def amt():
     """The rig, and a record of each gear by a quick bench with a fine encoder."""
-    return tn.load("amt_rig"), {gear: quick("amt_rig", gear).run() for gear in (*GEARS, "V")}
+    return tn.load("amt_rig"), {gear: quick("amt_rig", gear).run() for gear in GEARS}
 
 
 def quick(rig, configuration="", **changes):
@@ -197,24 +207,35 @@ def test_intervals_hold_the_truth(route):
     assert inside >= 16
 
 
-def test_steps_of_an_encoder_widen_the_errors():
-    """Where noise is small, fits scatter by where in a step the rig stands, and their errors say so."""
-    rig = tn.load("dmf_rig")
-    coarse = Encoder(lines=1024)
-    fits = []
-    for seed in range(RUNS):
+@pytest.fixture
+def stepped():
+    """A fit of a record of seed 0, 1, ..., by an encoder with coarse steps and little noise."""
+    rig, coarse = tn.load("dmf_rig"), Encoder(lines=1024)
+
+    def fitted(seed):
         bench = quick("dmf_rig")
         plan = replace(bench.plan, channels={"T_T": Transducer(), "theta_1": coarse}, seed=seed)
         test = measured(replace(bench, plan=plan).run(), settings=FAST, band=(2, 8))
-        fits.append(tn.identify(rig, test, ["c_2"]))
+        return tn.identify(rig, test, ["c_2"])
+
+    return fitted
+
+
+def test_steps_of_an_encoder_widen_the_errors(stepped):
+    fit = stepped(0)
+    backward = np.eye(2 * len(fit.comparisons[0].frequencies))
+    assert np.trace(fit.problem.under_shared(backward, np.array(list(fit.values.values())))) > 0.02 * np.trace(
+        fit.problem.under_noise(backward)
+    )
+
+
+@pytest.mark.slow
+def test_errors_from_steps_are_the_scatter(stepped):
+    """Where noise is small, fits scatter by where in a step the rig stands, and their errors say so."""
+    fits = [stepped(seed) for seed in range(40)]
     scatter = np.std([fit.values["c_2"] for fit in fits])
     error = np.median([fit.standard_errors["c_2"] for fit in fits])
     assert 0.6 * scatter < error < 1.7 * scatter
-    problem = fits[0].problem
-    backward = np.eye(2 * len(fits[0].comparisons[0].frequencies))
-    assert np.trace(problem.under_shared(backward, np.array(list(fits[0].values.values())))) > 0.02 * np.trace(
-        problem.under_noise(backward)
-    )
 
 
 # What a fit says about itself
@@ -239,12 +260,13 @@ def test_nearly_indistinguishable_parameters_are_named_with_their_correlation():
     assert verdict == "c_O and c_B are indistinguishable in IV, V: correlation -0.98"
 
 
-def test_fifth_gear_with_more_drag_is_found_and_named(amt):
-    rig, records = amt
-    odd = quick("amt_rig", "V", c_O=360).run()
-    alone = tn.identify(rig, measured(odd, "V", settings=FAST), ["c_O"])
+@ROUTES
+def test_fifth_gear_with_more_drag_is_found_and_named(route):
+    rig = tn.load("amt_rig")
+    odd = observed(route, rig.configured("V", c_O=360), "V")
+    alone = tn.identify(rig, odd, ["c_O"])
     assert alone.values["c_O"] == pytest.approx(360, rel=0.01)
-    tests = [measured(records[gear], gear, settings=FAST) for gear in GEARS] + [measured(odd, "V", settings=FAST)]
+    tests = [*(observed(route, rig.configured(gear), gear) for gear in GEARS), odd]
     joint = tn.identify(rig, tests, ["c_O", "c_B"])
     assert any(text.startswith("V does not fit the others") for text in joint.verdicts), joint.verdicts
     free = tn.identify(rig, tests, {"c_O": tn.Unknown(per_configuration=True), "c_B": tn.Unknown(prior=(1.5, 0.05))})
@@ -253,10 +275,9 @@ def test_fifth_gear_with_more_drag_is_found_and_named(amt):
     assert not any("does not fit" in text for text in free.verdicts)
 
 
-def test_hysteretic_damping_is_recognised():
-    truth = hysteretic(0.4)
-    bench = tn.Bench(truth, quick("dmf_rig").plan)
-    test = measured(bench.run(), settings=FAST, name="sweep", band=(0.5, 20))
+@ROUTES
+def test_hysteretic_damping_is_recognised(route):
+    test = observed(route, hysteretic(0.4), name="sweep", band=(0.5, 20))
     start = hysteretic(0.2, 2.0)
     candidates = {
         "viscous": Candidate(start.configured(eta=0), ["c_2", "k_2"]),
@@ -273,8 +294,9 @@ def test_hysteretic_damping_is_recognised():
     assert np.all(lag < -5)  # the viscous model cannot lag at low frequency
 
 
-def test_viscous_damping_is_recognised_too():
-    test = measured(quick("dmf_rig").run(), settings=FAST, name="sweep", band=(0.5, 20))
+@ROUTES
+def test_viscous_damping_is_recognised_too(route):
+    test = observed(route, tn.load("dmf_rig"), name="sweep", band=(0.5, 20))
     start = hysteretic(0.2, 2.0)
     candidates = {
         "viscous": Candidate(start.configured(eta=0), ["c_2", "k_2"]),
@@ -312,12 +334,15 @@ def test_profile_is_lopsided_where_the_problem_is():
     assert high - fit.values["k_1"] > 1.2 * (fit.values["k_1"] - low)
 
 
-def test_standard_errors_are_the_scatter():
+@pytest.mark.parametrize("runs", [50, pytest.param(150, marks=pytest.mark.slow)])
+def test_standard_errors_are_the_scatter(runs):
     rig = tn.load("dmf_rig")
-    fits = [tn.identify(rig, measured(response(rig, noise=0.02, seed=seed)), ["c_2", "k_2"]) for seed in range(150)]
+    fits = [tn.identify(rig, measured(response(rig, noise=0.02, seed=seed)), ["c_2", "k_2"]) for seed in range(runs)]
     for name in ("c_2", "k_2"):
         scatter = np.std([fit.values[name] for fit in fits])
-        assert np.median([fit.standard_errors[name] for fit in fits]) == pytest.approx(scatter, rel=0.15)
+        assert np.median([fit.standard_errors[name] for fit in fits]) == pytest.approx(
+            scatter, rel=2.6 / np.sqrt(2 * runs)
+        )
         inside = np.mean([fit.intervals()[name][0] < rig.parameters[name] < fit.intervals()[name][1] for fit in fits])
         assert 0.9 < inside < 0.99
 

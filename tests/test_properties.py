@@ -7,6 +7,7 @@ import os
 from dataclasses import replace
 from fractions import Fraction
 
+import campaigns
 import control
 import numpy as np
 import pint
@@ -45,7 +46,7 @@ ELASTIC_LOOPS = ("spring", "gear_loop", "compliant_gear", "damper")
 def examples(count):
     """Settings of a property: a fixed set of examples, or many random ones where asked for."""
     return settings(
-        max_examples=EXPLORE or count,
+        max_examples=EXPLORE or campaigns.examples(max(10, count // 3), count),
         derandomize=not EXPLORE,
         deadline=None,
         phases=[Phase.explicit, Phase.generate, Phase.shrink],

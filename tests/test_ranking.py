@@ -116,19 +116,29 @@ def test_nothing_to_compare_with(tmp_path, figure):
         rank_causes(load_fit(tmp_path / "fit.yaml"))
 
 
-def test_command(tmp_path, monkeypatch, figure):
-    """The model does not fit by the error stated; what would explain it is told with a table."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "rig.yaml").write_text(YAML.replace("RATIO", "ratio: tau"))
-    (tmp_path / "fit.yaml").write_text(
+def command_files(folder, monkeypatch):
+    monkeypatch.chdir(folder)
+    (folder / "rig.yaml").write_text(YAML.replace("RATIO", "ratio: tau"))
+    (folder / "fit.yaml").write_text(
         "torsionnet: 1\nmodel: rig.yaml\nparameters: {d: 0.5}\n"
         "measurements: {figure: {response: figure.csv, output: n_out, input: T, error: 2 %}}\n"
     )
+
+
+def test_command(tmp_path, monkeypatch, figure):
+    """The model does not fit by the error stated; what would explain it is told with a table."""
+    command_files(tmp_path, monkeypatch)
     result = run("fit", "fit.yaml", "--rank")
     assert "What would explain the misfit" in result.stdout
     assert re.search(r"tau +3 +2\.3\d* .*yes", result.stdout)
     assert re.search(r"k_1 .*no", result.stdout)
     assert "the model does not fit" in result.stderr
+    assert figure.label == "figure"
+
+
+@pytest.mark.slow
+def test_command_in_json(tmp_path, monkeypatch, figure):
+    command_files(tmp_path, monkeypatch)
     ranking = json.loads(run("fit", "fit.yaml", "--rank", "--json").stdout)["ranking"]
     assert {one["unknown"]: one["explains"] for one in ranking}["k_2"] is False
     assert figure.label == "figure"

@@ -391,7 +391,7 @@ class TestSchematic:
         assert outside(figure) == []
         assert on_paper(figure) > 6.0 - 1e-9
 
-    @pytest.mark.parametrize("width", [100, 250, 400])
+    @pytest.mark.parametrize("width", [100, pytest.param(250, marks=pytest.mark.slow), 400])
     @pytest.mark.parametrize("example", ["marine_steam_turbine", "hybrid", "crankshaft"])
     def test_lines_are_broken_to_the_width_of_the_page(self, example, width):
         figure = drawable(schematic(EXAMPLES[example](), width=width))

@@ -1,5 +1,6 @@
 """Exact derivatives of responses and modes against closed forms in many digits."""
 
+import campaigns
 import mpmath as mp
 import numpy as np
 import pytest
@@ -95,7 +96,7 @@ def test_numbers_of_elements_without_a_name():
     assert np.allclose(found.jacobian[:, 0, 0], -(H**2)[:, None] * np.column_stack([np.ones(6), s**2, s]), rtol=1e-9)
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=campaigns.examples(10, 30), deadline=None, suppress_health_check=list(HealthCheck))
 @given(strategies.blueprints(size=4), st.data())
 def test_random_drivetrains_against_differences_of_the_solver(blueprint, data):
     drivetrain, mechanics = blueprint.drivetrain(), blueprint.mechanics

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import campaigns
 import mpmath
 import numpy as np
 import pytest
@@ -152,7 +153,7 @@ def test_planetary_with_compliant_mesh_turning_freely(respond):
 @both_ways
 def test_undamped_antiresonance_is_as_good_as_its_condition(respond):
     system = random_system(np.random.default_rng(2), 12, zeta=0.0, ratios=(1.0,))
-    frequencies = np.linspace(1, 300, 97)
+    frequencies = np.linspace(1, 300, campaigns.examples(25, 97))
     kappa = stiffness(system, frequencies)
     found = solved(respond, system, kappa, unit_load(12), np.eye(12))[:, :, 0]
     for at, value in zip(kappa, found, strict=True):
@@ -181,7 +182,7 @@ def row_systems(draw):
 
 
 @both_ways
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=campaigns.examples(10, 40), deadline=None)
 @given(row_systems(), st.integers(1, 6))
 def test_any_rows_as_lapack(respond, system, n_exc):
     n = system.n_coordinates
@@ -195,7 +196,7 @@ def test_any_rows_as_lapack(respond, system, n_exc):
 
 
 @both_ways
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=campaigns.examples(20, 60), deadline=None)
 @given(st.integers(0, 10**6), st.integers(2, 25), st.integers(0, 6), st.booleans())
 def test_trees_and_loops_as_lapack(respond, seed, n, loops, tree):
     rng = np.random.default_rng(seed)

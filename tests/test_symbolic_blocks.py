@@ -3,6 +3,7 @@
 import random
 from fractions import Fraction
 
+import campaigns
 import numpy as np
 import pytest
 import strategies
@@ -20,7 +21,7 @@ from torsionnet.symbolic.mechanical import single_edges
 from torsionnet.symbolic.network import Network, NetworkMember, Stiffness
 from torsionnet.symbolic.program import Program
 
-EXAMPLES = settings(max_examples=30, deadline=None)
+EXAMPLES = settings(max_examples=campaigns.examples(8, 30), deadline=None)
 COEFFICIENTS = [-3, -2, -1, 1, 1, 2, sympy.Rational(1, 3)]
 
 
@@ -126,7 +127,7 @@ class TestExactly:
         drawn.grounds(0.6)
         assert_exact(drawn)
 
-    @settings(max_examples=15, deadline=None)
+    @settings(max_examples=campaigns.examples(6, 15), deadline=None)
     @given(st.randoms(use_true_random=False), st.integers(3, 4))
     def test_more_loops_than_deletion_takes(self, source, count):
         drawn = Draw(source, count)
@@ -206,7 +207,7 @@ def test_single_edges_are_the_same_stiffness(source, count):
 WITH_BUNDLES = ("shaft", "shaft", "planetary", "compliant_gear", "gear_in_housing", "damped_spring", "differential")
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=campaigns.examples(12, 40), deadline=None, suppress_health_check=list(HealthCheck))
 @given(strategies.blueprints(kinds=WITH_BUNDLES, size=3, heavy=True), strategies.frequencies, st.data())
 def test_shafts_and_gear_trains_against_mechanics_in_many_digits(blueprint, frequencies, data):
     drivetrain, mechanics = blueprint.drivetrain(), blueprint.mechanics

@@ -5,6 +5,7 @@ import random
 import warnings
 from fractions import Fraction
 
+import campaigns
 import numpy as np
 import pytest
 import sympy
@@ -78,7 +79,7 @@ def some_question(made):
     return made.sensor(), rnd.choice(["T", *nodes]) if rnd.random() < 0.4 else made.sensor()
 
 
-EXAMPLES = settings(max_examples=25, deadline=None, suppress_health_check=list(HealthCheck))
+EXAMPLES = settings(max_examples=campaigns.examples(10, 25), deadline=None, suppress_health_check=list(HealthCheck))
 
 
 def a_drivetrain_and_a_question(source, **options):

@@ -191,8 +191,8 @@ class TestMatrices:
 
 class TestShown:
     def test_polynomial_in_order(self):
-        text = str(shafts(6, inertia="lumped").symbolic().transfer_function("n6", "T").polynomial)
-        names = [f"a_{power}" for power in range(2, 15)]
+        text = str(shafts(5, inertia="lumped").symbolic().transfer_function("n5", "T").polynomial)
+        names = [f"a_{power}" for power in range(2, 13)]
         places = [text.index(f"{name}*s**") for name in names]
         assert places == sorted(places)
 

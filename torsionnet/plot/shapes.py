@@ -131,7 +131,8 @@ def view_of(
             msg = "angles can be referred to a node only where the drivetrain is given too"
             raise UsageError(msg)
         return View(plain_axis(modes.nodes), ones, "angle of each node [-]")
-    left_out = () if idle else tuple(node for node in drivetrain.nodes if node in idle_nodes(drivetrain))
+    idlers = set() if idle else idle_nodes(drivetrain)
+    left_out = tuple(node for node in drivetrain.nodes if node in idlers)
     axis = axis_of(drivetrain, left_out)
     if own or not axis.stations:
         return View(axis, ones, "angle of each node [-]", idle=left_out)

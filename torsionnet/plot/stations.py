@@ -200,7 +200,7 @@ def idle_nodes(drivetrain: Drivetrain) -> set[str]:
     used = {channel.of for channel in drivetrain.inputs.values()}
     used |= {sensor.of for sensor in drivetrain.sensors.values()}
     used |= {*drivetrain.mean_torques, *drivetrain.definition.operating_point.speed}
-    ways = {node: _ways(drivetrain, node) for node in drivetrain.nodes}
+    ways = _ways(drivetrain)
     left = {node: set(names) for node, names in ways.items()}
     idle: set[str] = set()
     waiting = list(drivetrain.nodes)
@@ -217,12 +217,13 @@ def idle_nodes(drivetrain: Drivetrain) -> set[str]:
     return idle
 
 
-def _ways(drivetrain: Drivetrain, node: str) -> list[str]:
-    """Elements that lead on from a node or hold it; inertia and drag do neither."""
-    found = []
+def _ways(drivetrain: Drivetrain) -> dict[str, list[str]]:
+    """Of each node the elements that lead on from it or hold it; inertia and drag do neither."""
+    found: dict[str, list[str]] = {node: [] for node in drivetrain.nodes}
     for element in drivetrain.elements.values():
         ends = set(element.ports.values())
         holds = element.glyph == "clamp" or (GROUND in ends and element.glyph != "damper")
-        if node in ends and (holds or len(ends - {GROUND}) > 1):
-            found.append(element.name)
+        if holds or len(ends - {GROUND}) > 1:
+            for node in ends & found.keys():
+                found[node].append(element.name)
     return found
