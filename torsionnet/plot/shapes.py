@@ -123,13 +123,11 @@ def view_of(
 ) -> View:
     """Axis and factors for shapes referred to one shaft, or for each node's own angle."""
     if referred_to is not None and referred_to not in modes.nodes:
-        msg = f'no node is named "{referred_to}"{did_you_mean(referred_to, modes.nodes)}'
-        raise UsageError(msg)
+        raise UsageError(f'no node is named "{referred_to}"{did_you_mean(referred_to, modes.nodes)}')
     ones = np.ones(len(modes.nodes))
     if drivetrain is None:
         if referred_to is not None:
-            msg = "angles can be referred to a node only where the drivetrain is given too"
-            raise UsageError(msg)
+            raise UsageError("angles can be referred to a node only where the drivetrain is given too")
         return View(plain_axis(modes.nodes), ones, "angle of each node [-]")
     idlers = set() if idle else idle_nodes(drivetrain)
     left_out = tuple(node for node in drivetrain.nodes if node in idlers)
@@ -173,8 +171,7 @@ def _chosen(modes: Modes, which: Sequence[int] | None) -> list[int]:
         return list(range(min(MOST, len(modes))))
     for number in which:
         if not 1 <= number <= len(modes):
-            msg = f"there is no mode {number}; the modes are numbered 1 to {len(modes)}"
-            raise UsageError(msg)
+            raise UsageError(f"there is no mode {number}; the modes are numbered 1 to {len(modes)}")
     return [number - 1 for number in which]
 
 
