@@ -13,7 +13,7 @@ BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo figures identify test test-all compare structure hops mutation fuzz lint format types docs bench bench-short clean
+.PHONY: help demo figures identify test test-all compare structure hops mutation fuzz lint format types generate docs bench bench-short clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -58,6 +58,10 @@ format: $(VENV)/.group-lint  ## let ruff reformat, and repair what it safely can
 
 types: $(VENV)/.group-lint  ## mypy, strict
 	$(RUN) -m mypy
+
+generate: $(VENV)/.group-docs  ## pages, names for type checkers and the JSON Schema made from the code
+	$(RUN) docs/generate.py
+	$(RUN) -m torsionnet schema -o library/torsionnet.schema.json
 
 docs: $(VENV)/.group-docs  ## HTML pages in docs/_build/html; a warning or a broken link is an error
 	$(RUN) -m sphinx -W --keep-going -b html docs docs/_build/html

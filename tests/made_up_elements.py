@@ -129,7 +129,7 @@ SHAPES = {
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Inerter(TwoPorts):
+class MadeUpInerter(TwoPorts):
     """Torque from a relative acceleration, with a spring and a dashpot."""
 
     def parts(self, value):
@@ -179,7 +179,7 @@ EXPORTED = {
     "three, one on ground": of_kind(ThreePorts, "a", "b", GROUND),
     "in series": of_kind(Maxwell, nodes=("a", "b")),
     "in series, one beside": of_kind(Zener, nodes=("a", "b")),
-    "inertia of a difference": of_kind(Inerter, nodes=("a", "b")),
+    "inertia of a difference": of_kind(MadeUpInerter, nodes=("a", "b")),
     "all on three": of_kind(Mesh, "a", "b", "c"),
     "all on three, one on ground": of_kind(Mesh, "a", "b", GROUND),
     "rigid, three": of_kind(RigidMesh, "a", "b", "c"),

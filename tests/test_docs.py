@@ -95,10 +95,10 @@ class TestGeneratedPages:
     def test_pages_in_the_repository_are_current(self, generate, name):
         """They are read on the web without a build; `python docs/generate.py` writes them."""
         committed = (DOCS / "generated" / f"{name}.md").read_text(encoding="utf-8")
-        assert committed == getattr(generate, f"{name}_page")()
+        assert committed == getattr(generate, f"{name}_page")(), "run: make generate"
 
     def test_type_checkers_know_every_element_type(self, generate):
-        assert generate.STUB.read_text(encoding="utf-8") == generate.element_types_stub()
+        assert generate.STUB.read_text(encoding="utf-8") == generate.element_types_stub(), "run: make generate"
 
     def test_traps_are_refused_with_a_message(self, generate):
         assert generate.traps_page().count("\n") == len(generate.TRAPS) + 2

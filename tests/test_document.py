@@ -8,8 +8,10 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
+from torsionnet.cli.report import command as report_command
 from torsionnet.model.report import SECTIONS
 from torsionnet.report import Measured, make_report
+from torsionnet.report.build import BUILDERS
 from torsionnet.report.document_tree import (
     DefinitionList,
     Details,
@@ -368,3 +370,10 @@ def test_every_library_model_has_a_report(name):
     for picture in found.pictures:
         assert inlines(picture.caption)
         assert picture.alt
+
+
+def test_every_section_has_its_builder_and_stands_in_the_help():
+    """A section is a line in SECTIONS, a line in BUILDERS and a module in torsionnet/report/sections/."""
+    assert list(BUILDERS) == list(SECTIONS)
+    shown = " ".join(report_command.help.split())
+    assert f"Sections: {', '.join(SECTIONS)}." in shown

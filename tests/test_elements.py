@@ -17,7 +17,7 @@ KINDS = sorted(ELEMENT_TYPES)
 
 
 def test_the_examples_cover_every_type():
-    assert set(EVERY_ELEMENT) == set(ELEMENT_TYPES)
+    assert set(EVERY_ELEMENT) == set(ELEMENT_TYPES), "give every type an example in EVERY_ELEMENT of tests/models.py"
 
 
 @pytest.mark.parametrize("kind", KINDS)

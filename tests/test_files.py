@@ -304,7 +304,7 @@ def is_valid(text):
 
 def test_schema_is_a_schema_and_stands_in_the_library():
     jsonschema.Draft202012Validator.check_schema(json_schema())
-    assert (LIBRARY / "torsionnet.schema.json").read_text(encoding="utf-8") == schema_text()
+    assert (LIBRARY / "torsionnet.schema.json").read_text(encoding="utf-8") == schema_text(), "run: make generate"
 
 
 def test_good_models_fit_the_schema():

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from made_up_elements import Inerter
+from made_up_elements import MadeUpInerter
 
 import torsionnet as tn
 from torsionnet.model import elements
@@ -114,12 +114,12 @@ def test_schema_does_not_depend_on_the_order_of_registration(registered):
 
 @pytest.mark.usefixtures("registered")
 def test_what_a_program_registers_is_offered_by_name():
-    assert "Inerter" not in tn.__all__
-    with pytest.raises(AttributeError, match="has no attribute 'Inerter'"):
-        tn.Inerter  # noqa: B018
-    made = register(type("Inerter", (Inerter,), {"kind": "an_inerter", "__doc__": "An inerter."}))
-    assert tn.Inerter is elements.Inerter is made
-    assert "Inerter" in tn.__all__
+    assert "MadeUpInerter" not in tn.__all__
+    with pytest.raises(AttributeError, match="has no attribute 'MadeUpInerter'"):
+        tn.MadeUpInerter  # noqa: B018
+    made = register(type("MadeUpInerter", (MadeUpInerter,), {"kind": "an_inerter", "__doc__": "An inerter."}))
+    assert tn.MadeUpInerter is elements.MadeUpInerter is made
+    assert "MadeUpInerter" in tn.__all__
     assert '"element_an_inerter"' in schema_text()
 
 

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from torsionnet.core.units import (
+    ANGLES,
     DIMENSIONS,
     Dimension,
     UnitError,
@@ -21,6 +22,7 @@ from torsionnet.core.units import (
     parse_quantity,
     parse_unit,
 )
+from torsionnet.io.records.quantities import quantity_of
 
 LBF = Fraction("4.4482216152605")
 INCH = Fraction("0.0254")
@@ -281,3 +283,11 @@ def test_reading_is_fast():
             parse_quantity(text)
         best = min(best, time.perf_counter() - start)
     assert best < 0.05  # measured 0.008 s without the cache on a slow machine; ten times that is a mistake
+
+
+def test_every_unit_of_angle_is_one_everywhere():
+    """Also in the headings of records, and over a time."""
+    assert ANGLES == {"rad", "mrad", "urad", "deg", "rev", "arcmin"}
+    for name in ANGLES:
+        assert quantity_of(name) == "angle", name
+        assert parse_quantity(f"2 {name}/s").dimension == DIMENSIONS["speed"], name

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -36,6 +37,16 @@ class CommandSettings(SettingType):
         except EntryError as error:
             self.fail(f"{name}: {error}", param, ctx)
         return name, text
+
+
+class Finite(click.FloatRange):
+    """A number within limits; not a number is within none."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        number = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{number} is no finite number", param, ctx)
+        return number
 
 
 class OutputFile(FileType):

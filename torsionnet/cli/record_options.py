@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
+from torsionnet.cli.options import Finite
+
 if TYPE_CHECKING:
     from torsionnet.signals.welch import Welch
 
@@ -115,9 +117,7 @@ def record_options(command: F) -> F:
             multiple=True,
             help="Its unit in the file. Repeatable.",
         ),
-        click.option(
-            "--rate", type=click.FloatRange(0, min_open=True), help="Sampling rate in Hz, if the file has none."
-        ),
+        click.option("--rate", type=Finite(0, min_open=True), help="Sampling rate in Hz, if the file has none."),
         click.option("--separator", help="Between the cells of a text file, instead of finding it out."),
         click.option("--decimal", type=click.Choice([".", ","]), help="Decimal sign of a text file."),
         click.option(
@@ -158,12 +158,8 @@ def averaging_options(command: F) -> F:
     options = [
         click.option("--preset", type=click.Choice(PRESETS), help="Start from these settings; paper: Galvagno (2015)."),
         click.option("--window", help="Name of a window.  [default: hamming]"),
-        click.option(
-            "--seconds", type=click.FloatRange(0, min_open=True), help="Length of a segment in s.  [default: 2]"
-        ),
-        click.option(
-            "--overlap", type=click.FloatRange(0, 1, max_open=True), help="Share of a segment.  [default: 0.8]"
-        ),
+        click.option("--seconds", type=Finite(0, min_open=True), help="Length of a segment in s.  [default: 2]"),
+        click.option("--overlap", type=Finite(0, 1, max_open=True), help="Share of a segment.  [default: 0.8]"),
         click.option("--detrend", type=click.Choice(["mean", "linear", "none"]), help="Out of every segment."),
         click.option(
             "--decimate", "decimation", type=click.IntRange(1), help="Keep every n-th sample, behind a filter."

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.cli.models import STANDARD_INPUT, load_model
-from torsionnet.cli.options import model_options, output_file_option
+from torsionnet.cli.options import Finite, model_options, output_file_option
 from torsionnet.cli.record_options import PRESETS, Averaging, RecordReading
 from torsionnet.cli.terminal import wrote
 
@@ -46,7 +46,7 @@ ENDINGS = (".html", ".pdf", ".tex", ".md", ".htm")
 @click.option("--preset", type=click.Choice(PRESETS), help="How the records are averaged; paper: Galvagno (2015).")
 @click.option(
     "--seconds",
-    type=click.FloatRange(0, min_open=True),
+    type=Finite(0, min_open=True),
     help="Length of a segment of the records in s.  [default: 2]",
 )
 @click.option(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.cli.options import csv_option, json_option, plot_option
+from torsionnet.cli.options import Finite, csv_option, json_option, plot_option
 from torsionnet.cli.record_options import Averaging, RecordReading, averaging_options, record_options
 from torsionnet.cli.terminal import print_json, print_table, wrote
 
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 @record_options
 @click.option("--channel", "channels", metavar="CHANNEL", multiple=True, help="Repeatable; default: all of the record.")
 @averaging_options
-@click.option("--to", "highest", type=click.FloatRange(0, min_open=True), help="Highest frequency in Hz.")
-@click.option("--span", type=click.FloatRange(0, min_open=True), default=60.0, show_default=True, help="dB shown.")
+@click.option("--to", "highest", type=Finite(0, min_open=True), help="Highest frequency in Hz.")
+@click.option("--span", type=Finite(0, min_open=True), default=60.0, show_default=True, help="dB shown.")
 @click.option("--angle", type=click.Choice(["rad", "deg"]), default="rad", show_default=True, help="Unit of angles.")
 @json_option
 @csv_option

@@ -116,7 +116,9 @@ _JOINED = {"Nm": "N m", "kNm": "kN m", "MNm": "MN m", "GNm": "GN m", "mNm": "mN 
            "Nms": "N m s", "kNms": "kN m s", "MNms": "MN m s", "mNms": "mN m s", "kgfm": "kgf m", "kgm^2": "kg m m",
            "kgcm^2": "kg cm cm", "kgmm^2": "kg mm mm", "gcm^2": "g cm cm", "gmm^2": "g mm mm", "tm^2": "t m m",
            "kgm2": "kg m m"}  # fmt: skip
-_ANGULAR = {"rad", "mrad", "urad", "deg", "rev", "arcmin", "rpm", "cycle", "Hz", "kHz", "mHz", "cpm"}
+ANGLES = frozenset(name for name, (_, dimension) in _ATOMS.items() if dimension == _NUMBER and name != "%")
+"""Units of angle."""
+_ANGULAR = {*ANGLES, "rpm", *(name for name, (_, dimension) in _ATOMS.items() if dimension.cycle)}
 
 
 def _product(names: str) -> _Atom:

@@ -48,6 +48,13 @@ class Modes:
         A sentence about each mode.
     title : str
     notes : tuple of str
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> modes = tn.load("dmf_rig").modes()
+    >>> len(modes), round(float(modes.natural_frequencies[0]), 3), round(float(modes.damping_ratios[0]), 4)
+    (2, 7.105, 0.1035)
     """
 
     eigenvalues: ComplexArray

@@ -1,4 +1,12 @@
-"""Which module reads and writes which file, by its ending."""
+"""Which module reads and writes which file, by its ending.
+
+A module of a format has ``opened(path)``, a context manager that gives a
+:class:`~torsionnet.io.records.source.Source`: channels with names and units as they stand in the file, and a reader of
+rows in blocks; and, if it writes, ``write(recording, path)`` through :func:`torsionnet.core.atomic.replacing`.
+``npz.py`` is a short one to begin from; ``arrays.array_source`` makes a source of named arrays,
+``headings.split_heading`` takes a unit off a name. What is wrong with a file is a ValueError in words, with the line
+where there is one: the reader adds the name of the file.
+"""
 
 from __future__ import annotations
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import re
 
-from torsionnet.core.units import DIMENSIONS, UnitError, parse_unit
+from torsionnet.core.units import ANGLES, DIMENSIONS, UnitError, parse_unit
 from torsionnet.response.recording import QUANTITY_UNITS
 
 _DIMENSIONS = {"torque": "torque", "angle": "angle", "velocity": "speed", "acceleration": "acceleration"}
-_ANGULAR = re.compile(r"rad|deg|rev|arcmin|°")
+_ANGULAR = re.compile("|".join([*sorted(ANGLES), "°"]))
 _OTHER_WORDS = {
     "°/s": "deg/s",
     "1/min": "rpm",
