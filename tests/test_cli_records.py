@@ -269,10 +269,11 @@ def test_warnings_are_about_the_band_asked_for(folder):
     assert "peak" not in run(*arguments, "--from", 20, "--to", 40).stderr
 
 
+@pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("number", ["nan", "inf"])
 @pytest.mark.parametrize(
     "command",
     [("spectrogram", "test.npz", "--span"), ("estimate", "test.npz", "--input", "M", "--output", "phi", "--seconds")],
 )
-def test_a_number_that_is_none_is_wrong_usage(folder, command, number):
+def test_a_number_that_is_none_is_wrong_usage(command, number):
     assert "no finite number" in run(*command, number, code=2).stderr
