@@ -254,7 +254,7 @@ class TestLatex:
         assert texts[0] == texts[1]
 
     @needs_latex
-    @pytest.mark.parametrize("model", ["amt_rig", "planetary_set", "hostile"])
+    @pytest.mark.parametrize("model", [pytest.param("amt_rig", marks=pytest.mark.slow), "planetary_set", "hostile"])
     def test_compiles(self, tmp_path, model):
         options = {"transfer_functions": ["theta_S/T_S"]} if model == "planetary_set" else {}
         tn.write_report(hostile() if model == "hostile" else model, tmp_path / "my report.tex", date=DATE, **options)

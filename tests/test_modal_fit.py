@@ -66,7 +66,7 @@ class TestKnownPoles:
             ("rad", 1),
             ("rad", 3),
             ("rad/s", 1),
-            ("rad/s^2", 1),
+            pytest.param("rad/s^2", 1, marks=pytest.mark.slow),
             pytest.param("rad/s", 3, marks=pytest.mark.slow),
             pytest.param("rad/s^2", 3, marks=pytest.mark.slow),
         ],
@@ -211,7 +211,7 @@ class TestRigs:
         assert nearest(found.poles, whole[:1]).min() > 0.03
 
     @pytest.mark.parametrize("case", CUT)
-    @pytest.mark.parametrize("noise", [0.002, 0.01])
+    @pytest.mark.parametrize("noise", [pytest.param(0.002, marks=pytest.mark.slow), 0.01])
     def test_with_noise(self, case, noise):
         model = rig(case)
         response = model.frequency_response("theta_1", "T_T", np.arange(0.5, 30, 0.05))

@@ -96,7 +96,7 @@ def random_system(rng, n, loops=0, zeta=1e-3, ratios=(1.0, 2.0, -3.3, 0.4), tree
 @both_ways
 @pytest.mark.parametrize("loops", [0, 3])
 @pytest.mark.parametrize("n", [2, 8, 30])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
 def test_free_drivetrains_down_to_a_tenth_of_a_radian(respond, seed, n, loops):
     rng = np.random.default_rng(seed)
     system = random_system(rng, n, loops if n > 4 else 0)
