@@ -92,7 +92,9 @@ def test_a_fit_that_leads_nowhere_ends_with_words(record):
 
 def test_a_fit_of_a_response_that_leads_nowhere_ends_with_words():
     response = rig().frequency_response("n", "T", np.linspace(5, 30, 60))
-    assert tn.identify(rig(), tn.Measurement(noisy(response, 0.01), "n", "T"), NOWHERE).verdicts
+    fit = tn.identify(rig(), tn.Measurement(noisy(response, 0.01), "n", "T"), NOWHERE)
+    assert fit.lack_of_fit.rejected
+    assert fit.verdicts[0].startswith("the model does not fit")
 
 
 @pytest.mark.parametrize(

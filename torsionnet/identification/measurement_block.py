@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -116,7 +116,13 @@ class MeasurementBlock(ABC):
         residual, _ = self.residuals(values)
         count = len(self.frequencies)
         lines = residual if self.parts == 1 else residual[:count] + 1j * residual[count:]
-        return noise_between_lines(lines, self.likeness[:count, :count])
+        found = noise_between_lines(lines, self.likeness[:count, :count])
+        if found is None:
+            return None
+        # A model that leads nowhere leaves residuals that jump between lines; noise is no more than what was measured.
+        power = float(np.tile(found.ratio, len(residual) // count) @ self.absolute**2)
+        most = float(np.sum(np.abs(self.measured) ** 2))
+        return replace(found, ratio=found.ratio * min(1.0, most / power)) if power > 0 else found
 
     @property
     def likeness(self) -> FloatArray:
