@@ -54,7 +54,7 @@ class Modes:
     >>> import torsionnet as tn
     >>> modes = tn.load("dmf_rig").modes()
     >>> len(modes), round(float(modes.natural_frequencies[0]), 3), round(float(modes.damping_ratios[0]), 4)
-    (2, 7.105, 0.1035)
+    (2, 7.105, 0.2227)
     """
 
     eigenvalues: ComplexArray
