@@ -54,9 +54,13 @@ def chain(n, extra=(), parent=None, ratio=None):
 def graph(system, omega, method="graph"):
     """All of it: dynamic stiffness and receptance between the ends."""
     n = system.n_coordinates
-    if "ends" not in system.plans:  # as a drivetrain keeps it for all calls and configured copies
-        system.plans["ends"] = ResponseProblem(system.sparse_rows, n, (Loading(load={0: 1.0}),), ({n - 1: 1.0},))
-    return METHODS[method](system.plans["ends"], law_stiffness([system], omega)).values[0, 0]
+    # As a drivetrain keeps it for all calls and configured copies.
+    problem = system.memo.once(
+        ResponseProblem,
+        "ends",
+        lambda: ResponseProblem(system.sparse_rows, n, (Loading(load={0: 1.0}),), ({n - 1: 1.0},)),
+    )
+    return METHODS[method](problem, law_stiffness([system], omega)).values[0, 0]
 
 
 def compiled(system, omega):
