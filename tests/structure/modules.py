@@ -64,7 +64,7 @@ class Module:
             elif isinstance(node, ast.ImportFrom):
                 base = package[: len(package) - node.level + 1] if node.level else ()
                 module = ".".join([*base, *([node.module] if node.module else [])])
-                names = [self._meant(module, alias.name) for alias in node.names]
+                names = [name for alias in node.names for name in self._meant(module, alias.name)]
             found += [Import(name, node.lineno, node.lineno in for_types) for name in names]
         return found
 
@@ -78,11 +78,11 @@ class Module:
             for line in range(statement.lineno, (statement.end_lineno or statement.lineno) + 1)
         }
 
-    def _meant(self, module: str, name: str) -> str:
-        """``from a import b`` takes the module a.b where there is one, else something out of a."""
+    def _meant(self, module: str, name: str) -> list[str]:
+        """``from a import b`` takes a, and the module a.b where there is one: the package itself is loaded for it too."""
         place = self.root.parent / module.replace(".", "/") / name
         is_module = place.is_dir() or place.with_suffix(".py").is_file()
-        return f"{module}.{name}" if is_module else module
+        return [module, f"{module}.{name}"] if is_module else [module]
 
     @property
     def calls(self) -> Iterator[tuple[str, int]]:

@@ -85,7 +85,7 @@ def _benches(bench: Bench, configurations: tuple[str, ...], settings: dict[str, 
 
 
 def _plot(record: Recording, path: Path) -> None:
-    from torsionnet import plot
+    import torsionnet.plot as plot
     from torsionnet.response import Conventions
 
     plot.save(plot.time_histories(record, conventions=Conventions(angle="deg")), path)

@@ -70,7 +70,7 @@ def command(
         _full(test, calculated, conventions).to_csv(csv_file)
         wrote(csv_file)
     if plot_file:
-        from torsionnet import plot
+        import torsionnet.plot as plot
 
         plot.save(plot.comparison(test, calculated, conventions=conventions), plot_file)
         wrote(plot_file)

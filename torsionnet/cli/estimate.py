@@ -64,7 +64,7 @@ def command(
         write_frequency_response(response, output_file)
         wrote(output_file)
     if plot_file:
-        from torsionnet import plot
+        import torsionnet.plot as plot
 
         plot.save(plot.bode(response, conventions=conventions), plot_file)
         wrote(plot_file)

@@ -54,7 +54,7 @@ def command(
     if more and chosen != "fmu":
         raise click.UsageError(f"{'--step' if step is not None else '--fmi'} belongs to an FMU")
     cases = load_cases(model, configurations, settings)
-    from torsionnet import io
+    import torsionnet.io as io
 
     writers: dict[str, Callable[..., tuple[str, ...] | None]] = {
         "tors": io.write_tors,

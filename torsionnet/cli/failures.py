@@ -12,7 +12,7 @@ from typing import Any, TextIO
 
 import click
 
-from torsionnet.cli import terminal
+import torsionnet.cli.terminal as terminal
 
 BUG, INPUT_OUTPUT, INTERRUPTED = 70, 74, 130
 DEBUG = "TORSIONNET_DEBUG"

@@ -68,7 +68,7 @@ def command(
         found.configured(plan.model).to_yaml(model_file)
         wrote(model_file)
     if plot_file:
-        from torsionnet import plot
+        import torsionnet.plot as plot
         from torsionnet.response import Conventions
 
         plot.save(plot.fit(found, conventions=Conventions(angle="deg")), plot_file)

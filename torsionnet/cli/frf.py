@@ -125,7 +125,7 @@ def command(
         joined(cases, tables, named=bool(configurations)).to_csv(csv_file)
         wrote(csv_file)
     if plot_file and picture:
-        from torsionnet import plot
+        import torsionnet.plot as plot
 
         plot.save(picture, plot_file)
         wrote(plot_file)
@@ -160,6 +160,6 @@ def _answered(
 
 
 def _picture(responses: list[FrequencyResponse], shown: Shown) -> Figure:
-    from torsionnet import plot
+    import torsionnet.plot as plot
 
     return plot.bode(responses, conventions=shown.conventions, decibels=shown.decibels)

@@ -80,7 +80,7 @@ def command(
         found.table().to_csv(csv_file)
         wrote(csv_file)
     if plot_file:
-        from torsionnet import plot
+        import torsionnet.plot as plot
 
         plot.save(plot.stabilisation(diagram, found), plot_file)
         wrote(plot_file)

@@ -84,7 +84,7 @@ def on_screen(table: Table) -> Table:
 
 def _plot(file: str, cases: list[ConfiguredCase], results: list[Modes], conventions: Conventions) -> None:
     """The shapes of each configuration in a file of its own: overlaid they could not be told apart."""
-    from torsionnet import plot
+    import torsionnet.plot as plot
 
     for case, modes in zip(cases, results, strict=True):
         path = file_of(file, case, cases)

@@ -66,7 +66,7 @@ def command(
         joined(cases, tables, named=bool(configurations)).to_csv(csv_file)
         wrote(csv_file)
     if plot_file:
-        from torsionnet import plot
+        import torsionnet.plot as plot
 
         for case, one in zip(cases, results, strict=True):
             path = file_of(plot_file, case, cases)

@@ -82,7 +82,7 @@ def _describe(rig: Drivetrain) -> None:
 
 
 def _plot(file: str, cases: list[ConfiguredCase]) -> None:
-    from torsionnet import plot
+    import torsionnet.plot as plot
 
     for case in cases:
         path = file_of(file, case, cases)

@@ -88,7 +88,7 @@ def _file(file: str, name: str, count: int) -> str:
 
 
 def _plot(seen: Spectrogram, file: str, highest: float | None, span: float, angle: str) -> None:
-    from torsionnet import plot
+    import torsionnet.plot as plot
     from torsionnet.response import Conventions
 
     plot.save(plot.spectrogram(seen, highest=highest, span=span, conventions=Conventions(angle=angle)), file)

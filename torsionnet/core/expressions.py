@@ -23,7 +23,7 @@ from fractions import Fraction
 from functools import cached_property, lru_cache
 from typing import Any, ClassVar, Literal
 
-from torsionnet.core import units
+import torsionnet.core.units as units
 from torsionnet.core.errors import TorsionnetError, did_you_mean
 from torsionnet.core.units import DIMENSIONS, NUMERAL, Dimension, UnitError
 

@@ -7,7 +7,10 @@ from pathlib import Path
 
 
 def main(arguments: list[str] | None = None) -> int:
-    from torsionnet.demo import figures, identification, reports, rigs
+    import torsionnet.demo.figures as figures
+    import torsionnet.demo.identification as identification
+    import torsionnet.demo.reports as reports
+    import torsionnet.demo.rigs as rigs
 
     given = sys.argv[1:] if arguments is None else arguments
     folder = Path(given[0] if given else "out")

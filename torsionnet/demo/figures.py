@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from torsionnet import plot
+import torsionnet.plot as plot
 from torsionnet.bench import Bench, load_bench
 from torsionnet.cli.terminal import print_table
 from torsionnet.response import Column, Conventions, FrequencyResponse, Table

@@ -10,7 +10,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from torsionnet import plot
+import torsionnet.plot as plot
 from torsionnet.bench import Bench, load_bench
 from torsionnet.cli.terminal import print_table
 from torsionnet.identification import Fit, Measurement, identify

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from torsionnet import plot
+import torsionnet.plot as plot
 from torsionnet.cli.modes import on_screen
 from torsionnet.cli.terminal import print_table
 from torsionnet.loading import load

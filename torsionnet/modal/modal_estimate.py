@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+import torsionnet.modal.poles as pole_numbers
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.modal import poles as pole_numbers
 from torsionnet.modal.criteria import mpc
 from torsionnet.modal.residues import Expansion
 from torsionnet.modal.spectral_lines import ComplexArray, FloatArray, Lines, powers_of

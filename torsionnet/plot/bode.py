@@ -14,8 +14,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+import torsionnet.plot.style as style
 from torsionnet.core.errors import UsageError
-from torsionnet.plot import style
 from torsionnet.response import SI, Conventions, FrequencyResponse
 from torsionnet.response.phase import HALF_TURN, unwrapped
 from torsionnet.signals.advice import LEAST_COHERENCE

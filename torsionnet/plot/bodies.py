@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import torsionnet.plot.outlines as outlines
 from torsionnet.model.elements import GROUND, Element
-from torsionnet.plot import outlines
 from torsionnet.plot.glyphs import inline_glyph
 from torsionnet.plot.pieces import LEADING, ROLES, Piece, Stroke, Texts, widest
 from torsionnet.plot.strands import far_end

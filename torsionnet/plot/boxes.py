@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.plot import emblems, outlines
+import torsionnet.plot.emblems as emblems
+import torsionnet.plot.outlines as outlines
 from torsionnet.plot.branch_lines import Exit
 from torsionnet.plot.pieces import Piece, Stroke, text_width, widest
 from torsionnet.plot.topology import Link, Vertex

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+import torsionnet.plot.outlines as outlines
 from torsionnet.model.elements import GROUND, Element
-from torsionnet.plot import outlines
 from torsionnet.plot.pieces import Piece, Stroke, arc, as_array, overlap
 from torsionnet.plot.topology import Vertex
 

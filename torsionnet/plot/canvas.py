@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
 
-from torsionnet.plot import style
+import torsionnet.plot.style as style
 from torsionnet.plot.pieces import ROLES, Box, Label, Piece, Stroke, font, is_math
 
 PENS: dict[str, tuple[str, float]] = {

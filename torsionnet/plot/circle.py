@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from torsionnet.plot import style
+import torsionnet.plot.style as style
 
 if TYPE_CHECKING:
     from torsionnet.modal import CircleFit

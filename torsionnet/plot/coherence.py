@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
+import torsionnet.plot.style as style
 from torsionnet.core.errors import UsageError
-from torsionnet.plot import style
 from torsionnet.response import Conventions, FrequencyResponse
 from torsionnet.response.conventions import SI
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from torsionnet.plot import style
+import torsionnet.plot.style as style
 from torsionnet.response import Conventions, FrequencyResponse
 from torsionnet.response.conventions import SI
 from torsionnet.response.frequency_response import FloatArray

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
+import torsionnet.plot.style as style
 from torsionnet.core.errors import UsageError
-from torsionnet.plot import style
 
 MOST_NUMBERS = 14
 DARK = 0.55

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from torsionnet.plot import outlines
+import torsionnet.plot.outlines as outlines
 from torsionnet.plot.pieces import Piece, Stroke, Texts
 from torsionnet.plot.texts import broken
 

@@ -13,7 +13,7 @@ from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import text_to_path
 from numpy.typing import NDArray
 
-from torsionnet.plot import style
+import torsionnet.plot.style as style
 
 Point = tuple[float, float]
 Box = tuple[float, float, float, float]

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
-from torsionnet.plot import style
+import torsionnet.plot.style as style
 from torsionnet.plot.shapes import (
     IMAGINARY,
     JOINS,

@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+import torsionnet.plot.style as style
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.plot import style
 from torsionnet.plot.stations import Axis, axis_of, idle_nodes, plain_axis, ratios
 from torsionnet.response import SI, Conventions, Modes
 

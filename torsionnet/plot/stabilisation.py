@@ -7,8 +7,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+import torsionnet.plot.style as style
 from torsionnet.modal import ModalEstimate, Stabilisation, cmif
-from torsionnet.plot import style
 from torsionnet.response import SI, Conventions
 
 FloatArray = NDArray[np.float64]

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from torsionnet.plot import style
+import torsionnet.plot.style as style
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.recording import FloatArray

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+import torsionnet.plot.style as style
 from torsionnet.core.errors import UsageError
-from torsionnet.plot import style
 from torsionnet.response.frequency_response import FloatArray
 
 if TYPE_CHECKING:

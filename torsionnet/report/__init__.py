@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import warnings
 
-from torsionnet import plot
+import torsionnet.plot as plot
 from torsionnet.report.document_tree import Report
 from torsionnet.report.report import make_report, write_report
 from torsionnet.report.request import Measured

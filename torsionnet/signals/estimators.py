@@ -9,11 +9,11 @@ from typing import Literal, TypeAlias, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+import torsionnet.signals.transfer_matrices as transfer_matrices
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.estimation import Estimation
 from torsionnet.response.recording import FloatArray, Recording
-from torsionnet.signals import transfer_matrices
 from torsionnet.signals.advice import remarks
 from torsionnet.signals.decimation import decimate
 from torsionnet.signals.origin import averaging, remembering

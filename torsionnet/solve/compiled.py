@@ -12,10 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import torsionnet.solve.tape as ops
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.core.errors import MissingExtraError
-from torsionnet.solve import tape as ops
 from torsionnet.solve.doubt import LARGE, SHARE
 from torsionnet.solve.tape import Tape
 

@@ -20,8 +20,8 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
+import torsionnet.solve.frozen_stiffness as frozen_stiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
-from torsionnet.solve import frozen_stiffness
 from torsionnet.solve.lowest import Motions, lowest_vibrations
 from torsionnet.solve.reduction import LARGE, AnyArray, acting, resisting, restricted, stiff_laws, subspaces
 from torsionnet.solve.spectrum import physical, refined, solve

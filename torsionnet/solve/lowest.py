@@ -124,7 +124,7 @@ def _refined(
     system: RowSystem, values: Any, shapes: Any, errors: FloatArray, *, undamped: bool
 ) -> tuple[Any, Any, Any]:
     """Newton's method in mpmath for the values that assembled matrices leave uncertain, as far as work allows."""
-    from torsionnet.solve import refine
+    import torsionnet.solve.refine as refine
 
     laws = [system.stiffness, -system.inertia] if undamped else [system.stiffness, system.damping, system.inertia]
     p = refine.polynomial(system.law_rows, laws)

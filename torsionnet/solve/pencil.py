@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import torsionnet.solve.refine as refine
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
@@ -20,7 +21,6 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.elimination import reduce_rows
 from torsionnet.response import Modes
 from torsionnet.response.modes import OSCILLATORY, REAL, RIGID
-from torsionnet.solve import refine
 from torsionnet.solve.bordered import Bordered
 from torsionnet.solve.eigen import scaled
 from torsionnet.solve.mode_words import uncertain

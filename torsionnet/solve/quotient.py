@@ -9,9 +9,10 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+import torsionnet.solve.dense as dense
+import torsionnet.solve.starmesh as starmesh
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
-from torsionnet.solve import dense, starmesh
 from torsionnet.solve.doubt import SHARE
 from torsionnet.solve.posed import PosedProblem
 from torsionnet.solve.response_problem import ResponseProblem

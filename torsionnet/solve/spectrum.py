@@ -93,7 +93,7 @@ def refined(spectrum: Spectrum, wanted: NDArray[np.bool_] | None = None) -> Spec
     blurred = wanted & (_residuals(spectrum, starts, coefficients) > POLISH_ABOVE)
     if not np.any(chosen | blurred):
         return spectrum
-    from torsionnet.solve import refine
+    import torsionnet.solve.refine as refine
 
     p = refine.polynomial(spectrum.system.law_rows, coefficients)
     limit = MAX_OPERATIONS // max(p.operations, 1)

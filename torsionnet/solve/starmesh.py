@@ -58,7 +58,7 @@ def respond_compiled(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
     MissingExtraError
         numba is not installed.
     """
-    from torsionnet.solve import compiled
+    import torsionnet.solve.compiled as compiled
 
     return _respond(problem, kappa, compiled.sweep)
 

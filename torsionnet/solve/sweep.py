@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+import torsionnet.solve.tape as ops
 from torsionnet.assembly.law_stiffness import LawStiffness
-from torsionnet.solve import tape as ops
 from torsionnet.solve.doubt import Array, Doubt
 from torsionnet.solve.tape import Tape
 

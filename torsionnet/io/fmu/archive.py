@@ -12,11 +12,12 @@ from collections.abc import Mapping
 from importlib import resources
 from pathlib import Path
 
+import torsionnet.io.fmu.description2 as description2
+import torsionnet.io.fmu.description3 as description3
 from torsionnet.core.atomic import write_bytes
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.core.version import __version__
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.io.fmu import description2, description3
 from torsionnet.io.fmu.c_source import header, model
 from torsionnet.io.fmu.common_description import FmuDescription
 from torsionnet.io.fmu.compiling import libraries

@@ -18,7 +18,7 @@ from collections.abc import Generator, Iterator, Sequence
 from pathlib import Path
 from typing import Any, TextIO
 
-from torsionnet.io.foreign import resource_limits
+import torsionnet.io.foreign.resource_limits as resource_limits
 from torsionnet.io.foreign.content import Content, ForeignFileError, samples
 
 LONGEST = 300

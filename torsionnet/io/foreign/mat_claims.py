@@ -9,7 +9,7 @@ from pathlib import Path
 from struct import Struct, error
 from typing import BinaryIO
 
-from torsionnet.io.foreign import resource_limits
+import torsionnet.io.foreign.resource_limits as resource_limits
 from torsionnet.io.foreign.content import ForeignFileError
 
 HEADER = 128

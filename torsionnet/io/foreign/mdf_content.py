@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from torsionnet.io.foreign import resource_limits
+import torsionnet.io.foreign.resource_limits as resource_limits
 from torsionnet.io.foreign.content import Content, Plain, in_memory
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.io.foreign import resource_limits
+import torsionnet.io.foreign.resource_limits as resource_limits
 from torsionnet.io.foreign.content import Blocks, Content, Plain, Stored, plain
 
 if TYPE_CHECKING:

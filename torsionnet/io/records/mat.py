@@ -7,10 +7,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import torsionnet.io.records.hdf5 as hdf5
 from torsionnet.core.atomic import replacing
 from torsionnet.core.errors import UsageError
 from torsionnet.io.foreign import opening
-from torsionnet.io.records import hdf5
 from torsionnet.io.records.arrays import content_source
 from torsionnet.io.records.source import Source
 from torsionnet.io.records.stored import KEY, TIME, checked_names, plain_keys, stored
