@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
+from torsionnet.core.entries.band import Band, Bands
+from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.model.files.located import compose
@@ -187,3 +189,26 @@ def test_the_schema_of_fit_files_takes_what_is_read():
         {"torsionnet": 1},
     ):
         assert list(validator.iter_errors(wrong)) != []
+
+
+@pytest.mark.parametrize(
+    ("raw", "found"),
+    [
+        (["0 Hz", "20 Hz"], ((0, 20),)),
+        ("0..20 Hz", ((0, 20),)),
+        ("60..1200 cpm", ((1, 20),)),
+        ([["1 Hz", "2 Hz"], [3, 4]], ((1, 2), (3, 4))),
+        (["1..2 Hz", "3..4 Hz"], ((1, 2), (3, 4))),
+        ([], ()),
+    ],
+)
+def test_bands_in_every_way_of_writing(raw, found):
+    assert Bands("").coerce(raw) == found
+    if len(found) == 1:
+        assert Band("", from_zero=True).coerce(raw) == found[0]
+    assert Bands("").coerce(Bands("").plain(found)) == found
+
+
+def test_a_plot_over_decades_does_not_begin_at_zero():
+    with pytest.raises(EntryError, match="both above 0"):
+        Band("").coerce(["0 Hz", "20 Hz"])
