@@ -26,7 +26,8 @@ def check_what_was_read(definition: Definition, document: LocatedDocument, fault
         found = list(_sound_checks(definition))
     else:
         found = check_definition(definition)
-    return [*faults, *(_with_hint(fault, lost) for fault in found if fault.about not in lost)]
+    # A node inside an element is named after it: engine.ring, shaft.1.
+    return [*faults, *(_with_hint(fault, lost) for fault in found if fault.about.partition(".")[0] not in lost)]
 
 
 def _with_hint(fault: Fault, lost: set[str]) -> Fault:
