@@ -117,7 +117,7 @@ def test_analog_output_has_so_many_levels():
         ({"bandwidth": "60 N*m"}, "not a value of frequency"),
         ({"harmonics": {1: 0.1}}, "from 2 to 20"),
         ({"harmonics": {2: "1 Hz"}}, "plain number"),
-        ({"limit": "k_1"}, "not by expressions"),
+        ({"limit": "k_1"}, "is an expression of parameters"),
     ],
 )
 def test_impossible_exciters_are_refused(entries, message):

@@ -170,7 +170,12 @@ class TestBenchFiles:
             ("{type: encoder, lines: 1024}", "{type: {}}", "theta_1: {type: ", "no sensor type is named"),
             ("{type: linear chirp,", "{type: [a],", "excitation: {type: ", "no excitation type is named"),
             ("rate: 10 kHz", "rate: 1e9 Hz", "acquisition: {rate: ", "1e+11 samples; at most 1e+08"),
-            ("rate: 10 kHz", "rate: 1e308 Hz", "acquisition: {rate: ", "no size that anything on a test bench has"),
+            (
+                "rate: 10 kHz",
+                "rate: 1e308 Hz",
+                "acquisition: {rate: ",
+                "no size that anything in a drivetrain or its tests has",
+            ),
         ],
     )
     def test_refused(self, tmp_path, good, bad, where, message):

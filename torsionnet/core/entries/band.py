@@ -6,11 +6,11 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from torsionnet.core.entries.scalars import SCALAR_SCHEMA, read_scalar
+from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, under
-from torsionnet.core.expressions import Number
 
 _BAND = re.compile(r"\s*([-+\d.eE]+?)\s*([A-Za-z/]*)\s*\.\.\s*([-+\d.eE]+)\s*([A-Za-z/]*)\s*")
+_FREQUENCY = Value("a frequency", "frequency", lower=None)
 BAND_FORMS = "0.3..40 Hz or [0.3 Hz, 40 Hz]"
 
 
@@ -42,7 +42,7 @@ def parse_band(raw: Any, *, from_zero: bool = False) -> tuple[float, float]:
     >>> parse_band("18..2400 cpm"), parse_band(["0.3 Hz", 40])
     ((0.3, 40.0), (0.3, 40.0))
     """
-    low, high = (_hertz(edge) for edge in _edges(raw))
+    low, high = (_FREQUENCY.coerce(edge) for edge in _edges(raw))
     is_at_zero = from_zero and low == 0
     if not (0 < low < high or (is_at_zero and high > 0)):
         above = "" if from_zero else ", both above 0"
@@ -60,13 +60,6 @@ def _edges(raw: Any) -> tuple[Any, Any]:
         raise EntryError(f"expected a band such as {BAND_FORMS}, got {raw!r}")
     unit = match[4] or "Hz"
     return f"{match[1]} {match[2] or unit}", f"{match[3]} {unit}"
-
-
-def _hertz(raw: Any) -> float:
-    value = read_scalar(raw, "frequency")
-    if not isinstance(value, Number):
-        raise EntryError(f"a band is given by numbers with units, not by expressions such as {raw!r}")
-    return float(value.value)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

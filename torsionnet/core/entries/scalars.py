@@ -204,7 +204,7 @@ class AnyNumber(Spec):
 
 def _number(value: Expression) -> Any:
     if not isinstance(value, Number):
-        raise EntryError(f'a bench is described by numbers with units, not by expressions such as "{value}"')
+        raise EntryError(f'expected a number with unit; "{value}" is an expression of parameters')
     return value.value
 
 
@@ -213,5 +213,5 @@ def _finite(value: Any) -> float:
     if not float("-inf") < number < float("inf"):
         raise EntryError(f"expected a finite number, got {value!r}")
     if is_beyond_range(number):
-        raise EntryError(f"{number:g} is no size that anything on a test bench has")
+        raise EntryError(f"{number:g} is no size that anything in a drivetrain or its tests has")
     return number
