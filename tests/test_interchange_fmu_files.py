@@ -16,7 +16,7 @@ from torsionnet.core.errors import MissingExtraError, UsageError
 from torsionnet.io import write_fmu
 from torsionnet.io.fmu import compiling
 from torsionnet.io.fmu.platforms import for_all_macs
-from torsionnet.io.records import extras
+from torsionnet.io.formats import extras
 
 validation = pytest.importorskip("fmpy.validation")
 compiler = shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")

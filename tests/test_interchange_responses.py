@@ -11,7 +11,7 @@ import torsionnet as tn
 from torsionnet.cli import main
 from torsionnet.core.errors import MissingExtraError, ModelError, UsageError
 from torsionnet.io import read_frequency_response, write_frequency_response
-from torsionnet.io.records import extras
+from torsionnet.io.formats import extras
 from torsionnet.response.frequency_response import Channel, FrequencyResponse
 
 ENDINGS = [".csv", ".npz", ".mat", ".uff", ".unv"]

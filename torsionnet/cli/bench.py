@@ -56,12 +56,12 @@ def command(
     """
     from torsionnet.bench import load_bench
     from torsionnet.cli.progress import progress
-    from torsionnet.io.records import write_recording
-    from torsionnet.io.records.formats import format_of
+    from torsionnet.io.formats.registry import format_of
+    from torsionnet.io.recording_files import write_recording
 
     bench = load_bench(rig)
     target = Path(output_file or f"{Path(rig).stem}.npz")
-    format_of(target)
+    format_of(target, "recording")
     benches = _benches(bench, configurations, dict(settings))
     results = []
     with progress("testing", len(benches)) as advance:

@@ -14,7 +14,7 @@ import numpy as np
 from torsionnet.core.atomic import write_bytes, write_text
 from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.io.mat_bytes import cells, mat_bytes
+from torsionnet.io.formats.mat import cells, mat_bytes
 from torsionnet.io.matrices import Matrices, StateSpace, matrices, state_space
 
 NUMBERS = {

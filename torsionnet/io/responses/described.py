@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
+from torsionnet.core.errors import Fault, ModelError
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.estimation import Estimation, read_estimation
 
 KEY = "torsionnet_frequency_response"
+NUMBERS = ("frequencies", "values", "coherence", "conditioning")
 _LIMIT = re.compile(r"usable up to (\S+) Hz")
 
 
@@ -34,9 +37,16 @@ def description(response: FrequencyResponse) -> str:
 
 def arrays(response: FrequencyResponse) -> dict[str, Any]:
     """The numbers by name; coherence and conditioning only where there are any."""
-    found: dict[str, Any] = {"frequencies": response.frequencies, "values": response.values}
-    given = {"coherence": response.coherence, "conditioning": response.conditioning}
-    return found | {name: values for name, values in given.items() if values is not None}
+    return {name: values for name in NUMBERS if (values := getattr(response, name)) is not None}
+
+
+def check_members(there: Collection[str], path: Path, whole: str, nothing: str) -> None:
+    """Refuse a file of named arrays without those of a response; ``nothing`` is what it does if it holds none."""
+    missing = [name for name in (KEY, "frequencies", "values") if name not in there]
+    if missing:
+        words = f"has {', '.join(there)}" if there else nothing
+        text = f"the {whole} has no {', '.join(missing)}: no frequency response of torsionnet; it {words}"
+        raise ModelError([Fault(text)], path.name)
 
 
 @dataclass(frozen=True)

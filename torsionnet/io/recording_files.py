@@ -1,4 +1,4 @@
-"""Recordings from files of any known format."""
+"""Recordings from and into files of any known format."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ import os
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from pathlib import Path
 
-from torsionnet.core.errors import Fault, ModelError, TorsionnetError, UsageError
+from torsionnet.core.errors import UsageError
+from torsionnet.io.formats.registry import format_of, reading
 from torsionnet.io.records.assembling import Wanted, recordings
 from torsionnet.io.records.channel_choice import choose
-from torsionnet.io.records.formats import format_of
 from torsionnet.io.records.pulsed import pulsed
 from torsionnet.io.records.source import Source
 from torsionnet.response.recording import Recording
@@ -109,18 +109,38 @@ def _read(
 
 @contextlib.contextmanager
 def _opened(path: Path, dialect: dict[str, str]) -> Iterator[Source]:
-    label, module = format_of(path)
-    if not path.is_file():
-        raise UsageError(f'there is no file "{path}"')
-    if dialect and (label != "text" or not dialect.keys() <= {"separator", "decimal"}):
-        raise UsageError(f"{', '.join(dialect)} cannot be given for a {label} file")
-    try:
-        with module.opened(path, **dialect) as source:
+    with reading(path, "recording") as form:
+        if dialect and (form.label != "text" or not dialect.keys() <= {"separator", "decimal"}):
+            raise UsageError(f"{', '.join(dialect)} cannot be given for a {form.label} file")
+        assert form.opened is not None
+        with form.opened(path, **dialect) as source:
             yield source
-    except TorsionnetError:
-        raise
-    # A library says of a damaged file what it likes: struct.error, zlib.error, IndexError.
-    except Exception as error:
-        said = str(error).splitlines()[0] if str(error) else type(error).__name__
-        fault = Fault(f"the file cannot be read as {label}: {said}")
-        raise ModelError([fault], path.name) from error
+
+
+def write_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
+    """Write a recording in the format of the ending of ``path``, whole or not at all.
+
+    Reading the file again gives the same names, quantities, values, rate, start and notes. UFF58 files keep of the
+    notes and names what fits into lines of 80 characters.
+
+    Raises
+    ------
+    UsageError
+        The ending is not known, or two channels would have one name in the file.
+    MissingExtraError
+        The package for the format is not installed.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import numpy as np
+    >>> from torsionnet.response.recording import Signal
+    >>> path = Path(tempfile.mkdtemp(), "test.npz")
+    >>> write_recording(Recording((Signal("T_T", "torque", np.array([0.0, 1.0])),), sampling_rate=10e3), path)
+    >>> read_recording(path)
+    <Recording T_T: 2 samples at 10000 Hz, 0.0002 s>
+    """
+    target = Path(path)
+    write = format_of(target, "recording").write
+    assert write is not None
+    write(recording, target)

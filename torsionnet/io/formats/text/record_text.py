@@ -9,19 +9,17 @@ from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 
-import numpy as np
-
-from torsionnet.core.atomic import replacing
 from torsionnet.core.errors import Fault, ModelError, Position
-from torsionnet.io.records.dialect import Dialect, data_start, sniffed
-from torsionnet.io.records.headings import Headings, headings
-from torsionnet.io.records.number_rows import NumberRows
+from torsionnet.io.formats.text.dialect import Dialect, data_start, sniffed
+from torsionnet.io.formats.text.number_rows import NumberRows
+from torsionnet.io.formats.text.record_headings import Headings, headings
+from torsionnet.io.formats.text.writing import write_columns
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.io.records.stored import KEY, TIME, checked_names, plain_keys, stored, with_stored
 from torsionnet.response.recording import FloatArray, Recording
 
 _EMPTY = " empty cells are NaN"
-SAMPLE, PIECE = 400, 20_000
+SAMPLE = 400
 _STORED = re.compile(rf"#\s*{KEY}:\s*(.*)")
 
 
@@ -129,12 +127,5 @@ def write(recording: Recording, path: Path) -> None:
     checked_names(recording)
     keys = plain_keys(recording.names, r"[^\w .:+-]| in ")
     units = [f"{key} [{signal.unit}]" if signal.unit else key for key, signal in zip(keys, recording, strict=True)]
-    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as file:
-        file.write(f"# {KEY}: {stored(recording, keys, with_time=True)}\n")
-        file.write(",".join([f"{TIME} [s]", *units]) + "\n")
-        for first in range(0, len(recording), PIECE):
-            part = slice(first, first + PIECE)
-            times = recording.start + np.arange(len(recording))[part] / recording.sampling_rate
-            stamps = times if recording.times is None else recording.times[part]
-            rows = zip(stamps.tolist(), *(signal.values[part].tolist() for signal in recording), strict=True)
-            file.writelines(",".join(map(repr, row)) + "\n" for row in rows)
+    columns = [recording.time, *(signal.values for signal in recording)]
+    write_columns(path, f"{KEY}: {stored(recording, keys, with_time=True)}", [f"{TIME} [s]", *units], columns)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from torsionnet.core.units import UnitError, parse_unit
-from torsionnet.io.records.dialect import Dialect
+from torsionnet.io.formats.text.dialect import Dialect
 from torsionnet.io.records.quantities import plain_unit
 
 _BRACKETED = re.compile(r"(?P<name>.*?)\s*\[(?P<unit>[^\[\]]*)\]")

@@ -2,16 +2,11 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 from pathlib import Path
-from typing import Any
 
-from torsionnet.core.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
+from torsionnet.io.formats.registry import format_of, reading
 from torsionnet.response import FrequencyResponse
-
-MODULES = {".csv": "text", ".npz": "npz", ".mat": "mat", ".uff": "uff", ".unv": "uff"}
-LABELS = {"text": "CSV", "npz": "NPZ", "mat": "MAT", "uff": "UFF58"}
 
 
 def read_frequency_response(path: str | os.PathLike[str]) -> FrequencyResponse:
@@ -49,18 +44,9 @@ def read_frequency_response(path: str | os.PathLike[str]) -> FrequencyResponse:
     <FrequencyResponse theta_1 / T_T: 2 frequencies, 1 to 2 Hz>
     """
     source = Path(path)
-    label, module = _format_of(source)
-    if not source.is_file():
-        raise UsageError(f'there is no file "{source}"')
-    try:
-        response: FrequencyResponse = module.read(source)
-    except TorsionnetError:
-        raise
-    # A library says of a damaged file what it likes: struct.error, zlib.error, IndexError.
-    except Exception as error:
-        said = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise ModelError([Fault(f"the file cannot be read as {label}: {said}")], source.name) from error
-    return response
+    with reading(source, "frequency response") as form:
+        assert form.read_response is not None
+        return form.read_response(source)
 
 
 def write_frequency_response(response: FrequencyResponse, path: str | os.PathLike[str]) -> None:
@@ -88,17 +74,6 @@ def write_frequency_response(response: FrequencyResponse, path: str | os.PathLik
     True
     """
     target = Path(path)
-    _, module = _format_of(target)
-    module.write(response, target)
-
-
-def _format_of(path: Path) -> tuple[str, Any]:
-    ending = path.suffix.lower()
-    if ending not in MODULES:
-        known = ", ".join(MODULES)
-        hint = did_you_mean(ending, MODULES)
-        raise UsageError(
-            f'"{path.name}" has no ending of a frequency response{hint}; expected one of {known}'.replace("?;", "?")
-        )
-    name = MODULES[ending]
-    return LABELS[name], importlib.import_module(f"torsionnet.io.responses.response_{name}")
+    write = format_of(target, "frequency response").write_response
+    assert write is not None
+    write(response, target)

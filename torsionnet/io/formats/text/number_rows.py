@@ -2,33 +2,45 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import islice
-from typing import TextIO
 
 import numpy as np
 
 from torsionnet.core.errors import Fault, ModelError, Position
+from torsionnet.io.formats.text.dialect import Dialect
+from torsionnet.io.formats.text.early_end import ENOUGH, early_end
 from torsionnet.io.records.clock import MOST_FAULTS
-from torsionnet.io.records.dialect import Dialect
-from torsionnet.io.records.early_end import ENOUGH, early_end
 from torsionnet.response.recording import FloatArray
 
 PIECE = 20_000
 
 
+def _other_width(cells: int, width: int) -> str:
+    return f"the row has {cells} cells, the others have {width}"
+
+
+def _no_number(cell: str) -> str:
+    return f'"{cell}" is not a number'
+
+
 @dataclass
 class NumberRows:
-    """Reads numbers from where ``stream`` stands; faults and counts grow while it does."""
+    """Reads numbers from the lines of ``stream``; faults and counts grow while it does.
 
-    stream: TextIO
+    ``other_width`` and ``no_number`` word the refusal of a row of so many cells instead of so many, and of a cell.
+    """
+
+    stream: Iterable[str]
     file: str
     dialect: Dialect
     width: int
     line: int
     names: Sequence[str]
     own: bool = False
+    other_width: Callable[[int, int], str] = _other_width
+    no_number: Callable[[str], str] = _no_number
     faults: list[Fault] = field(default_factory=list)
     read: int = 0
     filled: FloatArray = field(init=False)
@@ -66,7 +78,7 @@ class NumberRows:
                 yield values[:, list(columns)]
 
     def _parsed(self, lines: list[str]) -> FloatArray:
-        if '"' in lines[0] or self.faults:
+        if '"' in lines[0] or not lines[0].strip() or self.faults:
             return self._one_by_one(lines)
         text = [line.replace(",", ".") for line in lines] if self.dialect.decimal == "," else lines
         separator = None if self.dialect.separator == " " else self.dialect.separator
@@ -100,7 +112,7 @@ class NumberRows:
 
     def _row(self, cells: list[str], line: str, number: int, count: int) -> list[float]:
         if len(cells) != self.width:
-            self._fault(f"the row has {len(cells)} cells, the others have {self.width}", number, line, 0, len(line))
+            self._fault(self.other_width(len(cells), self.width), number, line, 0, len(line))
             return [np.nan] * self.width
         return [self._value(cells, column, line, number, count) for column in range(self.width)]
 
@@ -113,7 +125,7 @@ class NumberRows:
         if self.dialect.is_number(cell):
             return self.dialect.number(cell)
         at = self._offset(line, column) + line[self._offset(line, column) :].find(cell)
-        self._fault(f'"{cell}" is not a number', number, line, at, len(cell))
+        self._fault(self.no_number(cell), number, line, at, len(cell))
         return float("nan")
 
     def _offset(self, line: str, column: int) -> int:

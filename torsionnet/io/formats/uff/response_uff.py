@@ -14,31 +14,26 @@ from typing import Any
 import numpy as np
 
 from torsionnet.core.errors import UsageError
-from torsionnet.io.foreign import opening
-from torsionnet.io.records.extras import require
-from torsionnet.io.records.uff import write_sets
-from torsionnet.io.responses.uff_datasets import (
+from torsionnet.io.formats.extras import content_of, require
+from torsionnet.io.formats.uff.datasets import (
     BETWEEN,
     COHERENCE,
     FRF,
+    FUNCTION,
     GENERAL_FUNCTION,
     ROTATION,
     TYPES,
     WIDTH,
+    function,
+    write_sets,
 )
-from torsionnet.io.responses.uff_reading import collected
+from torsionnet.io.formats.uff.response_reading import collected
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.response.estimation import estimation_in
 from torsionnet.response.frequency_response import FloatArray, limit_line
 
 ENTITY, LABEL = 10, 20
-FUNCTION, FREQUENCY = 58, 18
-_UNUSED = {
-    f"{axis}_{entry}": 0
-    for axis in ("abscissa", "ordinate", "orddenom", "z_axis")
-    for entry in ("spec_data_type", "len_unit_exp", "force_unit_exp", "temp_unit_exp")
-} | {"z_axis_value": 0.0, "z_axis_axis_units_lab": "NONE"}
-
+FREQUENCY = 18
 _SI = {
     "type": 164, "units_code": 1, "units_description": "SI", "temp_mode": 1, "length": 1.0, "force": 1.0, "temp": 1.0,
     "temp_offset": 273.15,
@@ -47,8 +42,7 @@ _SI = {
 
 def read(path: Path) -> FrequencyResponse:
     """All transfer functions of a universal file as one response."""
-    require("uff")
-    with opening.opened(path, "uff") as content:
+    with content_of(path, "uff") as content:
         sets: list[dict[str, Any]] = [dict(item.attributes) for item in content.arrays[::2]]
         for number, item in enumerate(sets):
             if item.get("type") == FUNCTION:
@@ -109,15 +103,13 @@ def _datasets(response: FrequencyResponse) -> Iterator[dict[str, Any]]:
 def _common(response: FrequencyResponse) -> dict[str, Any]:
     # How it was estimated goes first: a fit needs it to know how certain the lines are.
     notes = sorted(response.notes, key=lambda note: estimation_in([note]) is None)
-    lines = (response.title, limit_line(response), *notes[:2], "", "")[:4]
-    texts = {f"id{at}": " ".join(line.split())[:WIDTH] or "NONE" for at, line in enumerate(lines, 2)}
+    lines = ("", response.title, limit_line(response), *notes[:2], "", "")[:5]
     frequencies = np.asarray(response.frequencies, dtype=float)
-    return {
-        **_UNUSED, **texts, "type": 58, "binary": 1, "load_case_id": 0, "x": frequencies,
-        "abscissa_spacing": int(_is_even(frequencies)), "abscissa_min": float(frequencies[0]),
-        "abscissa_inc": float(frequencies[1] - frequencies[0]), "abscissa_spec_data_type": FREQUENCY,
-        "abscissa_axis_units_lab": "Hz", "ordinate_axis_units_lab": "NONE", "orddenom_axis_units_lab": "NONE",
-    }  # fmt: skip
+    return function(
+        lines, x=frequencies, abscissa_spacing=int(_is_even(frequencies)), abscissa_min=float(frequencies[0]),
+        abscissa_inc=float(frequencies[1] - frequencies[0]), abscissa_spec_data_type=FREQUENCY,
+        abscissa_axis_units_lab="Hz", ordinate_axis_units_lab="NONE",
+    )  # fmt: skip
 
 
 def _is_even(frequencies: FloatArray) -> bool:

@@ -1,12 +1,15 @@
-"""Packages that only one file format needs."""
+"""Packages that only one file format needs, and files that are read with them."""
 
 from __future__ import annotations
 
 import importlib
 import importlib.util
+from contextlib import AbstractContextManager
+from pathlib import Path
 from typing import Any
 
 from torsionnet.core.errors import MissingExtraError
+from torsionnet.io.foreign import Content, opening
 
 PACKAGES = {
     "tdms": ("nptdms", "npTDMS", "TDMS"),
@@ -37,6 +40,13 @@ def require(extra: str) -> None:
     """Raise :class:`MissingExtraError` where an extra is not installed, without importing it."""
     if importlib.util.find_spec(PACKAGES[extra][0].partition(".")[0]) is None:
         raise _missing(extra)
+
+
+def content_of(path: Path, form: str) -> AbstractContextManager[Content]:
+    """The arrays of a file, read in a process of their own; ``form`` is a module of :mod:`torsionnet.io.foreign`."""
+    if form in PACKAGES:
+        require(form)
+    return opening.opened(path, form)
 
 
 def _missing(extra: str) -> MissingExtraError:

@@ -10,30 +10,31 @@ import numpy as np
 
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.core.units import DIMENSIONS, UnitError, parse_unit
-from torsionnet.io.records.quantities import factor_to_si, plain_unit
-from torsionnet.io.responses.described import limit_in
-from torsionnet.io.responses.matrix import Matrix, Single
-from torsionnet.io.responses.uff_datasets import (
+from torsionnet.io.formats.uff.datasets import (
     BETWEEN,
     COHERENCE,
     FRF,
+    FUNCTION,
     GENERAL_FUNCTION,
     TRANSLATIONS,
     TRANSMISSIBILITY,
     UNITS,
+    text_in,
 )
+from torsionnet.io.records.quantities import factor_to_si, plain_unit
+from torsionnet.io.responses.described import limit_in
+from torsionnet.io.responses.matrix import Matrix, Single
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.estimation import estimation_in
 from torsionnet.response.recording import QUANTITY_UNITS
 
-_EMPTY = ("", "NONE")
 _DIMENSIONS = {"torque": "torque", "angle": "angle", "velocity": "speed", "acceleration": "acceleration"}
 _DIRECTIONS = {0: "", 1: "X", 2: "Y", 3: "Z", 4: "RX", 5: "RY", 6: "RZ"}
 
 
 def collected(sets: Sequence[dict[str, Any]], path: Path) -> FrequencyResponse:
     """One response of all transfer functions; ModelError lists what does not fit, by the number of the dataset."""
-    numbered = [(number, item) for number, item in enumerate(sets, 1) if item.get("type") == 58]
+    numbered = [(number, item) for number, item in enumerate(sets, 1) if item.get("type") == FUNCTION]
     functions = [(number, item) for number, item in numbered if item["func_type"] in (FRF, TRANSMISSIBILITY)]
     if not functions:
         text = "there is no frequency response (dataset 58 with function type 4) in the file"
@@ -47,15 +48,15 @@ def collected(sets: Sequence[dict[str, Any]], path: Path) -> FrequencyResponse:
     ]
     if faults:
         raise ModelError(faults, path.name)
-    notes = tuple(line for line in (_line(first, "id4"), _line(first, "id5")) if line)
+    notes = tuple(line for line in (text_in(first, "id4"), text_in(first, "id5")) if line)
     general = [item for _, item in numbered if item["func_type"] == GENERAL_FUNCTION]
-    conditioning = [np.asarray(item["data"], dtype=float) for item in general if _line(item, "id1") == "conditioning"]
+    conditioning = [np.asarray(item["data"], dtype=float) for item in general if text_in(item, "id1") == "conditioning"]
     more = {
         "conditioning": conditioning[0] if conditioning else None,
-        "usable_up_to": limit_in([_line(first, "id3")]),
+        "usable_up_to": limit_in([text_in(first, "id3")]),
         "estimation": estimation_in(notes),
     }
-    return matrix.response(path.name, _line(first, "id2") or path.stem, notes, **more)
+    return matrix.response(path.name, text_in(first, "id2") or path.stem, notes, **more)
 
 
 def _add(matrix: Matrix, number: int, item: dict[str, Any]) -> list[Fault]:
@@ -87,26 +88,21 @@ def _cohere(matrix: Matrix, number: int, item: dict[str, Any]) -> list[Fault]:
     return []
 
 
-def _line(item: dict[str, Any], key: str) -> str:
-    line = str(item.get(key) or "").strip()
-    return "" if line in _EMPTY else line
-
-
 def _pair(item: dict[str, Any]) -> tuple[str, str]:
     """Names as written here in the first line, or else entity, node and direction."""
-    output, between, driven = _line(item, "id1").partition(BETWEEN)
+    output, between, driven = text_in(item, "id1").partition(BETWEEN)
     return (output, driven) if between else (_place(item, "rsp"), _place(item, "ref"))
 
 
 def _place(item: dict[str, Any], side: str) -> str:
     direction = int(item.get(f"{side}_dir") or 0)
     sign = "" if direction == 0 else "-" if direction < 0 else "+"
-    return f"{_line(item, f'{side}_ent_name')}{item.get(f'{side}_node')}{sign}{_DIRECTIONS[abs(direction)]}"
+    return f"{text_in(item, f'{side}_ent_name')}{item.get(f'{side}_node')}{sign}{_DIRECTIONS[abs(direction)]}"
 
 
 def _unit(item: dict[str, Any], axis: str, side: str) -> tuple[str, float]:
     """SI unit of one side and the factor to it: by its label, or by its code where it is a rotation."""
-    label = _line(item, f"{axis}_axis_units_lab")
+    label = text_in(item, f"{axis}_axis_units_lab")
     if not label:
         code = int(item.get(f"{axis}_spec_data_type") or 0)
         if code not in UNITS or abs(int(item.get(f"{side}_dir") or 0)) in TRANSLATIONS:

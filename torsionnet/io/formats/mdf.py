@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from torsionnet.core.atomic import replacing
-from torsionnet.io.foreign import opening
-from torsionnet.io.records.extras import needed, require
-from torsionnet.io.records.source import FileChannel, Source
+from torsionnet.io.formats.extras import content_of, needed
+from torsionnet.io.records.arrays import channel_of, word
+from torsionnet.io.records.source import Source
 from torsionnet.io.records.stored import checked_names, stored, with_stored
 from torsionnet.response.recording import Recording
 
@@ -21,16 +21,14 @@ from torsionnet.response.recording import Recording
 @contextlib.contextmanager
 def opened(path: Path) -> Iterator[Source]:
     """An MDF file; the time stamps are those of the first channel."""
-    require("mdf")
-    with opening.opened(path, "mdf") as content:
+    with content_of(path, "mdf") as content:
         text = html.unescape(str(content.attributes.get("comment", "")))  # it is wrapped in XML
         channels = [
-            FileChannel(item.name, number, str(item.attributes.get("unit", "")), length=item.length)
-            for number, item in enumerate(content.arrays)
+            channel_of(item, number, item.name, word(item, "unit")) for number, item in enumerate(content.arrays)
         ]
         source = Source(tuple(channels), content.blocks, title=path.stem)
         found = text[text.find("{") : text.rfind("}") + 1]
-        yield with_stored(source, found) if '"sampling_rate"' in found else source.with_time_found()
+        yield with_stored(source, found if '"sampling_rate"' in found else "")
 
 
 def write(recording: Recording, path: Path) -> None:
