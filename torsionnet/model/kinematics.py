@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 from torsionnet.core.errors import UsageError, did_you_mean
@@ -57,11 +58,11 @@ class Kinematics:
         """Whether rigid connections to ground keep the node at zero."""
         return not self.reduction.is_free(node) and not self.reduction.reduced({node: 1})
 
-    @property
+    @cached_property
     def laws(self) -> tuple[tuple[str, Law], ...]:
         return tuple((owned.element, owned.part) for owned in self.parts if isinstance(owned.part, Law))
 
-    @property
+    @cached_property
     def constraints(self) -> tuple[tuple[str, Row], ...]:
         return constraints_of(self.parts)
 
