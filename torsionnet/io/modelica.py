@@ -95,16 +95,15 @@ class _Model:
         read = {
             name: self._interface("RealOutput", name, UNITS[entry.quantity]) for name, entry in channels.sensors.items()
         }
-        meters: dict[tuple[str, str], list[str]] = {}
+        meters: dict[tuple[str, int], list[str]] = {}
         for name, sensor in channels.sensors.items():
             if sensor.quantity == "torque":
-                meters.setdefault((sensor.of, self._port(sensor)), []).append(read[name])
+                element = drivetrain.elements[sensor.of]
+                meters.setdefault((sensor.of, element.place_of(sensor.at)), []).append(read[name])
         for element in drivetrain.elements.values():
             write_element(element, self.net, words)
-            for name, node in element.ports.items():
-                self._attach(
-                    port(element, name), node, list(element.ports).index(name), meters.pop((element.name, name), [])
-                )
+            for place, (name, node) in enumerate(element.ports.items()):
+                self._attach(port(element, name), node, place, meters.pop((element.name, place), []))
         if FIXED in self.net.points.home:
             fixed = self.net.declare(f"{COMPONENTS}.Fixed", "fixed")
             self.net.points.join(FIXED, f"{fixed}.flange")
@@ -126,10 +125,6 @@ class _Model:
 
     def _interface(self, kind: str, name: str, unit: str) -> str:
         return self.net.declare(f"{BLOCKS}.{kind}", name, f'unit="{written_unit(unit)}"')
-
-    def _port(self, sensor: Sensor) -> str:
-        ports = self.drivetrain.elements[sensor.of].ports
-        return next(iter(ports)) if sensor.at is None else next(pair[0] for pair in ports.items() if sensor.at in pair)
 
     def _attach(self, point: str, node: str, index: int, outputs: list[str]) -> None:
         """A port to its node, through a torque sensor if there is one: into the element at the first port, else out."""

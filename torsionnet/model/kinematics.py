@@ -137,6 +137,21 @@ def solve_kinematics(
     return Kinematics(nodes, parts, tuple(imposed), driven, reduction, coordinates)
 
 
+def kinematics_on(
+    value: Values, plain: Kinematics, definition: Definition, referred_to: Sequence[str] = (), loose: Sequence[int] = ()
+) -> Kinematics:
+    """The constraints solved again on the numbers of ``value``; those with a number in ``loose`` are left out."""
+    parts, number = owned_parts(definition, value), value.algebra.number
+    rows = [
+        {} if index in loose else {node: number(coefficient) for node, coefficient in row.items()}
+        for index, (_, row) in enumerate(constraints_of(parts))
+    ]
+    order = {node: index for index, node in enumerate(plain.nodes)}
+    reduction = reduce_rows(rows, order, {*referred_to, *map(pseudo_node, plain.imposed)})
+    coordinates = in_order_given([node for node in plain.nodes if reduction.is_free(node)], referred_to)
+    return replace(plain, parts=parts, reduction=reduction, coordinates=coordinates)
+
+
 def in_order_given(coordinates: Sequence[str], referred_to: Collection[str]) -> tuple[str, ...]:
     """The coordinates in the order of the nodes, those of ``referred_to`` among themselves in the order given.
 

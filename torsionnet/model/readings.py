@@ -106,18 +106,13 @@ def port_of(element: Element, at: str | None) -> tuple[str, int]:
 
     A connection without inertia hands on to ground what it takes at its other end, so that end is returned instead.
     """
-    ports = list(element.ports.items())
-    index = 0 if at is None else _port_index(element, at)
-    if ports[index][1] == GROUND:
-        index = _other_end(element, index)
-    return ports[index][1], 1 if index == 0 else -1
-
-
-def _port_index(element: Element, at: str) -> int:
-    fault = port_fault(element, at)
+    fault = None if at is None else port_fault(element, at)
     if fault:
         raise UsageError(fault)
-    return next(index for index, names in enumerate(element.ports.items()) if at in names)
+    nodes, index = list(element.ports.values()), element.place_of(at)
+    if nodes[index] == GROUND:
+        index = _other_end(element, index)
+    return nodes[index], 1 if index == 0 else -1
 
 
 def _other_end(element: Element, index: int) -> int:

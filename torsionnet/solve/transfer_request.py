@@ -238,8 +238,7 @@ def _output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:
     if sensor is None and entry in drivetrain.nodes:
         sensor = Sensor("angle", str(entry))
     if sensor is not None:
-        _require_moving(drivetrain, sensor, str(entry))
-        return functional(drivetrain, sensor, str(entry))
+        return _read(drivetrain, sensor, str(entry))
     known = [*drivetrain.sensors, *drivetrain.nodes]
     hint = did_you_mean(str(entry), known)
     declared = ", ".join(drivetrain.sensors) or "none"
@@ -266,11 +265,12 @@ def usable(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
     return inputs, sensors
 
 
-def _require_moving(drivetrain: AssembledModel, sensor: Sensor, name: str) -> None:
-    """Refuse a sensor of the model on a node that this configuration locks; a node asked for by name is zero there."""
+def _read(drivetrain: AssembledModel, sensor: Sensor, name: str) -> Functional:
+    """What a sensor reads; one of the model on a locked node is refused, a node asked for by name is zero there."""
     of_node = name in drivetrain.sensors and not sensor.is_on_element
     if of_node and sensor.of in drivetrain.nodes and drivetrain.assembly.kinematics.holds(sensor.of):
         raise UsageError(f'{name} reads zero: "{sensor.of}" is locked in this configuration')
+    return functional(drivetrain, sensor, name)
 
 
 def _input(drivetrain: AssembledModel, entry: str | Sensor | Input) -> Input | Functional:
@@ -280,8 +280,7 @@ def _input(drivetrain: AssembledModel, entry: str | Sensor | Input) -> Input | F
         return _present(drivetrain, entry)
     sensor = named_sensor(entry, drivetrain.sensors)
     if sensor is not None:
-        _require_moving(drivetrain, sensor, str(entry))
-        return functional(drivetrain, sensor, str(entry))
+        return _read(drivetrain, sensor, str(entry))
     if entry in drivetrain.nodes:
         return _torque_on(drivetrain, str(entry))
     known = [*drivetrain.inputs, *drivetrain.sensors, *drivetrain.nodes]

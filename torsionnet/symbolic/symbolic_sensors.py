@@ -17,12 +17,12 @@ from functools import cached_property
 from typing import Any
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.symbolic import law_parts, twin_kinematics
+from torsionnet.assembly.symbolic import law_parts
 from torsionnet.assembly.twin import TWINS, twin, twin_parameters
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Values
 from torsionnet.model.elimination import substitute
-from torsionnet.model.kinematics import Kinematics
+from torsionnet.model.kinematics import Kinematics, kinematics_on
 from torsionnet.model.readings import reading
 from torsionnet.symbolic.adjugate import bilinear, determinant
 from torsionnet.symbolic.network import ONE, Network, NetworkMember, Stiffness, SymbolRow
@@ -79,7 +79,7 @@ class Mechanism:
     def kinematics(self) -> Kinematics:
         """All constraints but the loose ones solved."""
         plain = self.drivetrain.assembly.kinematics
-        return twin_kinematics(plain, self.values, self.drivetrain.definition, self.referred_to, self.loose)
+        return kinematics_on(self.values, plain, self.drivetrain.definition, self.referred_to, self.loose)
 
     def row(self, row: Mapping[str, Any]) -> SymbolRow:
         """A row over nodes as one over coordinates."""
