@@ -99,15 +99,6 @@ class Assembly:
         return tuple(law for _, law in self.kinematics.laws if law.acts)
 
     @cached_property
-    def laws_at(self) -> dict[str, list[int]]:
-        """Numbers of the laws with a coefficient on a node."""
-        found: dict[str, list[int]] = {}
-        for number, law in enumerate(self.laws):
-            for node in law.row:
-                found.setdefault(node, []).append(number)
-        return found
-
-    @cached_property
     def exact_rows(self) -> tuple[dict[str, Fraction], ...]:
         """The rows of ``system`` over coordinates and imposed angles as exact rationals."""
         return tuple(exact_row(self.kinematics.reduced(law.row)) for law in self.laws)

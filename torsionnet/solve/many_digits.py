@@ -108,7 +108,7 @@ class ManyDigits:
         """Under every excitation; exactly 0 where nothing is left of its terms."""
         row = []
         for excitation, motion in zip(self.request.excitations, motions, strict=True):
-            applied = reading.applied(excitation.of) if excitation.quantity == "torque" else 0
+            applied = reading.applied.get(excitation.of, 0) if excitation.quantity == "torque" else 0
             row.append(
                 _left([number(applied), *(part for term in reading.terms for part in _parts(term, motion, kappa, s))])
             )

@@ -84,7 +84,7 @@ def pose(
     readings = [*outputs, *measured]
     rows, gaps = _Rows(), _Gaps()
     found = [
-        gaps.part(reading) if reading.reactions or len(reading.own) != 1 else rows.part(reading.own[0])
+        gaps.part(reading) if reading.applied or len(reading.terms) != 1 else rows.part(reading.terms[0])
         for reading in readings
     ]
     terms: list[tuple[ReadingPart, ...]] = [() for _ in outputs]
@@ -101,7 +101,7 @@ def pose(
     applied = np.zeros((len(readings), len(excitations)))
     for number, reading in enumerate(measured, len(outputs)):
         for column, one in enumerate(excitations):
-            applied[number, column] = float(reading.applied(one.of)) if one.quantity == "torque" else 0.0
+            applied[number, column] = reading.direct(one.of) if one.quantity == "torque" else 0.0
     parts = (part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in found)
     return PosedProblem(problem, tuple(parts), tuple(terms), applied)
 
@@ -150,11 +150,10 @@ class _Gaps:
         for term in reading.terms:
             if term.law is not None:
                 laws[term.law] = laws.get(term.law, Fraction(0)) - term.factor
-        nodes = {node: reading.applied(node) for reaction in reading.reactions for node in reaction.motion}
-        sizes = [*laws.items(), *nodes.items()]
+        sizes = [*laws.items(), *reading.applied.items()]
         factor = next((size for _, size in sizes if size), Fraction(1))
         laws = {law: work / factor for law, work in laws.items() if work}
-        nodes = {node: share / factor for node, share in nodes.items() if share}
+        nodes = {node: share / factor for node, share in reading.applied.items() if share}
         number = self.numbers.setdefault((frozenset(laws.items()), frozenset(nodes.items())), len(self.found))
         if number == len(self.found):
             self.found.append(Gap(laws, nodes))

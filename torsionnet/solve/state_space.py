@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.functionals import Functional, functional
+from torsionnet.assembly.functionals import Functional, functional, powers_of_s
 from torsionnet.assembly.rows import FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
@@ -41,6 +41,17 @@ class StateSpaceForm:
     states: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class StateSpace:
+    """x' = A x + B u, y = C x + D u; torques in N m, outputs in their SI units; ``states`` are the names of x."""
+
+    A: FloatArray
+    B: FloatArray
+    C: FloatArray
+    D: FloatArray
+    states: tuple[str, ...]
+
+
 def to_control(drivetrain: AssembledModel) -> control.StateSpace:
     """See :meth:`torsionnet.Drivetrain.to_control`.
 
@@ -54,17 +65,12 @@ def to_control(drivetrain: AssembledModel) -> control.StateSpace:
     present = active_channels(drivetrain)
     if not present.inputs or not present.sensors:
         raise UsageError("a state space needs at least one input and one sensor in the model")
-    assembly = drivetrain.assembly
-    inputs = list(present.inputs.values())
-    system = first_order(assembly, inputs)
-    readings = [functional(drivetrain, sensor, name) for name, sensor in present.sensors.items()]
-    rows = [output_rows(assembly, reading, inputs, system) for reading in readings]
-    C, D = np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
+    system = state_space(drivetrain)
     return control.StateSpace(
         system.A,
         system.B,
-        C,
-        D,
+        system.C,
+        system.D,
         inputs=list(present.inputs),
         outputs=list(present.sensors),
         states=[name.replace(".", "_") for name in system.states],
@@ -73,12 +79,31 @@ def to_control(drivetrain: AssembledModel) -> control.StateSpace:
     )
 
 
+def state_space(drivetrain: AssembledModel) -> StateSpace:
+    """The state space behind :meth:`Drivetrain.to_control`, also without inputs or sensors.
+
+    Raises
+    ------
+    UsageError
+        Frequency-dependent laws, an imposed angle, or a reading with the rate of an input in it.
+    """
+    present = active_channels(drivetrain)
+    inputs = list(present.inputs.values())
+    form = first_order(drivetrain.assembly, inputs)
+    C, D = output_matrices(drivetrain.assembly, present.readings(drivetrain), inputs, form)
+    return StateSpace(form.A, form.B, C, D, form.states)
+
+
 @dataclass(frozen=True)
 class Channels:
     """The inputs and sensors that act in a configuration."""
 
     inputs: dict[str, Input]
     sensors: dict[str, Sensor]
+
+    def readings(self, drivetrain: AssembledModel) -> tuple[Functional, ...]:
+        """What the sensors read."""
+        return tuple(functional(drivetrain, sensor, name) for name, sensor in self.sensors.items())
 
 
 def active_channels(drivetrain: AssembledModel) -> Channels:
@@ -168,24 +193,33 @@ def _condensed(
     return StateSpaceForm(A, B, X, U, names)
 
 
-def output_rows(
-    assembly: Assembly, reading: Functional, inputs: Sequence[Input], system: StateSpaceForm
+def output_matrices(
+    assembly: Assembly, readings: Sequence[Functional], inputs: Sequence[Input], system: StateSpaceForm
 ) -> tuple[FloatArray, FloatArray]:
-    """Rows of C and D of a reading; the coefficients of u' and u'' have to vanish.
+    """C (n_out, n_x) and D (n_out, n_in) of readings; the coefficients of u' and u'' have to vanish.
 
     Raises
     ------
     UsageError
         They do not.
     """
+    C, D = np.zeros((len(readings), len(system.A))), np.zeros((len(readings), len(inputs)))
+    for number, reading in enumerate(readings):
+        C[number], D[number] = _output_rows(assembly, reading, inputs, system)
+    return C, D
+
+
+def _output_rows(
+    assembly: Assembly, reading: Functional, inputs: Sequence[Input], system: StateSpaceForm
+) -> tuple[FloatArray, FloatArray]:
     C = np.zeros(len(system.A))
-    D = np.array([reading.direct.get(channel.of, 0.0) for channel in inputs])
+    D = np.array([reading.direct(channel.of) for channel in inputs])
     rates = np.zeros((2, len(inputs)))
     sizes = np.zeros(2)
     for term in reading.terms:
         gain = float(term.factor)
         x, u = term.row @ system.X, term.row @ system.U
-        factors = _factors(assembly, term.law, term.power)
+        factors = [float(factor) for factor in powers_of_s(assembly, term)]
         states, direct = (x, x @ system.A, x @ system.A @ system.A), (u, x @ system.B, x @ system.A @ system.B)
         for factor, state, load in zip(factors, states, direct, strict=True):
             C += gain * factor * state
@@ -199,10 +233,3 @@ def output_rows(
             f"{reading.name} contains the rate of change of an input; it has a frequency response but no state space"
         )
     return C, D
-
-
-def _factors(assembly: Assembly, law: int | None, power: int) -> tuple[float, float, float]:
-    if law is None:
-        return float(power == 0), float(power == 1), float(power == 2)
-    system = assembly.system
-    return float(system.stiffness[law]), float(system.damping[law]), float(system.inertia[law])

@@ -22,7 +22,7 @@ from torsionnet.io.fmu.traced_numbers import NumberTape, Traced
 from torsionnet.io.fmu.traced_parameters import trace_parameters
 from torsionnet.model.elements import Law, Values
 from torsionnet.model.elimination import reduce_rows, substitute
-from torsionnet.model.kinematics import Kinematics, constraints_of, owned_parts
+from torsionnet.model.kinematics import Kinematics, kinematics_on
 
 _Names: TypeAlias = tuple[str, ...]
 
@@ -80,19 +80,9 @@ def _traced(drivetrain: Drivetrain, settled: Iterable[str]) -> Motion:
     definition, tape = drivetrain.definition, NumberTape()
     parameters = trace_parameters(tape, definition.parameters, drivetrain.exact_values, settled)
     values = Values(parameters, tape.algebra)
-    kinematics = _kinematics(drivetrain, tape, values)
+    kinematics = kinematics_on(values, drivetrain.assembly.kinematics, definition)
     kinds = _Kinds(tape, kinematics)
     return Motion(tape, parameters, values, kinematics, *kinds.found())
-
-
-def _kinematics(drivetrain: Drivetrain, tape: NumberTape, values: Values) -> Kinematics:
-    """The kinematics of the drivetrain once more, on the tape."""
-    plain = drivetrain.assembly.kinematics
-    parts = owned_parts(drivetrain.definition, values)
-    rows = [{node: tape.number(a) for node, a in row.items()} for _, row in constraints_of(parts)]
-    reduction = reduce_rows(rows, {node: index for index, node in enumerate(plain.nodes)})
-    coordinates = tuple(node for node in plain.nodes if reduction.is_free(node))
-    return Kinematics(plain.nodes, parts, plain.imposed, plain.driven, reduction, coordinates)
 
 
 class _Kinds:

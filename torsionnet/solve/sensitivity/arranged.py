@@ -20,19 +20,18 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.functionals import port_of
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.model.elements import Element, Values
+from torsionnet.model.elements import Element
 from torsionnet.model.elimination import exact, reduce_rows
 from torsionnet.model.kinematics import UNIT
 from torsionnet.solve.response_problem import Loading, ResponseProblem
 from torsionnet.solve.row_algebra import Row
 from torsionnet.solve.sensitivity.augmented import Augmented
-from torsionnet.solve.sensitivity.dual import DUALS, value_of
+from torsionnet.solve.sensitivity.dual import value_of
 from torsionnet.solve.sensitivity.forms import moved_by
-from torsionnet.solve.sensitivity.sensor_derivatives import POWERS, ReadingDerivative, reading
+from torsionnet.solve.sensitivity.sensor_derivatives import ReadingDerivative, derivative_of, reading_on_duals
 
 ExactRow = Mapping[str, Fraction]
 
@@ -114,26 +113,16 @@ class Arranged:
         return {node: row[UNIT] for node, row in reduction.solved.items() if UNIT in row}
 
     def _asked(self, sensor: Sensor, elements: Mapping[str, Element], values: Mapping[str, Any]) -> SolvedReadings:
-        slopes = reading(sensor, elements, self.system, self.nodes, values)
-        if sensor.quantity in POWERS:
-            return SolvedReadings(POWERS[sensor.quantity], {sensor.of: Fraction(1)}, -1, slopes)
-        element = elements[sensor.of]
-        if sensor.quantity == "twist":
-            row = element.twist(Values(values, DUALS))
-            return SolvedReadings(0, {node: exact(value_of(a)) for node, a in row.items()}, -1, slopes)
-        node, sign = port_of(element, sensor.at)
+        read = reading_on_duals(sensor, elements, self.system, values)
+        slopes = derivative_of(read, self.system, self.nodes)
+        if read.row is not None:
+            return SolvedReadings(read.power, {node: exact(value_of(a)) for node, a in read.row.items()}, -1, slopes)
         motion: dict[str, Fraction] = {}
-        owners, rows = self.system.condition_owners, self.system.exact_conditions
-        for condition, conditions in self._owned(owners, rows, element.name):
-            for moved, angle in self._opened(condition).items() if node in conditions else ():
-                motion[moved] = motion.get(moved, Fraction(0)) + sign * conditions[node] * angle
-        laws = self._owned(self.system.law_owners, self.system.exact_laws, element.name)
-        own = {law: sign * row[node] for law, row in laws if node in row}
+        for condition, factor in read.constraints.items():
+            for moved, angle in self._opened(condition).items():
+                motion[moved] = motion.get(moved, Fraction(0)) + exact(value_of(factor)) * angle
+        own = {law: exact(value_of(factor)) for law, factor in read.laws.items()}
         return SolvedReadings(0, None, self._gap(GapDerivative(motion, own)), slopes)
-
-    @staticmethod
-    def _owned(owners: Sequence[str], rows: Sequence[ExactRow], name: str) -> list[tuple[int, ExactRow]]:
-        return [(index, row) for index, (owner, row) in enumerate(zip(owners, rows, strict=True)) if owner == name]
 
     def _row(self, row: ExactRow, own: Mapping[int, Fraction] | None = None) -> Row:
         """A row over nodes as one over columns; ``own``: gap -> what has to be taken off there."""

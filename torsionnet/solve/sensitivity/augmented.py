@@ -57,8 +57,8 @@ class Augmented:
     tables : tuple of (law index, table)
     law_owners, condition_owners : tuple of str
         Elements; of a condition that imposes an angle ``input:NAME``.
-    exact_laws, exact_conditions : tuple of dict
-        The rows as rationals by node; of a condition also over the angle ``input:NAME`` that it imposes.
+    law_rows, condition_rows : tuple of dict
+        The rows by node as they came from the elements; of a condition also over the angle ``input:NAME`` it imposes.
     """
 
     laws: DerivativeRows
@@ -70,8 +70,18 @@ class Augmented:
     tables: tuple[tuple[int, StiffnessTable], ...]
     law_owners: tuple[str, ...]
     condition_owners: tuple[str, ...]
-    exact_laws: tuple[dict[str, Fraction], ...]
-    exact_conditions: tuple[dict[str, Fraction], ...]
+    law_rows: tuple[Row, ...]
+    condition_rows: tuple[Row, ...]
+
+    @cached_property
+    def exact_laws(self) -> tuple[dict[str, Fraction], ...]:
+        """The rows of the laws as rationals."""
+        return tuple(map(_exact, self.law_rows))
+
+    @cached_property
+    def exact_conditions(self) -> tuple[dict[str, Fraction], ...]:
+        """The rows of the conditions as rationals."""
+        return tuple(map(_exact, self.condition_rows))
 
     def kappa(self, omega: FloatArray | ComplexArray) -> ComplexArray:
         """Dynamic stiffness of every law, (n_f, n_laws), omega = s/j in rad/s; tables at its real part."""
@@ -131,8 +141,8 @@ def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], red
         tables=tuple((index, law.table) for index, law in enumerate(laws) if law.table is not None),
         law_owners=tuple(owner for owner, _ in owned),
         condition_owners=tuple(owners[index] for index in kept),
-        exact_laws=tuple(_exact(law.row) for law in laws),
-        exact_conditions=tuple(_exact(conditions[index]) for index in kept),
+        law_rows=tuple(law.row for law in laws),
+        condition_rows=tuple(conditions[index] for index in kept),
     )
 
 

@@ -22,12 +22,17 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.response import Column, Table
-from torsionnet.solve.modes import modes as modes_of
+from torsionnet.solve.modes import modes_against
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
 from torsionnet.solve.sensitivity.forms import equation_rate, equation_slopes, reading_rate, reading_slopes
-from torsionnet.solve.sensitivity.sensor_derivatives import ReadingDerivative, reading, rows_of
+from torsionnet.solve.sensitivity.sensor_derivatives import (
+    ReadingDerivative,
+    derivative_of,
+    reading_on_duals,
+    rows_of,
+)
 from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
-from torsionnet.solve.transfer_request import as_sensor, ask
+from torsionnet.solve.transfer_request import TransferRequest, driven
 
 SAME = 1e-6
 """Poles closer than this share of their size count as repeated."""
@@ -192,8 +197,9 @@ def mode_sensitivities(
     """
     names = list(parameters) if parameters is not None else _basic(drivetrain)
     chosen = unknowns(drivetrain, names)
-    system = _System(drivetrain, chosen, measured_input, excitation)
-    modes = modes_of(drivetrain, measured_input=measured_input, excitation=excitation)
+    request = None if measured_input is None else driven(drivetrain, measured_input, excitation)
+    modes = modes_against(drivetrain, request)
+    system = _System(drivetrain, chosen, request)
     numbers = tuple(number for number, kind in enumerate(modes.kinds, 1) if "rigid" not in kind)
     poles = np.array([modes.eigenvalues[number - 1] for number in numbers])
     slopes = np.zeros((len(poles), len(names)), dtype=complex)
@@ -224,22 +230,18 @@ def _groups(poles: ComplexArray) -> list[list[int]]:
 class _System:
     """The equations, bordered by drive and reading where the input is measured."""
 
-    def __init__(
-        self, drivetrain: AssembledModel, chosen: Unknowns, measured: str | Sensor | None, excitation: str | None
-    ) -> None:
+    def __init__(self, drivetrain: AssembledModel, chosen: Unknowns, request: TransferRequest | None) -> None:
         self.nodes = drivetrain.assembly.kinematics.nodes
         redundant = tuple(sorted(drivetrain.assembly.kinematics.reduction.redundant))
         self.system: Augmented = augmented(chosen, chosen.start, self.nodes, redundant)
         self.count = len(chosen.names)
         self.reading: ReadingDerivative | None = None
         self.load: Input | None = None
-        if measured is not None:
-            request = ask(drivetrain, measured, measured, excitation)
-            sensor = as_sensor(drivetrain, measured)
-            assert sensor is not None
+        if request is not None:
+            (sensor,), (self.load,) = request.sensors, request.excitations
             values, elements = chosen.values(chosen.start), dict(chosen.definition.elements)
-            self.reading = reading(sensor, elements, self.system, self.nodes, values)
-            self.load = request.excitations[0]
+            read = reading_on_duals(sensor, elements, self.system, values)
+            self.reading = derivative_of(read, self.system, self.nodes)
 
     def matrix(self, s: complex) -> ComplexArray:
         omega = np.array([s / 1j])

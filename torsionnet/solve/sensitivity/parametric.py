@@ -21,7 +21,7 @@ from torsionnet.solve.sensitivity.augmented import Augmented, augmented
 from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
 from torsionnet.solve.starmesh import respond
 from torsionnet.solve.transfer import frequency_response
-from torsionnet.solve.transfer_request import TransferRequest, as_sensor, ask
+from torsionnet.solve.transfer_request import TransferRequest, ask
 from torsionnet.solve.uncertain import ENOUGH, expected_errors
 
 
@@ -185,16 +185,7 @@ def parametric_response(
     if f.ndim != 1 or not np.all(np.isfinite(f)) or not np.all(f > 0):
         raise UsageError("derivatives are taken at frequencies above 0, in Hz")
     request = ask(drivetrain, output, input, excitation)
-    asked = [output] if isinstance(output, str | Sensor) else list(output)
-    if request.is_measured:
-        asked += [input] if isinstance(input, str | Sensor) else list(input)
-    sensors = tuple(_sensor(drivetrain, entry) for entry in asked)
     redundant = tuple(sorted(drivetrain.assembly.kinematics.reduction.redundant))
     return ParametricResponse(
-        drivetrain, request, f, unknowns(drivetrain, parameters), sensors, request.excitations, redundant
+        drivetrain, request, f, unknowns(drivetrain, parameters), request.sensors, request.excitations, redundant
     )
-
-
-def _sensor(drivetrain: AssembledModel, entry: str | Sensor) -> Sensor:
-    found = as_sensor(drivetrain, entry)
-    return Sensor("angle", str(entry)) if found is None else found

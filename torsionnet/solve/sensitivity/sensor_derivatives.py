@@ -1,4 +1,4 @@
-"""Sensors as functionals of node angles and the torques of rigid conditions, with their derivatives."""
+"""Readings as functionals of node angles and the torques of rigid conditions, with their derivatives."""
 
 from __future__ import annotations
 
@@ -8,14 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.functionals import port_of
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Element, Values
+from torsionnet.model.readings import Reading, reading
 from torsionnet.solve.sensitivity.augmented import Augmented
 from torsionnet.solve.sensitivity.dual import DUALS, gradient_of
-
-POWERS = {"angle": 0, "velocity": 1, "acceleration": 2}
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,49 +32,30 @@ class ReadingDerivative:
     condition_slopes: FloatArray
 
 
-def reading(
-    sensor: Sensor, elements: Mapping[str, Element], system: Augmented, nodes: Sequence[str], values: Mapping[str, Any]
-) -> ReadingDerivative:
-    """The functional of a sensor that is known to be there."""
-    count = system.inertia.slopes.shape[1]
-    new = _Parts(len(nodes), len(system.law_owners), len(system.condition_owners), count)
-    if sensor.quantity in POWERS:
-        new.motion[list(nodes).index(sensor.of)] = 1.0
-    elif sensor.quantity == "twist":
-        for node, coefficient in elements[sensor.of].twist(Values(values, DUALS)).items():
-            new.motion[list(nodes).index(node)] = float(coefficient)
-            new.motion_slopes[list(nodes).index(node)] = gradient_of(coefficient, count)
-    else:
-        _torque(new, sensor, elements[sensor.of], system, nodes)
-    return ReadingDerivative(
-        POWERS.get(sensor.quantity, 0),
-        new.motion,
-        new.motion_slopes,
-        new.laws,
-        new.law_slopes,
-        new.conditions,
-        new.condition_slopes,
-    )
+def reading_on_duals(
+    sensor: Sensor, elements: Mapping[str, Element], system: Augmented, values: Mapping[str, Any]
+) -> Reading:
+    """What a sensor reads that is known to be there; its numbers carry their derivatives."""
+    laws = zip(system.law_owners, system.law_rows, strict=True)
+    conditions = zip(system.condition_owners, system.condition_rows, strict=True)
+    return reading(sensor, elements, Values(values, DUALS), laws, conditions)
 
 
-class _Parts:
-    def __init__(self, n_nodes: int, n_laws: int, n_conditions: int, count: int) -> None:
-        self.motion, self.motion_slopes = np.zeros(n_nodes), np.zeros((n_nodes, count))
-        self.laws, self.law_slopes = np.zeros(n_laws), np.zeros((n_laws, count))
-        self.conditions, self.condition_slopes = np.zeros(n_conditions), np.zeros((n_conditions, count))
+def derivative_of(read: Reading, system: Augmented, nodes: Sequence[str]) -> ReadingDerivative:
+    """A reading in arrays."""
+    count, row = system.inertia.slopes.shape[1], read.row or {}
+    motion = {place: row[node] for place, node in enumerate(nodes) if node in row}
+    n_laws, n_conditions = len(system.law_owners), len(system.condition_owners)
+    parts = ((motion, len(nodes)), (read.laws, n_laws), (read.constraints, n_conditions))
+    return ReadingDerivative(read.power, *(array for part, size in parts for array in _arrays(part, size, count)))
 
 
-def _torque(new: _Parts, sensor: Sensor, element: Element, system: Augmented, nodes: Sequence[str]) -> None:
-    """Everything of the element that acts on the node of the port."""
-    node, sign = port_of(element, sensor.at)
-    column = list(nodes).index(node)
-    for owners, rows, factors, slopes in (
-        (system.law_owners, system.laws, new.laws, new.law_slopes),
-        (system.condition_owners, system.conditions, new.conditions, new.condition_slopes),
-    ):
-        own = [index for index, owner in enumerate(owners) if owner == element.name]
-        factors[own] = sign * rows.values[own, column]
-        slopes[own] = sign * rows.slopes[own, column]
+def _arrays(numbers: Mapping[int, Any], size: int, count: int) -> tuple[FloatArray, FloatArray]:
+    """Numbers by place as values (size,) and derivatives (size, count)."""
+    values, slopes = np.zeros(size), np.zeros((size, count))
+    for place, number in numbers.items():
+        values[place], slopes[place] = float(number), gradient_of(number, count)
+    return values, slopes
 
 
 def rows_of(
