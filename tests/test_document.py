@@ -9,6 +9,7 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.cli.report import command as report_command
+from torsionnet.core.number_text import aligned
 from torsionnet.model.report import SECTIONS
 from torsionnet.report import Measured, make_report
 from torsionnet.report.build import BUILDERS
@@ -25,7 +26,6 @@ from torsionnet.report.document_tree import (
     TableBlock,
     inlines,
 )
-from torsionnet.report.report_words import aligned
 from torsionnet.report.writers.html_text import plain_text
 
 

@@ -11,8 +11,9 @@ from pictures import EXAMPLES, collisions, crossed, drawable, is_round, on_paper
 from validation.build import build, read_case
 
 import torsionnet as tn
+from torsionnet.core.number_text import NumberText
 from torsionnet.plot import bode, mode_shapes, save, schematic
-from torsionnet.plot.labels import number, quantity, symbol
+from torsionnet.plot.labels import quantity, symbol
 from torsionnet.plot.pieces import ROLES
 from torsionnet.plot.shapes import view_of
 from torsionnet.plot.stations import axis_of, idle_nodes
@@ -541,7 +542,7 @@ class TestLabels:
         ],
     )
     def test_number(self, value, text):
-        assert number(value) == text
+        assert str(NumberText(value)) == text
 
     @pytest.mark.parametrize(
         ("value", "dimension", "text"),

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from torsionnet.loading import load, loads
 from torsionnet.model.files import read_file
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.reader import read_text
@@ -21,6 +20,8 @@ SHOWN = "<stdin>"
 
 def load_model(model: str) -> Drivetrain:
     """The drivetrain of a model file, of a library model, or of what is piped in as ``-``."""
+    from torsionnet.loading import load, loads  # checking a file needs no drivetrain
+
     return loads(piped(), SHOWN) if model == STANDARD_INPUT else load(model)
 
 

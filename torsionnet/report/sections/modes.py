@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsionnet.core.number_text import aligned
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -24,7 +25,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.report_data import FEW_CASES, MOST_MODES, ReportData
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import aligned, capital, named, pair_latex, plain, sentence
+from torsionnet.report.report_words import capital, named, pair_latex, plain, sentence
 from torsionnet.response.modes import OSCILLATORY
 
 if TYPE_CHECKING:

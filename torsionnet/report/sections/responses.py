@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsionnet.core.number_text import aligned
 from torsionnet.model.report import Pair
 from torsionnet.report.document_tree import (
     Block,
@@ -24,7 +25,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.report_data import FEW_CASES, ReportData, is_damped
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import aligned, pair_latex, sentence, unit
+from torsionnet.report.report_words import pair_latex, sentence, unit
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.phase import phase_at_rest
 from torsionnet.solve.peaks import Peak, peaks, static_value

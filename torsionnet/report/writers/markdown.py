@@ -78,7 +78,7 @@ def _part(part: Inline) -> str:
         case Code(text):
             return f"`{text}`"
         case NumberText():
-            return number(part)
+            return str(part)
     return escaped(part)
 
 
@@ -86,12 +86,6 @@ def _safe(latex: str) -> str:
     r"""Without ``\\`` and ``\,``, which Markdown takes for escapes, and without bars, which end a cell."""
     text = latex.replace(r" \\ ", r" \cr ").replace(r"\\", r"\cr ").replace(r"\,", r"\thinspace ")
     return text.replace(r"\left|", r"\left\vert ").replace(r"\right|", r"\right\vert ").replace("|", r"\vert ")
-
-
-def number(value: NumberText) -> str:
-    text = value.mantissa.replace("-", "−")
-    raised = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-    return text if value.exponent is None else f"{text}·10{str(value.exponent).translate(raised)}"
 
 
 def _display(latex: str) -> str:
@@ -151,10 +145,8 @@ class _Writer:
             if group.title:
                 lines.append(f"| **{inline(group.title)}** |" + " |" * (len(block.columns) - 1))
             lines += [f"| {' | '.join(map(inline, row))} |" for row in group.rows]
-        notes = [*map(inline, block.notes), *([f"… and {block.more} more"] if block.more else [])]
-        return "\n".join(lines) + "".join(f"\n\n{note}" for note in notes)
+        return "\n".join(lines) + "".join(f"\n\n{inline(note)}" for note in block.ending)
 
 
 def _heading(column: Heading) -> str:
-    unit = f" [{column.unit}]" if column.unit and column.unit != "–" else ""
-    return inline(column.text) + escaped(unit)
+    return inline(column.text) + escaped(f" {column.bracket}" if column.bracket else "")
