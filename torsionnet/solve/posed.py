@@ -16,7 +16,6 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.model.channels import Input
 from torsionnet.model.kinematics import exact_row
-from torsionnet.solve.elimination_plan import felt
 from torsionnet.solve.response_problem import Loading, ResponseProblem
 from torsionnet.solve.row_algebra import Row
 
@@ -65,10 +64,10 @@ class PosedProblem:
 
     def felt_by(self, reading: int) -> frozenset[int]:
         """Excitations that reach a reading at all."""
-        found: set[int] = set()
+        solved, found = self.parts[reading].solved, set[int]()
         for excitations, part in self.problem.parts:
-            reached = felt(part.plan)[self.parts[reading].solved]
-            found |= {excitations[number] for number in reached}
+            values = (divmod(value, len(excitations)) for value in part.tape.reached)
+            found |= {excitations[number] for place, number in values if place == solved}
         return frozenset(found)
 
     @cached_property
