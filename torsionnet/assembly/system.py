@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -73,9 +73,9 @@ class Assembly:
         free, imposed = (Rows.named([reduced], columns).dense[0] for columns in self._columns)
         return free, imposed
 
-    def columns_of(self, row: Mapping[str, Any]) -> dict[int, float]:
+    def columns_of(self, row: Mapping[str, Any], number: Callable[[Any], Any] = float) -> dict[int, Any]:
         """A row over coordinates and imposed angles by name, as one over columns: coordinates, then imposed angles."""
-        return {self._column[name]: float(coefficient) for name, coefficient in row.items()}
+        return {self._column[name]: number(coefficient) for name, coefficient in row.items()}
 
     @cached_property
     def _column(self) -> dict[str, int]:

@@ -49,8 +49,8 @@ class BenchCommand(Command):
     def answer(self) -> Answer:
         from torsionnet.bench import load_bench
         from torsionnet.cli.progress import progress
-        from torsionnet.io.recording_files import write_recording
         from torsionnet.io.formats.registry import format_of
+        from torsionnet.io.recording_files import write_recording
         from torsionnet.response import Conventions
 
         bench, degrees = load_bench(self.rig), Conventions(angle="deg")

@@ -21,7 +21,8 @@ from torsionnet.assembly.rows import FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.solve.reduction import null_basis, orthogonal_complement
+from torsionnet.solve.nullspace import unresisted
+from torsionnet.solve.reduction import beside
 from torsionnet.solve.transfer_request import usable
 
 if TYPE_CHECKING:
@@ -152,13 +153,9 @@ def _state_names(coordinates: Sequence[str], heavy: FloatArray, damped: FloatArr
 
 def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Bases of the coordinates with inertia, of the massless damped and of the static ones."""
-    massless = null_basis(system.rows[system.inertia > 0])
-    n = system.n_coordinates
-    heavy = np.asarray(orthogonal_complement(massless, n), dtype=float) if massless.shape[1] else np.eye(n)
-    damped_rows = system.rows[system.damping > 0] @ massless
-    still = null_basis(damped_rows)
-    moving = np.asarray(orthogonal_complement(still, massless.shape[1]), dtype=float)
-    return _upright(heavy), _upright(massless @ moving), massless @ still
+    heavy = system.inertia > 0
+    massless, static = (unresisted(system, laws).basis() for laws in (heavy, heavy | (system.damping > 0)))
+    return _upright(beside(massless, np.eye(system.n_coordinates))), _upright(beside(static, massless)), static
 
 
 def _upright(basis: FloatArray) -> FloatArray:
