@@ -39,8 +39,8 @@ def simplified_section(subject: ReportData) -> Section | None:
     low, high = subject.band
     lead = (
         "Springs become rigid and dampers are left out, the least important first, as long as every mode up to "
-        f"{high:g} Hz keeps its natural frequency and its damping ratio within {100 * tolerance:g} %. The magnitude is compared "
-        f"from {low:g} to {high:g} Hz."
+        f"{high:g} Hz keeps its natural frequency and its damping ratio within {100 * tolerance:g} %. The magnitude is "
+        f"compared from {low:g} to {high:g} Hz."
     )
     inner = [
         Section(f"simplified-{number}", (Math(pair_latex(pair)),), tuple(_pair(subject.about(pair), pair, tolerance)))
