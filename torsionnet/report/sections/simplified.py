@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 COLUMNS = (
     Heading("Configuration"),
     Heading("Left out", wide=True),
-    Heading("Natural frequencies off by", "%", numeric=True),
-    Heading("Damping ratios off by", "%", numeric=True),
-    Heading("Magnitude off by", "dB", numeric=True),
+    Heading("Frequencies off", "%", numeric=True),
+    Heading("Damping off", "%", numeric=True),
+    Heading("Magnitude off", "dB", numeric=True),
 )
 
 
