@@ -41,7 +41,7 @@ def write_report(model: Model, path: str | os.PathLike[str], **options: Any) -> 
         it. PDF needs an installed Chromium, Chrome or Edge.
     **options
         As for :func:`torsionnet.report.make_report`: configurations, sections, transfer_functions, band, settings,
-        title, author, notes, angle, date, tests, fits.
+        title, author, notes, angle, simplify, date, tests, fits.
 
     Returns
     -------
@@ -96,6 +96,7 @@ def make_report(
     author: str | None = None,
     notes: str | None = None,
     angle: str | None = None,
+    simplify: float | str | None = None,
     date: str | dt.date | None = "today",
     tests: Iterable[Any] | Mapping[str, Any] = (),
     fits: Iterable[Fit] = (),
@@ -117,6 +118,8 @@ def make_report(
         Parameter -> value.
     title, author, notes : str
     angle : {"rad", "deg"}
+    simplify : float or str
+        0.01 or ``"1 %"``: also transfer functions without the elements that move no mode in the band by more.
     date : str, dt.date or None
         ISO; None: without. Equal models with equal dates give equal files.
     tests : mapping or iterable of FrequencyResponse
@@ -137,7 +140,7 @@ def make_report(
     if settings:
         drivetrain = drivetrain.configured(**settings)
     plan = drivetrain.definition.report or ReportPlan()
-    texts = {"title": title, "author": author, "notes": notes, "angle": angle}
+    texts = {"title": title, "author": author, "notes": notes, "angle": angle, "simplify": simplify}
     given: dict[str, Any] = {key: text for key, text in texts.items() if text is not None}
     lists = {
         "configurations": tuple(configurations),

@@ -45,6 +45,11 @@ def pair_latex(pair: Pair) -> str:
     return f"{channel_latex(pair.output)} / {channel_latex(pair.input)}"
 
 
+def quotient_latex(pair: Pair) -> str:
+    """A transfer function as an upright fraction, in front of its formula."""
+    return rf"\frac{{{channel_latex(pair.output)}}}{{{channel_latex(pair.input)}}}"
+
+
 def named(name: str) -> Inline:
     """A sensor, input or parameter as symbol or words."""
     return Math(symbol_latex(name)) if is_symbol(name) else plain(name)

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.band import Band
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, reference
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import UsageError, did_you_mean
@@ -154,11 +155,15 @@ class ReportPlan(Declared):
     band : (float, float), optional
         Hz; frequencies of the Bode plots.
     angle : {"rad", "deg"}
+    simplify : float, optional
+        Largest relative change of the modes in the band by which transfer functions may be simplified.
     """
 
     kind: ClassVar[str] = "report"
     article: ClassVar[str] = "a report"
-    form: ClassVar[str] = "the entries title, author, sections, transfer_functions, configurations, band, angle, notes"
+    form: ClassVar[str] = (
+        "the entries title, author, sections, transfer_functions, configurations, band, angle, simplify, notes"
+    )
 
     title: str = entry(Text("title of the report; default: name of the model"), "")
     author: str = entry(Text("who signs it"), "")
@@ -167,4 +172,10 @@ class ReportPlan(Declared):
     configurations: tuple[str, ...] = entry(_NAMES, ())
     band: tuple[float, float] | None = entry(Band("frequencies of the plots"), None)
     angle: str = entry(OneOf("unit of angles", ANGLES), "rad")
+    simplify: float | None = entry(
+        Value(
+            "how far elements may move the modes in the band by being left out, as 1 %", "1", exclusive=True, below=1
+        ),
+        None,
+    )
     notes: str = entry(Text("remarks of the author, printed under the title"), "")
