@@ -186,6 +186,51 @@ def test_show_equations():
     assert "theta_hub = 0" in text
 
 
+class TestEquations:
+    def test_without_a_transfer_function_the_motion(self):
+        assert run("equations", "amt_rig").stdout == run("show", "amt_rig", "--equations").stdout
+
+    def test_forms_are_those_of_the_library(self):
+        found = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
+        texts = {
+            "polynomial": str(found.polynomial),
+            "normalised": str(found.normalised),
+            "program": str(found.program),
+        }
+        for form, text in texts.items():
+            assert run("equations", "dmf_rig", "--tf", "theta_1/T_T", "--form", form).stdout.endswith(f"{text}\n")
+
+    def test_code_can_be_run_as_it_is_printed(self):
+        """Against the response in numbers."""
+        names = {}
+        exec(run("equations", "dmf_rig", "--tf", "theta_1/T_T", "--form", "python").stdout, names)
+        response = tn.load("dmf_rig").frequency_response("theta_1", "T_T", [8.0])
+        assert names["transfer_function"]([8.0])[0] == pytest.approx(response.values.item(), rel=1e-12)
+
+    def test_simplified_says_what_is_left_out_and_the_error(self):
+        text = run(
+            "equations", "dmf_rig", "--tf", "theta_1/T_M", "--simplify", "1%", "--band", "0.5", "20", "--latex"
+        ).stdout
+        title, left_out, error, formula = text.splitlines()
+        assert (title, left_out) == ("% DMF test rig: theta_1/T_M", "% left out: torque_meter rigid")
+        assert error.startswith("% error 0.5 to 20 Hz: omega_n 0.17 %")
+        assert r"\left(I_{1} + I_{2}\right)" in formula
+
+    @pytest.mark.parametrize(
+        ("options", "text"),
+        [
+            (["--form", "python"], "say which by --tf"),
+            (["--simplify", "1%"], "say which by --tf"),
+            (["--tf", "theta_1/T_T", "--band", "1", "2"], "--band is that of --simplify"),
+            (["--tf", "theta_1/T_T", "--simplify", "1"], "must be less than 1 (100 %)"),
+            (["--tf", "theta_1/T_T", "--form", "python", "--latex"], "two ways of writing"),
+            (["--tf", "theta_1"], "written OUTPUT/INPUT"),
+        ],
+    )
+    def test_no_option_is_ignored(self, options, text):
+        assert text in run("equations", "dmf_rig", *options, code=2).stderr
+
+
 def test_show_matrices_are_those_of_the_paper():
     data = json.loads(run("show", "dmf_rig", "--matrices", "--json").stdout)[0]["matrices"]
     assert data["coordinates"] == ["motor", "primary"]

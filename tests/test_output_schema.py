@@ -34,6 +34,7 @@ CALLS = {
         "frf amt_rig -c all --output theta_1 --input T_T --from 1 --to 10",
     ],
     "sensitivity": ["sensitivity dmf_rig"],
+    "equations": ["equations dmf_rig", "equations dmf_rig --tf theta_1/T_M --simplify 1% --band 0.5 20"],
     "show": ["show dmf_rig", "show dmf_rig --equations --matrices"],
     "estimate": ["estimate run_soft.npz --output phi --input M"],
     "compare": ["compare run_soft.npz rig.yaml -c soft --output phi --input M"],

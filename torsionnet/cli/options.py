@@ -12,9 +12,10 @@ from torsionnet.cli.declarations import option
 
 if TYPE_CHECKING:
     PairType = click.ParamType[tuple[str, Any]]
+    EntryType = click.ParamType[Any]
     FileType = click.ParamType[str]
 else:  # not generic before click 8.2
-    PairType = FileType = click.ParamType
+    PairType = FileType = EntryType = click.ParamType
 
 PLOT_ENDINGS = (".svg", ".png", ".pdf")
 PRESETS = ("paper",)
@@ -68,6 +69,24 @@ class StepsOption(WordPair):
         return channel, steps
 
 
+class Written(EntryType):
+    """What an entry of a file may be, as ``module:name`` of its specification, which is imported where it is used."""
+
+    def __init__(self, name: str, entry: str) -> None:
+        self.name, self.entry = name, entry
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        import importlib
+
+        from torsionnet.core.entries.spec import EntryError
+
+        module, _, name = self.entry.partition(":")
+        try:
+            return getattr(importlib.import_module(f"torsionnet.{module}"), name).coerce(value)
+        except EntryError as error:
+            self.fail(str(error), param, ctx)
+
+
 class Finite(click.FloatRange):
     """A number within limits; not a number is within none."""
 
@@ -108,6 +127,11 @@ def plot_option(what: str) -> Any:
     return option("--plot", type=OutputFile(PLOT_ENDINGS), help=text)
 
 
+SIMPLIFY = option(
+    "--simplify",
+    type=Written("SHARE", "model.report.report_plan:SIMPLIFY"),
+    help="Leave out elements that move natural frequency and damping ratio of no mode in the band by more, as 1%.",
+)
 SETTINGS = option(
     "--set", type=CommandSettings(), help='Change a parameter: "c_O=360 N*m*s/rad", a bare number is SI. Repeatable.'
 )

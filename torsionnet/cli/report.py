@@ -11,7 +11,7 @@ from torsionnet.cli.cases import ModelCommand
 from torsionnet.cli.command import Answer, click_command
 from torsionnet.cli.declarations import option
 from torsionnet.cli.models import STANDARD_INPUT, load_model
-from torsionnet.cli.options import PRESETS, Finite, file_option
+from torsionnet.cli.options import PRESETS, SIMPLIFY, Finite, file_option
 from torsionnet.cli.record_options import Averaging, Estimator, RecordReading
 from torsionnet.cli.terminal import wrote
 
@@ -48,6 +48,7 @@ class ReportCommand(ModelCommand):
     band: tuple[float, float] | None = option(
         "--band", type=float, nargs=2, metavar="LOW HIGH", help="Frequencies of the plots in Hz."
     )
+    simplify: float | None = SIMPLIFY
     angle: str | None = option(
         "--angle", type=click.Choice(["rad", "deg"]), help="Unit of angles.  [default: that of the model]"
     )
@@ -102,6 +103,7 @@ class ReportCommand(ModelCommand):
             tests=tests,
             fits=fits,
             angle=self.angle,
+            simplify=self.simplify,
             title=self.title,
             author=self.author,
             date=self.date,

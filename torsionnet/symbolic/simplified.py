@@ -59,7 +59,8 @@ class Errors:
     decibels: float
 
     def __str__(self) -> str:
-        return f"omega_n {100 * self.omega:.2g} %, zeta {100 * self.zeta:.2g} %, {self.decibels:.2g} dB over the band"
+        decibels = round(self.decibels, 9)  # of nothing left out, rounding errors
+        return f"omega_n {100 * self.omega:.2g} %, zeta {100 * self.zeta:.2g} %, {decibels:.2g} dB over the band"
 
 
 @dataclass(frozen=True)

@@ -134,10 +134,10 @@ class ConfigurationName(Spec):
         return {"type": ["string", "number"]}
 
 
+SIMPLIFY = Value("how far leaving elements out may move the modes in the band, as 1 %", "1", exclusive=True, below=1)
+PAIR = PairEntry("OUTPUT/INPUT, as theta_1/T_T")
 _SECTIONS = Listed("sections of the report; default: all that apply", SectionName(""), form="a list of names")
-_PAIRS = Listed(
-    "OUTPUT/INPUT, in this order", PairEntry("OUTPUT/INPUT, as theta_1/T_T"), form="a list such as [theta_1/T_T]"
-)
+_PAIRS = Listed("OUTPUT/INPUT, in this order", PAIR, form="a list such as [theta_1/T_T]")
 _NAMES = Listed("configurations to report; default: all", ConfigurationName(""), form="a list of names")
 
 
@@ -172,10 +172,5 @@ class ReportPlan(Declared):
     configurations: tuple[str, ...] = entry(_NAMES, ())
     band: tuple[float, float] | None = entry(Band("frequencies of the plots"), None)
     angle: str = entry(OneOf("unit of angles", ANGLES), "rad")
-    simplify: float | None = entry(
-        Value(
-            "how far elements may move the modes in the band by being left out, as 1 %", "1", exclusive=True, below=1
-        ),
-        None,
-    )
+    simplify: float | None = entry(SIMPLIFY, None)
     notes: str = entry(Text("remarks of the author, printed under the title"), "")
