@@ -10,6 +10,7 @@ from torsionnet.core.units import DIMENSIONS, Dimension
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.fmu.traced_matrices import System
 from torsionnet.io.fmu.traced_numbers import Traced
+from torsionnet.io.modelica_words import written_unit
 from torsionnet.model.channels import UNITS
 from torsionnet.model.parameters import dimensions
 from torsionnet.solve.state_space import active_channels
@@ -100,7 +101,7 @@ def _entries(
     for name, source in channels.inputs.items():
         yield {"name": name, "role": "input", "unit": "N.m", "description": str(source), "start": 0.0}
     for name, sensor in channels.sensors.items():
-        unit = UNITS[sensor.quantity].replace("*", ".").replace("^", "")
+        unit = written_unit(UNITS[sensor.quantity])
         yield {"name": name, "role": "output", "unit": unit, "description": str(sensor)}
     first = 1 + len(channels.inputs) + len(channels.sensors)
     for role in ("state", "rate"):

@@ -7,13 +7,12 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from torsionnet.io.foreign import Stored
-from torsionnet.io.foreign.content import COMPLEX, Blocks
+from torsionnet.io.foreign.content import COMPLEX, UNIT_NAMES, Blocks
 from torsionnet.io.records.source import FileChannel, Source, names_a_rate
 from torsionnet.io.records.stored import with_stored
 from torsionnet.response.recording import FloatArray
 
 MOST_COLUMNS = 256  # more make a picture or a matrix of something else
-UNIT_NAMES = ("unit", "units", "Unit", "Units", "unit_string")
 
 
 def array_source(arrays: Sequence[Stored], blocks: Blocks, stored: str, title: str) -> Source:

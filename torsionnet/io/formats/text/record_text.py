@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import io
-import re
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
@@ -13,14 +12,13 @@ from torsionnet.core.errors import Fault, ModelError, Position
 from torsionnet.io.formats.text.dialect import Dialect, data_start, sniffed
 from torsionnet.io.formats.text.number_rows import NumberRows
 from torsionnet.io.formats.text.record_headings import Headings, headings
-from torsionnet.io.formats.text.writing import write_columns
+from torsionnet.io.formats.text.writing import description_in, write_columns
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.io.records.stored import KEY, TIME, checked_names, plain_keys, stored, with_stored
 from torsionnet.response.recording import FloatArray, Recording
 
 _EMPTY = " empty cells are NaN"
 SAMPLE = 400
-_STORED = re.compile(rf"#\s*{KEY}:\s*(.*)")
 
 
 @contextlib.contextmanager
@@ -41,10 +39,10 @@ def opened(path: Path, separator: str | None = None, decimal: str | None = None)
         file.seek(0)
         for _ in range(skipped + first):
             file.readline()
-        source = _source(path, file, dialect, heading, skipped + first, lines)
+        described = description_in(comments, KEY)
+        source = _source(path, file, dialect, heading, skipped + first, lines, own=described is not None)
         notes = _notes(dialect, encoding, first - heading.lines, heading)
-        texts = [found[1] for comment in comments if (found := _STORED.match(comment))]
-        yield with_stored(source, texts[0]) if texts else _with_notes(source, notes)
+        yield with_stored(source, described) if described is not None else _with_notes(source, notes)
 
 
 def _with_notes(source: Source, notes: tuple[str, ...]) -> Source:
@@ -82,11 +80,17 @@ def _no_data(path: Path, lines: Sequence[str]) -> Fault:
 
 
 def _source(
-    path: Path, file: io.TextIOWrapper, dialect: Dialect, heading: Headings, first: int, lines: Sequence[str]
+    path: Path,
+    file: io.TextIOWrapper,
+    dialect: Dialect,
+    heading: Headings,
+    first: int,
+    lines: Sequence[str],
+    *,
+    own: bool,
 ) -> Source:
     discovered: list[str] = []
     width, start = len(heading.names), file.tell()
-    own = any(map(_STORED.match, lines))
     place = Position(path.name, first, 1, 1, lines[first - 1].rstrip()[:200]) if heading.lines else None
     channels = [
         FileChannel(name, column, unit, position=place)
@@ -128,4 +132,4 @@ def write(recording: Recording, path: Path) -> None:
     keys = plain_keys(recording.names, r"[^\w .:+-]| in ")
     units = [f"{key} [{signal.unit}]" if signal.unit else key for key, signal in zip(keys, recording, strict=True)]
     columns = [recording.time, *(signal.values for signal in recording)]
-    write_columns(path, f"{KEY}: {stored(recording, keys, with_time=True)}", [f"{TIME} [s]", *units], columns)
+    write_columns(path, KEY, stored(recording, keys, with_time=True), [f"{TIME} [s]", *units], columns)

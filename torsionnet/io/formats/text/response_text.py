@@ -15,7 +15,7 @@ from torsionnet.core.errors import Fault, ModelError, Position
 from torsionnet.io.formats.text.dialect import Dialect
 from torsionnet.io.formats.text.number_rows import NumberRows
 from torsionnet.io.formats.text.response_headings import ColumnHeading, headings
-from torsionnet.io.formats.text.writing import write_columns
+from torsionnet.io.formats.text.writing import description_in, write_columns
 from torsionnet.io.responses.described import KEY, described, description, limit_in, words
 from torsionnet.io.responses.matrix import Matrix, Single, resolve_units
 from torsionnet.response import FrequencyResponse
@@ -23,7 +23,6 @@ from torsionnet.response.conventions import FREQUENCIES
 from torsionnet.response.estimation import estimation_in
 from torsionnet.response.frequency_response import SIGN_NOTE, FloatArray
 
-_STORED = re.compile(rf"#\s*{KEY}:\s*(.*)")
 _DECIMAL_COMMA = re.compile(r"-?\d+,\d+")
 SEPARATORS = (";", "\t", ",")
 
@@ -41,7 +40,7 @@ def write(response: FrequencyResponse, path: Path) -> None:
     if response.conditioning is not None:
         columns.append(("conditioning [1]", response.conditioning))
     names, numbers = zip(*columns, strict=True)
-    write_columns(path, f"{KEY}: {description(response)}", [_quoted(name) for name in names], numbers)
+    write_columns(path, KEY, description(response), [_quoted(name) for name in names], numbers)
 
 
 def _quoted(name: str) -> str:
@@ -60,18 +59,18 @@ def read(path: Path) -> FrequencyResponse:
             raise ModelError([Fault("there are no rows of numbers below a heading", position=place)], path.name)
         (number, heading), (start, first) = filled
         heading = heading.rstrip("\n")
-        stored = [found[1] for comment in comments if (found := _STORED.match(comment))]
-        separator = "," if stored else max(SEPARATORS, key=heading.count)
+        stored = description_in(comments, KEY)
+        separator = "," if stored is not None else max(SEPARATORS, key=heading.count)
         place = Position(path.name, number, 1, 1, heading[:200])
-        columns = [] if stored else headings(heading, separator, place)
+        columns = headings(heading, separator, place) if stored is None else []
         names = next(csv.reader([heading], delimiter=separator))
         rows = NumberRows(
-            chain([first], lines), path.name, Dialect(separator), len(names), start, names, own=bool(stored),
+            chain([first], lines), path.name, Dialect(separator), len(names), start, names, own=stored is not None,
             other_width=_other_width, no_number=_no_number,
         )  # fmt: skip
         numbers = next(rows.blocks(range(len(names)), 0))
-    if stored:  # the description has the names, whatever characters are in them
-        return _own(stored[0], [name.split(" ")[0] for name in names], np.column_stack(numbers))
+    if stored is not None:  # the description has the names, whatever characters are in them
+        return _own(stored, [name.split(" ")[0] for name in names], np.column_stack(numbers))
     return _foreign(columns, numbers, [comment[1:].strip() for comment in comments], path)
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.core.errors import Fault, ModelError
-from torsionnet.core.units import DIMENSIONS, UnitError, parse_unit
+from torsionnet.core.units import UnitError, parse_unit
 from torsionnet.io.formats.uff.datasets import (
     BETWEEN,
     COHERENCE,
@@ -21,14 +21,13 @@ from torsionnet.io.formats.uff.datasets import (
     UNITS,
     text_in,
 )
-from torsionnet.io.records.quantities import factor_to_si, plain_unit
+from torsionnet.io.records.quantities import factor_to_si, of_dimension, plain_unit
 from torsionnet.io.responses.described import limit_in
 from torsionnet.io.responses.matrix import Matrix, Single
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.estimation import estimation_in
 from torsionnet.response.recording import QUANTITY_UNITS
 
-_DIMENSIONS = {"torque": "torque", "angle": "angle", "velocity": "speed", "acceleration": "acceleration"}
 _DIRECTIONS = {0: "", 1: "X", 2: "Y", 3: "Z", 4: "RX", 5: "RY", 6: "RZ"}
 
 
@@ -110,8 +109,7 @@ def _unit(item: dict[str, Any], axis: str, side: str) -> tuple[str, float]:
                 f"the {axis} has no unit and is no rotation of a known kind; only rotations and torques are read"
             )
         return UNITS[code], 1.0
-    dimension = parse_unit(plain_unit(label)).dimension
-    for quantity, name in _DIMENSIONS.items():
-        if dimension == DIMENSIONS[name]:
-            return QUANTITY_UNITS[quantity], factor_to_si(label, quantity)
+    quantity = of_dimension(parse_unit(plain_unit(label)).dimension)
+    if quantity:
+        return QUANTITY_UNITS[quantity], factor_to_si(label, quantity)
     raise UnitError(f'"{label}" is no unit of an angle, angular velocity, angular acceleration or torque')
