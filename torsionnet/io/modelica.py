@@ -90,7 +90,7 @@ class _Model:
         self.parameters = self._parameters(known, words)
         self.net = Net(self.names)
         driven = {
-            name: self._interface("RealInput", name, _input_unit(entry)) for name, entry in channels.inputs.items()
+            name: self._interface("RealInput", name, UNITS[entry.quantity]) for name, entry in channels.inputs.items()
         }
         read = {
             name: self._interface("RealOutput", name, UNITS[entry.quantity]) for name, entry in channels.sensors.items()
@@ -158,7 +158,3 @@ class _Model:
         meter = self.net.declare(f"{ROTATIONAL}.Sensors.{kind}", f"{wish}_sensor")
         self.net.points.join(f"node:{node}", f"{meter}.flange")
         return f"{meter}.{signal}"
-
-
-def _input_unit(entry: Input) -> str:
-    return "N*m" if entry.quantity == "torque" else "rad"

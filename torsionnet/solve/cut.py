@@ -8,8 +8,8 @@ poles are the rates at which the measured inputs stay zero while the excitations
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TypeAlias
 
 import numpy as np
@@ -25,13 +25,6 @@ from torsionnet.solve.reduction import require_resistance
 from torsionnet.solve.transfer_request import TransferRequest
 
 Found: TypeAlias = tuple[Modes, tuple[str, ...]]
-
-
-@dataclass(frozen=True)
-class Cut:
-    """Elements that stay when the drivetrain is cut at a torque sensor and the side of the excitation is taken away."""
-
-    kept: tuple[str, ...]
 
 
 def poles_of_measured(
@@ -50,38 +43,41 @@ def poles_of_measured(
     require_resistance(system, np.ones(len(system.sparse_rows), dtype=bool))
     if not request.is_measured:
         raise UsageError(f'"{request.names}" is no sensor; a measured input is one')
-    cut = find_cut(drivetrain, request)
-    if cut is None:
+    kept = beyond_cut(drivetrain, request)
+    if kept is None:
         from torsionnet.solve.pencil import measured_poles
 
         return measured_poles(drivetrain, request)
-    return _of_cut_system(drivetrain, cut, request.names, natural_modes)
+    return _of_cut_system(drivetrain, kept, request.names, natural_modes)
 
 
-def find_cut(drivetrain: AssembledModel, request: TransferRequest) -> Cut | None:
-    """The cut at the measured torque, or None if more than that is measured or it does not separate the drivetrain.
+def beyond_cut(drivetrain: AssembledModel, request: TransferRequest) -> tuple[str, ...] | None:
+    """Elements that stay when the drivetrain is cut at the measured torque and the side of the excitation taken away.
 
-    Elements and nodes are the vertices of a graph, every port an edge; the torque at a port flows over one edge. Ground
-    does not connect.
+    None if more than that is measured or it does not separate the drivetrain. The torque at a port flows between the
+    element and its node there; elements join their other nodes, ground does not.
     """
     sensor = request.measured[0].sensor
     if sensor is None or sensor.quantity != "torque" or len(request.measured) > 1:
         return None
-    element = drivetrain.elements[sensor.of]
-    node, _ = port_of(element, sensor.at)
-    parts = Groups[tuple[str, str]]()
-    for name, other in drivetrain.elements.items():
-        ends = {*other.ports.values(), *other.internal_nodes} - {GROUND}
-        parts.join(("element", name), *(("node", end) for end in ends if (end, name) != (node, element.name)))
-    sides = [set(parts.of(("node", node))), set(parts.of(("element", element.name)))]
-    is_driven = [any(("node", one.of) in side for one in request.excitations) for side in sides]
+    node, _ = port_of(drivetrain.elements[sensor.of], sensor.at)
+    ends = {name: {*one.ports.values(), *one.internal_nodes} - {GROUND} for name, one in drivetrain.elements.items()}
+    ends[sensor.of].discard(node)
+    parts = Groups(drivetrain.nodes)
+    for joined in ends.values():
+        if joined:
+            parts.join(*joined)
+    sides = [set(parts.of(node)), {other for end in ends[sensor.of] for other in parts.of(end)}]
+    is_driven = [any(one.of in side for one in request.excitations) for side in sides]
     if sum(is_driven) != 1:
         return None
-    kept = sides[is_driven.index(False)]
-    return Cut(tuple(name for name in drivetrain.elements if ("element", name) in kept))
+    at_node, with_element = sides
+    if is_driven[1]:
+        return tuple(name for name, joined in ends.items() if not joined.isdisjoint(at_node))
+    return tuple(name for name, joined in ends.items() if name == sensor.of or not joined.isdisjoint(with_element))
 
 
-def cut_definition(definition: Definition, kept: tuple[str, ...]) -> Definition:
+def cut_definition(definition: Definition, kept: Sequence[str]) -> Definition:
     """The definition with only the elements kept, and the inputs and sensors that still make sense."""
     elements: dict[str, Element] = {name: definition.elements[name] for name in kept}
     nodes = all_nodes(elements.values())
@@ -99,9 +95,9 @@ def cut_definition(definition: Definition, kept: tuple[str, ...]) -> Definition:
 
 
 def _of_cut_system(
-    drivetrain: AssembledModel, cut: Cut, measured: str, natural_modes: Callable[[AssembledModel], Found]
+    drivetrain: AssembledModel, kept: Sequence[str], measured: str, natural_modes: Callable[[AssembledModel], Found]
 ) -> Found:
-    rest = drivetrain.with_definition(cut_definition(drivetrain.definition, cut.kept))
+    rest = drivetrain.with_definition(cut_definition(drivetrain.definition, kept))
     try:
         found, doubts = natural_modes(rest)
     except SolveError as error:  # the whole has been checked, so it is the cut that leaves a loose end
@@ -111,8 +107,7 @@ def _of_cut_system(
     shapes = np.full((len(drivetrain.nodes), len(found)), np.nan + 0j)
     place = {node: number for number, node in enumerate(drivetrain.nodes)}
     shapes[[place[node] for node in found.nodes]] = found.shapes
-    kept = set(cut.kept)
-    removed = [name for name in drivetrain.elements if name not in kept]
+    removed = [name for name in drivetrain.elements if name not in rest.elements]
     notes = (f"poles of the drivetrain cut at {measured}, without {', '.join(removed)}",)
     found = replace(
         found, nodes=drivetrain.nodes, shapes=shapes, title=f"{drivetrain.title}, cut at {measured}", notes=notes

@@ -11,7 +11,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import Functional, functional
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.model.channels import Input, Sensor, named_sensor
+from torsionnet.model.channels import UNITS, Input, Sensor, named_sensor
 from torsionnet.solve.posed import PosedProblem, pose
 
 NOTHING = "name at least one output and one input"
@@ -131,8 +131,8 @@ def driven(
         return _measured(drivetrain, entries, resolved, excitation)
     if excitation is not None and _chosen(drivetrain, excitation) != excitations:
         raise UsageError("excitation= goes with measured inputs; here the input itself is the excitation")
-    units = ("N*m" if one.quantity == "torque" else "rad" for one in excitations)
-    inputs = tuple(Functional(str(entry), unit, ()) for entry, unit in zip(entries, units, strict=True))
+    pairs = zip(entries, excitations, strict=True)
+    inputs = tuple(Functional(str(entry), UNITS[one.quantity], ()) for entry, one in pairs)
     return TransferRequest((), inputs, excitations, is_measured=False, assembly=drivetrain.assembly)
 
 

@@ -12,7 +12,7 @@ from torsionnet.core.memo import Memo
 from torsionnet.model.channels import Sensor
 from torsionnet.model.readings import port_of
 from torsionnet.response import Channel
-from torsionnet.solve.cut import Cut, cut_definition, find_cut
+from torsionnet.solve.cut import beyond_cut, cut_definition
 from torsionnet.solve.transfer_request import TransferRequest, ask
 from torsionnet.symbolic.symbolic_sensors import Mechanism, SymbolicPart, loose_constraints, parts_of
 
@@ -80,8 +80,8 @@ def resolve(
         felt = f"{request.names} does not feel the {request.excitations[0]}"
         raise UsageError(f"{felt}: the transfer function against it does not exist")
     whole = replace(whole, measured=measured[0])
-    cut = find_cut(drivetrain, request)
-    return whole if cut is None else _of_cut(drivetrain, cut, request, whole, referred_to)
+    kept = beyond_cut(drivetrain, request)
+    return whole if kept is None else _of_cut(drivetrain, kept, request, whole, referred_to)
 
 
 def _mechanism(
@@ -98,7 +98,7 @@ def _mechanism(
 
 def _of_cut(
     drivetrain: AssembledModel,
-    cut: Cut,
+    kept: Sequence[str],
     request: TransferRequest,
     whole: SymbolicRequest,
     referred_to: Sequence[str],
@@ -106,11 +106,11 @@ def _of_cut(
     """What is left downstream of the cut, if the output is; the measured torque is an excitation there."""
     output, sensor = request.sensors
     node, sign = port_of(drivetrain.elements[sensor.of], sensor.at)
-    rest = drivetrain.with_definition(cut_definition(drivetrain.definition, cut.kept))
+    rest = drivetrain.with_definition(cut_definition(drivetrain.definition, kept))
     if output.of not in (rest.elements if output.is_on_element else rest.nodes):
         return whole
     mechanism = _mechanism(rest, [output], referred_to)
-    removed = ", ".join(name for name in drivetrain.elements if name not in cut.kept)
+    removed = ", ".join(name for name in drivetrain.elements if name not in kept)
     notes = (*whole.notes, f"cut at {whole.channels[1].name}: independent of {removed}") if removed else whole.notes
-    into = sign if sensor.of in cut.kept else -sign
+    into = sign if sensor.of in kept else -sign
     return SymbolicRequest(mechanism, parts_of(mechanism, output), None, node, into, whole.channels, notes)
