@@ -13,7 +13,6 @@ from torsionnet.cli.command import NUMBERS, Answer, Command, beside, click_comma
 from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.options import SETTINGS, file_option
 from torsionnet.cli.terminal import tell_warnings
-from torsionnet.model.configurations import EVERY
 
 if TYPE_CHECKING:
     from torsionnet.bench import Bench
@@ -75,6 +74,8 @@ class BenchCommand(Command):
 
 
 def _benches(bench: Bench, configurations: tuple[str, ...], settings: dict[str, Any]) -> list[tuple[str, Bench]]:
+    from torsionnet.model.configurations import EVERY
+
     names = list(bench.drivetrain.configurations) if EVERY in configurations else list(dict.fromkeys(configurations))
     if not names:
         return [("", bench.configured(**settings) if settings else bench)]

@@ -13,7 +13,6 @@ from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.models import load_model
 from torsionnet.cli.options import SETTINGS
 from torsionnet.cli.terminal import message, tell
-from torsionnet.model.configurations import EVERY
 
 if TYPE_CHECKING:
     from torsionnet.core.errors import Fault
@@ -57,6 +56,8 @@ class ModelCommand(Command):
 
     def require_one(self, why: str) -> None:
         """Refuse several configurations."""
+        from torsionnet.model.configurations import EVERY
+
         if len(self.configurations) > 1 or EVERY in self.configurations:
             raise click.UsageError(why)
 
@@ -83,6 +84,8 @@ def _of(fault: Fault, changed: Drivetrain) -> Fault:
 
 
 def _names(rig: Drivetrain, configurations: Sequence[str]) -> list[str]:
+    from torsionnet.model.configurations import EVERY
+
     available = rig.configurations
     if not configurations:
         if available:

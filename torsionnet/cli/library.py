@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from torsionnet.cli.command import JSON, Answer, Command, click_command
-from torsionnet.model.files import library_entry, library_models
 
 
 class LibraryCommand(Command):
@@ -12,6 +11,7 @@ class LibraryCommand(Command):
     forms = JSON
 
     def answer(self) -> Answer:
+        from torsionnet.model.files import library_entry, library_models
         from torsionnet.response.table import Column, Table
 
         rows = tuple((name, *library_entry(path), str(path)) for name, path in library_models().items())
