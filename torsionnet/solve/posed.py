@@ -107,9 +107,9 @@ def pose(
         accuracy=accuracy,
     )
     applied = np.zeros((len(readings), len(excitations)))
-    for number, reading in enumerate(measured, len(outputs)):
+    for line, reading in enumerate(measured, len(outputs)):
         for column, one in enumerate(excitations):
-            applied[number, column] = float(reading.applied(one.of)) if one.quantity == "torque" else 0.0
+            applied[line, column] = float(reading.applied(one.of)) if one.quantity == "torque" else 0.0
     parts = (part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in found)
     return PosedProblem(problem, tuple(parts), tuple(terms), applied)
 
