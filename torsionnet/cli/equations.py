@@ -93,7 +93,8 @@ class EquationsCommand(ModelCommand):
             yield {"configuration": case.configuration, **equations_data(case.drivetrain)}
         for pair in self.pairs:
             found, short = self._found(case.drivetrain, pair)
-            data: dict[str, Any] = {"configuration": case.configuration, "transfer_function": str(pair), "text": self._written(found)}
+            data: dict[str, Any] = {"configuration": case.configuration, "transfer_function": str(pair)}
+            data["text"] = self._written(found)
             if short is not None:
                 errors = short.errors
                 data |= {"left_out": list(short.changes), "band": list(short.band)}

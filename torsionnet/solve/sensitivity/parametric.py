@@ -88,8 +88,8 @@ class ParametricResponse:
         arranged, omega = self._arranged(whole, numbers), 2 * np.pi * self.frequencies
         kappa = law_stiffness_of(whole, omega)
         solved = respond(arranged.problem, kappa)
-        y = arranged.values(solved.values, omega)
-        found = self._quotient(y, arranged.slopes(solved.values, whole, kappa.by_law.T, omega))
+        y = arranged.values(solved.values, kappa.s)
+        found = self._quotient(y, arranged.slopes(solved.values, whole, kappa.by_law, kappa.s, omega))
         points = np.flatnonzero(solved.doubtful)
         if len(points) and np.isfinite(numbers).all():
             found.values[points] = self._settled(arranged, kappa.at(points), found.values[points], points, numbers)
@@ -125,7 +125,7 @@ class ParametricResponse:
 
         def evaluate(some: LawStiffness, turned: bool) -> ComplexArray:
             problem = arranged.problem.otherwise if turned else arranged.problem
-            y = arranged.values(respond(problem, some).values, kappa.omega)
+            y = arranged.values(respond(problem, some).values, kappa.s)
             return self._quotient(y, np.zeros((*y.shape, 0))).values
 
         poor = (expected_errors(evaluate, kappa, values) > ENOUGH).any(axis=(1, 2))

@@ -1,4 +1,4 @@
-"""Readings as functionals of node angles and the torques of rigid conditions, with their derivatives."""
+"""How the rows of sensors move with parameters."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.rows import FloatArray
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Element, Values
 from torsionnet.model.readings import Reading, reading
@@ -18,18 +18,20 @@ from torsionnet.solve.sensitivity.dual import DUALS, gradient_of
 
 @dataclass(frozen=True, eq=False)
 class ReadingDerivative:
-    """y = s^power (m . theta) + sum_i f_i kappa_i (a_i . theta) + sum_j g_j lambda_j.
+    """Of y = s^power (m . theta) + sum_i f_i kappa_i (a_i . theta) + sum_j g_j lambda_j, what m, f and g change by.
 
-    Values and derivatives (with a last axis of parameters) of m over nodes, f over laws, g over conditions.
+    Arrays over nodes, laws and conditions, each with a last axis of parameters.
     """
 
-    power: int
     motion: FloatArray
-    motion_slopes: FloatArray
     laws: FloatArray
-    law_slopes: FloatArray
     conditions: FloatArray
-    condition_slopes: FloatArray
+
+    @classmethod
+    def nothing(cls, system: Augmented) -> ReadingDerivative:
+        """Of a row that does not move."""
+        (_, n_nodes, count), n_conditions = system.laws.slopes.shape, len(system.condition_owners)
+        return cls(np.zeros((n_nodes, count)), np.zeros(system.inertia.slopes.shape), np.zeros((n_conditions, count)))
 
 
 def reading_on_duals(
@@ -42,32 +44,11 @@ def reading_on_duals(
 
 
 def derivative_of(read: Reading, system: Augmented, nodes: Sequence[str]) -> ReadingDerivative:
-    """A reading in arrays."""
-    count, row = system.inertia.slopes.shape[1], read.row or {}
-    motion = {place: row[node] for place, node in enumerate(nodes) if node in row}
-    n_laws, n_conditions = len(system.law_owners), len(system.condition_owners)
-    parts = ((motion, len(nodes)), (read.laws, n_laws), (read.constraints, n_conditions))
-    return ReadingDerivative(read.power, *(array for part, size in parts for array in _arrays(part, size, count)))
-
-
-def _arrays(numbers: Mapping[int, Any], size: int, count: int) -> tuple[FloatArray, FloatArray]:
-    """Numbers by place as values (size,) and derivatives (size, count)."""
-    values, slopes = np.zeros(size), np.zeros((size, count))
-    for place, number in numbers.items():
-        values[place], slopes[place] = float(number), gradient_of(number, count)
-    return values, slopes
-
-
-def rows_of(
-    readings: Sequence[ReadingDerivative], system: Augmented, kappa: ComplexArray, omega: FloatArray
-) -> ComplexArray:
-    """Rows (n_f, n_readings, n_nodes + n_conditions) with y = row . [theta, lambda]."""
-    n_nodes = system.laws.values.shape[1]
-    rows = np.zeros((len(omega), len(readings), n_nodes + len(system.condition_owners)), dtype=complex)
-    for number, one in enumerate(readings):
-        rows[:, number, :n_nodes] = (1j * omega[:, None]) ** one.power * one.motion
-        for law in np.flatnonzero(one.laws):
-            for column in np.flatnonzero(system.laws.values[law]):
-                rows[:, number, column] += kappa[:, law] * (one.laws[law] * system.laws.values[law, column])
-        rows[:, number, n_nodes:] = one.conditions
-    return rows
+    """How the numbers of a reading change, in arrays."""
+    new, count = ReadingDerivative.nothing(system), system.inertia.slopes.shape[1]
+    places = {node: place for place, node in enumerate(nodes)}
+    motion = {places[node]: number for node, number in (read.row or {}).items() if node in places}
+    for numbers, slopes in ((motion, new.motion), (read.laws, new.laws), (read.constraints, new.conditions)):
+        for place, number in numbers.items():
+            slopes[place] = gradient_of(number, count)
+    return new
