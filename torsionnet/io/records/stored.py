@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from torsionnet.core.errors import UsageError
+from torsionnet.io.plain_names import free_name
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording
 
@@ -111,9 +112,5 @@ def plain_keys(names: Sequence[str], pattern: str, taken: Sequence[str] = (TIME,
     keys: list[str] = []
     for name in names:
         plain = re.sub(pattern, "_", name.strip()) or "signal"
-        number, key = 1, plain
-        while key in keys or key in taken:
-            number += 1
-            key = f"{plain}_{number}"
-        keys.append(key)
+        keys.append(free_name(plain, {*keys, *taken}))
     return keys

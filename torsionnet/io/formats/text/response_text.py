@@ -94,7 +94,7 @@ def _no_number(cell: str) -> str:
 def _own(text: str, kinds: list[str], numbers: FloatArray) -> FrequencyResponse:
     found = {kind: numbers[:, [at for at, other in enumerate(kinds) if other == kind]] for kind in dict.fromkeys(kinds)}
     said = words(text)
-    shape = (len(numbers), len(said.outputs), len(said.inputs))
+    shape = (len(numbers), len(said["outputs"]), len(said["inputs"]))
     values = np.empty(shape, dtype=complex)
     values.real, values.imag = found["re"].reshape(shape), found["im"].reshape(shape)
     whole: dict[str, Any] = {"frequencies": found["frequency"][:, 0], "values": values}
