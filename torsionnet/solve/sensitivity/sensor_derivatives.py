@@ -32,7 +32,7 @@ class ReadingDerivative:
     @classmethod
     def nothing(cls, system: Augmented) -> ReadingDerivative:
         """Of a row that does not move."""
-        (_, n_nodes, count), n_conditions = system.laws.slopes.shape, len(system.condition_owners)
+        (_, n_nodes, count), n_conditions = system.law_slopes.shape, len(system.condition_owners)
         return cls(np.zeros((n_nodes, count)), np.zeros(system.inertia.slopes.shape), np.zeros((n_conditions, count)))
 
 
@@ -48,9 +48,9 @@ def reading(
         element = elements[sensor.of]
         node, sign = port_of(element, sensor.at)
         for owners, rows, slopes in (
-            (system.law_owners, system.laws, new.laws),
-            (system.condition_owners, system.conditions, new.conditions),
+            (system.law_owners, system.law_slopes, new.laws),
+            (system.condition_owners, system.condition_slopes, new.conditions),
         ):
             own = [index for index, owner in enumerate(owners) if owner == element.name]
-            slopes[own] = sign * rows.slopes[own, list(nodes).index(node)]
+            slopes[own] = sign * rows[own, list(nodes).index(node)]
     return new
