@@ -94,7 +94,7 @@ class Arranged:
         self.gaps: list[GapDerivative] = []
         self.multipliers = {
             condition: self._gap(GapDerivative(self._opened(condition)))
-            for condition in np.flatnonzero(system.conditions.slopes.any(axis=(1, 2))).tolist()
+            for condition in np.flatnonzero(system.condition_slopes.any(axis=(1, 2))).tolist()
         }
         self.asked = [
             self._asked(sensor, elements, values, number) for number, sensor in enumerate(sensors, self.n_loads)
@@ -165,14 +165,14 @@ class Arranged:
         laws = [self._law_row(law) for law in range(len(system.law_owners))]
         self.twists = {law: outputs.add(laws[law]) for law in self.followed}
         self.law_slopes = {
-            (law, int(p)): outputs.add(self._slope_row(system.laws.slopes[law][:, p], law, int(p)))
+            (law, int(p)): outputs.add(self._slope_row(system.law_slopes[law][:, p], law, int(p)))
             for law in system.varied
-            for p in np.flatnonzero(system.laws.slopes[law].any(axis=0))
+            for p in np.flatnonzero(system.law_slopes[law].any(axis=0))
         }
         self.condition_slopes = {
-            (condition, int(p)): outputs.add(self._slope_row(system.conditions.slopes[condition][:, p]))
+            (condition, int(p)): outputs.add(self._slope_row(system.condition_slopes[condition][:, p]))
             for condition in self.multipliers
-            for p in np.flatnonzero(system.conditions.slopes[condition].any(axis=0))
+            for p in np.flatnonzero(system.condition_slopes[condition].any(axis=0))
         }
         self.motions = [None if one.row is None else outputs.add(self._row(one.row)) for one in self.asked]
         self.motion_slopes = {

@@ -37,20 +37,13 @@ class LawCoefficients:
 
 
 @dataclass(frozen=True, eq=False)
-class DerivativeRows:
-    """Rows over nodes: values (n_rows, n_nodes) and derivatives (n_rows, n_nodes, n_p)."""
-
-    values: FloatArray
-    slopes: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
 class Augmented:
     """Numbers of one set of parameter values.
 
     Attributes
     ----------
-    laws, conditions : DerivativeRows
+    law_slopes, condition_slopes : (n_rows, n_nodes, n_p) arrays
+        Derivatives of the rows.
     inertia, damping, stiffness, hysteretic : LawCoefficients
         J, c, k, and k eta of every law.
     tables : tuple of (law index, table)
@@ -60,8 +53,8 @@ class Augmented:
         The rows by node as they came from the elements; of a condition also over the angle ``input:NAME`` it imposes.
     """
 
-    laws: DerivativeRows
-    conditions: DerivativeRows
+    law_slopes: FloatArray
+    condition_slopes: FloatArray
     inertia: LawCoefficients
     damping: LawCoefficients
     stiffness: LawCoefficients
@@ -110,7 +103,7 @@ class Augmented:
     def varied(self) -> tuple[int, ...]:
         """Laws in which a parameter sits."""
         slopes = (self.inertia.slopes, self.damping.slopes, self.stiffness.slopes, self.hysteretic.slopes)
-        moved = np.any([slope.any(axis=1) for slope in slopes], axis=0) | self.laws.slopes.any(axis=(1, 2))
+        moved = np.any([slope.any(axis=1) for slope in slopes], axis=0) | self.law_slopes.any(axis=(1, 2))
         return tuple(int(law) for law in np.flatnonzero(moved))
 
     def kappa_slopes(self, law: int, s: ComplexArray, at: FloatArray) -> Iterator[tuple[int, ComplexArray]]:
@@ -130,8 +123,8 @@ def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], red
     kept = [index for index in range(len(conditions)) if index not in set(redundant)]
     _refuse_redundant([owners[i] for i in redundant], [conditions[i] for i in redundant], count)
     return Augmented(
-        laws=_rows([law.row for law in laws], place, count),
-        conditions=_rows([conditions[index] for index in kept], place, count),
+        law_slopes=_slopes([law.row for law in laws], place, count),
+        condition_slopes=_slopes([conditions[index] for index in kept], place, count),
         inertia=_coefficients([law.inertia for law in laws], count),
         damping=_coefficients([law.damping for law in laws], count),
         stiffness=_coefficients([law.stiffness for law in laws], count),
@@ -164,14 +157,13 @@ def _refuse_redundant(owners: Sequence[str], rows: Sequence[Mapping[str, Any]], 
             )
 
 
-def _rows(rows: Sequence[Mapping[str, Any]], place: Mapping[str, int], count: int) -> DerivativeRows:
-    values, slopes = np.zeros((len(rows), len(place))), np.zeros((len(rows), len(place), count))
+def _slopes(rows: Sequence[Mapping[str, Any]], place: Mapping[str, int], count: int) -> FloatArray:
+    slopes = np.zeros((len(rows), len(place), count))
     for index, row in enumerate(rows):
         for node, coefficient in row.items():
             if node in place:  # an imposed angle is no node
-                values[index, place[node]] = float(coefficient)
                 slopes[index, place[node]] = gradient_of(coefficient, count)
-    return DerivativeRows(values, slopes)
+    return slopes
 
 
 def _coefficients(numbers: Sequence[Any], count: int) -> LawCoefficients:

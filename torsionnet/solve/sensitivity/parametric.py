@@ -99,7 +99,7 @@ class ParametricResponse:
 
     def _arranged(self, system: Augmented, numbers: Sequence[float]) -> Arranged:
         """The problem for these rows; one for all values where no parameter moves a row."""
-        slopes = (system.laws.slopes, system.conditions.slopes)
+        slopes = (system.law_slopes, system.condition_slopes)
         key = (system.exact_laws, system.exact_conditions, *(part.tobytes() for part in slopes))
         if self._known and self._known[0][0] == key:
             return self._known[0][1]

@@ -30,7 +30,7 @@ class ReadingDerivative:
     @classmethod
     def nothing(cls, system: Augmented) -> ReadingDerivative:
         """Of a row that does not move."""
-        (_, n_nodes, count), n_conditions = system.laws.slopes.shape, len(system.condition_owners)
+        (_, n_nodes, count), n_conditions = system.law_slopes.shape, len(system.condition_owners)
         return cls(np.zeros((n_nodes, count)), np.zeros(system.inertia.slopes.shape), np.zeros((n_conditions, count)))
 
 
