@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from torsionnet.identification import Fit
 
 Model: TypeAlias = "str | os.PathLike[str] | Drivetrain"
-WRITERS = {".html": "page", ".htm": "page", ".pdf": "pdf", ".tex": "latex", ".md": "markdown"}
+WRITERS = {".html": "html", ".htm": "html", ".pdf": "pdf", ".tex": "latex", ".md": "markdown"}
 """Writer by the ending of the file: a module with a function ``write(report, path)``."""
 
 
