@@ -33,6 +33,7 @@ ENDINGS = (".html", ".pdf", ".tex", ".md", ".htm")
 @click.option("--title", help="Title of the report.")
 @click.option("--author", help="Who signs it.")
 @click.option("--date", default="today", show_default=True, help='As 2025-03-31; "none" leaves it out.')
+@click.option("--template", metavar="FOLDER", help="Letterhead, style and wording.  [default: that of the model]")
 @click.option("--fit", "fits", metavar="FIT.yaml", multiple=True, help="Result of torsionnet fit -o. Repeatable.")
 @click.option(
     "--record",

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, TypeAlias
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from torsionnet.report.template_folder import TemplateFolder
+
 SMALLEST, LARGEST = 1e-4, 1e6
 """Sizes between which a number is written without a power of ten."""
 
@@ -208,13 +210,16 @@ Block: TypeAlias = Paragraph | Listing | Facts | Remark | Formula | Equations | 
 
 @dataclass(frozen=True)
 class Report:
-    """A whole report."""
+    """A whole report; ``template`` is the folder that says how it looks."""
 
     title: str
     subtitle: str
     facts: Facts
     notes: Text
     sections: tuple[Section, ...]
+    author: str = ""
+    date: str = ""
+    template: TemplateFolder | None = None
 
     @property
     def pictures(self) -> Iterator[Picture]:

@@ -7,9 +7,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from torsionnet.core.atomic import write_text
 from torsionnet.report.document_tree import DefinitionList, Report, Section, Text
-from torsionnet.report.writers.figure_files import figure_folder, write_figures
+from torsionnet.report.writers.figure_files import beside, figure_folder, write_beside
 from torsionnet.report.writers.latex_room import room
 from torsionnet.report.writers.latex_table import table_latex
 from torsionnet.report.writers.latex_text import displayed, escaped, inline
@@ -21,15 +20,12 @@ LONG = 60
 
 def write(report: Report, path: Path) -> tuple[Path, ...]:
     """Write the document and its figures."""
-    text = latex_document(report, figure_folder(path).name)
-    figures = write_figures(report, path, "pdf")
-    write_text(path, text)
-    return (path, *figures)
+    return write_beside(report, path, "pdf", latex_document(report, figure_folder(path).name))
 
 
 def latex_document(report: Report, folder: str) -> str:
     """The text of the document; ``folder`` holds the figures."""
-    return written(report, FORMAT, lambda picture, _: f"{folder}/{picture.name}.pdf")
+    return written(report, FORMAT, beside(folder, "pdf"))
 
 
 def _heading(section: Section) -> str:
@@ -60,9 +56,5 @@ FORMAT = TextFormat(
         "room": room,
         "table": table_latex,
     },
-    {
-        "block_start_string": "<%", "block_end_string": "%>",
-        "variable_start_string": "<<", "variable_end_string": ">>",
-        "comment_start_string": "<!--", "comment_end_string": "-->",
-    },
-)  # fmt: skip
+    (".pdf", ".png", ".jpg", ".jpeg"),
+)

@@ -9,12 +9,12 @@ from torsionnet.report.writers.latex_columns import MATRIX, PAGE, Columns, is_ma
 from torsionnet.report.writers.latex_text import breakable, displayed, escaped, inline, number
 
 
-def table_latex(block: TableBlock) -> str:
+def table_latex(block: TableBlock, continued: str = "(continued)") -> str:
     """A table with caption, head and notes; one that is too wide for the page goes on below."""
     decimals = [_decimals(block, index) for index in range(len(block.columns))]
     lines = []
     for place, columns in enumerate(pieces(block)):
-        caption = r"\caption*{(continued)}" if place else rf"\caption{{{inline(block.caption)}}}"
+        caption = rf"\caption*{{{escaped(continued)}}}" if place else rf"\caption{{{inline(block.caption)}}}"
         lines += _piece(block, columns, caption, decimals)
     notes = [*map(inline, block.notes), *([escaped(f"… and {block.more} more")] if block.more else [])]
     return "\n".join([*lines, *(rf"{{\footnotesize {note}\par}}" for note in notes)])

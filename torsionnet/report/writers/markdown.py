@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from torsionnet.core.atomic import write_text
 from torsionnet.report.document_tree import (
     Cell,
     Code,
@@ -19,7 +18,7 @@ from torsionnet.report.document_tree import (
     TableBlock,
     inlines,
 )
-from torsionnet.report.writers.figure_files import figure_folder, write_figures
+from torsionnet.report.writers.figure_files import beside, figure_folder, write_beside
 from torsionnet.report.writers.templating import TextFormat, written
 
 _MARKS = re.compile(r"([\\`*_{}\[\]<>#|$~&])")
@@ -27,15 +26,12 @@ _MARKS = re.compile(r"([\\`*_{}\[\]<>#|$~&])")
 
 def write(report: Report, path: Path) -> tuple[Path, ...]:
     """Write the text and its figures."""
-    text = markdown_text(report, figure_folder(path).name)
-    figures = write_figures(report, path, "svg")
-    write_text(path, text)
-    return (path, *figures)
+    return write_beside(report, path, "svg", markdown_text(report, figure_folder(path).name))
 
 
 def markdown_text(report: Report, folder: str) -> str:
     """The text; ``folder`` holds the figures."""
-    return written(report, FORMAT, lambda picture, _: f"{folder}/{picture.name}.svg")
+    return written(report, FORMAT, beside(folder, "svg"))
 
 
 def escaped(text: str) -> str:
@@ -103,4 +99,5 @@ FORMAT = TextFormat(
     ".md",
     inline,
     {"display": _display, "equation": lambda row: _display(" ".join(row.parts)), "table": _table},
+    (".svg", ".png", ".jpg", ".jpeg"),
 )
