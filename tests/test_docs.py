@@ -105,7 +105,8 @@ class TestGeneratedPages:
         assert all(f"| `{name}` |" in damping for name in MEASURES)
 
     @pytest.mark.parametrize(
-        "name", ["elements", "element_classes", "units", "damping", "traps", "bench", "file_entries", "report"]
+        "name",
+        ["elements", "element_classes", "units", "damping", "traps", "bench", "file_entries", "report", "report_texts"],
     )
     def test_pages_in_the_repository_are_current(self, generate, name):
         """They are read on the web without a build; `python docs/generate.py` writes them."""

@@ -55,6 +55,9 @@ class ReportCommand(ModelCommand):
     title: str | None = option("--title", help="Title of the report.")
     author: str | None = option("--author", help="Who signs it.")
     date: str = option("--date", default="today", show_default=True, help='As 2025-03-31; "none" leaves it out.')
+    template: str | None = option(
+        "--template", metavar="FOLDER", help="Letterhead, style and wording.  [default: that of the model]"
+    )
     fits: tuple[str, ...] = option("--fit", metavar="FIT.yaml", help="Result of torsionnet fit -o. Repeatable.")
     records: tuple[str, ...] = option(
         "--record",
@@ -107,6 +110,7 @@ class ReportCommand(ModelCommand):
             title=self.title,
             author=self.author,
             date=self.date,
+            template=self.template,
         )
         for path in write(report, target)[:1]:
             wrote(str(path))

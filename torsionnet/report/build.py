@@ -57,6 +57,8 @@ def build(subject: ReportData, version: str) -> Report:
         facts=Facts(tuple(_facts(subject, version))),
         notes=sentence(plan.notes.strip(), subject.model),
         sections=tuple(section for section in made if section is not None),
+        author=plan.author,
+        date=subject.request.date.isoformat() if subject.request.date else "",
     )
 
 

@@ -11,6 +11,8 @@ from torsionnet.core import number_text
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from torsionnet.report.template_folder import TemplateFolder
+
 
 @dataclass(frozen=True)
 class Math:
@@ -176,13 +178,16 @@ Block: TypeAlias = Paragraph | Listing | Facts | Remark | Formula | Equations | 
 
 @dataclass(frozen=True)
 class Report:
-    """A whole report."""
+    """A whole report; ``template`` is the folder that says how it looks."""
 
     title: str
     subtitle: str
     facts: Facts
     notes: Text
     sections: tuple[Section, ...]
+    author: str = ""
+    date: str = ""
+    template: TemplateFolder | None = None
 
     @property
     def pictures(self) -> Iterator[Picture]:

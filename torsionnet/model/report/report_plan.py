@@ -12,7 +12,7 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, reference
 from torsionnet.core.entries.words import OneOf, Text
-from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.errors import UsageError, meant_or
 from torsionnet.model.report.sections import SECTIONS
 
 ANGLES = ("rad", "deg")
@@ -103,8 +103,7 @@ def section_fault(name: Any) -> str:
     """Why this is no section of a report, or nothing."""
     if name in SECTIONS:
         return ""
-    text = f'no section is named "{name}"{did_you_mean(str(name), SECTIONS)}; known: {", ".join(SECTIONS)}'
-    return text.replace("?; ", "? ")
+    return f'no section is named "{name}"{meant_or(str(name), SECTIONS, "known: " + ", ".join(SECTIONS))}'
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -157,12 +156,15 @@ class ReportPlan(Declared):
     angle : {"rad", "deg"}
     simplify : float, optional
         Largest relative change of the modes in the band by which transfer functions may be simplified.
+    template : str
+        Folder, as seen from the file.
     """
 
     kind: ClassVar[str] = "report"
     article: ClassVar[str] = "a report"
     form: ClassVar[str] = (
-        "the entries title, author, sections, transfer_functions, configurations, band, angle, simplify, notes"
+        "the entries title, author, sections, transfer_functions, configurations, band, angle, simplify, notes, "
+        "template"
     )
 
     title: str = entry(Text("title of the report; default: name of the model"), "")
@@ -174,3 +176,4 @@ class ReportPlan(Declared):
     angle: str = entry(OneOf("unit of angles", ANGLES), "rad")
     simplify: float | None = entry(SIMPLIFY, None)
     notes: str = entry(Text("remarks of the author, printed under the title"), "")
+    template: str = entry(Text("folder with letterhead, style and wording, as seen from this file"), "")

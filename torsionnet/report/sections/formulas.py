@@ -86,7 +86,7 @@ def _function(subject: ReportData, pair: Pair, form: Form) -> list[Block]:
             f'model.symbolic().transfer_function("{pair.output}", "{pair.input}").python_code()'
         )  # fmt: skip
         lead = "; " if operations <= LONG else ", which would fill pages; in Python "
-        return [*blocks, Paragraph((f"{text}{lead}", Code(how), " gives them."))]
+        return [*blocks, Paragraph((text, lead, Code(how), " gives them."))]
     # The formula of a large drivetrain can take hours to write, however few operations its steps have.
     small = subject.size <= MOST_SYMBOLIC
     if small and operations <= SHORT and found.nested_leaves <= 10 * SHORT and letters(found.mechanical) <= FORMULA:

@@ -75,8 +75,8 @@ def _of_model(subject: ReportData) -> list[TableBlock]:
     if not any(OSCILLATORY in modes.kinds for modes in subject.modes):
         return []
     damped = "Damped vibrations" if any(map(is_damped, subject.cases)) else "Vibrations"
-    note = f"{damped} of the whole drivetrain; rigid-body motion and overdamped modes are in the section Modes."
-    return [_vibrations(subject, subject.modes, "Lowest natural frequencies and damping ratios", (note,))]
+    note = (damped, " of the whole drivetrain; rigid-body motion and overdamped modes are in the section Modes.")
+    return [_vibrations(subject, subject.modes, "Lowest natural frequencies and damping ratios", note)]
 
 
 def _response(subject: ReportData, pair: Pair) -> TableBlock:

@@ -11,14 +11,16 @@ FEW = 14
 """Rows of a table that stays on one page."""
 
 
-def table_html(block: TableBlock, label: str) -> str:
-    """A table with caption, repeated head and notes; it scrolls where the screen is narrow."""
+def table_html(block: TableBlock, label: str, name: str) -> str:
+    """A table with caption, repeated head and notes; it scrolls where the screen is narrow.
+
+    ``label`` stands before the caption, ``name`` is the id of the caption.
+    """
     decimals = [block.decimals(index) for index in range(len(block.columns))]
     head = "".join(f"<th{_class(column)} scope=col>{_heading(column)}</th>" for column in block.columns)
     body = "".join(_group(group.title, group.rows, block.columns, decimals) for group in block.groups)
     foot = "".join(f"<p class=note>{inline(note)}</p>" for note in block.ending)
     keep = " keep" if sum(len(group.rows) for group in block.groups) <= FEW else ""
-    name = label.lower().replace(" ", "-")
     caption = f"<p class=caption id={name}><b>{escaped(label)}</b> {inline(block.caption)}</p>"
     return (
         f"<div class='table{keep}'>{caption}<div class=scroll tabindex=0 role=region aria-labelledby={name}>"

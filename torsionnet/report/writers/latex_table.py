@@ -6,15 +6,15 @@ from collections.abc import Sequence
 
 from torsionnet.report.document_tree import Cell, NumberText, TableBlock, inlines
 from torsionnet.report.writers.latex_columns import MATRIX, PAGE, Columns, is_matrix, length, pieces
-from torsionnet.report.writers.latex_text import breakable, displayed, inline, number
+from torsionnet.report.writers.latex_text import breakable, displayed, escaped, inline, number
 
 
-def table_latex(block: TableBlock) -> str:
+def table_latex(block: TableBlock, continued: str = "(continued)") -> str:
     """A table with caption, head and notes; one that is too wide for the page goes on below."""
     decimals = [block.decimals(index) for index in range(len(block.columns))]
     lines = []
     for place, columns in enumerate(pieces(block)):
-        caption = r"\caption*{(continued)}" if place else rf"\caption{{{inline(block.caption)}}}"
+        caption = rf"\caption*{{{escaped(continued)}}}" if place else rf"\caption{{{inline(block.caption)}}}"
         lines += _piece(block, columns, caption, decimals)
     return "\n".join([*lines, *(rf"{{\footnotesize {inline(note)}\par}}" for note in block.ending)])
 
