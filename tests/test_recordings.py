@@ -64,6 +64,13 @@ def write(tmp_path, text, name="r.csv", encoding="utf-8"):
 
 
 class TestRoundTrip:
+    @pytest.mark.parametrize("ending", [".csv", ".npz", ".mat"])
+    def test_equal_recordings_give_equal_bytes_on_any_day(self, tmp_path, ending, monkeypatch):
+        write_recording(recording(), tmp_path / f"a{ending}")
+        monkeypatch.setattr("time.asctime", lambda *_: "Thu Jan  1 00:00:00 2099")
+        write_recording(recording(), tmp_path / f"b{ending}")
+        assert (tmp_path / f"a{ending}").read_bytes() == (tmp_path / f"b{ending}").read_bytes()
+
     @pytest.mark.parametrize("stamped", [False, True])
     @pytest.mark.parametrize("ending", ENDINGS)
     def test_keeps_everything(self, tmp_path, ending, stamped):
@@ -191,6 +198,11 @@ class TestForeignFiles:
             ("0 1\n1 2\n2 3\n", ("column_1", "column_2"), "no heading"),
             ("Device 7\nrun;3\n\ntime;T [Nm]\n0;1\n1;2\n", ("T",), "3 lines above the heading passed over"),
             ("time;T [Nm];\n0;1;\n1;2;\n", ("T",), "assumed: cells between semicolons, decimal point"),
+            (
+                "time T\n0.0D+00 1.0D+00\n1.0D+00 2.0D+00\n",
+                ("T",),
+                "assumed: cells between white spaces, decimal point",
+            ),
             ('"time","T [Nm]"\n"0","1"\n"1","2"\n', ("T",), "assumed: cells between commas"),
         ],
     )

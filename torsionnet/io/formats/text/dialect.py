@@ -38,8 +38,12 @@ class Dialect:
         return bool(filled) and all(map(self.is_number, filled))
 
     def number(self, cell: str) -> float:
-        """Value of a cell; raises ``ValueError``."""
-        return float(cell.replace(",", ".") if self.decimal == "," else cell)
+        """Value of a cell that is a number; D is Fortran's sign of an exponent.
+
+        >>> Dialect(";", ",").number("-1,5D+03")
+        -1500.0
+        """
+        return float(cell.replace(",", ".").upper().replace("D", "E"))
 
     def __str__(self) -> str:
         return (
