@@ -102,8 +102,8 @@ class ResponsesAroundPoles:
         if self.system.tables:
             owners = ", ".join(dict.fromkeys(self.system.law_owners[law] for law, _ in self.system.tables))
             raise UsageError(f"equal poles have no derivatives here, with springs tabulated over frequency: {owners}")
-        parted = (_on_axes(np.asarray(linalg.eigvals(moved[..., p], rate), dtype=complex), center) for p in range(moved.shape[2]))
-        return np.stack([np.sort_complex(slopes) for slopes in parted], axis=1)
+        parted = [linalg.eigvals(moved[..., p], rate).astype(complex) for p in range(moved.shape[2])]
+        return np.stack([np.sort_complex(_on_axes(slopes, center)) for slopes in parted], axis=1)
 
     def _probes(self, shapes: ComplexArray) -> Arranged:
         """Loads and readings at nodes that move, few different ones for all modes.
