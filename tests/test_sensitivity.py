@@ -451,6 +451,8 @@ def test_modes_of_stiff_and_free_chains(name):
                     twist = q[0] if parameter == "k_m" else q[int(parameter[2:])] - q[int(parameter[2:]) + 1]
                     expected = twist**2 / (2 * omega)
                 error = abs(mp.mpc(found.pole_slopes[mode, p]) - 1j * expected)
+                if abs(expected) * values[parameter] > 1e-6 * omega:
+                    assert found.damping_slopes[mode, p] == 0
                 floor = 1e-15 * omega / mp.mpf(str(values[parameter]))
                 assert error < 1e-10 * abs(expected) + floor, (mode, parameter)
 

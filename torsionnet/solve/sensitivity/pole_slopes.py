@@ -38,6 +38,8 @@ Next to a pole small twists stand out best; what is left of a difference, as aga
 """
 MORE = 6
 """Nodes to try against a measured input."""
+BESIDE = 1e-9
+"""Share of a slope that is rounding where it is real or imaginary."""
 SIMPLE = 0.7
 """Equal poles with fewer vectors than poles leave more than this share of a response that grows quicker than 1/x."""
 
@@ -92,12 +94,12 @@ class ResponsesAroundPoles:
         moved, rate, followed = found[..., :-2], -found[..., -2], found[..., -1]
         if count == 1:
             direct, through = moved[0] / rate[0, 0], followed[0, 0] / rate[0, 0]
-            return np.asarray(direct + through * direct.imag / (1 - through.imag))
+            return _on_axes(np.asarray(direct + through * direct.imag / (1 - through.imag)), center)
         if self.system.tables:
             owners = ", ".join(dict.fromkeys(self.system.law_owners[law] for law, _ in self.system.tables))
             raise UsageError(f"equal poles have no derivatives here, with springs tabulated over frequency: {owners}")
-        parted = [np.sort_complex(linalg.eigvals(moved[..., p], rate)) for p in range(moved.shape[2])]
-        return np.stack(parted, axis=1)
+        parted = [linalg.eigvals(moved[..., p], rate).astype(complex) for p in range(moved.shape[2])]
+        return np.stack([np.sort_complex(_on_axes(slopes, center)) for slopes in parted], axis=1)
 
     def _probes(self, shapes: ComplexArray) -> Arranged:
         """Loads and readings at nodes that move, few different ones for all modes.
@@ -134,6 +136,15 @@ class ResponsesAroundPoles:
         parts += [probes.along(solved, rate, s)[..., None] for rate in rates]
         found = Responses(y, np.abs(y), np.concatenate(parts, axis=3))
         return found.bordered() if self.sensors else found
+
+
+def _on_axes(slopes: ComplexArray, pole: complex) -> ComplexArray:
+    """Of a pole that nothing damps, slopes without the rounding beside the real or the imaginary axis."""
+    if pole.real:
+        return slopes
+    least = BESIDE * np.abs(slopes)
+    real, imag = (np.where(np.abs(part) > least, part, 0.0) for part in (slopes.real, slopes.imag))
+    return np.asarray(real + 1j * imag, dtype=complex)
 
 
 def _circle(count: int) -> ComplexArray:
