@@ -216,7 +216,7 @@ class TestWords:
         report = make_report("amt_rig", date=None, template=None)
         from torsionnet.report.rewording import Reworded
 
-        for section in Reworded(marked).report(report).sections:
+        for section in Reworded(marked).of(report).sections:
             assert section.title[0].startswith("@")
             for block in section.blocks:
                 if isinstance(block, TableBlock | Picture):

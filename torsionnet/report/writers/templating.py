@@ -19,7 +19,7 @@ from jinja2.sandbox import ImmutableSandboxedEnvironment
 from jinja2.utils import missing
 from markupsafe import Markup
 
-from torsionnet.core.errors import Fault, TorsionnetError, meant_or
+from torsionnet.core.errors import Fault, meant_or
 from torsionnet.report.document_tree import Cell, Inline, Picture, Report
 from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFolderError
 from torsionnet.report.writers.numbering import placed
@@ -35,16 +35,7 @@ TAGS = {
     }
 }  # fmt: skip
 """How templates are told from text, where braces mean something else."""
-_FAILURES = (
-    TemplateError,
-    ArithmeticError,
-    LookupError,
-    TypeError,
-    ValueError,
-    AttributeError,
-    RecursionError,
-    MemoryError,
-)
+_WRONG = (TemplateError, ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RuntimeError, MemoryError)
 """What an expression in a template can bring about."""
 
 
@@ -114,9 +105,7 @@ def written(report: Report, target: TextFormat, figures: Illustrations, *, folds
     }
     try:
         return environment.get_template(f"page{target.ending}").render(given)
-    except TorsionnetError:
-        raise
-    except _FAILURES as error:
+    except _WRONG as error:
         raise _located(error, template, f"page{target.ending}") from None
 
 
@@ -126,10 +115,10 @@ def environment_of(
     """The templates of one format, those of the folder first."""
 
     def source(name: str) -> tuple[str, str, Callable[[], bool]]:
-        text, mark = template.texts.get(name), TAGS.get(ending, {"block_start_string": "{%", "block_end_string": "%}"})
+        text = template.texts.get(name)
         if text is None:
             return _shipped(name.removeprefix("shipped/")), f"shipped/{name}", lambda: True
-        begin, end = mark["block_start_string"], mark["block_end_string"]
+        begin, end = environment.block_start_string, environment.block_end_string
         return f'{begin} extends "shipped/{name}" {end}{text}', template.file(name), lambda: True
 
     environment = ImmutableSandboxedEnvironment(
@@ -170,16 +159,16 @@ def _image(template: TemplateFolder, name: Any, endings: tuple[str, ...]) -> byt
     return template.images[name]
 
 
-def _located(error: Exception, template: TemplateFolder, name: str) -> TemplateFolderError:
+def _located(error: Exception, template: TemplateFolder, name: str) -> Exception:
     """What failed in the page of the folder, with its line."""
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == template.file(name)]
-    text = str(error) or type(error).__name__
     if name not in template.texts:
-        raise error
-    place = template.position(name, frames[-1].lineno or 1 if frames else 1)
-    return TemplateFolderError(
-        [Fault(re.sub(r"'([^']*)'", r'"\1"', text).rstrip("."), position=place)], str(template.path)
-    )
+        return error
+    lines = [
+        frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == template.file(name)
+    ]
+    text = re.sub(r"'([^']*)'", r'"\1"', str(error) or type(error).__name__).rstrip(".")
+    place = template.position(name, (lines and lines[-1]) or 1)
+    return TemplateFolderError([Fault(text, position=place)], str(template.path))
 
 
 class _Unknown(StrictUndefined):
