@@ -14,7 +14,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from jinja2 import FunctionLoader, StrictUndefined, TemplateError, TemplateRuntimeError
+from jinja2 import Environment, FunctionLoader, StrictUndefined, TemplateError, TemplateRuntimeError
 from jinja2.sandbox import ImmutableSandboxedEnvironment
 from jinja2.utils import missing
 from markupsafe import Markup
@@ -25,6 +25,8 @@ from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFol
 from torsionnet.report.writers.numbering import placed
 
 SHIPPED = files("torsionnet.report.writers") / "templates"
+FILTERS = ("capitalize", "default", "first", "last", "length", "lower", "min", "title", "trim", "truncate", "upper")
+"""What gives no text that would pass for one of the format."""
 NAMES = ("title", "subtitle", "facts", "notes", "contents", "sections", "author", "date", "language", "word", "image")
 """What a page can show or call."""
 TAGS = {
@@ -109,9 +111,7 @@ def written(report: Report, target: TextFormat, figures: Illustrations, *, folds
         raise _located(error, template, f"page{target.ending}") from None
 
 
-def environment_of(
-    ending: str, template: TemplateFolder, shown: Callable[[Any], Markup] | None = None
-) -> ImmutableSandboxedEnvironment:
+def environment_of(ending: str, template: TemplateFolder, shown: Callable[[Any], Markup] | None = None) -> Environment:
     """The templates of one format, those of the folder first."""
 
     def source(name: str) -> tuple[str, str, Callable[[], bool]]:
@@ -121,7 +121,7 @@ def environment_of(
         begin, end = environment.block_start_string, environment.block_end_string
         return f'{begin} extends "shipped/{name}" {end}{text}', template.file(name), lambda: True
 
-    environment = ImmutableSandboxedEnvironment(
+    environment = _Sandbox(
         loader=FunctionLoader(source),
         autoescape=True,
         finalize=shown,
@@ -132,7 +132,7 @@ def environment_of(
         **TAGS.get(ending, {}),
     )
     environment.globals.clear()
-    del environment.filters["safe"]
+    environment.filters = {name: environment.filters[name] for name in FILTERS}
     return environment
 
 
@@ -169,6 +169,20 @@ def _located(error: Exception, template: TemplateFolder, name: str) -> Exception
     text = re.sub(r"'([^']*)'", r'"\1"', str(error) or type(error).__name__).rstrip(".")
     place = template.position(name, (lines and lines[-1]) or 1)
     return TemplateFolderError([Fault(text, position=place)], str(template.path))
+
+
+class _Sandbox(ImmutableSandboxedEnvironment):
+    """Nothing joins a text with one of the format: it would be escaped as in HTML, whatever the format."""
+
+    intercepted_binops = frozenset("+*%")
+
+    def call_binop(self, context: Any, operator: str, left: Any, right: Any) -> Any:
+        if isinstance(left, str) or isinstance(right, str):
+            raise TemplateRuntimeError("texts are written one after the other; nothing is calculated with them")
+        return super().call_binop(context, operator, left, right)
+
+    def is_safe_callable(self, obj: Any) -> bool:
+        return not isinstance(getattr(obj, "__self__", None), Markup) and super().is_safe_callable(obj)
 
 
 class _Unknown(StrictUndefined):
