@@ -26,6 +26,7 @@ from torsionnet.report.document_tree import (
     TableGroup,
 )
 from torsionnet.report.report_words import capital, plain
+from torsionnet.report.rewording import Reworded
 from torsionnet.report.template_reading import read_template
 from torsionnet.report.wording import PLACE, Wording, replaceable
 from torsionnet.report.writers import templating
@@ -114,6 +115,11 @@ class TestExample:
             "Remark",
         ]
         assert report.sections[1].title == ("Formen",)
+
+    def test_a_name_that_heads_a_column_stays(self):
+        """Configurations and elements stand in headings of their own."""
+        reworded = Reworded(Wording({"Value": "Wert", "Ratio": "Verhältnis"}), {"Value"})
+        assert [reworded.of(Heading(text)).text for text in ("Value", "Ratio")] == ["Value", "Verhältnis"]
 
     def test_without_a_template_nothing_changes(self, folder):
         assert page(folder) == html_page(make_report("dmf_rig", **SHORT))
@@ -214,8 +220,6 @@ class TestWords:
         """All texts marked: what is left unmarked in headings, captions and notes is not the report's own."""
         marked = Wording({text: "@" + text for text in TEXTS})
         report = make_report("amt_rig", date=None, template=None)
-        from torsionnet.report.rewording import Reworded
-
         for section in Reworded(marked).of(report).sections:
             assert section.title[0].startswith("@")
             for block in section.blocks:
