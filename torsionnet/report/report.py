@@ -174,7 +174,8 @@ def make_report(
     if read is None:
         return report
     names = {case.configuration for case in cases} | {plain(name) for name in drivetrain.definition.elements}
-    return replace(Reworded(read.wording, names).report(report), template=read)
+    reworded: Report = Reworded(read.wording, names).of(report)
+    return replace(reworded, template=read)
 
 
 def _read(model: Model) -> tuple[Drivetrain, Path, bytes]:

@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import dataclass, replace
+from typing import Any
 
 from torsionnet.report.document_tree import (
-    Block,
-    Cell,
     Details,
     Facts,
     Heading,
-    Inline,
     Listing,
     Paragraph,
     Picture,
@@ -22,11 +19,23 @@ from torsionnet.report.document_tree import (
     Strong,
     TableBlock,
     TableGroup,
-    Text,
 )
 from torsionnet.report.wording import Wording
 
-WORDS = {"At", "Comparison", "Kind", "Leading term", "Limit", "Of", "Property", "Quantity", "Type"}
+TEXTS: dict[type, tuple[str, ...]] = {
+    Report: ("subtitle", "facts", "sections"),
+    Section: ("title", "blocks"),
+    Details: ("title", "blocks", "instead"),
+    Paragraph: ("text",),
+    Remark: ("text",),
+    Listing: ("items",),
+    Picture: ("caption",),
+    TableGroup: ("title",),
+    Heading: ("text",),
+    Strong: ("text",),
+}
+"""Where the report's own texts stand, by class; formulas, numbers and what is to be typed have none."""
+COLUMNS = {"At", "Comparison", "Kind", "Leading term", "Limit", "Of", "Property", "Quantity", "Type"}
 """Columns in which the report's own words stand, not those of the model."""
 
 
@@ -37,73 +46,31 @@ class Reworded:
     wording: Wording
     names: AbstractSet[str] = frozenset()
 
-    def report(self, report: Report) -> Report:
-        return replace(
-            report,
-            subtitle=self.wording(report.subtitle),
-            facts=self.facts(report.facts),
-            sections=tuple(map(self.section, report.sections)),
-        )
-
-    def section(self, section: Section) -> Section:
-        return replace(section, title=self.text(section.title), blocks=tuple(map(self.block, section.blocks)))
-
-    def block(self, block: Block) -> Block:
-        match block:
-            case Section():
-                return self.section(block)
-            case Paragraph(text) | Remark(text=text):
-                return replace(block, text=self.text(text))
-            case Listing(items):
-                return Listing(tuple(map(self.text, items)))
-            case Facts():
-                return self.facts(block)
-            case TableBlock():
-                return self.table(block)
-            case Picture():
-                return replace(block, caption=self.text(block.caption))
-            case Details(title, blocks, instead):
-                return Details(self.text(title), tuple(map(self.block, blocks)), self.text(instead))
-        return block
-
-    def facts(self, facts: Facts) -> Facts:
-        return Facts(tuple((self.wording(word), text) for word, text in facts.rows))
-
-    def table(self, table: TableBlock) -> TableBlock:
-        own = [self.has_words(table, column) for column in table.columns]
-        more = [(self.wording(f"… and {table.more} more"),)] if table.more else []
-        return replace(
-            table,
-            caption=self.text(table.caption),
-            columns=tuple(map(self.heading, table.columns)),
-            groups=tuple(TableGroup(self.rows(group.rows, own), self.cell(group.title)) for group in table.groups),
-            notes=(*map(self.text, table.notes), *more),
-            more=0,
-        )
-
-    @staticmethod
-    def has_words(table: TableBlock, column: Heading) -> bool:
-        """Whether words of the report stand in a column, as in the description of a mode."""
-        return column.text in WORDS or (table.columns[0].text, column.text) == ("Mode", "Description")
-
-    def rows(self, rows: tuple[tuple[Cell, ...], ...], own: Sequence[bool]) -> tuple[tuple[Cell, ...], ...]:
-        return tuple(
-            tuple(self.cell(cell) if words else cell for cell, words in zip(row, own, strict=True)) for row in rows
-        )
-
-    def heading(self, heading: Heading) -> Heading:
-        return heading if heading.text in self.names else replace(heading, text=self.cell(heading.text))
-
-    def text(self, text: Text) -> Text:
-        return tuple(map(self.part, text))
-
-    def cell(self, cell: Cell) -> Cell:
-        return self.text(cell) if isinstance(cell, tuple) else self.part(cell)
-
-    def part(self, part: Inline) -> Inline:
+    def of(self, part: Any) -> Any:
+        """A report or a part of it in these words."""
         match part:
             case str():
                 return self.wording(part)
-            case Strong(text):
-                return Strong(self.wording(text))
-        return part
+            case tuple():
+                return tuple(map(self.of, part))
+            case Facts(rows):
+                return Facts(tuple((self.wording(word), text) for word, text in rows))
+            case TableBlock():
+                return self.table(part)
+            case Heading(text) if text in self.names:
+                return part
+        return replace(part, **{name: self.of(getattr(part, name)) for name in TEXTS.get(type(part), ())})
+
+    def table(self, table: TableBlock) -> TableBlock:
+        heads = [column.text for column in table.columns]
+        own = [head in COLUMNS or (heads[0], head) == ("Mode", "Description") for head in heads]
+        groups = (
+            replace(
+                self.of(group),
+                rows=tuple(tuple(self.of(row[i]) if own[i] else row[i] for i in range(len(own))) for row in group.rows),
+            )
+            for group in table.groups
+        )
+        more = [(self.wording(f"… and {table.more} more"),)] if table.more else []
+        said = {name: self.of(getattr(table, name)) for name in ("caption", "columns", "notes")}
+        return replace(table, **said | {"groups": tuple(groups), "notes": (*said["notes"], *more), "more": 0})

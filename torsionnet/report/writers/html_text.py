@@ -57,21 +57,3 @@ def number(value: NumberText, decimals: int = 0) -> str:
         return text
     point = "" if value.decimals_shown else "."
     return f'{text}<span class="pad" aria-hidden="true">{point}{"0" * missing}</span>'
-
-
-def plain_text(cell: Cell) -> str:
-    """Without markup and formulas' structure, for titles and descriptions."""
-    return escaped("".join(_words(part) for part in inlines(cell)))
-
-
-def _words(part: Inline) -> str:
-    match part:
-        case Math(latex):
-            return latex
-        case DefinitionList(parts):
-            return " ".join(parts)
-        case Strong(text) | Code(text):
-            return text
-        case NumberText():
-            return part.mantissa
-    return part

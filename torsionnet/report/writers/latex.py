@@ -7,11 +7,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from torsionnet.report.document_tree import DefinitionList, Report, Section, Text
+from torsionnet.report.document_tree import Report, Text
 from torsionnet.report.writers.figure_files import beside, figure_folder, write_beside
 from torsionnet.report.writers.latex_room import room
 from torsionnet.report.writers.latex_table import table_latex
-from torsionnet.report.writers.latex_text import displayed, escaped, inline
+from torsionnet.report.writers.latex_text import displayed, inline
 from torsionnet.report.writers.templating import TextFormat, written
 
 LONG = 60
@@ -28,15 +28,6 @@ def latex_document(report: Report, folder: str) -> str:
     return written(report, FORMAT, beside(folder, "pdf"))
 
 
-def _heading(section: Section) -> str:
-    title = inline(section.title)
-    return rf"\texorpdfstring{{{title}}}{{{escaped(section.name)}}}" if "$" in title else title
-
-
-def _equation(row: DefinitionList) -> str:
-    return displayed(inline(row))
-
-
 def _breakable(text: Text) -> str:
     """Long words in a smaller size."""
     return " ".join(
@@ -50,9 +41,9 @@ FORMAT = TextFormat(
     inline,
     {
         "display": displayed,
-        "equation": _equation,
+        "equation": lambda row: displayed(inline(row)),
         "breakable": _breakable,
-        "heading": _heading,
+        "text": inline,
         "room": room,
         "table": table_latex,
     },

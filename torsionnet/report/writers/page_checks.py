@@ -42,6 +42,8 @@ def _faults(tree: nodes.Template, known: tuple[str, ...]) -> Iterator[tuple[int,
     blocks = ", ".join(known)
     for other in tree.find_all(_OTHERS):
         yield other.lineno, f"a page of a template takes in no other file; it holds blocks: {blocks}"
+    for joined in tree.find_all(nodes.Concat):
+        yield joined.lineno, "texts are written one after the other, not joined by ~"
     for block in tree.find_all(nodes.Block):
         if block.name not in known:
             yield block.lineno, f'no block is named "{block.name}"{meant_or(block.name, known, f"there are {blocks}")}'

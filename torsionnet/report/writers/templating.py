@@ -14,17 +14,19 @@ from functools import cache
 from importlib.resources import files
 from typing import Any
 
-from jinja2 import FunctionLoader, StrictUndefined, TemplateError, TemplateRuntimeError
+from jinja2 import Environment, FunctionLoader, StrictUndefined, TemplateError, TemplateRuntimeError
 from jinja2.sandbox import ImmutableSandboxedEnvironment
 from jinja2.utils import missing
 from markupsafe import Markup
 
-from torsionnet.core.errors import Fault, TorsionnetError, meant_or
+from torsionnet.core.errors import Fault, meant_or
 from torsionnet.report.document_tree import Cell, Inline, Picture, Report
 from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFolderError
 from torsionnet.report.writers.numbering import placed
 
 SHIPPED = files("torsionnet.report.writers") / "templates"
+FILTERS = ("capitalize", "default", "first", "last", "length", "lower", "min", "title", "trim", "truncate", "upper")
+"""What gives no text that would pass for one of the format."""
 NAMES = ("title", "subtitle", "facts", "notes", "contents", "sections", "author", "date", "language", "word", "image")
 """What a page can show or call."""
 TAGS = {
@@ -35,16 +37,7 @@ TAGS = {
     }
 }  # fmt: skip
 """How templates are told from text, where braces mean something else."""
-_FAILURES = (
-    TemplateError,
-    ArithmeticError,
-    LookupError,
-    TypeError,
-    ValueError,
-    AttributeError,
-    RecursionError,
-    MemoryError,
-)
+_WRONG = (TemplateError, ArithmeticError, LookupError, TypeError, ValueError, AttributeError, RuntimeError, MemoryError)
 """What an expression in a template can bring about."""
 
 
@@ -114,25 +107,21 @@ def written(report: Report, target: TextFormat, figures: Illustrations, *, folds
     }
     try:
         return environment.get_template(f"page{target.ending}").render(given)
-    except TorsionnetError:
-        raise
-    except _FAILURES as error:
+    except _WRONG as error:
         raise _located(error, template, f"page{target.ending}") from None
 
 
-def environment_of(
-    ending: str, template: TemplateFolder, shown: Callable[[Any], Markup] | None = None
-) -> ImmutableSandboxedEnvironment:
+def environment_of(ending: str, template: TemplateFolder, shown: Callable[[Any], Markup] | None = None) -> Environment:
     """The templates of one format, those of the folder first."""
 
     def source(name: str) -> tuple[str, str, Callable[[], bool]]:
-        text, mark = template.texts.get(name), TAGS.get(ending, {"block_start_string": "{%", "block_end_string": "%}"})
+        text = template.texts.get(name)
         if text is None:
             return _shipped(name.removeprefix("shipped/")), f"shipped/{name}", lambda: True
-        begin, end = mark["block_start_string"], mark["block_end_string"]
+        begin, end = environment.block_start_string, environment.block_end_string
         return f'{begin} extends "shipped/{name}" {end}{text}', template.file(name), lambda: True
 
-    environment = ImmutableSandboxedEnvironment(
+    environment = _Sandbox(
         loader=FunctionLoader(source),
         autoescape=True,
         finalize=shown,
@@ -143,7 +132,7 @@ def environment_of(
         **TAGS.get(ending, {}),
     )
     environment.globals.clear()
-    del environment.filters["safe"]
+    environment.filters = {name: environment.filters[name] for name in FILTERS}
     return environment
 
 
@@ -170,16 +159,30 @@ def _image(template: TemplateFolder, name: Any, endings: tuple[str, ...]) -> byt
     return template.images[name]
 
 
-def _located(error: Exception, template: TemplateFolder, name: str) -> TemplateFolderError:
+def _located(error: Exception, template: TemplateFolder, name: str) -> Exception:
     """What failed in the page of the folder, with its line."""
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == template.file(name)]
-    text = str(error) or type(error).__name__
     if name not in template.texts:
-        raise error
-    place = template.position(name, frames[-1].lineno or 1 if frames else 1)
-    return TemplateFolderError(
-        [Fault(re.sub(r"'([^']*)'", r'"\1"', text).rstrip("."), position=place)], str(template.path)
-    )
+        return error
+    lines = [
+        frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == template.file(name)
+    ]
+    text = re.sub(r"'([^']*)'", r'"\1"', str(error) or type(error).__name__).rstrip(".")
+    place = template.position(name, (lines and lines[-1]) or 1)
+    return TemplateFolderError([Fault(text, position=place)], str(template.path))
+
+
+class _Sandbox(ImmutableSandboxedEnvironment):
+    """Nothing joins a text with one of the format: it would be escaped as in HTML, whatever the format."""
+
+    intercepted_binops = frozenset("+*%")
+
+    def call_binop(self, context: Any, operator: str, left: Any, right: Any) -> Any:
+        if isinstance(left, str) or isinstance(right, str):
+            raise TemplateRuntimeError("texts are written one after the other; nothing is calculated with them")
+        return super().call_binop(context, operator, left, right)
+
+    def is_safe_callable(self, obj: Any) -> bool:
+        return not isinstance(getattr(obj, "__self__", None), Markup) and super().is_safe_callable(obj)
 
 
 class _Unknown(StrictUndefined):
