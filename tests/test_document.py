@@ -90,7 +90,7 @@ def amt():
 
 @pytest.fixture(scope="module")
 def large():
-    return report(chain(200))
+    return report(chain(120))
 
 
 @pytest.fixture(scope="module")
@@ -265,13 +265,13 @@ class TestValidity:
 class TestLarge:
     def test_no_large_matrix(self, large):
         (table,) = of(TableBlock, blocks(large, "equations"))
-        assert (len(rows(table)), table.more) == (200, 199)
+        assert (len(rows(table)), table.more) == (200, 39)
         (folded,) = (block for one in large.sections for block in one.blocks if isinstance(block, Details))
         assert "export" in words(folded.instead)
 
     def test_tables_are_cut(self, large):
         table = of(TableBlock, blocks(large, "elements"))[0]
-        assert words(table.groups[0].rows[0][0]).endswith("and 160 more")
+        assert words(table.groups[0].rows[0][0]).endswith("and 80 more")
 
     def test_first_modes_only(self, large):
         assert len(rows(of(TableBlock, blocks(large, "modes"))[0])) == 10
@@ -280,7 +280,7 @@ class TestLarge:
     def test_closed_form_of_the_first_vibration(self, large):
         """A free chain of n equal discs: omega_1 = 2 sqrt(k/J) sin(pi/(2n))."""
         row = next(row for row in of(TableBlock, blocks(large, "modes"))[0].groups[0].rows if row[1] == "vibration")
-        expected = 2 * np.sqrt(2e5 / 0.1) * np.sin(np.pi / 400) / (2 * np.pi)
+        expected = 2 * np.sqrt(2e5 / 0.1) * np.sin(np.pi / 240) / (2 * np.pi)
         assert row[2].value == pytest.approx(expected, 1e-4)
 
 
@@ -413,7 +413,13 @@ class TestNumbers:
         assert set(re.findall(r"\b\w+_\w+\b", shown)) == {"V_c_O_360", "I_M", "I_T"}
 
 
-@pytest.mark.parametrize("name", tn.library_models())
+HARD_MODELS = ("marine_steam_turbine", "planetary_set", "six_cylinder_diesel")
+"""Of many branches, with long formulas, with tables over frequency."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * (name not in HARD_MODELS)) for name in tn.library_models()]
+)
 def test_every_library_model_has_a_report(name):
     found = report(name)
     assert {"summary", "schematic", "modes", "validity"} <= {section.name for section in found.sections}

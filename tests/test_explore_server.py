@@ -3,6 +3,7 @@
 import http.client
 import json
 import socket
+import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
@@ -222,7 +223,10 @@ def test_a_connection_that_breaks_off_is_no_event(server, capfd):
 def test_connections_are_limited():
     """Silent ones take a thread each; one too many is sent away, and places become free again."""
     with serving("dmf_rig") as busy:
-        silent = [socket.create_connection(busy.server_address, timeout=10) for _ in range(MOST_CONNECTIONS)]
+        silent = []
+        for _ in range(MOST_CONNECTIONS):
+            silent.append(socket.create_connection(busy.server_address, timeout=10))
+            time.sleep(0.005)  # more than wait to be accepted would be tried again only after a second
         try:
             with socket.create_connection(busy.server_address, timeout=10) as late:
                 assert late.recv(1000).startswith(b"HTTP/1.1 503 ")

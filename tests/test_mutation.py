@@ -74,9 +74,9 @@ def test_the_function_around_a_fault():
 
 
 def test_sample_is_seeded_spread_and_valid():
-    first, again, other = (sample(list(PACKAGES[2:4]), 80, seed) for seed in (1, 1, 2))
+    first, again, other = (sample(list(PACKAGES[2:4]), 50, seed) for seed in (1, 1, 2))
     assert first == again != other
-    assert len({mutant.module for mutant in first}) > 40
+    assert len({mutant.module for mutant in first}) > 25
     for mutant in first:
         ast.parse(mutant.applied((ROOT / mutant.module).read_text(encoding="utf-8")))
 
