@@ -143,9 +143,13 @@ class Value(Spec):
     dimension: str
     lower: float | None = 0.0
     exclusive: bool = False
+    below: float | None = None
 
     def coerce(self, raw: Any) -> float:
         number = _finite(_number(read_scalar(raw, self.dimension)))
+        if self.below is not None and number >= self.below:
+            share = f" ({100 * self.below:g} %)" if self.dimension == "1" else ""
+            raise EntryError(f"must be less than {self.below:g}{share}, got {raw!r}")
         if self.lower is not None and (number < self.lower or (self.exclusive and number == self.lower)):
             raise EntryError(
                 f"must {'be greater than' if self.exclusive else 'not be less than'} {self.lower:g}, got {raw!r}"
