@@ -177,8 +177,9 @@ class Drivetrain(AssembledModel):
         Examples
         --------
         >>> import torsionnet as tn
-        >>> fan = tn.Drivetrain("fan", [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
-        ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)], speeds={"of": "a", "list": ["600 rpm"]},
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+        ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+        >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["600 rpm"]},
         ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
         >>> run = fan.order_response("torque(shaft)")
         >>> w = 2 * run.speeds[0]

@@ -85,7 +85,7 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
     ratios = {row.get(node, Fraction(0)) / other[node] for node in other}
     if len(ratios) > 1:
         raise UsageError(f"no fixed ratio between {first} and {second}: the speed splits in between")
-    return ratios.pop()
+    return Fraction(ratios.pop())
 
 
 def mean_speeds(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:

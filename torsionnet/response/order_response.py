@@ -13,7 +13,7 @@ from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import Channel, ComplexArray, FloatArray
 from torsionnet.response.table import Column, Table
 
-PER_PERIOD = 32
+PER_PERIOD = 64
 """Points on a waveform for each period of its highest order."""
 MOST_REVOLUTIONS, HIGHEST_LINE = 1000, 50_000
 """A common cycle of more revolutions, or with more periods in it, is none that anybody waits for."""
@@ -96,7 +96,7 @@ class OrderResponse:
         return names.index(name)
 
     def of_order(self, order: float, output: str | None = None, excitation: str | None = None) -> ComplexArray:
-        """Amplitudes over speed, shape (n_speeds,), of one order of an excitation; of all that have it without a name."""
+        """Amplitudes over speed, shape (n_speeds,), of an order of one excitation; without a name, the sum of all."""
         found = [
             place
             for place, line in enumerate(self.lines)
@@ -129,7 +129,7 @@ class OrderResponse:
     def half_range(self) -> FloatArray:
         """(max - min)/2 of the sum of all orders over the common cycle, shape (n_speeds, n_out).
 
-        Where there is no common cycle it is bounded from above by the sum of the magnitudes, which is what this is then.
+        Where there is no common cycle, the sum of the magnitudes, which bounds it from above.
         """
         if self.revolutions is None:
             return np.asarray(np.abs(self._by_frequency()).sum(axis=1))

@@ -34,7 +34,7 @@ def order_response(
     """See :meth:`torsionnet.Drivetrain.order_response`."""
     reference, at = _speeds(drivetrain, speeds, speed_of)
     acting = _acting(drivetrain.definition.excitations, excitations)
-    ratios = {name: _ratio(drivetrain, one.speed_of, reference) for name, one in acting.items()}
+    ratios = {name: _ratio(drivetrain, one.shaft, reference) for name, one in acting.items()}
     torques = {name: one.torques(at * abs(float(ratios[name]))) for name, one in acting.items()}
     nodes = tuple(dict.fromkeys(node for found in torques.values() for node in found.nodes))
     lines = [
@@ -46,7 +46,8 @@ def order_response(
     frequencies, where = np.unique(at[:, None] * relative / (2 * math.pi), return_inverse=True)
     held = drivetrain.assembly.kinematics.holds
     driven = [node for node in nodes if not held(node)]
-    response = frequency_response(drivetrain, outputs, [Input("torque", node) for node in driven], frequencies)
+    torques_on: list[Any] = [Input("torque", node) for node in driven]
+    response = frequency_response(drivetrain, outputs, torques_on, frequencies)
     loads = np.zeros((len(at), len(lines), len(driven)), dtype=complex)
     for number, (line, place) in enumerate(lines):
         found = torques[line.excitation]

@@ -18,11 +18,11 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
     if definition.speeds is not None:
         places.append((definition.speeds.of, ("speeds", "of")))
     for name, excitation in definition.excitations.items():
-        places += [(node, ("excitations", name)) for node in excitation.nodes]
-        places.append((excitation.speed_of, ("excitations", name, "speed_of")))
+        places += [(node, ("excitations", name, *path)) for path, node in excitation.node_entries]
+        places.append((excitation.shaft, ("excitations", name, "speed_of")))
     faults += [unknown_name("node", node, nodes, path) for node, path in dict.fromkeys(places) if node not in nodes]
     faults += _overrides(definition)
-    return faults if faults else [*_without_ratio(definition)]
+    return faults or [*_without_ratio(definition)]
 
 
 def _overrides(definition: Definition) -> Iterator[Fault]:
@@ -59,6 +59,6 @@ def _without_ratio(definition: Definition) -> Iterator[Fault]:
         return
     for name, excitation in definition.excitations.items():
         try:
-            total_ratio(definition, known, excitation.speed_of, definition.speeds.of)
+            total_ratio(definition, known, excitation.shaft, definition.speeds.of)
         except UsageError as error:
             yield Fault(str(error), ("excitations", name, "speed_of"))

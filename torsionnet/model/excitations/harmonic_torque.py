@@ -8,11 +8,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
-from torsionnet.core.entries.composite import Nested
-from torsionnet.core.errors import Fault
+from torsionnet.core.errors import Fault, Path
 from torsionnet.model.elements.nodes import NodeName
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderExcitation, OrderTorques, register_excitation
 
@@ -99,13 +99,13 @@ class HarmonicTorque(OrderExcitation):
     speed_of: Any = entry(NodeName("the shaft whose orders are given; default: node", allow_ground=False), None)
     orders: Any = entry(ByOrder("order -> peak value and phase", AMPLITUDE))
 
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        object.__setattr__(self, "speed_of", self.speed_of or self.node)
+    @property
+    def shaft(self) -> str:
+        return str(self.speed_of or self.node)
 
     @property
-    def nodes(self) -> tuple[str, ...]:
-        return (self.node,)
+    def node_entries(self) -> tuple[tuple[Path, str], ...]:
+        return ((("node",), self.node),)
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
         amplitudes = np.array([part.complex_amplitude for part in self.orders.values()])

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.entries.declared import Declared
+from torsionnet.core.errors import Path
 
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
@@ -36,18 +37,26 @@ class OrderTorques:
     amplitudes: ComplexArray
 
 
+@dataclass(frozen=True, kw_only=True)
 class OrderExcitation(Declared):
     """Base of the excitations; a class of its own for each ``type:``, registered by :func:`register_excitation`."""
 
     article: ClassVar[str] = "an excitation"
 
-    speed_of: Any
-    """The node of the shaft whose revolutions the orders count."""
+    @property
+    def shaft(self) -> str:
+        """A node of the shaft whose revolutions the orders count."""
+        raise NotImplementedError
+
+    @property
+    def node_entries(self) -> tuple[tuple[Path, str], ...]:
+        """Where the nodes it acts on are named, and their names."""
+        raise NotImplementedError
 
     @property
     def nodes(self) -> tuple[str, ...]:
-        """Where it acts."""
-        raise NotImplementedError
+        """Where it acts, every node once."""
+        return tuple(dict.fromkeys(node for _, node in self.node_entries))
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
         """The torques at speeds of its shaft, rad/s."""

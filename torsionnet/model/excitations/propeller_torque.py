@@ -12,7 +12,7 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count
-from torsionnet.core.errors import Fault
+from torsionnet.core.errors import Fault, Path
 from torsionnet.model.elements.nodes import NodeName
 from torsionnet.model.excitations.harmonic_torque import ByOrder
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderExcitation, OrderTorques, register_excitation
@@ -67,12 +67,12 @@ class PropellerTorque(OrderExcitation):
         )
 
     @property
-    def speed_of(self) -> str:  # type: ignore[override]
+    def shaft(self) -> str:
         return str(self.node)
 
     @property
-    def nodes(self) -> tuple[str, ...]:
-        return (self.node,)
+    def node_entries(self) -> tuple[tuple[Path, str], ...]:
+        return ((("node",), self.node),)
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
         mean = self.torque * (speeds / self.rated) ** self.exponent

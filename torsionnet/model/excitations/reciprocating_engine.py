@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, ClassVar
@@ -14,7 +14,7 @@ from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count
-from torsionnet.core.errors import Fault, did_you_mean
+from torsionnet.core.errors import Fault, Path
 from torsionnet.model.elements.nodes import NodeName
 from torsionnet.model.excitations.gas_torque import GAS, piston_area
 from torsionnet.model.excitations.order_excitation import (
@@ -100,64 +100,45 @@ class ReciprocatingEngine(OrderExcitation):
     )
 
     def contradictions(self) -> list[Fault]:
-        numbers = list(self.numbers)
-        faults = []
-        if self.cycle == 3:
-            faults.append(Fault("a cycle has 2 or 4 strokes", ("cycle",)))
-        if self.rod_length <= self.stroke / 2:
-            faults.append(
-                Fault(
-                    f"a rod of {self.rod_length:g} m is shorter than the crank radius {self.stroke / 2:g} m",
-                    ("rod_length",),
-                )
-            )
-        if bool(self.firing_order) == bool(self.firing_angles):
-            faults.append(Fault("an engine needs firing_order or firing_angles, one of the two", on_key=True))
-        given = list(self.firing_order) or [int(number) for number in self.firing_angles if number.isdigit()]
-        key = "firing_order" if self.firing_order else "firing_angles"
-        if given:
-            lacking, double = [n for n in numbers if n not in given], sorted({n for n in given if given.count(n) > 1})
-            unknown = [n for n in given if n not in numbers]
-            for text, found in (
-                ("misses cylinder", lacking),
-                ("has twice cylinder", double),
-                ("has no such cylinder as", unknown),
-            ):
-                if found:
-                    faults.append(
-                        Fault(
-                            f"{key} {text} {', '.join(map(str, found))}; there are {', '.join(map(str, numbers))}",
-                            (key,),
-                            on_key=True,
-                        )
-                    )
-        for key in ("misfire", "gas_off"):
-            faults += [
-                Fault(
-                    f"there is no cylinder {n}{did_you_mean(str(n), map(str, numbers))}; there are {', '.join(map(str, numbers))}",
-                    (key, index),
-                )
-                for index, n in enumerate(getattr(self, key))
-                if n not in numbers
-            ]
+        faults = [*self._wrong_mechanism(), *self._wrong_firing(), *self._wrong_cylinders()]
         if self.misfire and (self.gas is None or not self.gas.motored):
-            faults.append(
-                Fault(
-                    "a cylinder without injection follows the motored trace; give gas: {motored: [...]}",
-                    ("misfire",),
-                    on_key=True,
-                )
-            )
-        cycles = self.cycle / 2
-        odd = [order for order in self.orders if abs(order * cycles - round(order * cycles)) > 1e-9]
-        if odd and not faults:
-            faults.append(
-                Fault(
-                    f"orders of a {'four' if self.cycle == 4 else 'two'}-stroke engine are multiples of {1 / cycles:g}, not {', '.join(f'{o:g}' for o in odd)}",
-                    ("orders",),
-                )
-            )
+            text = "a cylinder without injection follows the motored trace; give gas: {motored: [...]}"
+            faults.append(Fault(text, ("misfire",), on_key=True))
         return faults
+
+    def _wrong_mechanism(self) -> Iterator[Fault]:
+        radius, per_cycle = self.stroke / 2, self.cycle / 2
+        if self.cycle not in HIGHEST:
+            yield Fault("a cycle has 2 or 4 strokes", ("cycle",))
+        if self.rod_length <= radius:
+            text = f"a rod of {self.rod_length:g} m is shorter than the crank radius {radius:g} m"
+            yield Fault(text, ("rod_length",))
+        odd = [f"{order:g}" for order in self.orders if abs(order * per_cycle - round(order * per_cycle)) > 1e-9]
+        if odd and self.cycle in HIGHEST:
+            name = "four" if self.cycle == 4 else "two"
+            text = f"orders of a {name}-stroke engine are multiples of {1 / per_cycle:g}, not {', '.join(odd)}"
+            yield Fault(text, ("orders",))
+
+    def _wrong_firing(self) -> Iterator[Fault]:
+        if bool(self.firing_order) == bool(self.firing_angles):
+            yield Fault("an engine needs firing_order or firing_angles, one of the two", on_key=True)
+            return
+        key = "firing_order" if self.firing_order else "firing_angles"
+        given = list(self.firing_order) or [int(number) for number in self.firing_angles if number.isdigit()]
+        found = {
+            "misses cylinder": [number for number in self.numbers if number not in given],
+            "has twice cylinder": sorted({number for number in given if given.count(number) > 1}),
+            "has a cylinder that the engine lacks:": [number for number in given if number not in self.numbers],
+        }
+        for text, wrong in found.items():
+            if wrong:
+                yield Fault(f"{key} {text} {_listed(wrong)}; there are {_listed(self.numbers)}", (key,), on_key=True)
+
+    def _wrong_cylinders(self) -> Iterator[Fault]:
+        for key in ("misfire", "gas_off"):
+            for index, number in enumerate(getattr(self, key)):
+                if number not in self.numbers:
+                    yield Fault(f"there is no cylinder {number}; there are {_listed(self.numbers)}", (key, index))
 
     @property
     def numbers(self) -> Mapping[int, str]:
@@ -165,8 +146,12 @@ class ReciprocatingEngine(OrderExcitation):
         return {int(number): node for number, node in self.cylinders.items()}
 
     @property
-    def nodes(self) -> tuple[str, ...]:
-        return tuple(dict.fromkeys(self.numbers.values()))
+    def shaft(self) -> str:
+        return str(self.speed_of)
+
+    @property
+    def node_entries(self) -> tuple[tuple[Path, str], ...]:
+        return tuple((("cylinders", number), node) for number, node in self.cylinders.items())
 
     @cached_property
     def firing_phases(self) -> dict[int, float]:
@@ -206,3 +191,7 @@ class ReciprocatingEngine(OrderExcitation):
             pressure * piston_area(self.bore) * self.stroke / 2 * piston_rate(angle, self.stroke / 2 / self.rod_length)
         )
         return harmonics(torque, self.cycle // 2, self.acting_orders)
+
+
+def _listed(numbers: Iterable[int]) -> str:
+    return ", ".join(map(str, numbers))
