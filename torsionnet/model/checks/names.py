@@ -194,7 +194,7 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
     """Excitations and speeds that name what the model does not have."""
     if definition.speeds is None and not definition.excitations and not _overridden(definition):
         return []
-    from torsionnet.model.checks import running
+    import torsionnet.model.checks.running as running
 
     return running.unfit_excitations(definition)
 
