@@ -44,6 +44,7 @@ from torsionnet.model.elements.nodes import NodeName, NodePair
 from torsionnet.model.elements.stiffness_rows import TableEntry
 from torsionnet.model.elements.teeth import Teeth
 from torsionnet.model.report import SECTIONS
+from torsionnet.report.wording import replaceable
 
 DOCS = Path(__file__).parent
 GENERATED = DOCS / "generated"
@@ -359,6 +360,20 @@ def report_page() -> str:
     return table(["section", "what it holds"], [[code(name), prose(text)] for name, text in SECTIONS.items()])
 
 
+def report_texts_page() -> str:
+    """Every text of a report that words.yaml of a template folder may replace."""
+    shown = [
+        f"{section}:\n" + "".join(f"  {text}\n" for text in map(_quoted, texts))
+        for section, texts in replaceable().items()
+    ]
+    return "```text\n" + "\n".join(shown) + "```\n"
+
+
+def _quoted(text: str) -> str:
+    """As a key of YAML needs it."""
+    return f'"{text}"' if text != text.strip() or text[0] in ",:;{." or ": " in text or text.endswith(":") else text
+
+
 # What is refused
 
 TRAP_MODEL = """\
@@ -432,6 +447,7 @@ PAGES = {
     "bench.md": bench_page,
     "bench_numbers.md": bench_numbers_page,
     "report.md": report_page,
+    "report_texts.md": report_texts_page,
 }
 
 

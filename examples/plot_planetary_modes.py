@@ -10,10 +10,16 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 import torsionnet as tn
+from torsionnet import plot
 
 gearset = tn.load("planetary_set")
 modes = gearset.modes()
 print(modes.table())
+
+# %%
+# Sun and ring mesh with planets that turn by themselves: each mesh is a gear whose housing is the carrier, with a
+# stiffness of its own. The schematic finds such a set by its planets and draws it as one.
+drawing = plot.schematic(gearset)
 
 # %%
 # Any combination of two shapes with one frequency is a shape as well; what does not depend on the choice is that sun

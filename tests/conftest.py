@@ -4,6 +4,7 @@ import os
 from collections import Counter
 
 import campaigns
+import pytest
 from hypothesis import settings
 
 # Before numpy is loaded: threads of BLAS on tiny matrices cost half the time of all tests, and one worker runs per core.
@@ -25,6 +26,20 @@ TOOLS = {
     "compiler": "the system's packages, as apt-get install gcc, or pip install ziglang",
 }
 WANTING = "skipped for want of a tool"
+
+
+@pytest.fixture(scope="session")
+def chromium():
+    """Chromium, started once for all tests of a process; skips, with a reason, where there is none."""
+    from explore_pages import browser_or_skip
+
+    path = browser_or_skip()
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        found = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        yield found
+        found.close()
 
 
 def pytest_configure(config):

@@ -22,10 +22,10 @@ def chromium():
 
 def browser_or_skip():
     """The path of Chromium; skips where there is none, and says so."""
-    pytest.importorskip("playwright", reason="the click-through tests of the explore page need playwright")
+    pytest.importorskip("playwright", reason="pages are opened with playwright")
     path = chromium()
     if path is None:
-        pytest.skip(f"no Chromium is installed (looked for {', '.join(NAMES)}): the page was not clicked through")
+        pytest.skip(f"no Chromium is installed (looked for {', '.join(NAMES)}): no page was opened")
     return path
 
 

@@ -6,12 +6,14 @@ import tempfile
 import warnings
 from pathlib import Path
 
+import campaigns
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
 import torsionnet as tn
 from torsionnet.io import write_fmu
+from torsionnet.io.fmu import compiling
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")
@@ -34,7 +36,10 @@ def unpacked(rig, version="2.0"):
     """(Path of an FMU, folder it is unpacked in): compiled once for all tests of a process."""
     FOLDERS.append(tempfile.TemporaryDirectory(prefix="torsionnet_test_", ignore_cleanup_errors=True))
     path = Path(FOLDERS[-1].name, "rig.fmu")
-    write_fmu(rig, path, version=version)
+    with pytest.MonkeyPatch.context() as patch:
+        if campaigns.quick:  # making programs fast takes compilers two thirds of their time
+            patch.setattr(compiling, "FLAGS", (*compiling.FLAGS, "-O0", "-fno-sanitize=undefined"))
+        write_fmu(rig, path, version=version)
     return path, fmpy.extract(str(path), str(path.with_name("unpacked")))
 
 

@@ -11,6 +11,7 @@ import sys
 import warnings
 from pathlib import Path
 
+import campaigns
 import pytest
 from click.testing import CliRunner
 
@@ -184,6 +185,51 @@ def test_show_equations():
     assert "I_1 theta_motor''" in text
     assert "theta_output_shaft = (1/tau) theta_input_shaft" in text
     assert "theta_hub = 0" in text
+
+
+class TestEquations:
+    def test_without_a_transfer_function_the_motion(self):
+        assert run("equations", "amt_rig").stdout == run("show", "amt_rig", "--equations").stdout
+
+    def test_forms_are_those_of_the_library(self):
+        found = tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T")
+        texts = {
+            "polynomial": str(found.polynomial),
+            "normalised": str(found.normalised),
+            "program": str(found.program),
+        }
+        for form, text in texts.items():
+            assert run("equations", "dmf_rig", "--tf", "theta_1/T_T", "--form", form).stdout.endswith(f"{text}\n")
+
+    def test_code_can_be_run_as_it_is_printed(self):
+        """Against the response in numbers."""
+        names = {}
+        exec(run("equations", "dmf_rig", "--tf", "theta_1/T_T", "--form", "python").stdout, names)
+        response = tn.load("dmf_rig").frequency_response("theta_1", "T_T", [8.0])
+        assert names["transfer_function"]([8.0])[0] == pytest.approx(response.values.item(), rel=1e-12)
+
+    def test_simplified_says_what_is_left_out_and_the_error(self):
+        text = run(
+            "equations", "dmf_rig", "--tf", "theta_1/T_M", "--simplify", "1%", "--band", "0.5", "20", "--latex"
+        ).stdout
+        title, left_out, error, formula = text.splitlines()
+        assert (title, left_out) == ("% DMF test rig: theta_1/T_M", "% left out: torque_meter rigid")
+        assert error.startswith("% error 0.5 to 20 Hz: omega_n 0.17 %")
+        assert r"\left(I_{1} + I_{2}\right)" in formula
+
+    @pytest.mark.parametrize(
+        ("options", "text"),
+        [
+            (["--form", "python"], "say which by --tf"),
+            (["--simplify", "1%"], "say which by --tf"),
+            (["--tf", "theta_1/T_T", "--band", "1", "2"], "--band is that of --simplify"),
+            (["--tf", "theta_1/T_T", "--simplify", "1"], "must be less than 1 (100 %)"),
+            (["--tf", "theta_1/T_T", "--form", "python", "--latex"], "two ways of writing"),
+            (["--tf", "theta_1"], "written OUTPUT/INPUT"),
+        ],
+    )
+    def test_no_option_is_ignored(self, options, text):
+        assert text in run("equations", "dmf_rig", *options, code=2).stderr
 
 
 def test_show_matrices_are_those_of_the_paper():
@@ -604,7 +650,9 @@ def test_documented_output_is_real_output(tmp_path, monkeypatch):
         "explore",
     }  # a server does not end
     for command, output in blocks:
-        shown = runner().invoke(app, shlex.split(command)).stdout
+        # A short report is told in the same words as a long one.
+        shorter = ["--section", "validity"] if campaigns.quick and command.startswith("report") else []
+        shown = runner().invoke(app, [*shlex.split(command), *shorter]).stdout
         if command == "library":  # which grows: its lines, whatever the widths of the columns
             assert {tuple(line.split()) for line in output.splitlines()[2:]} <= {
                 tuple(line.split()) for line in shown.splitlines()
@@ -671,7 +719,11 @@ def test_a_console_without_the_characters_still_shows_the_rest(tmp_path):
 @pytest.mark.skipif(os.name == "nt", reason="needs a pseudo terminal")
 @pytest.mark.parametrize(
     ("environment", "styled", "frame"),
-    [({}, True, "─"), ({"NO_COLOR": "1"}, False, "─"), ({"PYTHONIOENCODING": "ascii", "NO_COLOR": "1"}, False, "+--")],
+    [
+        ({}, True, "─"),
+        pytest.param({"NO_COLOR": "1"}, False, "─", marks=pytest.mark.slow),
+        ({"PYTHONIOENCODING": "ascii", "NO_COLOR": "1"}, False, "+--"),
+    ],
 )
 def test_on_a_terminal(environment, styled, frame):
     text = on_terminal("modes", "dmf_rig", env=environment)
@@ -700,7 +752,7 @@ def on_terminal(*arguments, env):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="pipes of a shell")
-@pytest.mark.parametrize("ending", ["| head -2", ">&-"])
+@pytest.mark.parametrize("ending", [pytest.param("| head -2", marks=pytest.mark.slow), ">&-"])
 def test_files_are_written_though_nobody_reads_what_is_printed(tmp_path, ending):
     words = "frf dmf_rig --output theta_1 --input T_T --full --points 5000 --csv all.csv --plot all.svg"
     shell = f"set -o pipefail; {shlex.quote(sys.executable)} -m torsionnet {words} {ending}"
@@ -727,8 +779,7 @@ def test_files_are_written_before_anything_is_printed(words, tmp_path, monkeypat
         raise KeyboardInterrupt
 
     monkeypatch.setattr("click.echo", interrupted)
-    monkeypatch.setattr(f"torsionnet.cli.{command}.wrote", lambda _: None)
-    monkeypatch.setattr("torsionnet.cli.show.wrote", lambda _: None)
+    monkeypatch.setattr("torsionnet.cli.command.wrote", lambda _: None)
     files = [tmp_path / "table.csv", tmp_path / "picture.svg"]
     run(command, *rest, "--csv", files[0], "--plot", files[1], code=130)
     assert all(file.stat().st_size for file in files)

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from test_cli import CLUTCH, run
+from test_cli import CLUTCH, app, run, runner
 
 import torsionnet as tn
 from torsionnet.model.files import json_schema
@@ -26,6 +26,14 @@ sensors: {T_S: {torque: shaft}, theta_1: {angle: a}}
 configurations: {load: {light: {}, heavy: {}}}
 """
 DATE = ("--date", "2025-03-31")
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory):
+    """The file of a test on the bench of the DMF rig."""
+    path = tmp_path_factory.mktemp("record") / "test.npz"
+    run("bench", "dmf_bench", "-o", path)
+    return str(path)
 
 
 @pytest.fixture
@@ -49,7 +57,7 @@ class TestCommand:
         assert result.stderr == "wrote: dmf_rig.html\n"
         assert "2025-03-31" in (folder / "dmf_rig.html").read_text(encoding="utf-8")
 
-    @pytest.mark.parametrize("ending", ["html", "md", "tex"])
+    @pytest.mark.parametrize("ending", ["html", "md", pytest.param("tex", marks=pytest.mark.slow)])
     def test_by_the_ending(self, folder, ending):
         run("report", "dmf_rig", "-o", f"r.{ending}", "--section", "summary", "--section", "responses", *DATE)
         text = (folder / f"r.{ending}").read_text(encoding="utf-8")
@@ -115,9 +123,7 @@ class TestCommand:
         assert "wrote: r.md" in result.stderr
         assert "test and model, configuration V" in (folder / "r.md").read_text(encoding="utf-8")
 
-    def test_record_and_fit(self, folder):
-
-        run("bench", "dmf_bench", "-o", "test.npz")
+    def test_record_and_fit(self, folder, record):
         response = tn.load("dmf_rig").frequency_response("theta_1", "T_T", [1, 2, 4, 8, 12, 16])
         tn.identify(tn.load("dmf_rig"), tn.Measurement(response, "theta_1", "T_T"), ["c_2"]).to_yaml("fit.yaml")
         names = ["--output", "theta_1", "--input", "T_T", "--preset", "paper"]
@@ -125,7 +131,7 @@ class TestCommand:
             "report",
             "dmf_rig",
             "--record",
-            "test.npz",
+            record,
             *names,
             "--fit",
             "fit.yaml",
@@ -139,12 +145,11 @@ class TestCommand:
         assert "Test and model" in text
         assert "Fitted parameters" in text
 
-    def test_a_test_is_compared_in_its_band_with_segments_of_its_length(self, folder):
-        run("bench", "dmf_bench", "-o", "test.npz")
-        names = ["--record", "test.npz", "--output", "theta_1", "--input", "T_T", "--section", "validity", *DATE]
+    def test_a_test_is_compared_in_its_band_with_segments_of_its_length(self, folder, record):
+        names = ["--record", record, "--output", "theta_1", "--input", "T_T", "--section", "validity", *DATE]
         run("report", "dmf_rig", *names, "--seconds", "4", "--record-band", "2", "9", "-o", "r.md")
         assert "Test and model" in (folder / "r.md").read_text(encoding="utf-8")
-        found = response_of("test.npz", 4.0, (2.0, 9.0))
+        found = response_of(record, 4.0, (2.0, 9.0))
         assert (found.frequencies.min(), found.frequencies.max()) == (2.0, 9.0)
         assert found.frequencies[1] - found.frequencies[0] == pytest.approx(0.25)
         refused = run("report", "dmf_rig", *names, "--record-band", "2e4", "3e4", "-o", "s.md", code=2)
@@ -161,25 +166,22 @@ class TestCommand:
         assert f"{rig.configured(k_2=20e3).modes().natural_frequencies[0]:.2f}" in rows
         assert f"{rig.modes().natural_frequencies[0]:.2f}" not in rows
 
-    @pytest.mark.parametrize("command", ["report", "explore"])
-    def test_a_model_from_standard_input(self, folder, command):
-        arguments = {
-            "report": ["-o", "r.md", "--section", "validity", *DATE],
-            "explore": ["--port", "0", "--no-browser"],
-        }
-        program = [sys.executable, "-m", "torsionnet", command, "-", *arguments[command]]
+    def test_a_model_from_standard_input(self, folder):
+        arguments = ["report", "-", "-o", "r.md", "--section", "validity", *DATE]
+        assert runner().invoke(app, arguments, input=MODEL).exit_code == 0
+        assert "two masses" in (folder / "r.md").read_text(encoding="utf-8")
+
+    def test_a_model_from_standard_input_is_explored(self):
+        program = [sys.executable, "-m", "torsionnet", "explore", "-", "--port", "0", "--no-browser"]
         environment = {**os.environ, "PYTHONPATH": str(Path(tn.__file__).parents[1])}
         with subprocess.Popen(
             program, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment
         ) as running:
             running.stdin.write(MODEL)
             running.stdin.close()
-            if command == "explore":
-                assert running.stdout.readline().startswith("http://127.0.0.1")
-                running.terminate()
+            assert running.stdout.readline().startswith("http://127.0.0.1")
+            running.terminate()
             assert running.wait(60) in (0, -15, 143)
-        if command == "report":
-            assert "two masses" in (folder / "r.md").read_text(encoding="utf-8")
 
     @pytest.mark.slow
     def test_time_and_size(self, folder):

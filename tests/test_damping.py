@@ -9,7 +9,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from torsionnet.core.damping import MEASURES, DampingError, DampingMeasure, convert_damping
-from torsionnet.core.expressions import FLOAT, RATIONAL, Algebra, ExpressionError, parse_expression, scalar
+from torsionnet.core.expression_reading import parse_expression, scalar
+from torsionnet.core.expressions import FLOAT, RATIONAL, Algebra, ExpressionError
 
 SYMPY = Algebra(number=lambda x: sympy.Rational(x.numerator, x.denominator), sqrt=sympy.sqrt, pi=sympy.pi)
 K, F = 1300.0, 12.5

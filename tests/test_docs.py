@@ -28,13 +28,18 @@ PRINTED = ["fit_speed", "trust_a_fit"]
 """Pages whose blocks of text are what their programs print."""
 LONG = {
     "identify_parameters",
+    "identify_modes",
+    "report",
     "trust_a_fit",
     "from_test_to_response",
     "plot_fit_gears",
     "plot_damping_choice",
+    "plot_marine_turbine",
+    "plot_modes_without_a_model",
+    "plot_ratio_sweep",
     "plot_tdms_to_response",
 }
-"""Pages and examples that fit long records: their programs and commands run where slow tests do."""
+"""Pages and examples with long records, reports or sweeps: their programs and commands run where slow tests do."""
 FENCE = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 SHOWN = re.compile(r"generated/(\w+\.svg)")
 FILE_NAME = re.compile(r"# (\w+\.yaml)\n")
@@ -51,6 +56,15 @@ def generate():
     sys.path.remove(str(DOCS))
 
 
+@pytest.fixture(scope="module")
+def pictures(generate, tmp_path_factory):
+    """The folder with all pictures."""
+    folder = tmp_path_factory.mktemp("pictures")
+    generate.sign_pictures(folder)
+    generate.symbol_pictures(folder)
+    return folder
+
+
 @pytest.fixture
 def workplace(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -59,10 +73,11 @@ def workplace(tmp_path, monkeypatch):
 
 class TestGeneratedPages:
     def test_elements_page_has_every_type_and_every_entry(self, generate):
+        whole = generate.elements_page()
         for kind, cls in ELEMENT_TYPES.items():
             section = generate.element_section(kind, cls)
             assert section.startswith(f"## {kind}\n")
-            assert section in generate.elements_page()
+            assert section in whole
             assert cls.sign in section
             for declared in cls.declared():
                 if declared.name not in generate.COMMON:
@@ -90,7 +105,8 @@ class TestGeneratedPages:
         assert all(f"| `{name}` |" in damping for name in MEASURES)
 
     @pytest.mark.parametrize(
-        "name", ["elements", "element_classes", "units", "damping", "traps", "bench", "file_entries", "report"]
+        "name",
+        ["elements", "element_classes", "units", "damping", "traps", "bench", "file_entries", "report", "report_texts"],
     )
     def test_pages_in_the_repository_are_current(self, generate, name):
         """They are read on the web without a build; `python docs/generate.py` writes them."""
@@ -115,14 +131,12 @@ class TestGeneratedPages:
         assert len(rows) >= 25
         assert max(abs(float(row)) for row in rows) < 5e-4
 
-    def test_pictures_are_those_the_pages_show(self, generate, tmp_path):
-        generate.sign_pictures(tmp_path)
-        generate.symbol_pictures(tmp_path)
-        made = {path.name for path in tmp_path.iterdir()}
+    def test_pictures_are_those_the_pages_show(self, pictures):
+        made = {path.name for path in pictures.iterdir()}
         pages = ("sign_conventions.md", "generated/elements.md")
         shown = [name for page in pages for name in SHOWN.findall((DOCS / page).read_text(encoding="utf-8"))]
         assert made == set(shown)
-        assert all("<svg" in (tmp_path / name).read_text(encoding="utf-8") for name in made)
+        assert all("<svg" in (pictures / name).read_text(encoding="utf-8") for name in made)
 
     def test_torques_of_a_planetary_set_are_those_of_the_picture(self):
         sun, ring, carrier = "sun", "ring", "carrier"
@@ -140,14 +154,11 @@ class TestGeneratedPages:
         read = rig.frequency_response(["at_sun", "at_ring", "at_carrier"], "T", [0]).values.ravel()
         assert read == pytest.approx([1, -2.5, 3.5], rel=1e-12)
 
-    def test_pictures_are_the_same_each_time(self, generate, tmp_path):
-        contents = []
-        for folder in (tmp_path / "first", tmp_path / "second"):
-            folder.mkdir()
-            generate.sign_pictures(folder)
-            generate.symbol_pictures(folder)
-            contents.append({path.name: path.read_bytes() for path in folder.iterdir()})
-        assert contents[0] == contents[1]
+    def test_pictures_are_the_same_each_time(self, generate, pictures, tmp_path):
+        generate.sign_pictures(tmp_path)
+        generate.symbol_pictures(tmp_path)
+        first, second = ({path.name: path.read_bytes() for path in one.iterdir()} for one in (pictures, tmp_path))
+        assert first == second
 
 
 def is_whole(text):
@@ -239,6 +250,16 @@ def test_commands_on_pages_work_one_after_the_other(path, workplace, capsys):
     for line in commands(path):
         code = main(shlex.split(line)[1:])
         assert code == 0, (line, capsys.readouterr())
+
+
+@pytest.mark.parametrize("path", [path for path in PAGES if path.stem in LONG], ids=lambda path: path.stem)
+def test_long_commands_have_options_that_there_are(path, capsys):
+    """A quick look here, too."""
+    for line in commands(path):
+        _, command, *rest = shlex.split(line)
+        assert main([command, "--help"]) == 0
+        known = re.findall(r"(?<![\w-])--?[a-z][\w-]*", capsys.readouterr().out)
+        assert {word for word in rest if re.match("--?[a-z]", word)} <= set(known)
 
 
 def test_message_on_the_page_about_bad_input_is_the_real_one():

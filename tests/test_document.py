@@ -9,6 +9,7 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.cli.report import command as report_command
+from torsionnet.core.number_text import aligned
 from torsionnet.model.report import SECTIONS
 from torsionnet.report import Measured, make_report
 from torsionnet.report.build import BUILDERS
@@ -25,7 +26,6 @@ from torsionnet.report.document_tree import (
     TableBlock,
     inlines,
 )
-from torsionnet.report.report_words import aligned
 from torsionnet.report.writers.html_text import plain_text
 
 
@@ -124,7 +124,9 @@ class TestTitle:
 
 class TestSections:
     def test_all_that_apply_in_order(self, amt):
-        assert [section.name for section in amt.sections] == [name for name in SECTIONS if name not in ("test", "fit")]
+        assert [section.name for section in amt.sections] == [
+            name for name in SECTIONS if name not in ("simplified", "test", "fit")
+        ]
 
     def test_chosen(self):
         found = report("dmf_rig", sections=["validity", "modes"])
@@ -293,6 +295,38 @@ configurations: {way: {dry: {off: [d]}, wet: {on: [d]}}}
         asked = report("planetary_set", sections=["formulas"], transfer_functions=["theta_S/T_S"])
         steps = of(TableBlock, blocks(asked, "formulas"))[0]
         assert rows(steps)[-1][0] == "D"
+
+    def test_simplified_transfer_functions_with_their_error(self):
+        """Held against modes and responses of a rig with the same elements left out, solved in numbers."""
+        found = report(
+            "dmf_rig", simplify="2 %", band=(0.5, 20), transfer_functions=["theta_1/T_M"], sections=["modes"]
+        )
+        assert [section.name for section in found.sections] == ["modes", "simplified"]
+        inside = blocks(found, "simplified")
+        (row,) = rows(of(TableBlock, inside)[0])
+        assert row[0] == "torque_meter rigid"
+        rig = tn.load("dmf_rig")
+        elements = [
+            tn.RigidCoupling("torque_meter", nodes=element.nodes) if element.name == "torque_meter" else element
+            for element in rig.elements.values()
+        ]
+        short = tn.Drivetrain(
+            "short", elements, parameters=dict(rig.parameters), inputs=dict(rig.inputs), sensors=dict(rig.sensors)
+        )
+        mode, near = (model.modes() for model in (rig, short))
+        f = np.geomspace(0.5, 20, 400)
+        whole, rest = (np.abs(model.frequency_response("theta_1", "T_M", f).values[:, 0, 0]) for model in (rig, short))
+        errors = (
+            100 * abs(near.natural_frequencies[0] / mode.natural_frequencies[0] - 1),
+            100 * abs(near.damping_ratios[0] / mode.damping_ratios[0] - 1),
+            np.abs(20 * np.log10(rest / whole)).max(),
+        )
+        assert [float(text) for text in row[1:]] == pytest.approx(errors, abs=6e-4)
+        assert "I_{1} + I_{2}" in of(Formula, inside)[0].latex
+
+    def test_a_tolerance_of_100_percent_is_a_slip(self):
+        with pytest.raises(tn.ModelError, match=r"must be less than 1 \(100 %\), got '1'"):
+            report(simplify="1")
 
     def test_steps_give_the_transfer_function(self):
         """The table of steps, worked through in numbers, against the frequency response."""

@@ -70,8 +70,21 @@ class Page(HTMLParser):
 
 
 @pytest.fixture(scope="module")
-def amt():
-    return html_page(make_report("amt_rig", date=DATE))
+def written(tmp_path_factory):
+    """The file of the report on a model, which is written once."""
+
+    @cache
+    def write(model):
+        path = tmp_path_factory.mktemp(model) / "r.html"
+        tn.write_report(hostile() if model == "hostile" else model, path, date=DATE)
+        return path
+
+    return write
+
+
+@pytest.fixture(scope="module")
+def amt(written):
+    return written("amt_rig").read_text(encoding="utf-8")
 
 
 class TestHtml:
@@ -97,15 +110,17 @@ class TestHtml:
         text = "".join(page.texts)
         assert text.count("<script>alert(1)</script>") >= 6
 
+    @pytest.mark.slow
     def test_same_input_same_bytes(self, amt):
         assert html_page(make_report("amt_rig", date=DATE)) == amt
+
+    def test_bytes_depend_on_the_date(self):
         short = [html_page(make_report("amt_rig", date=date, sections=["validity"])) for date in (DATE, "2025-04-01")]
         assert short[0] != short[1]
 
-    def test_bytes_do_not_depend_on_the_hash_seed(self, tmp_path):
-        program = "import sys, torsionnet as tn; tn.write_report('dmf_rig', sys.argv[1], date=None)"
-        here, there = tmp_path / "here.html", tmp_path / "there.html"
-        tn.write_report("dmf_rig", here, date=None)
+    def test_bytes_do_not_depend_on_the_hash_seed(self, written, tmp_path):
+        program = f"import sys, torsionnet as tn; tn.write_report('dmf_rig', sys.argv[1], date='{DATE}')"
+        here, there = written("dmf_rig"), tmp_path / "there.html"
         seed = "2" if os.environ.get("PYTHONHASHSEED") == "1" else "1"
         environment = {**os.environ, "PYTHONHASHSEED": seed, "PYTHONPATH": str(Path(tn.__file__).parents[1])}
         subprocess.run([sys.executable, "-c", program, str(there)], check=True, env=environment)
@@ -141,35 +156,13 @@ class TestHtml:
             tn.write_report("dmf_rig", tmp_path / "r.docx")
 
 
-@pytest.fixture(scope="module")
-def pages():
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed to open pages with")
-    with playwright.sync_playwright() as run:
-        chromium = run.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield chromium
-        chromium.close()
-
-
-@pytest.fixture(scope="module")
-def written(tmp_path_factory):
-    """The file of the report on a model, which is written once."""
-
-    @cache
-    def write(model):
-        path = tmp_path_factory.mktemp(model) / "r.html"
-        tn.write_report(hostile() if model == "hostile" else model, path, date=None)
-        return path
-
-    return write
-
-
 @needs_browser
 class TestInBrowser:
-    @pytest.mark.parametrize("width", [400, 1200])
-    @pytest.mark.parametrize("model", ["amt_rig", "planetary_set", "hostile"])
-    def test_opens_without_error_request_or_overflow(self, pages, written, model, width):
+    @pytest.mark.parametrize("width", [400, pytest.param(1200, marks=pytest.mark.slow)])
+    @pytest.mark.parametrize("model", ["amt_rig", pytest.param("planetary_set", marks=pytest.mark.slow), "hostile"])
+    def test_opens_without_error_request_or_overflow(self, chromium, written, model, width):
         path = written(model)
-        page = pages.new_page(viewport={"width": width, "height": 900})
+        page = chromium.new_page(viewport={"width": width, "height": 900})
         messages, requests = [], []
         page.on("console", lambda message: messages.append(message.text))
         page.on("pageerror", lambda error: messages.append(str(error)))
@@ -182,11 +175,13 @@ class TestInBrowser:
         assert page.evaluate("document.querySelectorAll('merror').length") == 0
         page.close()
 
-    @pytest.mark.parametrize("model", ["amt_rig", "dmf_rig", "six_cylinder_diesel"])
-    def test_fits_an_a4_page(self, pages, written, model):
+    @pytest.mark.parametrize(
+        "model", ["amt_rig", "dmf_rig", pytest.param("six_cylinder_diesel", marks=pytest.mark.slow)]
+    )
+    def test_fits_an_a4_page(self, chromium, written, model):
         """174 mm of text at 96 px to the inch; nothing may be wider when printed."""
         path = written(model)
-        page = pages.new_page(viewport={"width": 664, "height": 1000})
+        page = chromium.new_page(viewport={"width": 664, "height": 1000})
         page.emulate_media(media="print")
         page.goto(path.as_uri())
         wide = page.evaluate(
@@ -242,7 +237,12 @@ class TestLatex:
         assert latex_escaped("Ω é 中 \x07") == r"$\Omega$ é [U+4E2D] [U+0007]"
 
     @pytest.mark.parametrize(
-        ("ending", "sections"), [("md", ()), ("tex", ["modes"]), pytest.param("tex", (), marks=pytest.mark.slow)]
+        ("ending", "sections"),
+        [
+            ("md", ["equations", "responses"]),
+            ("tex", ["modes"]),
+            *(pytest.param(ending, (), marks=pytest.mark.slow) for ending in ("md", "tex")),
+        ],
     )
     def test_same_bytes(self, tmp_path, ending, sections):
         texts = []
@@ -254,7 +254,9 @@ class TestLatex:
         assert texts[0] == texts[1]
 
     @needs_latex
-    @pytest.mark.parametrize("model", [pytest.param("amt_rig", marks=pytest.mark.slow), "planetary_set", "hostile"])
+    @pytest.mark.parametrize(
+        "model", [*(pytest.param(name, marks=pytest.mark.slow) for name in ("amt_rig", "planetary_set")), "hostile"]
+    )
     def test_compiles(self, tmp_path, model):
         options = {"transfer_functions": ["theta_S/T_S"]} if model == "planetary_set" else {}
         tn.write_report(hostile() if model == "hostile" else model, tmp_path / "my report.tex", date=DATE, **options)

@@ -15,7 +15,7 @@ from torsionnet.core.errors import SolveError
 from torsionnet.solve import refine
 from torsionnet.solve import spectrum as spectrum_module
 from torsionnet.solve.eigen import complex_modes, undamped_modes
-from torsionnet.solve.reduction import null_basis
+from torsionnet.solve.nullspace import unresisted
 
 # --- builders -------------------------------------------------------------------------------------------------------
 
@@ -125,7 +125,7 @@ def inclusion(s, modes):
     coefficients, zeros = exact_polynomial(s)
     rigid = rigid_count(modes)
     assert rigid == s.n_coordinates - np.linalg.matrix_rank(s.rows[s.stiffness > 0])
-    assert zeros == rigid + null_basis(s.rows[(s.stiffness > 0) | (s.damping > 0)]).shape[1]
+    assert zeros == rigid + unresisted(s, (s.stiffness > 0) | (s.damping > 0)).dimension
     values = modes.eigenvalues[rigid:]
     every = np.concatenate([values, values[values.imag > 0].conj()])
     assert len(every) == len(coefficients) - 1

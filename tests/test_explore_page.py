@@ -3,11 +3,12 @@
 import json
 import re
 import time
+from contextlib import contextmanager
 from urllib.parse import urlsplit
 
 import numpy as np
 import pytest
-from explore_pages import browser_or_skip, serving, visit
+from explore_pages import serving, visit
 
 import torsionnet as tn
 from torsionnet.cli import main
@@ -25,17 +26,6 @@ DRAWN = """() => {
 
 
 @pytest.fixture(scope="module")
-def browser():
-    path = browser_or_skip()
-    from playwright.sync_api import sync_playwright
-
-    with sync_playwright() as playwright:
-        found = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        yield found
-        found.close()
-
-
-@pytest.fixture(scope="module")
 def amt(tmp_path_factory):
     """The AMT rig with a test of gear V laid over it."""
     f = np.linspace(0.5, 40, 80)
@@ -45,16 +35,40 @@ def amt(tmp_path_factory):
         yield server
 
 
-@pytest.fixture
-def opened(browser, amt):
-    """The page; afterwards nothing was said on the console and nothing was asked of anyone else."""
-    with visit(browser, amt.address, viewport=WIDE) as found:
+@contextmanager
+def opening(chromium, amt):
+    with visit(chromium, amt.address, viewport=WIDE) as found:
         found.until(lambda: len(drawn(found)) == 2, "the test")
         yield found
-        assert found.console == []
-        assert {urlsplit(url).netloc for url in found.requests if not url.startswith(("blob:", "data:"))} == {
-            urlsplit(amt.address).netloc
-        }
+
+
+@pytest.fixture
+def opened(chromium, amt):
+    """A page of one's own; afterwards nothing was said on the console and nothing was asked of anyone else."""
+    with opening(chromium, amt) as found:
+        yield found
+        assert kept_quiet(found, amt)
+
+
+@pytest.fixture(scope="module")
+def common_page(chromium, amt):
+    with opening(chromium, amt) as found:
+        yield found, drawn(found)
+
+
+@pytest.fixture
+def lent(common_page, amt):
+    """A page for all, to be given back as it was; loading one takes longer than most tests."""
+    found, at_first = common_page
+    yield found
+    assert drawn(found) == at_first
+    assert kept_quiet(found, amt)
+
+
+def kept_quiet(found, amt):
+    """Whether nothing was said on the console and nothing asked of anyone but the server."""
+    asked = {urlsplit(url).netloc for url in found.requests if not url.startswith(("blob:", "data:"))}
+    return found.console == [] and asked == {urlsplit(amt.address).netloc}
 
 
 def drawn(found):
@@ -73,96 +87,102 @@ def check_curve(curve, configuration, output="theta_1", into="T_T", scale=1.0, *
     np.testing.assert_allclose(curve["magnitude"], scale * expected, rtol=1e-12)
 
 
-def test_what_stands_there_at_first(opened):
-    curve, test = drawn(opened)
+def test_what_stands_there_at_first(lent):
+    curve, test = drawn(lent)
     check_curve(curve, "V")
     assert test["kind"] == "dots"
-    assert opened.text("h1") == "AMT test rig"
-    assert opened.page.title().startswith("AMT test rig")
-    peak = re.search(r"peak ([\d.]+) rad/\(N·m\) at ([\d.]+) Hz \((−[\d.]+)°\)", opened.text("#summary"))
+    assert lent.text("h1") == "AMT test rig"
+    assert lent.page.title().startswith("AMT test rig")
+    peak = re.search(r"peak ([\d.]+) rad/\(N·m\) at ([\d.]+) Hz \((−[\d.]+)°\)", lent.text("#summary"))
     assert float(peak[1]) == pytest.approx(0.006345, rel=1e-3)  # of the highest of the lines drawn
     assert float(peak[2]) == pytest.approx(6.784, rel=2e-3)
-    assert "apart by" in opened.text("#curves")
-    rows = opened.page.locator("#modes tbody tr").all_inner_texts()
+    assert "apart by" in lent.text("#curves")
+    rows = lent.page.locator("#modes tbody tr").all_inner_texts()
     assert rows[0].split("\t")[:4] == ["1", "5.912", "5.7704", "21.76"]
     assert "strain in dmf" in rows[0]
-    assert opened.page.locator("#poles .pole").count() == 2
-    assert opened.page.locator(".parameter").count() == 11
+    assert lent.page.locator("#poles .pole").count() == 2
+    assert lent.page.locator(".parameter").count() == 11
 
 
-def test_a_slider_by_keyboard_and_by_mouse(opened):
-    c_O = slider(opened, "c_O")
+def test_a_slider_by_keyboard_and_by_mouse(lent):
+    c_O = slider(lent, "c_O")
     c_O.focus()
-    with opened.update():
+    with lent.update():
         for _ in range(3):
-            opened.page.keyboard.press("ArrowRight")
-    typed = float(opened.page.input_value("#parameter-c_O"))
+            lent.page.keyboard.press("ArrowRight")
+    typed = float(lent.page.input_value("#parameter-c_O"))
     assert 170 < typed < 175
-    check_curve(drawn(opened)[0], "V", c_O=typed)
-    box = slider(opened, "k_1").bounding_box()
+    check_curve(drawn(lent)[0], "V", c_O=typed)
+    box = slider(lent, "k_1").bounding_box()
     y = box["y"] + box["height"] / 2
-    opened.page.mouse.move(box["x"] + box["width"] / 2, y)
-    with opened.update():
-        opened.page.mouse.down()
+    lent.page.mouse.move(box["x"] + box["width"] / 2, y)
+    with lent.update():
+        lent.page.mouse.down()
         for step in range(10):
-            opened.page.mouse.move(box["x"] + box["width"] * (0.5 + 0.03 * step), y)
-        opened.page.mouse.up()
-    k_1 = float(opened.page.input_value("#parameter-k_1"))
+            lent.page.mouse.move(box["x"] + box["width"] * (0.5 + 0.03 * step), y)
+        lent.page.mouse.up()
+    k_1 = float(lent.page.input_value("#parameter-k_1"))
     assert 1.2 < k_1 < 2.2
-    check_curve(drawn(opened)[0], "V", c_O=typed, k_1=1000 * k_1)
-    with opened.update():
-        slider(opened, "k_1").dblclick()
-    with opened.update():
-        opened.page.get_by_role("button", name="Reset c_O").click()
-    check_curve(drawn(opened)[0], "V")
-    assert opened.page.get_by_role("button", name="Reset all").is_disabled()
+    check_curve(drawn(lent)[0], "V", c_O=typed, k_1=1000 * k_1)
+    with lent.update():
+        slider(lent, "k_1").dblclick()
+    with lent.update():
+        lent.page.get_by_role("button", name="Reset c_O").click()
+    check_curve(drawn(lent)[0], "V")
+    assert lent.page.get_by_role("button", name="Reset all").is_disabled()
 
 
-def test_derived_parameters_follow(opened):
-    assert opened.page.get_attribute("#parameter-I_F", "readonly") is not None
-    with opened.update():
-        opened.page.fill("#parameter-I_1", "0.3")
-        opened.page.keyboard.press("Enter")
-    assert opened.page.input_value("#parameter-I_F") == "0.222"
+def test_derived_parameters_follow(lent):
+    assert lent.page.get_attribute("#parameter-I_F", "readonly") is not None
+    with lent.update():
+        lent.page.fill("#parameter-I_1", "0.3")
+        lent.page.keyboard.press("Enter")
+    assert lent.page.input_value("#parameter-I_F") == "0.222"
+    with lent.update():
+        lent.page.get_by_role("button", name="Reset all").click()
 
 
-def test_other_units_can_be_typed(opened):
-    with opened.update():
-        opened.page.fill("#parameter-k_1", "4000 lbf*in/rad")
-        opened.page.keyboard.press("Tab")
-    check_curve(drawn(opened)[0], "V", k_1="4000 lbf*in/rad")
-    assert float(opened.page.input_value("#parameter-k_1")) == pytest.approx(0.451939, rel=1e-5)
+def test_other_units_can_be_typed(lent):
+    with lent.update():
+        lent.page.fill("#parameter-k_1", "4000 lbf*in/rad")
+        lent.page.keyboard.press("Tab")
+    check_curve(drawn(lent)[0], "V", k_1="4000 lbf*in/rad")
+    assert float(lent.page.input_value("#parameter-k_1")) == pytest.approx(0.451939, rel=1e-5)
+    with lent.update():
+        lent.page.get_by_role("button", name="Reset all").click()
 
 
-def test_configurations_are_tabs(opened):
-    tab = opened.page.get_by_role("tab", name="V", exact=True)
+def test_configurations_are_tabs(lent):
+    tab = lent.page.get_by_role("tab", name="V", exact=True)
     assert tab.get_attribute("aria-selected") == "true"
-    with opened.update():
-        opened.page.get_by_role("tab", name="II", exact=True).click()
-    check_curve(drawn(opened)[0], "II")
-    assert opened.page.input_value("#parameter-tau") == "7.96"
-    with opened.update():
-        opened.page.keyboard.press("ArrowRight")
-    check_curve(drawn(opened)[0], "III")
-    assert opened.page.evaluate("document.activeElement.textContent") == "III"
+    with lent.update():
+        lent.page.get_by_role("tab", name="II", exact=True).click()
+    check_curve(drawn(lent)[0], "II")
+    assert lent.page.input_value("#parameter-tau") == "7.96"
+    with lent.update():
+        lent.page.keyboard.press("ArrowRight")
+    check_curve(drawn(lent)[0], "III")
+    assert lent.page.evaluate("document.activeElement.textContent") == "III"
+    with lent.update():
+        lent.page.get_by_role("tab", name="V", exact=True).click()
 
 
-def test_what_is_impossible_is_said_and_the_last_curve_stays(opened):
-    opened.page.fill("#parameter-k_1", "-3")
-    opened.page.keyboard.press("Enter")
-    opened.until(lambda: opened.page.is_visible("#refused"), "the refusal")
-    assert opened.text("#refused") == "dmf stiffness: k_1 = -3000: torsional stiffness must not be less than 0"
-    assert opened.page.get_attribute("#parameter-k_1", "aria-invalid") is not None
-    check_curve(drawn(opened)[0], "V")
-    assert opened.page.evaluate("torsionnet.drawn()[0].faint") is True
+def test_what_is_impossible_is_said_and_the_last_curve_stays(lent):
+    lent.page.fill("#parameter-k_1", "-3")
+    lent.page.keyboard.press("Enter")
+    lent.until(lambda: lent.page.is_visible("#refused"), "the refusal")
+    assert lent.text("#refused") == "dmf stiffness: k_1 = -3000: torsional stiffness must not be less than 0"
+    assert lent.page.get_attribute("#parameter-k_1", "aria-invalid") is not None
+    check_curve(drawn(lent)[0], "V")
+    assert lent.page.evaluate("torsionnet.drawn()[0].faint") is True
     for text, said in (("1,5", "decimal comma"), ("3 kg", "dimension of kg"), ("many", "many")):
-        opened.page.fill("#parameter-k_1", text)
-        opened.page.keyboard.press("Enter")
-        opened.until(lambda said=said: said in opened.text("#refused"), text)
-    with opened.update():
-        opened.page.get_by_role("button", name="Reset all").click()
-    assert opened.page.is_hidden("#refused")
-    assert not opened.page.evaluate("torsionnet.drawn()[0].faint")
+        lent.page.fill("#parameter-k_1", text)
+        lent.page.keyboard.press("Enter")
+        lent.until(lambda said=said: said in lent.text("#refused"), text)
+    with lent.update():
+        lent.page.get_by_role("button", name="Reset all").click()
+    assert lent.page.is_hidden("#refused")
+    assert not lent.page.evaluate("torsionnet.drawn()[0].faint")
 
 
 def test_response_quantity_units_and_band(opened):
@@ -189,39 +209,39 @@ def test_response_quantity_units_and_band(opened):
     assert drawn(opened)[0]["frequencies"][0] == 1
 
 
-def test_zoom_by_dragging_and_back_by_double_click(opened):
-    box = opened.page.locator("#magnitude .u-over").bounding_box()
+def test_zoom_by_dragging_and_back_by_double_click(lent):
+    box = lent.page.locator("#magnitude .u-over").bounding_box()
     y = box["y"] + 50
-    with opened.update():
-        opened.page.mouse.move(box["x"] + 0.4 * box["width"], y)
-        opened.page.mouse.down()
-        opened.page.mouse.move(box["x"] + 0.8 * box["width"], y, steps=5)
-        opened.page.mouse.up()
-    low, high = drawn(opened)[0]["frequencies"][0], drawn(opened)[0]["frequencies"][-1]
+    with lent.update():
+        lent.page.mouse.move(box["x"] + 0.4 * box["width"], y)
+        lent.page.mouse.down()
+        lent.page.mouse.move(box["x"] + 0.8 * box["width"], y, steps=5)
+        lent.page.mouse.up()
+    low, high = drawn(lent)[0]["frequencies"][0], drawn(lent)[0]["frequencies"][-1]
     assert low == pytest.approx(20**0.4, rel=0.05)  # of 1 to 20 Hz
     assert high == pytest.approx(20**0.8, rel=0.05)
-    with opened.update():
-        opened.page.mouse.dblclick(box["x"] + 0.5 * box["width"], y)
-    assert drawn(opened)[0]["frequencies"][-1] == 20
+    with lent.update():
+        lent.page.mouse.dblclick(box["x"] + 0.5 * box["width"], y)
+    assert drawn(lent)[0]["frequencies"][-1] == 20
 
 
-def test_cursor_by_mouse_and_by_keys(opened):
-    assert "(peak)" in opened.text("#at")
-    box = opened.page.locator("#phase .u-over").bounding_box()
-    opened.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + 20)
-    opened.until(lambda: "(peak)" not in opened.text("#at"), "the cursor")
-    frequency = float(re.search(r"at ([\d.]+) Hz", opened.text("#at"))[1])
+def test_cursor_by_mouse_and_by_keys(lent):
+    assert "(peak)" in lent.text("#at")
+    box = lent.page.locator("#phase .u-over").bounding_box()
+    lent.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + 20)
+    lent.until(lambda: "(peak)" not in lent.text("#at"), "the cursor")
+    frequency = float(re.search(r"at ([\d.]+) Hz", lent.text("#at"))[1])
     assert frequency == pytest.approx(np.sqrt(1 * 20), rel=0.01)
     expected = abs(tn.load("amt_rig").configured("V").frequency_response("theta_1", "T_T", [frequency]).values[0, 0, 0])
-    shown = float(opened.page.locator("#curves tbody tr td").first.inner_text())
+    shown = float(lent.page.locator("#curves tbody tr td").first.inner_text())
     assert shown == pytest.approx(expected, rel=0.01)
-    opened.page.locator("#magnitude").focus()
-    opened.page.keyboard.press("Shift+ArrowRight")
-    later = float(opened.page.get_attribute("#magnitude", "aria-valuenow"))
+    lent.page.locator("#magnitude").focus()
+    lent.page.keyboard.press("Shift+ArrowRight")
+    later = float(lent.page.get_attribute("#magnitude", "aria-valuenow"))
     assert later > frequency
-    assert "degrees" in opened.page.get_attribute("#magnitude", "aria-valuetext")
-    opened.page.keyboard.press("Escape")
-    opened.until(lambda: "(peak)" in opened.text("#at"), "the end of the cursor")
+    assert "degrees" in lent.page.get_attribute("#magnitude", "aria-valuetext")
+    lent.page.keyboard.press("Escape")
+    lent.until(lambda: "(peak)" in lent.text("#at"), "the end of the cursor")
 
 
 def test_pins_are_named_removed_and_follow_the_response(opened):
@@ -245,18 +265,19 @@ def test_pins_are_named_removed_and_follow_the_response(opened):
     opened.until(lambda: len(drawn(opened)) == 1, "the end of the pin")
 
 
-def test_the_test_can_be_hidden(opened):
-    opened.page.get_by_role("button", name="Hide the test").click()
-    assert len(drawn(opened)) == 1
-    opened.page.get_by_role("button", name="Show the test").click()
-    assert len(drawn(opened)) == 2
+def test_the_test_can_be_hidden(lent):
+    lent.page.get_by_role("button", name="Hide the test").click()
+    assert len(drawn(lent)) == 1
+    lent.page.get_by_role("button", name="Show the test").click()
+    assert len(drawn(lent)) == 2
 
 
-def test_poles_of_the_cut_rig(opened):
-    opened.page.locator("label", has_text="cut at T_T").click()
+def test_poles_of_the_cut_rig(lent):
+    lent.page.locator("label", has_text="cut at T_T").click()
     natural = tn.load("amt_rig").configured("V").modes(measured_input="T_T").natural_frequencies
-    first = opened.page.locator("#modes tbody td.natural").first.inner_text()
+    first = lent.page.locator("#modes tbody td.natural").first.inner_text()
     assert float(first) == pytest.approx(natural[0], rel=1e-4)
+    lent.page.locator("#which label", has_text="drivetrain").click()
 
 
 def test_saved_file_gives_the_same_numbers(opened, tmp_path):
@@ -314,27 +335,29 @@ def test_reload_keeps_everything(opened):
     assert opened.page.evaluate("document.documentElement.dataset.theme") == "dark"
 
 
-def test_an_address_of_another_model_does_no_harm(browser, amt):
+def test_an_address_of_another_model_does_no_harm(chromium, amt):
     words = "#c=gear%3DX&c=clutch%3Dopen&set=nothing%3D3&out=x&in=y&as=z&band=5+1&pin=%7B&pin=%7B%22values%22%3A3%7D&theme=pink"
-    with visit(browser, amt.address + words, viewport=WIDE) as found:
+    with visit(chromium, amt.address + words, viewport=WIDE) as found:
         check_curve(drawn(found)[0], "")
         assert found.console == []
 
 
-def test_dark_and_light(browser, amt):
-    for scheme, dark in (("light", False), ("dark", True)):
-        with visit(browser, amt.address, viewport=WIDE, color_scheme=scheme) as found:
-            theme = "document.documentElement.dataset.theme"
-            ground = "getComputedStyle(document.body).backgroundColor"
-            assert found.page.evaluate(theme) == scheme
-            levels = [int(one) for one in re.findall(r"\d+", found.page.evaluate(ground))[:3]]
-            assert (max(levels) < 60) is dark
-            found.page.click("#theme")
-            assert found.page.evaluate(theme) == ("light" if dark else "dark")
+@pytest.mark.parametrize(
+    ("scheme", "other"), [pytest.param("light", "dark", marks=pytest.mark.slow), ("dark", "light")]
+)
+def test_dark_and_light(chromium, amt, scheme, other):
+    with visit(chromium, amt.address, viewport=WIDE, color_scheme=scheme) as found:
+        theme = "document.documentElement.dataset.theme"
+        ground = "getComputedStyle(document.body).backgroundColor"
+        assert found.page.evaluate(theme) == scheme
+        levels = [int(one) for one in re.findall(r"\d+", found.page.evaluate(ground))[:3]]
+        assert (max(levels) < 60) is (scheme == "dark")
+        found.page.click("#theme")
+        assert found.page.evaluate(theme) == other
 
 
-def test_a_server_that_has_ended_is_told(browser):
-    with serving("dmf_rig") as server, visit(browser, server.address, viewport=WIDE) as found:
+def test_a_server_that_has_ended_is_told(chromium):
+    with serving("dmf_rig") as server, visit(chromium, server.address, viewport=WIDE) as found:
         found.page.route("**/api/answer", lambda route: route.abort())
         found.page.fill("#parameter-k_1", "14")
         found.page.keyboard.press("Enter")
@@ -342,17 +365,17 @@ def test_a_server_that_has_ended_is_told(browser):
         assert "torsionnet explore has ended" in found.text("#refused")
 
 
-@pytest.mark.parametrize("width", [1440, 900, 400])
-def test_nothing_sticks_out(browser, amt, width):
-    with visit(browser, amt.address, viewport={"width": width, "height": 850}) as found:
+@pytest.mark.parametrize("width", [pytest.param(width, marks=pytest.mark.slow) for width in (1440, 900)] + [400])
+def test_nothing_sticks_out(chromium, amt, width):
+    with visit(chromium, amt.address, viewport={"width": width, "height": 850}) as found:
         assert found.page.evaluate("document.documentElement.scrollWidth") <= width
         canvas = found.page.locator("#magnitude canvas")
         found.until(lambda: canvas.bounding_box() is not None, "the picture")
         assert canvas.bounding_box()["width"] > 0.6 * min(width, 1000) - 60
 
 
-def test_every_control_has_a_name(opened):
-    unnamed = opened.page.evaluate(
+def test_every_control_has_a_name(lent):
+    unnamed = lent.page.evaluate(
         """() => [...document.querySelectorAll("button, input, select, [role=slider], [role=img], [role=tablist]")]
         .filter((one) => !(one.labels?.length || one.textContent.trim() || one.ariaLabel || one.getAttribute("aria-labelledby")))
         .map((one) => one.outerHTML)"""
@@ -362,9 +385,9 @@ def test_every_control_has_a_name(opened):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["amt_rig", "dmf_rig", "six_cylinder_diesel"])
-def test_time_of_an_update(browser, name):
+def test_time_of_an_update(chromium, name):
     """From the event of the slider to the drawn curves, as the page measures it."""
-    with serving(name) as server, visit(browser, server.address, viewport=WIDE) as found:
+    with serving(name) as server, visit(chromium, server.address, viewport=WIDE) as found:
         found.settle()
         found.page.locator(".parameter:not(.is-derived) .slider").nth(1).focus()
         times = []
@@ -379,8 +402,8 @@ def test_time_of_an_update(browser, name):
 
 
 @pytest.mark.slow
-def test_every_library_model_opens(browser):
+def test_every_library_model_opens(chromium):
     for name in tn.library_models():
-        with serving(name) as server, visit(browser, server.address, viewport=WIDE) as found:
+        with serving(name) as server, visit(chromium, server.address, viewport=WIDE) as found:
             assert len(drawn(found)) == 1, name
             assert found.console == [], name

@@ -14,24 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from torsionnet.core.errors import TorsionnetError
-from torsionnet.core.expressions import (
-    FLOAT,
-    RATIONAL,
-    RESERVED_NAMES,
-    Algebra,
-    Binary,
-    Expression,
-    ExpressionError,
-    Name,
-    Negative,
-    Number,
-    Pi,
-    Power,
-    SquareRoot,
-    check_name,
-    parse_expression,
-    scalar,
-)
+from torsionnet.core.expression_reading import RESERVED_NAMES, check_name, parse_expression, scalar
+from torsionnet.core.expressions import FLOAT, RATIONAL, Algebra, Compound, Expression, ExpressionError, Name, Number
 from torsionnet.core.units import DIMENSIONS, UnitError
 
 VALUES = {"k_1": Fraction(3), "J": Fraction(1, 2), "tau": Fraction(-2), "x": Fraction(9, 4)}
@@ -238,24 +222,22 @@ LEAVES = st.one_of(
     st.builds(Number, st.integers(-99, 99)),
     st.builds(Number, st.floats(min_value=-1e20, max_value=1e20)),
     st.builds(Name, st.sampled_from(["k_1", "J", "tau", "x"])),
-    st.just(Pi()),
+    st.just(Compound("pi")),
 )
 FLAT = st.recursive(
     LEAVES,
     lambda inner: st.one_of(
-        st.builds(Negative, inner),
-        st.builds(SquareRoot, inner),
-        st.builds(Binary, st.sampled_from("+-*/"), inner, inner),
+        st.builds(Compound, st.sampled_from(["negative", "sqrt"]), st.tuples(inner)),
+        st.builds(Compound, st.sampled_from("+-*/"), st.tuples(inner, inner)),
     ),
     max_leaves=3,
 )
-EXPONENTS = st.sampled_from([Fraction(n, 2) for n in range(-8, 9)])
+EXPONENTS = st.sampled_from([Number(Fraction(n, 2)) for n in range(-8, 9)])
 TREES = st.recursive(
-    st.one_of(LEAVES, st.builds(Power, FLAT, EXPONENTS)),
+    st.one_of(LEAVES, st.builds(Compound, st.just("**"), st.tuples(FLAT, EXPONENTS))),
     lambda inner: st.one_of(
-        st.builds(Negative, inner),
-        st.builds(SquareRoot, inner),
-        st.builds(Binary, st.sampled_from("+-*/"), inner, inner),
+        st.builds(Compound, st.sampled_from(["negative", "sqrt"]), st.tuples(inner)),
+        st.builds(Compound, st.sampled_from("+-*/"), st.tuples(inner, inner)),
     ),
     max_leaves=6,
 )

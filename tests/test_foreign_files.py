@@ -49,7 +49,7 @@ def library(tmp_path, monkeypatch):
         )
         process.end_all()
         monkeypatch.syspath_prepend(str(folder))
-        monkeypatch.setattr("torsionnet.io.records.extras.require", lambda _: None)
+        monkeypatch.setattr("torsionnet.io.formats.extras.require", lambda _: None)
         path = tmp_path / "plant.h5"
         path.write_bytes(b"anything")
         return path

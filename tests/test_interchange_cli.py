@@ -10,7 +10,7 @@ from tors_models import THRUSTER
 
 import torsionnet as tn
 from torsionnet.io.fmu.platforms import this_machine
-from torsionnet.io.records import extras
+from torsionnet.io.formats import extras
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ import torsionnet as tn
 from torsionnet.cli import main
 from torsionnet.core.errors import MissingExtraError, ModelError, UsageError
 from torsionnet.io import read_frequency_response, write_frequency_response
-from torsionnet.io.records import extras
+from torsionnet.io.formats import extras
 from torsionnet.response.frequency_response import Channel, FrequencyResponse
 
 ENDINGS = [".csv", ".npz", ".mat", ".uff", ".unv"]
@@ -194,6 +194,22 @@ class TestTables:
             read_frequency_response(tmp_path / "t.csv")
         assert message in str(caught.value)
         assert not place or f"t.csv:{place}: error:" in str(caught.value)
+
+    def test_an_early_end_hides_no_other_fault(self, tmp_path):
+        heading = "frequency [Hz],re a/M [1],im a/M [1]"
+        (tmp_path / "t.csv").write_text(f"# made by hand\n{heading}\n1,2,3\n\n# by the way\n2,x,3\n3,4")
+        with pytest.raises(ModelError) as caught:
+            read_frequency_response(tmp_path / "t.csv")
+        assert [(fault.position.line, fault.position.column) for fault in caught.value.faults] == [(6, 3), (7, 1)]
+        assert "the last row lacks im a/M [1]" in caught.value.faults[1].message
+
+    def test_comments_and_blank_lines_between_rows(self, tmp_path):
+        (tmp_path / "t.csv").write_text(
+            "# rig\nfrequency [Hz],re a/M [1],im a/M [1]\n\n1,2,3\n# usable up to 1.5 Hz\n\n2,4,\n\n"
+        )
+        found = read_frequency_response(tmp_path / "t.csv")
+        np.testing.assert_array_equal(found.values[:, 0, 0], [2 + 3j, complex(4, np.nan)])
+        assert (found.title, found.usable_up_to) == ("rig", 1.5)
 
 
 class TestUniversalFiles:

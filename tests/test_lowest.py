@@ -11,7 +11,7 @@ from torsionnet.assembly.rows import Rows, RowSystem
 from torsionnet.core.errors import SolveError
 from torsionnet.solve import eigen
 from torsionnet.solve.eigen import complex_modes, undamped_modes
-from torsionnet.solve.reduction import null_basis
+from torsionnet.solve.nullspace import null_space
 
 
 def tree(seed, n, *, damped=True, geared=True, branched=True, massless=0, ground=0, loops=0, drag=False):
@@ -68,7 +68,7 @@ CASES = {
 
 
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
-@pytest.mark.parametrize("seed", [1, 2])
+@pytest.mark.parametrize("seed", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_lowest_modes_are_the_dense_ones(case, seed, sparse_only):
     system = tree(seed, **{"n": 80, **case})
     every, natural = complex_modes(system), undamped_modes(system)[0]
@@ -126,9 +126,10 @@ def test_chain_in_closed_form(sparse_only):
 
 def test_slow_real_poles_come_first():
     """Heavy drag to ground makes poles slower than every vibration."""
-    system = tree(3, 80, geared=False, branched=False, ground=1)
+    n = 50
+    system = tree(3, n, geared=False, branched=False, ground=1)
     damping = np.array(system.damping)
-    damping[:80] = 1e4
+    damping[:n] = 1e4
     heavy = RowSystem(system.law_rows, system.inertia, damping, system.stiffness)
     every = complex_modes(heavy)
     assert every.kinds[0] == "real pole"
@@ -162,7 +163,7 @@ def test_nothing_acting_is_still_refused():
 def test_null_space_of_pairs_is_that_of_the_singular_values(seed):
     system = tree(seed, 90, loops=seed % 3, geared=seed % 2 == 0)
     springs = system.rows[system.stiffness > 0][: 40 + 15 * seed]
-    basis = null_basis(springs)
+    basis = null_space(Rows.of(springs).maps, 90).basis()
     assert basis.shape[1] == 90 - np.linalg.matrix_rank(springs)
     np.testing.assert_allclose(springs @ basis, 0, atol=1e-13)
     np.testing.assert_allclose(basis.T @ basis, np.eye(basis.shape[1]), atol=1e-13)
@@ -172,9 +173,9 @@ def test_inconsistent_loop_of_ratios_holds_still():
     rows = np.zeros((80, 80))
     for i in range(80):
         rows[i, i], rows[i, (i + 1) % 80] = 1.0, -2.0 if i == 5 else -1.0
-    assert null_basis(rows).shape[1] == 0
+    assert null_space(Rows.of(rows).maps, 80).dimension == 0
     rows[5, 6] = -1.0
-    np.testing.assert_allclose(null_basis(rows)[:, 0], 80**-0.5)
+    np.testing.assert_allclose(null_space(Rows.of(rows).maps, 80).basis()[:, 0], 80**-0.5)
 
 
 def test_result_with_lowest_is_the_start_of_the_whole():

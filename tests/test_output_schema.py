@@ -2,15 +2,19 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import jsonschema
+import numpy as np
 import pytest
 from test_cli import run
 from test_cli_fit import FIT
 from test_cli_records import RIG
 
+import torsionnet as tn
 from torsionnet.cli.output_schema import OUTPUTS
+from torsionnet.io import write_frequency_response
 
 
 @pytest.fixture(scope="module")
@@ -20,6 +24,13 @@ def folder(tmp_path_factory):
         patch.chdir(folder)
         Path("rig.yaml").write_text(RIG)
         Path("fit.yaml").write_text(FIT)
+        test = FIT.replace("record: run_soft.npz", "response: test.csv").replace(
+            "input: T_set, model_input: T", "input: T"
+        )
+        Path("short_fit.yaml").write_text(test)
+        response = tn.load("rig.yaml").configured("soft").frequency_response("phi", "T", np.linspace(1, 25, 60))
+        noise = 0.01 * np.random.default_rng(1).standard_normal(response.values.shape)
+        write_frequency_response(replace(response, values=response.values * (1 + noise)), "test.csv")
         Path("broken.yaml").write_text("name: x\nelements: {a: {type: inertia, node: n, inertia: -1, frob: 2}}\n")
         run("bench", "rig.yaml", "-c", "soft", "-o", "run_soft.npz")
         yield folder
@@ -34,12 +45,13 @@ CALLS = {
         "frf amt_rig -c all --output theta_1 --input T_T --from 1 --to 10",
     ],
     "sensitivity": ["sensitivity dmf_rig"],
+    "equations": ["equations dmf_rig", "equations dmf_rig --tf theta_1/T_M --simplify 1% --band 0.5 20"],
     "show": ["show dmf_rig", "show dmf_rig --equations --matrices"],
     "estimate": ["estimate run_soft.npz --output phi --input M"],
     "compare": ["compare run_soft.npz rig.yaml -c soft --output phi --input M"],
     "spectrogram": ["spectrogram run_soft.npz --channel phi"],
     "bench": ["bench rig.yaml -o again.npz"],
-    "fit": ["fit fit.yaml", "fit fit.yaml --profile --rank"],
+    "fit": ["fit fit.yaml", "fit short_fit.yaml --profile --rank"],
     "identify-modes": [
         "identify-modes run_soft.npz --output phi --input M",
         "identify-modes run_soft.npz --output phi --input M --against rig.yaml -c soft",

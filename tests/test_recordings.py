@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 from test_foreign_files import CHILD_ENDINGS
 
 from torsionnet.core.errors import MissingExtraError, ModelError, TorsionnetWarning, UsageError
-from torsionnet.io.records import extras, iter_blocks, read_recording, write_recording
-from torsionnet.io.records.formats import MODULES
+from torsionnet.io.formats import extras
+from torsionnet.io.formats.registry import FORMATS
+from torsionnet.io.recording_files import iter_blocks, read_recording, write_recording
 from torsionnet.response.recording import Recording, Signal
 from torsionnet.signals.encoder import angle_from_counts, angle_from_pulses, unwrapped
 from torsionnet.signals.pulses import missing_pulses
@@ -22,13 +23,16 @@ EXTRAS = {".tdms": "nptdms", ".uff": "pyuff", ".h5": "h5py", ".parquet": "pyarro
 ENDINGS = [".csv", ".npz", ".mat", *EXTRAS]
 
 
+LABELS = {ending: form.label for form in FORMATS if form.opened for ending in form.endings}
+
+
 def test_every_format_is_tested():
     """Here, in tests/test_foreign_files.py if a library reads it in a process of its own, and by fuzzing."""
-    assert {MODULES[ending] for ending in ENDINGS} == set(MODULES.values()), "add an ending to ENDINGS in this file"
-    own = {"text", "npz", "mdf"}  # asammdf is in no group of the tests
-    assert {MODULES[ending] for ending in CHILD_ENDINGS} == set(MODULES.values()) - own, "add it to CHILD_ENDINGS"
-    fuzzed = {MODULES[f".{name.removeprefix('record.')}"] for name in KINDS if name.startswith("record.")}
-    assert fuzzed == set(MODULES.values()) - {"mdf"}, "add it to tests/fuzz/kinds.py"
+    assert {LABELS[ending] for ending in ENDINGS} == set(LABELS.values()), "add an ending to ENDINGS in this file"
+    own = {"text", "NPZ", "MDF"}  # asammdf is in no group of the tests
+    assert {LABELS[ending] for ending in CHILD_ENDINGS} == set(LABELS.values()) - own, "add it to CHILD_ENDINGS"
+    fuzzed = {LABELS[f".{name.removeprefix('record.')}"] for name in KINDS if name.startswith("record.")}
+    assert fuzzed == set(LABELS.values()) - {"MDF"}, "add it to tests/fuzz/kinds.py"
 
 
 RATE = 1000.0
@@ -60,6 +64,13 @@ def write(tmp_path, text, name="r.csv", encoding="utf-8"):
 
 
 class TestRoundTrip:
+    @pytest.mark.parametrize("ending", [".csv", ".npz", ".mat"])
+    def test_equal_recordings_give_equal_bytes_on_any_day(self, tmp_path, ending, monkeypatch):
+        write_recording(recording(), tmp_path / f"a{ending}")
+        monkeypatch.setattr("time.asctime", lambda *_: "Thu Jan  1 00:00:00 2099")
+        write_recording(recording(), tmp_path / f"b{ending}")
+        assert (tmp_path / f"a{ending}").read_bytes() == (tmp_path / f"b{ending}").read_bytes()
+
     @pytest.mark.parametrize("stamped", [False, True])
     @pytest.mark.parametrize("ending", ENDINGS)
     def test_keeps_everything(self, tmp_path, ending, stamped):
@@ -187,6 +198,11 @@ class TestForeignFiles:
             ("0 1\n1 2\n2 3\n", ("column_1", "column_2"), "no heading"),
             ("Device 7\nrun;3\n\ntime;T [Nm]\n0;1\n1;2\n", ("T",), "3 lines above the heading passed over"),
             ("time;T [Nm];\n0;1;\n1;2;\n", ("T",), "assumed: cells between semicolons, decimal point"),
+            (
+                "time T\n0.0D+00 1.0D+00\n1.0D+00 2.0D+00\n",
+                ("T",),
+                "assumed: cells between white spaces, decimal point",
+            ),
             ('"time","T [Nm]"\n"0","1"\n"1","2"\n', ("T",), "assumed: cells between commas"),
         ],
     )

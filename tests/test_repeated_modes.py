@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import torsionnet as tn
+from torsionnet.solve.repeated import _nodes_apart
 
 
 def star(branches, damping=0.0, drag=0.0):
@@ -47,7 +48,7 @@ def test_the_note_names_modes_and_nodes():
     (note,) = modes.notes
     assert note == (
         "modes 2 and 3 share one eigenvalue, so every combination of their shapes is a mode too; shown are those in "
-        "which of planet_1 and planet_3 only one moves, in this order"
+        "which of planet_1 and planet_2 only one moves, in this order"
     )
     assert modes.notes[0] in modes.table().notes
 
@@ -64,3 +65,15 @@ def test_a_double_pole_with_one_shape_stays_as_it_is():
     modes = rig.modes()
     assert modes.eigenvalues == pytest.approx([-1, -1], abs=1e-6)
     assert modes.notes == ()
+
+
+def test_the_choice_does_not_depend_on_which_shapes_came_out():
+    """Two shapes over five nodes and their combinations; two that are nearly one have no choice."""
+    rng = np.random.default_rng(4)
+    shapes = rng.normal(size=(5, 2)) + 1j * rng.normal(size=(5, 2))
+    chosen = _nodes_apart(shapes)
+    for _ in range(20):
+        mixed = shapes @ (rng.normal(size=(2, 2)) + 1j * rng.normal(size=(2, 2)))
+        assert _nodes_apart(mixed) == chosen
+    assert _nodes_apart(np.column_stack([shapes[:, 0], shapes[:, 0] * (1 + 1e-9)])) is None
+    assert _nodes_apart(np.ones((1, 2), dtype=complex)) is None

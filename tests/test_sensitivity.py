@@ -355,3 +355,132 @@ def test_tornado_has_no_empty_panels():
     assert all(max(abs(bar.get_width()) for bar in axes.patches) > 0 for axes in overdamped.axes)
     labels = [axes.get_xlabel() for axes in overdamped.axes]
     assert labels == ["", "natural frequency [% per %]", "damping ratio [% per %]"]
+
+
+# --- stiff and free chains --------------------------------------------------------------------------------------------
+
+CHAINS = {
+    "even": ([1e4] * 5, [0.1] * 6, 0.0),
+    "stiff": ([1e2, 1e4, 1e6, 1e8, 1e10], [0.1, 0.2, 0.3, 0.1, 0.2, 0.3], 0.0),
+    "mixed": ([1e2, 1e10, 1e2, 1e9, 1e3], [1e-3, 10.0, 0.1, 1e-2, 100.0, 1e-3], 0.0),
+    "on a soft mount": ([1e8] * 5, [0.1] * 6, 1e-2),
+}
+
+
+def chain(springs, inertias, mount, loss=0.0):
+    """Rotors n0, n1, ... in a row, the first on a mount where there is one; every number a parameter."""
+    parts = [tn.Inertia(f"rotor_{i}", node=f"n{i}", inertia=f"J_{i}") for i in range(len(inertias))]
+    parts += [
+        tn.Spring(f"shaft_{i}", nodes=(f"n{i}", f"n{i + 1}"), stiffness=f"k_{i}", damping=f"{loss}*k_{i}/1000000")
+        for i in range(len(springs))
+    ]
+    values = {f"J_{i}": x for i, x in enumerate(inertias)} | {f"k_{i}": x for i, x in enumerate(springs)}
+    if mount:
+        parts.append(tn.Spring("mount", nodes=("n0", "ground"), stiffness="k_m"))
+        values["k_m"] = mount
+    return tn.Drivetrain("chain", parts, parameters=values), values
+
+
+def exact_chain(values, loss, s):
+    """The receptance matrix in many digits, and of every parameter the derivative of the dynamic stiffness by node."""
+    n = sum(name.startswith("J") for name in values)
+    exact = {name: mp.mpf(str(value)) for name, value in values.items()}
+    lossy = 1 + mp.mpf(str(loss)) * s / 10**6
+    rows = {f"J_{i}": ({i: 1}, s**2) for i in range(n)} | {"k_m": ({0: 1}, 1)}
+    rows |= {f"k_{i}": ({i: 1, i + 1: -1}, lossy) for i in range(n - 1)}
+    D = mp.zeros(n)
+    for name, value in exact.items():
+        row, factor = rows[name]
+        for i, a in row.items():
+            for j, b in row.items():
+                D[i, j] += value * factor * a * b
+    return D**-1, {name: rows[name] for name in values}
+
+
+@pytest.mark.parametrize("loss", [0.0, 30.0])
+@pytest.mark.parametrize("name", CHAINS)
+def test_responses_of_stiff_and_free_chains_at_low_frequency(name, loss):
+    """Motion of the far end and torque in a shaft, down to a millionth of a radian per second: -H dD H in many digits."""
+    rig, values = chain(*CHAINS[name], loss)
+    f = np.array([1e-7, 1e-3, 0.3, 7.0])
+    found = parametric_response(rig, ["n5", "torque(shaft_2)", "torque(shaft_2, n3)"], "n0", f, list(values))
+    got = found.at(found.start)
+    with mp.workdps(80):
+        for line, frequency in enumerate(f.tolist()):
+            s = 2j * mp.pi * mp.mpf(frequency)
+            H, rows = exact_chain(values, loss, s)
+            kappa, k = 1 + mp.mpf(str(loss)) * s / 10**6, mp.mpf(str(values["k_2"]))
+            torque = k * kappa * (H[2, 0] - H[3, 0])
+            for p, (parameter, (row, factor)) in enumerate(rows.items()):
+
+                def moved(i, row=row, factor=factor, H=H):
+                    return -factor * sum(a * H[i, j] for j, a in row.items()) * sum(a * H[j, 0] for j, a in row.items())
+
+                slope = k * kappa * (moved(2) - moved(3))
+                slope += kappa * (H[2, 0] - H[3, 0]) if parameter == "k_2" else 0
+                x = mp.mpf(str(values[parameter]))
+                for reading, (value, expected) in enumerate(((H[5, 0], moved(5)), (torque, slope), (torque, slope))):
+                    assert abs(mp.mpc(got.values[line, reading, 0]) / value - 1) < 1e-11
+                    error = abs(mp.mpc(got.jacobian[line, reading, 0, p]) - expected)
+                    assert error < 1e-10 * abs(expected) + 1e-12 * abs(value) / x, (parameter, frequency, reading)
+
+
+@pytest.mark.parametrize("name", CHAINS)
+def test_modes_of_stiff_and_free_chains(name):
+    """Every derivative to ten digits of itself, however little of the mode is in that spring: (a q)^2 / 2 omega."""
+    rig, values = chain(*CHAINS[name])
+    found = mode_sensitivities(rig, list(values))
+    n = sum(parameter.startswith("J") for parameter in values)
+    with mp.workdps(60):
+        J = [mp.mpf(str(values[f"J_{i}"])) for i in range(n)]
+        K = mp.zeros(n)
+        for parameter, value in values.items():
+            ends = {"k_m": {0: 1}}.get(parameter) or {int(parameter[2:]): 1, int(parameter[2:]) + 1: -1}
+            for i, a in ends.items() if parameter[0] == "k" else ():
+                for j, b in ends.items():
+                    K[i, j] += a * b * mp.mpf(str(value)) / mp.sqrt(J[i] * J[j])
+        squares, vectors = mp.eigsy(K)
+        first = 0 if "k_m" in values else 1
+        for mode, which in enumerate(range(first, n)):
+            omega = mp.sqrt(squares[which])
+            q = [vectors[i, which] / mp.sqrt(J[i]) for i in range(n)]
+            for p, parameter in enumerate(values):
+                if parameter[0] == "J":
+                    expected = -omega * q[int(parameter[2:])] ** 2 / 2
+                else:
+                    twist = q[0] if parameter == "k_m" else q[int(parameter[2:])] - q[int(parameter[2:]) + 1]
+                    expected = twist**2 / (2 * omega)
+                error = abs(mp.mpc(found.pole_slopes[mode, p]) - 1j * expected)
+                if abs(expected) * values[parameter] > 1e-6 * omega:
+                    assert found.damping_slopes[mode, p] == 0
+                floor = 1e-15 * omega / mp.mpf(str(values[parameter]))
+                assert error < 1e-10 * abs(expected) + floor, (mode, parameter)
+
+
+@pytest.mark.parametrize(
+    ("model", "measured", "excitation"),
+    [
+        ("direct_drive_wind_turbine", "spider_torque", None),
+        ("direct_drive_wind_turbine", "generator_speed", None),
+        ("marine_steam_turbine", "T_LT", None),
+        ("marine_steam_turbine", "velocity(hp_turbine)", None),
+        ("six_cylinder_diesel", "velocity(flywheel)", None),
+    ],
+)
+def test_poles_against_measured_inputs_against_differences(model, measured, excitation):
+    """Cut in two by the sensor or not, massless ends and readings of speed: the modes of two moved drivetrains."""
+    rig = tn.load(model)
+    rig = rig.configured(rig.configurations[0]) if rig.configurations else rig
+    excitation = excitation or next(iter(rig.inputs))
+    found = mode_sensitivities(rig, measured_input=measured, excitation=excitation)
+    for p, name in enumerate(found.parameters[::3]):
+        x = rig.parameters[name]
+
+        def poles(share, name=name, x=x):
+            moved = rig.configured(**{name: float(x) * (1 + share)})
+            return moved.modes(measured_input=measured, excitation=excitation).eigenvalues
+
+        coarse, fine = ((poles(h) - poles(-h)) / (2 * h) for h in (2e-4, 1e-4))
+        expected = ((4 * fine - coarse) / 3)[[number - 1 for number in found.numbers]]
+        error = np.abs(found.pole_slopes[:, 3 * p] * float(x) - expected) / np.abs(found.poles)
+        assert error.max() < 1e-7, name

@@ -13,7 +13,8 @@ from torsionnet.signals.agreement import agreement
 from torsionnet.signals.detrending import without_trend
 from torsionnet.signals.excitation import SteppedSine
 from torsionnet.signals.timing import gaps
-from torsionnet.solve.many_digits import _quotient
+from torsionnet.solve.many_digits import ManyDigits, _quotient
+from torsionnet.solve.transfer_request import ask
 
 
 def rotor(*elements):
@@ -44,6 +45,28 @@ class TestEigenvalues:
 
 
 class TestManyDigits:
+    @pytest.mark.parametrize("ratio", [1, "1/3", "7/3"])
+    def test_two_masses_and_a_gear(self, ratio):
+        """A torque T on J_1 through a gear to a shaft and J_2, free: theta_1 s^2 (J_1 + J_2 k/(i^2 (k + J_2 s^2))) = T."""
+        parts = [
+            tn.Inertia("J_1", node="a", inertia="1/7"),
+            tn.Gear("gear", nodes=("a", "b"), ratio=ratio),
+            tn.Spring("shaft", nodes=("b", "c"), stiffness="1e9/3"),
+            tn.Inertia("J_2", node="c", inertia="0.3"),
+        ]
+        rig = tn.Drivetrain("geared", parts)
+        with mpmath.workdps(200):
+            J_1, J_2, k, i = (
+                mpmath.mpf(x) / y for x, y in ((1, 7), (3, 10), (10**9, 3), map(int, (f"{ratio}/1".split("/")[:2])))
+            )
+            s = mpmath.mpc(0, mpmath.mpf(1) / 1000)
+            expected = 1 / (s**2 * (J_1 + J_2 * k / (i**2 * (k + J_2 * s**2))))
+            request = ask(rig, ["a", "torque(shaft)"], ["a"], None)
+            (angle,), (torque,) = ManyDigits(rig.assembly, request).transfer(s)
+            assert abs(angle / expected - 1) < mpmath.mpf(10) ** -190
+            behind = expected / i * k * J_2 * s**2 / (k + J_2 * s**2)
+            assert abs(torque / behind - 1) < mpmath.mpf(10) ** -190
+
     @pytest.mark.parametrize("n", [1, 2, 3, 5])
     def test_quotients_of_readings(self, n):
         rng = np.random.default_rng(n)

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-HEAVY = {"sympy", "control", "scipy", "matplotlib"}
+HEAVY = {"sympy", "control", "scipy", "matplotlib", "jinja2"}
 ALL_BUT_THE_READER = HEAVY | {"numpy", "networkx", "pint", "pydantic"}
 
 # What is loaded at the very end is the last line on stderr, after all other output.

@@ -13,7 +13,8 @@ import numpy as np
 import torsionnet as tn
 from fuzz import drawing, sources
 from fuzz.mutating import Chance, mutated, mutated_bytes
-from torsionnet.core.expressions import ExpressionError, scalar
+from torsionnet.core.expression_reading import scalar
+from torsionnet.core.expressions import ExpressionError
 from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.io import read_frequency_response, read_tors
 from torsionnet.model.files import dump

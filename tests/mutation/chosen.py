@@ -4,7 +4,7 @@ from __future__ import annotations
 
 PACKAGES = tuple(
     f"torsionnet/{name}"
-    for name in ("solve", "assembly", "response", "signals", "modal", "identification", "io/records")
+    for name in ("solve", "assembly", "response", "signals", "modal", "identification", "io/records", "io/formats")
 )
 
 ALWAYS = ("test_small_parts",)
@@ -44,6 +44,7 @@ CHOSEN: dict[str, tuple[str, ...]] = {
     "torsionnet/response": ("test_results", "test_response", "test_modes", "test_transfer", "test_variants"),
     "torsionnet/signals/excitation": ("test_excitation",),
     "torsionnet/io/records": ("test_recordings",),
+    "torsionnet/io/formats": ("test_recordings", "test_interchange_responses"),
     "torsionnet/signals/resolution": ("test_bench", "test_estimation"),
     "torsionnet/signals/bandlimited": RECORDS,
     "torsionnet/signals/calculus": RECORDS,

@@ -194,11 +194,3 @@ def law_stiffness(systems: Sequence[RowSystem], omega: FloatArray) -> LawStiffne
         for law, at in system.dynamic:
             sampled[law][variant] += at(omega)
     return LawStiffness(J, c, k, omega, tuple(sampled.items()))
-
-
-def sampled_stiffness(kappa: ComplexArray) -> LawStiffness:
-    """From values (n_f, n_laws) alone."""
-    n_f, n_laws = kappa.shape
-    nothing = np.zeros((1, n_laws))
-    values = tuple((law, np.array(kappa[None, :, law], dtype=complex)) for law in range(n_laws))
-    return LawStiffness(nothing, nothing, nothing, np.zeros(n_f), values)

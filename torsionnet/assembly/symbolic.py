@@ -7,6 +7,7 @@ collected by the ratios they are reflected with, so that ``k_1 + k_2/tau**2`` st
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -17,9 +18,11 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.twin import TWINS, Twin, rational, twin, twin_parameters
 from torsionnet.core.errors import UsageError
 from torsionnet.model.elements import Law, Row, Values
-from torsionnet.model.kinematics import Kinematics, pseudo_node, solve_kinematics
+from torsionnet.model.kinematics import Kinematics, kinematics_on, solve_kinematics
 
 OMEGA = sympy.Symbol("omega")
+MOST_TERMS = 1000
+"""Terms of a sum that is still multiplied out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +136,7 @@ class _Ratios:
     """Kinematics on twins, with the pivots of the exact values."""
 
     def __init__(self, plain: Kinematics, values: Values, definition: Any, names: Sequence[str]) -> None:
-        self.kinematics = twin_kinematics(plain, values, definition, names)
+        self.kinematics = kinematics_on(values, plain, definition, names)
 
     def reduced(self, row: Row) -> Row:
         return self.kinematics.reduced({node: twin(value) for node, value in row.items()})
@@ -156,24 +159,6 @@ def _uncancelled(row: Row, solved: Mapping[Any, Row]) -> dict[str, Any]:
         for free, factor in solved.get(node, {node: twin(1)}).items():
             result[free] = result.get(free, 0) + coefficient.symbol * factor.symbol
     return result
-
-
-def twin_kinematics(
-    plain: Kinematics, values: Values, definition: Any, names: Sequence[str] = (), loose: Sequence[int] = ()
-) -> Kinematics:
-    """The kinematics again with twins; constraints whose number is in ``loose`` are left out of the solution."""
-    from torsionnet.model.elimination import reduce_rows
-    from torsionnet.model.kinematics import constraints_of, in_order_given, owned_parts
-
-    parts = owned_parts(definition, values)
-    rows = [
-        {} if index in loose else {node: twin(value) for node, value in row.items()}
-        for index, (_, row) in enumerate(constraints_of(parts))
-    ]
-    order = {node: index for index, node in enumerate(plain.nodes)}
-    reduction = reduce_rows(rows, order, {*names, *(pseudo_node(name) for name in plain.imposed)})
-    coordinates = in_order_given([node for node in plain.nodes if node not in reduction.solved], names)
-    return Kinematics(plain.nodes, parts, plain.imposed, plain.driven, reduction, coordinates)
 
 
 def law_parts(owner: str, law: Law) -> tuple[Any, Any, Any]:
@@ -209,10 +194,34 @@ class _Sum:
         size = len(self.index)
         result = sympy.zeros(size, size)
         for place, groups in self.entries.items():
-            result[place] = sympy.Add(
-                *(ratio * sympy.expand(total) if ratio != 1 else sympy.expand(total) for ratio, total in groups.items())
-            )
+            result[place] = collected(groups)
         return result
+
+
+def collected(groups: Mapping[Any, Any]) -> Any:
+    """Sum of ratio * total, each total expanded by itself."""
+    if not groups:
+        return sympy.Integer(0)
+    if list(groups) == [1]:
+        return _expanded(groups[1])
+    return sympy.Add(*(ratio * _expanded(total) for ratio, total in groups.items()))
+
+
+def _expanded(total: Any) -> Any:
+    """The sum with its products multiplied out, unless that would take more terms than anyone reads."""
+    return total if total.is_Atom or _terms(total) > MOST_TERMS else sympy.expand(total)
+
+
+def _terms(expression: Any) -> int:
+    """How many terms an expression has at most when it is multiplied out."""
+    if expression.is_Add:
+        return sum(map(_terms, expression.args))
+    if expression.is_Mul:
+        return math.prod(map(_terms, expression.args))
+    if expression.is_Pow and expression.exp.is_Integer:
+        power: int = _terms(expression.base) ** abs(int(expression.exp))
+        return power
+    return 1
 
 
 def _ratio_and_number(product: Any) -> tuple[Any, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -73,9 +73,9 @@ class Assembly:
         free, imposed = (Rows.named([reduced], columns).dense[0] for columns in self._columns)
         return free, imposed
 
-    def columns_of(self, row: Mapping[str, Any]) -> dict[int, float]:
+    def columns_of(self, row: Mapping[str, Any], number: Callable[[Any], Any] = float) -> dict[int, Any]:
         """A row over coordinates and imposed angles by name, as one over columns: coordinates, then imposed angles."""
-        return {self._column[name]: float(coefficient) for name, coefficient in row.items()}
+        return {self._column[name]: number(coefficient) for name, coefficient in row.items()}
 
     @cached_property
     def _column(self) -> dict[str, int]:
@@ -97,15 +97,6 @@ class Assembly:
     def laws(self) -> tuple[Law, ...]:
         """The laws behind the rows of ``system``, with exact coefficients."""
         return tuple(law for _, law in self.kinematics.laws if law.acts)
-
-    @cached_property
-    def laws_at(self) -> dict[str, list[int]]:
-        """Numbers of the laws with a coefficient on a node."""
-        found: dict[str, list[int]] = {}
-        for number, law in enumerate(self.laws):
-            for node in law.row:
-                found.setdefault(node, []).append(number)
-        return found
 
     @cached_property
     def exact_rows(self) -> tuple[dict[str, Fraction], ...]:

@@ -18,6 +18,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "library": "The models that come with the package.",
     "check": "Is a model sound? Every fault with its place in the file.",
     "show": "Elements, parameters, equations of motion, matrices, schematic.",
+    "equations": "Equations of motion and transfer functions in symbols.",
     "modes": "Natural frequencies, damping ratios, mode shapes, energy shares.",
     "explore": "A page to play with a model: sliders, responses, modes.",
     "sensitivity": "Which parameter moves which mode, and by how much.",

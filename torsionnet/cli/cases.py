@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
+import click
+
+from torsionnet.cli.command import Command
+from torsionnet.cli.declarations import argument, option
 from torsionnet.cli.models import load_model
+from torsionnet.cli.options import SETTINGS
 from torsionnet.cli.terminal import message, tell
-from torsionnet.model.configurations import EVERY
 
 if TYPE_CHECKING:
     from torsionnet.core.errors import Fault
@@ -25,19 +28,55 @@ class ConfiguredCase:
     drivetrain: Drivetrain
 
 
-def load_cases(model: str, configurations: Sequence[str], settings: Sequence[tuple[str, str]]) -> list[ConfiguredCase]:
-    """The model in every configuration asked for; what is worth knowing about it goes to stderr."""
-    rig = load_model(model)
-    found = list(rig.check())
-    names = _names(rig, configurations)
-    cases = []
-    for name in names:
-        changed = rig.configured(name, **dict(settings)) if name or settings else rig
-        known = {fault.message for fault in found}
-        found += [_of(fault, changed) for fault in changed.check() if fault.message not in known]
-        cases.append(ConfiguredCase(changed.configuration, changed))
-    tell(found)
-    return cases
+class ModelCommand(Command):
+    """A command about a model in some of its configurations."""
+
+    model: str = argument("MODEL")
+    configurations: tuple[str, ...] = option(
+        "--configuration",
+        "-c",
+        metavar="NAME",
+        help='A configuration ("V"; "gear=V,clutch=open" on several axes), or "all". Repeatable.',
+    )
+    settings: tuple[tuple[str, str], ...] = SETTINGS
+
+    def cases(self) -> list[ConfiguredCase]:
+        """The model in every configuration asked for; what is worth knowing about it goes to stderr."""
+        rig = load_model(self.model)
+        found = list(rig.check())
+        names = _names(rig, self.configurations)
+        cases = []
+        for name in names:
+            changed = rig.configured(name, **dict(self.settings)) if name or self.settings else rig
+            known = {fault.message for fault in found}
+            found += [_of(fault, changed) for fault in changed.check() if fault.message not in known]
+            cases.append(ConfiguredCase(changed.configuration, changed))
+        tell(found)
+        return cases
+
+    def require_one(self, why: str) -> None:
+        """Refuse several configurations."""
+        from torsionnet.model.configurations import EVERY
+
+        if len(self.configurations) > 1 or EVERY in self.configurations:
+            raise click.UsageError(why)
+
+    def joined(self, cases: Sequence[ConfiguredCase], tables: Sequence[Table]) -> Table:
+        """One table out of one per case, with the configuration in the first column if one was named."""
+        from torsionnet.response.table import Column
+
+        first = tables[0]
+        if not self.configurations:
+            return first
+        pairs = list(zip(cases, tables, strict=True))
+        rows = tuple((case.configuration, *row) for case, table in pairs for row in table.rows)
+        shared = set(first.notes).intersection(*(table.notes for table in tables))
+        notes = [
+            note if note in shared else f"{case.configuration}: {note}" for case, table in pairs for note in table.notes
+        ]
+        title = cases[0].drivetrain.name if len(cases) > 1 else first.title
+        columns = (Column("configuration"), *first.columns)
+        return replace(first, title=title, columns=columns, rows=rows, notes=tuple(dict.fromkeys(notes)))
 
 
 def _of(fault: Fault, changed: Drivetrain) -> Fault:
@@ -45,6 +84,8 @@ def _of(fault: Fault, changed: Drivetrain) -> Fault:
 
 
 def _names(rig: Drivetrain, configurations: Sequence[str]) -> list[str]:
+    from torsionnet.model.configurations import EVERY
+
     available = rig.configurations
     if not configurations:
         if available:
@@ -59,36 +100,3 @@ def _names(rig: Drivetrain, configurations: Sequence[str]) -> list[str]:
 
 def _listed(names: Sequence[str], most: int = 12) -> str:
     return ", ".join(names[:most]) + (", ..." if len(names) > most else "")
-
-
-def joined(cases: Sequence[ConfiguredCase], tables: Sequence[Table], *, named: bool) -> Table:
-    """One table out of one per case, with the configuration in the first column if ``named``."""
-    from torsionnet.response.table import Column
-
-    first = tables[0]
-    if not named:
-        return first
-    rows = tuple((case.configuration, *row) for case, table in zip(cases, tables, strict=True) for row in table.rows)
-    shared = set(first.notes).intersection(*(table.notes for table in tables))
-    notes = [
-        note if note in shared else f"{case.configuration}: {note}"
-        for case, table in zip(cases, tables, strict=True)
-        for note in table.notes
-    ]
-    title = cases[0].drivetrain.name if len(cases) > 1 else first.title
-    return replace(
-        first,
-        title=title,
-        columns=(Column("configuration"), *first.columns),
-        rows=rows,
-        notes=tuple(dict.fromkeys(notes)),
-    )
-
-
-def file_of(file: str, case: ConfiguredCase, cases: Sequence[ConfiguredCase]) -> str:
-    """The file itself for a single case, else one per case: ``shapes.png`` -> ``shapes_gear_V_clutch_open.png``."""
-    if len(cases) == 1:
-        return file
-    path = Path(file)
-    suffix = case.configuration.replace("=", "_").replace(",", "_")
-    return str(path.with_name(f"{path.stem}_{suffix}{path.suffix}"))

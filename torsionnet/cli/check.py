@@ -2,51 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
-import click
-
+from torsionnet.cli.command import JSON, Answer, Command, click_command
+from torsionnet.cli.declarations import argument
 from torsionnet.cli.models import read_model
-from torsionnet.cli.options import json_option
-from torsionnet.cli.terminal import message, print_json, say
+from torsionnet.cli.terminal import message
 from torsionnet.core.errors import Fault, UsageError
 
 WRONG_MODEL, WRONG_USAGE = 1, 2
 
 
-@click.command("check")
-@click.argument("models", metavar="MODEL...", nargs=-1, required=True)
-@json_option
-def command(models: tuple[str, ...], as_json: bool) -> None:
+class CheckCommand(Command):
     """Check model files; every error, warning and note is shown with its place. Exit code 1 if there are errors."""
-    reports: dict[str, Sequence[Fault]] = {}
-    code = 0
-    for model in dict.fromkeys(models):
-        try:
-            reports[model] = read_model(model)[1]
-        except UsageError as error:
-            message("error", str(error))
-            code = WRONG_USAGE
-    if as_json:
-        print_json([_as_data(model, faults) for model, faults in reports.items()])
-    else:
-        for model, faults in reports.items():
-            _show(model, faults)
-    if any(_errors(faults) for faults in reports.values()):
-        code = code or WRONG_MODEL
-    raise click.exceptions.Exit(code)
+
+    forms = JSON
+
+    models: tuple[str, ...] = argument("MODEL...")
+
+    def answer(self) -> Answer:
+        reports: dict[str, Sequence[Fault]] = {}
+        code = 0
+        for model in dict.fromkeys(self.models):
+            try:
+                reports[model] = read_model(model)[1]
+            except UsageError as error:
+                message("error", str(error))
+                code = WRONG_USAGE
+        if any(map(_errors, reports.values())):
+            code = code or WRONG_MODEL
+        return Answer(
+            screen=lambda: _lines(reports),
+            data=lambda: [_as_data(model, faults) for model, faults in reports.items()],
+            exit_code=code,
+        )
 
 
 def _errors(faults: Sequence[Fault]) -> int:
     return sum(fault.severity == "error" for fault in faults)
 
 
-def _show(model: str, faults: Sequence[Fault]) -> None:
-    for fault in faults:
-        say(str(fault))
-    say(f"{model}: {summary(faults)}")
+def _lines(reports: dict[str, Sequence[Fault]]) -> Iterator[str]:
+    for model, faults in reports.items():
+        yield from map(str, faults)
+        yield f"{model}: {summary(faults)}"
 
 
 def summary(faults: Sequence[Fault]) -> str:
@@ -76,3 +77,6 @@ def _as_data(model: str, faults: Sequence[Fault]) -> dict[str, Any]:
         for fault in faults
     ]
     return {"model": model, "errors": _errors(faults), "faults": listed}
+
+
+command = click_command("check", CheckCommand)

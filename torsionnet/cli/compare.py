@@ -4,80 +4,63 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import click
-
-from torsionnet.cli.options import csv_option, json_option, model_options, plot_option
-from torsionnet.cli.record_options import Averaging, RecordReading, estimator_options, record_options
-from torsionnet.cli.terminal import print_json, print_table, wrote
+from torsionnet.cli.cases import ModelCommand
+from torsionnet.cli.command import TABLE, Answer, click_command
+from torsionnet.cli.declarations import option
+from torsionnet.cli.options import ANGLE, HIGHEST_FREQUENCY, LOWEST_FREQUENCY
+from torsionnet.cli.record_options import Averaging, Estimator, RecordCommand
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.response import Conventions, FrequencyResponse, Table
 
 
-@click.command("compare")
-@record_options
-@model_options
-@click.option("--output", metavar="NAME", required=True, help="Channel of the record, and sensor of the model.")
-@click.option("--input", "into", metavar="NAME", required=True, help="Channel of the record, and input or sensor.")
-@click.option("--model-output", metavar="NAME", help="Sensor of the model, if it has another name there.")
-@click.option("--model-input", metavar="NAME", help="Input or sensor of the model, if it has another name there.")
-@click.option("--excitation", metavar="INPUT", help="What drives the model, if it has several inputs.")
-@estimator_options
-@click.option("--from", "start", type=float, default=0.0, help="Lowest frequency in Hz.")
-@click.option("--to", "stop", type=float, help="Highest frequency in Hz.")
-@click.option("--angle", type=click.Choice(["rad", "deg"]), default="rad", show_default=True, help="Unit of angles.")
-@json_option
-@csv_option
-@plot_option("test over model, with their differences")
-def command(
-    record: str,
-    reading: RecordReading,
-    model: str,
-    configurations: tuple[str, ...],
-    settings: tuple[tuple[str, str], ...],
-    output: str,
-    into: str,
-    model_output: str | None,
-    model_input: str | None,
-    excitation: str | None,
-    averaging: Averaging,
-    start: float,
-    stop: float | None,
-    angle: str,
-    as_json: bool,
-    csv_file: str | None,
-    plot_file: str | None,
-) -> None:
+class CompareCommand(ModelCommand, RecordCommand):
     """A record against a model: both responses, how far they are apart, and where the test can be trusted.
 
     \b
     torsionnet bench amt_bench -c V -o gear_V.npz
     torsionnet compare gear_V.npz amt_rig -c V --output theta_1 --input T_T --preset paper --to 40 --plot V.png
     """
-    from torsionnet.cli.cases import load_cases
-    from torsionnet.cli.estimate import estimated
-    from torsionnet.response import Conventions
-    from torsionnet.signals.agreement import agreement
 
-    if len(configurations) > 1 or "all" in configurations:
-        raise click.UsageError("a record is of one configuration: name one with -c")
-    case = load_cases(model, configurations, settings)[0]
-    test = estimated(record, reading, (output,), (into,), averaging, start, stop)
-    calculated = _calculated(case.drivetrain, test, model_output or output, model_input or into, excitation)
-    conventions = Conventions(angle=angle)
-    if csv_file:
-        _full(test, calculated, conventions).to_csv(csv_file)
-        wrote(csv_file)
-    if plot_file:
-        import torsionnet.plot as plot
+    forms = TABLE
+    picture = "test over model, with their differences"
 
-        plot.save(plot.comparison(test, calculated, conventions=conventions), plot_file)
-        wrote(plot_file)
-    if as_json:
-        print_json(_as_data(test, calculated, conventions))
-    else:
-        print_table(agreement(test, calculated, conventions))
+    sensor: str = option("--output", metavar="NAME", help="Channel of the record, and sensor of the model.")
+    into: str = option("--input", metavar="NAME", help="Channel of the record, and input or sensor.")
+    model_output: str | None = option(
+        "--model-output", metavar="NAME", help="Sensor of the model, if it has another name there."
+    )
+    model_input: str | None = option(
+        "--model-input", metavar="NAME", help="Input or sensor of the model, if it has another name there."
+    )
+    excitation: str | None = option(
+        "--excitation", metavar="INPUT", help="What drives the model, if it has several inputs."
+    )
+    averaging: Averaging
+    estimator: Estimator
+    start: float = LOWEST_FREQUENCY
+    stop: float | None = HIGHEST_FREQUENCY
+    angle: str = ANGLE
+
+    def answer(self) -> Answer:
+        from torsionnet.cli.estimate import estimated
+        from torsionnet.response import Conventions
+        from torsionnet.signals.agreement import agreement
+
+        self.require_one("a record is of one configuration: name one with -c")
+        case = self.cases()[0]
+        band = (self.start, self.stop)
+        test = estimated(self.record, self.reading, (self.sensor,), (self.into,), self.averaging, self.estimator, band)
+        names = (self.model_output or self.sensor, self.model_input or self.into)
+        calculated = _calculated(case.drivetrain, test, *names, self.excitation)
+        conventions = Conventions(angle=self.angle)
+        return Answer(
+            screen=lambda: [agreement(test, calculated, conventions)],
+            data=lambda: _as_data(test, calculated, conventions),
+            csv=lambda: [("", _full(test, calculated, conventions))],
+            figures=lambda plot: [("", plot.comparison(test, calculated, conventions=conventions))],
+        )
 
 
 def _calculated(
@@ -129,3 +112,6 @@ def _as_data(test: FrequencyResponse, model: FrequencyResponse, conventions: Con
         "summary": [dict(zip(("what", "at_Hz", "value", "unit"), row, strict=True)) for row in table.rows],
         "notes": list(table.notes),
     }
+
+
+command = click_command("compare", CompareCommand)

@@ -1,13 +1,23 @@
-"""Equations of motion in symbols, and their matrices in numbers."""
+"""``torsionnet equations``; the equations of motion and matrices that ``show`` prints, too."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+import click
+
+from torsionnet.cli.cases import ConfiguredCase, ModelCommand
+from torsionnet.cli.command import JSON, Answer, click_command
+from torsionnet.cli.declarations import option
+from torsionnet.cli.options import SIMPLIFY, Written
 from torsionnet.response.table import Column, Table
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
+    from torsionnet.model.report import Pair
+    from torsionnet.symbolic.simplified import Simplified
+    from torsionnet.symbolic.transfer_function import TransferFunction
 
 MATRICES = (
     ("M", "kg*m^2", "Inertia matrix"),
@@ -15,6 +25,93 @@ MATRICES = (
     ("K", "N*m/rad", "Stiffness matrix"),
 )
 WIDTH = 100
+FORMS = ("mechanical", "polynomial", "normalised", "program", "expanded", "python")
+
+
+class EquationsCommand(ModelCommand):
+    """Equations of motion, or transfer functions, in the model's own symbols.
+
+    \b
+    torsionnet equations amt_rig -c V
+    torsionnet equations dmf_rig --tf theta_1/T_T --form normalised
+    torsionnet equations dmf_rig --tf theta_1/T_M --simplify 1% --band 0.5 20 --latex
+    """
+
+    forms = JSON
+
+    pairs: tuple[Any, ...] = option(
+        "--tf",
+        type=Written("OUTPUT/INPUT", "model.report.report_plan:PAIR"),
+        help='A transfer function, "theta_1/T_T". Repeatable.',
+    )
+    form: str | None = option("--form", type=click.Choice(FORMS), help="How it is written.  [default: mechanical]")
+    simplify: float | None = SIMPLIFY
+    band: tuple[float, float] | None = option(
+        "--band",
+        type=float,
+        nargs=2,
+        metavar="LOW HIGH",
+        help="The band of --simplify in Hz.  [default: around the lowest mode]",
+    )
+    latex: bool = option("--latex", help="As LaTeX.")
+
+    def answer(self) -> Answer:
+        self._refuse_what_would_be_ignored()
+        cases = self.cases()
+        return Answer(
+            screen=lambda: self._parts(cases), data=lambda: [found for case in cases for found in self._as_data(case)]
+        )
+
+    def _refuse_what_would_be_ignored(self) -> None:
+        for name, given in (("--form", self.form), ("--simplify", self.simplify)):
+            if given is not None and not self.pairs:
+                raise click.UsageError(f"{name} is about a transfer function; say which by --tf OUTPUT/INPUT")
+        if self.band is not None and self.simplify is None:
+            raise click.UsageError("--band is that of --simplify, as in --simplify 1% --band 0.5 20")
+        if self.latex and self.form == "python":
+            raise click.UsageError("--latex and --form python are two ways of writing; choose one")
+
+    def _parts(self, cases: list[ConfiguredCase]) -> Iterator[str]:
+        for number, case in enumerate(cases):
+            yield from [""] if number else []
+            if not self.pairs:
+                yield case.drivetrain.symbolic().to_latex() if self.latex else equations_text(case.drivetrain)
+            for place, pair in enumerate(self.pairs):
+                yield from [""] if place else []
+                found, short = self._found(case.drivetrain, pair)
+                # What is not the expression is a comment, so that the whole can be pasted.
+                mark = "% " if self.latex else "# " if self.form == "python" else ""
+                yield f"{mark}{case.drivetrain.title}: {pair}"
+                if short is not None:
+                    low, high = short.band
+                    yield f"{mark}left out: {'; '.join(short.changes) or 'nothing'}"
+                    yield f"{mark}error {low:g} to {high:g} Hz: {short.errors}"
+                yield self._written(found)
+
+    def _as_data(self, case: ConfiguredCase) -> Iterator[dict[str, Any]]:
+        if not self.pairs:
+            yield {"configuration": case.configuration, **equations_data(case.drivetrain)}
+        for pair in self.pairs:
+            found, short = self._found(case.drivetrain, pair)
+            data: dict[str, Any] = {"configuration": case.configuration, "transfer_function": str(pair)}
+            data["text"] = self._written(found)
+            if short is not None:
+                errors = short.errors
+                data |= {"left_out": list(short.changes), "band": list(short.band)}
+                data |= {"errors": {"omega": errors.omega, "zeta": errors.zeta, "decibels": errors.decibels}}
+            yield data
+
+    def _found(self, rig: Drivetrain, pair: Pair) -> tuple[TransferFunction, Simplified | None]:
+        symbolic = rig.symbolic()
+        names = (pair.output, pair.input, pair.excitation or None)
+        if self.simplify is None:
+            return symbolic.transfer_function(*names), None
+        short = symbolic.simplified(*names, tolerance=self.simplify, band=self.band)
+        return short.transfer_function, short
+
+    def _written(self, found: TransferFunction) -> str:
+        form = self.form or "mechanical"
+        return found.to_latex(form) if self.latex else found.to_text(form)
 
 
 def equations_text(rig: Drivetrain) -> str:
@@ -109,3 +206,6 @@ def equations_data(rig: Drivetrain) -> dict[str, Any]:
 def matrices_data(rig: Drivetrain) -> dict[str, Any]:
     coordinates = list(rig.assembly.kinematics.coordinates)
     return {"coordinates": coordinates, **{symbol: _rows(rig, symbol) for symbol in "MCK"}}
+
+
+command = click_command("equations", EquationsCommand)

@@ -7,66 +7,61 @@ from typing import TYPE_CHECKING
 
 import click
 
+from torsionnet.cli.cases import ModelCommand
+from torsionnet.cli.command import Answer, click_command
+from torsionnet.cli.declarations import option
 from torsionnet.cli.models import STANDARD_INPUT, piped
-from torsionnet.cli.options import model_options
 from torsionnet.cli.terminal import message, say, tell
 
 if TYPE_CHECKING:
     from torsionnet.explore import ExploreServer
 
 
-@click.command("explore")
-@model_options
-@click.option(
-    "--tf",
-    "pairs",
-    metavar="OUTPUT/INPUT",
-    multiple=True,
-    help='A response to offer, as "theta_1/T_M"; the first one is shown. Repeatable.',
-)
-@click.option("--band", nargs=2, type=float, metavar="LOW HIGH", help="Frequencies in Hz; default: from the modes.")
-@click.option("--overlay", metavar="FILE", help="A measured response to lay over: CSV, NPZ, MAT, UFF58.")
-@click.option("--port", type=click.IntRange(0, 65535), default=0, help="Default: any that is free.")
-@click.option("--no-browser", is_flag=True, help="Only print the address.")
-def command(
-    model: str,
-    configurations: tuple[str, ...],
-    settings: tuple[tuple[str, str], ...],
-    pairs: tuple[str, ...],
-    band: tuple[float, float] | None,
-    overlay: str | None,
-    port: int,
-    no_browser: bool,
-) -> None:
+class ExploreCommand(ModelCommand):
     """A page in the browser to play with a model: sliders, responses, modes, poles. Ctrl-C ends it.
 
     \b
     torsionnet explore amt_rig -c V --tf theta_1/T_T
     torsionnet explore amt_rig -c V --tf theta_1/T_T --overlay gear_V.csv --band 0.5 40
     """
-    from torsionnet.explore.state import HIGHEST
 
-    if len(configurations) > 1 or "all" in configurations:
-        raise click.UsageError(
-            "the page begins with one configuration: name one with -c; all of them are tabs of the page"
-        )
-    if band and not 0 < band[0] < band[1] <= HIGHEST:
-        raise click.UsageError(f"--band needs 0 < LOW < HIGH <= {HIGHEST:g} Hz, got {band[0]:g} {band[1]:g}")
-    from torsionnet.explore import ExploreServer, open_session
-    from torsionnet.explore.choices import read_pair
-
-    session = open_session(
-        model,
-        "".join(configurations),
-        dict(settings),
-        [read_pair(pair) for pair in pairs],
-        band,
-        overlay,
-        piped() if model == STANDARD_INPUT else None,
+    pairs: tuple[str, ...] = option(
+        "--tf",
+        metavar="OUTPUT/INPUT",
+        help='A response to offer, as "theta_1/T_M"; the first one is shown. Repeatable.',
     )
-    tell(session.base.check())
-    with ExploreServer(session, port) as server:
-        _serve(server, open_browser=not no_browser)
+    band: tuple[float, float] | None = option(
+        "--band", nargs=2, type=float, metavar="LOW HIGH", help="Frequencies in Hz; default: from the modes."
+    )
+    overlay: str | None = option(
+        "--overlay", metavar="FILE", help="A measured response to lay over: CSV, NPZ, MAT, UFF58."
+    )
+    port: int = option("--port", type=click.IntRange(0, 65535), default=0, help="Default: any that is free.")
+    no_browser: bool = option("--no-browser", help="Only print the address.")
+
+    def answer(self) -> Answer:
+        from torsionnet.explore.state import HIGHEST
+
+        self.require_one("the page begins with one configuration: name one with -c; all of them are tabs of the page")
+        if self.band and not 0 < self.band[0] < self.band[1] <= HIGHEST:
+            given = f"{self.band[0]:g} {self.band[1]:g}"
+            raise click.UsageError(f"--band needs 0 < LOW < HIGH <= {HIGHEST:g} Hz, got {given}")
+        from torsionnet.explore import ExploreServer, open_session
+        from torsionnet.explore.choices import read_pair
+
+        session = open_session(
+            self.model,
+            "".join(self.configurations),
+            dict(self.settings),
+            [read_pair(pair) for pair in self.pairs],
+            self.band,
+            self.overlay,
+            piped() if self.model == STANDARD_INPUT else None,
+        )
+        tell(session.base.check())
+        with ExploreServer(session, self.port) as server:
+            _serve(server, open_browser=not self.no_browser)
+        return Answer()
 
 
 def _serve(server: ExploreServer, *, open_browser: bool) -> None:
@@ -82,3 +77,6 @@ def _serve(server: ExploreServer, *, open_browser: bool) -> None:
         server.serve_forever()
     except KeyboardInterrupt:
         message("note", "ended")
+
+
+command = click_command("explore", ExploreCommand)

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import click
 
-from torsionnet.cli.cases import file_of, load_cases
-from torsionnet.cli.options import model_options, output_file_option
+from torsionnet.cli.cases import ModelCommand
+from torsionnet.cli.command import Answer, beside, click_command
+from torsionnet.cli.declarations import option
+from torsionnet.cli.options import file_option
 from torsionnet.cli.terminal import message, wrote
 
 FORMATS = {".tors": "tors", ".json": "tors", ".m": "matlab", ".mat": "mat", ".mo": "modelica", ".fmu": "fmu"}
@@ -16,26 +18,7 @@ FORMATS = {".tors": "tors", ".json": "tors", ".m": "matlab", ".mat": "mat", ".mo
 ONLY_HERE = '; pip install "torsionnet[fmu]" brings a compiler for the others'
 
 
-@click.command("export")
-@model_options
-@output_file_option("The file to write.", required=True)
-@click.option(
-    "--format",
-    "form",
-    type=click.Choice(list(dict.fromkeys(FORMATS.values()))),
-    help="Default: by the ending of the file. Of text (tors, modelica) the ending may be any.",
-)
-@click.option("--step", type=float, help="Communication step of an FMU in s.  [default: a fiftieth of a period]")
-@click.option("--fmi", type=click.Choice(["2.0", "3.0"]), help="Version of the interface of an FMU.  [default: 2.0]")
-def command(
-    model: str,
-    configurations: tuple[str, ...],
-    settings: tuple[tuple[str, str], ...],
-    output_file: str,
-    form: str | None,
-    step: float | None,
-    fmi: str | None,
-) -> None:
+class ExportCommand(ModelCommand):
     """Write a model for another program.
 
     \b
@@ -49,26 +32,40 @@ def command(
     torsionnet export amt_rig -c V -o rig.mo
     torsionnet export dmf_rig -o rig.fmu --fmi 3.0
     """
-    chosen = _format(Path(output_file).suffix.lower(), form)
-    more = {name: value for name, value in (("step", step), ("version", fmi)) if value is not None}
-    if more and chosen != "fmu":
-        raise click.UsageError(f"{'--step' if step is not None else '--fmi'} belongs to an FMU")
-    cases = load_cases(model, configurations, settings)
-    import torsionnet.io as io
 
-    writers: dict[str, Callable[..., tuple[str, ...] | None]] = {
-        "tors": io.write_tors,
-        "matlab": io.write_matlab,
-        "mat": io.write_matlab,
-        "modelica": io.write_modelica,
-        "fmu": io.write_fmu,
-    }
-    for case in cases:
-        target = file_of(output_file, case, cases)
-        platforms = writers[chosen](case.drivetrain, target, **more)
-        if platforms:
-            message("note", f"binaries for {', '.join(platforms)}{'' if len(platforms) > 1 else ONLY_HERE}")
-        wrote(target)
+    output_file: str = file_option("The file to write.")
+    form: str | None = option(
+        "--format",
+        type=click.Choice(list(dict.fromkeys(FORMATS.values()))),
+        help="Default: by the ending of the file. Of text (tors, modelica) the ending may be any.",
+    )
+    step: float | None = option("--step", help="Communication step of an FMU in s.  [default: a fiftieth of a period]")
+    version: str | None = option(
+        "--fmi", type=click.Choice(["2.0", "3.0"]), help="Version of the interface of an FMU.  [default: 2.0]"
+    )
+
+    def answer(self) -> Answer:
+        chosen = _format(Path(self.output_file).suffix.lower(), self.form)
+        more = {name: value for name in ("step", "version") if (value := getattr(self, name)) is not None}
+        if more and chosen != "fmu":
+            raise click.UsageError(f"{'--step' if 'step' in more else '--fmi'} belongs to an FMU")
+        cases = self.cases()
+        import torsionnet.io as io
+
+        writers: dict[str, Callable[..., tuple[str, ...] | None]] = {
+            "tors": io.write_tors,
+            "matlab": io.write_matlab,
+            "mat": io.write_matlab,
+            "modelica": io.write_modelica,
+            "fmu": io.write_fmu,
+        }
+        for case in cases:
+            target = beside(self.output_file, case.configuration, len(cases))
+            platforms = writers[chosen](case.drivetrain, target, **more)
+            if platforms:
+                message("note", f"binaries for {', '.join(platforms)}{'' if len(platforms) > 1 else ONLY_HERE}")
+            wrote(target)
+        return Answer()
 
 
 def _format(ending: str, form: str | None) -> str:
@@ -78,3 +75,6 @@ def _format(ending: str, form: str | None) -> str:
     if form and usual and form != usual:
         raise click.UsageError(f"a file ending in {ending} is of the format {usual}, not {form}")
     return form or str(usual)
+
+
+command = click_command("export", ExportCommand)

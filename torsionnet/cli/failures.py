@@ -12,8 +12,6 @@ from typing import Any, TextIO
 
 import click
 
-import torsionnet.cli.terminal as terminal
-
 BUG, INPUT_OUTPUT, INTERRUPTED = 70, 74, 130
 DEBUG = "TORSIONNET_DEBUG"
 
@@ -43,6 +41,7 @@ def guarded() -> Iterator[None]:
 
 def _explain(error: Exception) -> int:
     """Print what went wrong and return the exit code."""
+    from torsionnet.cli.terminal import message
     from torsionnet.core.errors import TorsionnetError
 
     if isinstance(error, TorsionnetError):
@@ -50,14 +49,14 @@ def _explain(error: Exception) -> int:
         if hasattr(error, "faults"):
             click.echo(text, err=True)
         else:
-            terminal.message("error", text)
+            message("error", text)
         return error.exit_code
     if isinstance(error, OSError):
         where = f"{error.filename}: " if error.filename else ""
-        terminal.message("error", f"{where}{error.strerror or error}")
+        message("error", f"{where}{error.strerror or error}")
         return INPUT_OUTPUT
     first = (str(error).splitlines() or [""])[0]
-    terminal.message("error", f"unexpected {type(error).__name__}: {first} (a bug; set {DEBUG}=1 to see where)")
+    message("error", f"unexpected {type(error).__name__}: {first} (a bug; set {DEBUG}=1 to see where)")
     return BUG
 
 
@@ -76,13 +75,14 @@ class _Warnings:
         file: TextIO | None = None,
         line: str | None = None,
     ) -> None:
+        from torsionnet.cli.terminal import message as tell
         from torsionnet.core.errors import TorsionnetWarning
 
         del filename, lineno, file, line
         shown = str(message) if issubclass(category, TorsionnetWarning) else f"{category.__name__}: {message}"
         if shown not in self.seen:
             self.seen.add(shown)
-            terminal.message("warning", shown)
+            tell("warning", shown)
 
 
 class Printed:

@@ -2,41 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-import click
-
-from torsionnet.cli.options import OutputFile, csv_option, json_option, output_file_option, plot_option
-from torsionnet.cli.terminal import message, print_json, print_table, say, wrote
+from torsionnet.cli.command import TABLE, Answer, Command, click_command
+from torsionnet.cli.declarations import argument, option
+from torsionnet.cli.options import OutputFile, file_option
+from torsionnet.cli.terminal import message
 
 if TYPE_CHECKING:
     from torsionnet.identification import Fit, Ranking
     from torsionnet.identification.fit_file import FitPlan
+    from torsionnet.response import Table
+
+    Intervals = dict[str, tuple[float, float]]
+
+ENDINGS = (".yaml", ".yml")
 
 
-@click.command("fit")
-@click.argument("file", metavar="FIT")
-@click.option(
-    "--profile", is_flag=True, help="Intervals by profile likelihood too: slower, and right where they are lopsided."
-)
-@click.option("--rank", is_flag=True, help="Rank which value, freed alone, would explain a misfit.")
-@output_file_option("Write the result as YAML.", (".yaml", ".yml"))
-@click.option(
-    "--model", "model_file", type=OutputFile((".yaml", ".yml")), help="Write the model with the values found."
-)
-@json_option
-@csv_option
-@plot_option("test, model and residuals")
-def command(
-    file: str,
-    profile: bool,
-    rank: bool,
-    output_file: str | None,
-    model_file: str | None,
-    as_json: bool,
-    csv_file: str | None,
-    plot_file: str | None,
-) -> None:
+class FitCommand(Command):
     """Find parameters of a model from records of tests, over several configurations at once.
 
     FIT is a YAML file: model, measurements (record or response, output, input, configuration, band), parameters
@@ -45,42 +29,52 @@ def command(
     \b
     torsionnet fit gears.yaml --plot fit.png -o result.yaml
     """
-    from torsionnet.cli.progress import progress
-    from torsionnet.identification import identify, rank_causes
-    from torsionnet.identification.fit_file import load_fit_plan
-    from torsionnet.io import read_frequency_response
 
-    with progress("fitting", None):
-        plan = load_fit_plan(file, read_frequency_response)
-        _announce(plan)
-        found = identify(plan.model, plan.measurements, plan.parameters, **plan.options)
-        profiles = {name: found.profile(name) for name in found.values} if profile else {}
-        ranking = rank_causes(found) if rank else None
-    for verdict in found.verdicts:
-        message("warning", verdict)
-    if csv_file:
-        found.table(true=plan.true or None).to_csv(csv_file)
-        wrote(csv_file)
-    if output_file:
-        found.to_yaml(output_file)
-        wrote(output_file)
-    if model_file:
-        found.configured(plan.model).to_yaml(model_file)
-        wrote(model_file)
-    if plot_file:
-        import torsionnet.plot as plot
+    forms = TABLE
+    picture = "test, model and residuals"
+
+    file: str = argument("FIT")
+    profile: bool = option(
+        "--profile", help="Intervals by profile likelihood too: slower, and right where they are lopsided."
+    )
+    rank: bool = option("--rank", help="Rank which value, freed alone, would explain a misfit.")
+    output_file: str | None = file_option("Write the result as YAML.", ENDINGS)
+    model_file: str | None = option("--model", type=OutputFile(ENDINGS), help="Write the model with the values found.")
+
+    def answer(self) -> Answer:
+        from torsionnet.cli.progress import progress
+        from torsionnet.identification import identify, rank_causes
+        from torsionnet.identification.fit_file import load_fit_plan
+        from torsionnet.io import read_frequency_response
         from torsionnet.response import Conventions
 
-        plot.save(plot.fit(found, conventions=Conventions(angle="deg")), plot_file)
-        wrote(plot_file)
-    if as_json:
-        print_json({**_as_data(found, profiles, plan.true), **_ranking(ranking)})
-    else:
-        print_table(found.table(true=plan.true or None))
-        for name, (low, high) in profiles.items():
-            say(f"{name}: 95 % by profile likelihood from {low:.6g} to {high:.6g}")
-        if ranking is not None:
-            print_table(ranking.table())
+        with progress("fitting", None):
+            plan = load_fit_plan(self.file, read_frequency_response)
+            _announce(plan)
+            found = identify(plan.model, plan.measurements, plan.parameters, **plan.options)
+            profiles = {name: found.profile(name) for name in found.values} if self.profile else {}
+            ranking = rank_causes(found) if self.rank else None
+        for verdict in found.verdicts:
+            message("warning", verdict)
+        table = found.table(true=plan.true or None)
+        return Answer(
+            screen=lambda: _screen(table, profiles, ranking),
+            data=lambda: {**_as_data(found, profiles, plan.true), **_ranking(ranking)},
+            csv=lambda: [("", table)],
+            files=[
+                (self.output_file, found.to_yaml),
+                (self.model_file, lambda file: found.configured(plan.model).to_yaml(file)),
+            ],
+            figures=lambda plot: [("", plot.fit(found, conventions=Conventions(angle="deg")))],
+        )
+
+
+def _screen(table: Table, profiles: Intervals, ranking: Ranking | None) -> Iterator[Table | tuple[Any, ...]]:
+    yield table
+    for name, (low, high) in profiles.items():
+        yield (f"{name}: 95 % by profile likelihood from ", float(low), " to ", float(high))
+    if ranking is not None:
+        yield ranking.table()
 
 
 def _ranking(ranking: Ranking | None) -> dict[str, Any]:
@@ -115,7 +109,7 @@ def _announce(plan: FitPlan) -> None:
     announce(total(demands), "narrower bands, or shorter windows (seconds), take less")
 
 
-def _as_data(found: Fit, profiles: dict[str, tuple[float, float]], true: Any) -> dict[str, Any]:
+def _as_data(found: Fit, profiles: Intervals, true: Any) -> dict[str, Any]:
     intervals = found.intervals()
     return {
         "title": found.title,
@@ -150,3 +144,6 @@ def _as_data(found: Fit, profiles: dict[str, tuple[float, float]], true: Any) ->
             for one in found.comparisons
         ],
     }
+
+
+command = click_command("fit", FitCommand)

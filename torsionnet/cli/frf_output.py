@@ -100,18 +100,23 @@ def as_data(
 
 def _pair(response: FrequencyResponse, solve: Solver, conventions: Conventions, o: int, i: int) -> dict[str, Any]:
     scale = response.scale(conventions, o, i)
-    values = response.values[:, o, i] * scale
     static = static_value(solve, o, i) * scale
+    found = [
+        {"frequency_Hz": peak.frequency, "magnitude": peak.magnitude * scale, "phase_deg": peak.phase}
+        for peak in peaks(response, solve, o, i)
+    ]
+    return curve_data(response, conventions, o, i, static=[static.real, static.imag], peaks=found)
+
+
+def curve_data(response: FrequencyResponse, conventions: Conventions, o: int, i: int, **about: Any) -> dict[str, Any]:
+    """One output over one input, in the angle unit chosen, with what is known about it."""
+    values = response.values[:, o, i] * response.scale(conventions, o, i)
     return {
         "output": response.outputs[o].name,
         "input": response.inputs[i].name,
         "quantity": response.kind(o, i),
         "unit": response.unit(o, i, conventions),
-        "static": [static.real, static.imag],
-        "peaks": [
-            {"frequency_Hz": peak.frequency, "magnitude": peak.magnitude * scale, "phase_deg": peak.phase}
-            for peak in peaks(response, solve, o, i)
-        ],
+        **about,
         "real": values.real.tolist(),
         "imag": values.imag.tolist(),
     }

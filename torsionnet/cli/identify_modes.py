@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.cli.options import csv_option, json_option, plot_option
-from torsionnet.cli.record_options import Averaging, RecordReading, estimator_options, record_options
-from torsionnet.cli.terminal import message, print_json, print_table, say, wrote
+from torsionnet.cli.command import TABLE, Answer, click_command, spaced
+from torsionnet.cli.declarations import option
+from torsionnet.cli.record_options import EstimateArguments
+from torsionnet.cli.terminal import tell_warnings
 
 if TYPE_CHECKING:
     from torsionnet.modal import Match, ModalEstimate
@@ -17,42 +18,7 @@ if TYPE_CHECKING:
 METHODS = ("auto", "rational", "lscf", "peaks")
 
 
-@click.command("identify-modes")
-@record_options
-@click.option("--output", "outputs", metavar="CHANNEL", multiple=True, required=True, help="Repeatable.")
-@click.option("--input", "inputs", metavar="CHANNEL", multiple=True, required=True, help="Repeatable.")
-@estimator_options
-@click.option("--from", "start", type=float, default=0.0, help="Lowest frequency in Hz.")
-@click.option("--to", "stop", type=float, help="Highest frequency in Hz; default: as far as the record can be used.")
-@click.option(
-    "--method",
-    type=click.Choice(METHODS),
-    default="auto",
-    show_default=True,
-    help="rational: few modes of any damping, also close ones; lscf: many light modes; auto: the better of these.",
-)
-@click.option("--order", type=click.IntRange(1), help="Highest order of the fit.")
-@click.option("--against", "model", metavar="MODEL", help="Compare with the modes of a model.")
-@click.option("--configuration", "-c", "configuration", metavar="NAME", default="", help="Of that model.")
-@json_option
-@csv_option
-@plot_option("the stabilisation diagram")
-def command(
-    record: str,
-    reading: RecordReading,
-    outputs: tuple[str, ...],
-    inputs: tuple[str, ...],
-    averaging: Averaging,
-    start: float,
-    stop: float | None,
-    method: str,
-    order: int | None,
-    model: str | None,
-    configuration: str,
-    as_json: bool,
-    csv_file: str | None,
-    plot_file: str | None,
-) -> None:
+class IdentifyModesCommand(EstimateArguments):
     """Natural frequencies, damping ratios and shapes at the sensors from a record, without a model.
 
     Against a measured torque these are the poles of the drivetrain cut at the transducer; --against compares them with
@@ -61,36 +27,49 @@ def command(
     \b
     torsionnet identify-modes test.npz --output theta_1 --input T_T --preset paper --against amt_rig -c V
     """
-    from torsionnet.cli.estimate import estimated
 
-    if plot_file and method == "peaks":
-        raise click.UsageError(
-            "peak picking has no stabilisation diagram; leave --plot out, or choose another --method"
+    forms = TABLE
+    picture = "the stabilisation diagram"
+
+    stop: float | None = option("--to", help="Highest frequency in Hz; default: as far as the record can be used.")
+    method: str = option(
+        "--method",
+        type=click.Choice(METHODS),
+        default="auto",
+        show_default=True,
+        help="rational: few modes of any damping, also close ones; lscf: many light modes; auto: the better of these.",
+    )
+    order: int | None = option("--order", type=click.IntRange(1), help="Highest order of the fit.")
+    model: str | None = option("--against", metavar="MODEL", help="Compare with the modes of a model.")
+    configuration: str = option("--configuration", "-c", metavar="NAME", default="", help="Of that model.")
+
+    def answer(self) -> Answer:
+        from torsionnet.cli.estimate import estimated
+
+        if self.output.plot_file and self.method == "peaks":
+            raise click.UsageError(
+                "peak picking has no stabilisation diagram; leave --plot out, or choose another --method"
+            )
+        response = estimated(
+            self.record,
+            self.reading,
+            self.outputs,
+            self.inputs,
+            self.averaging,
+            self.estimator,
+            (self.start, self.stop),
         )
-    response = estimated(record, reading, outputs, inputs, averaging, start, stop)
-    if stop is None and response.usable_up_to is not None:
-        response = response.between(start, response.usable_up_to)
-    found, diagram = _identified(response, method, order)
-    compared = _compared(found, model, configuration, inputs) if model else None
-    for note in found.notes:
-        kind, _, text = note.partition(": ")
-        if kind == "warning":
-            message("warning", text)
-    if csv_file:
-        found.table().to_csv(csv_file)
-        wrote(csv_file)
-    if plot_file:
-        import torsionnet.plot as plot
-
-        plot.save(plot.stabilisation(diagram, found), plot_file)
-        wrote(plot_file)
-    if as_json:
-        print_json(_as_data(found, compared))
-    else:
-        print_table(found.table())
-        if compared:
-            say()
-            print_table(compared.table())
+        if self.stop is None and response.usable_up_to is not None:
+            response = response.between(self.start, response.usable_up_to)
+        found, diagram = _identified(response, self.method, self.order)
+        compared = _compared(found, self.model, self.configuration, self.inputs) if self.model else None
+        tell_warnings(found.notes)
+        return Answer(
+            screen=lambda: spaced([found.table(), *([compared.table()] if compared else [])]),
+            data=lambda: _as_data(found, compared),
+            csv=lambda: [("", found.table())],
+            figures=lambda plot: [("", plot.stabilisation(diagram, found))],
+        )
 
 
 def _identified(response: FrequencyResponse, method: Any, order: int | None) -> tuple[ModalEstimate, Any]:
@@ -143,3 +122,6 @@ def _as_data(found: ModalEstimate, compared: Match | None) -> dict[str, Any]:
             )
         ]
     return data
+
+
+command = click_command("identify-modes", IdentifyModesCommand)

@@ -2,27 +2,24 @@
 
 from __future__ import annotations
 
-import click
-
-from torsionnet.cli.options import json_option
-from torsionnet.cli.terminal import print_json, print_table
-from torsionnet.model.files import library_entry, library_models
+from torsionnet.cli.command import JSON, Answer, Command, click_command
 
 
-@click.command("library")
-@json_option
-def command(as_json: bool) -> None:
+class LibraryCommand(Command):
     """List the models that come with the package; use their names in place of a file."""
-    entries = {name: (*library_entry(path), path) for name, path in library_models().items()}
-    if as_json:
-        print_json(
-            [
-                {"name": name, "what": what, "source": source, "file": str(path)}
-                for name, (what, source, path) in entries.items()
-            ]
-        )
-        return
-    from torsionnet.response.table import Column, Table
 
-    rows = tuple((name, what, source) for name, (what, source, _) in entries.items())
-    print_table(Table("", (Column("name"), Column("what"), Column("source")), rows))
+    forms = JSON
+
+    def answer(self) -> Answer:
+        from torsionnet.model.files import library_entry, library_models
+        from torsionnet.response.table import Column, Table
+
+        rows = tuple((name, *library_entry(path), str(path)) for name, path in library_models().items())
+        names = ("name", "what", "source", "file")
+        return Answer(
+            screen=lambda: [Table("", tuple(map(Column, names)), rows).chosen(range(3))],
+            data=lambda: [dict(zip(names, row, strict=True)) for row in rows],
+        )
+
+
+command = click_command("library", LibraryCommand)

@@ -2,94 +2,79 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.cli.cases import ConfiguredCase, file_of, joined, load_cases
-from torsionnet.cli.options import csv_option, frequency_unit_option, json_option, model_options, plot_option
-from torsionnet.cli.terminal import print_json, print_table, say, wrote
+from torsionnet.cli.cases import ConfiguredCase, ModelCommand
+from torsionnet.cli.command import TABLE, Answer, click_command, spaced
+from torsionnet.cli.declarations import option
+from torsionnet.cli.options import EXCITATION, FREQUENCY_UNIT
 from torsionnet.cli.wide_tables import in_blocks, shares_on_screen
 
 if TYPE_CHECKING:
-    from torsionnet.response import Conventions, Modes, Table
+    from torsionnet.response import Modes, Table
 
 EIGENVALUES = ("Re lambda", "Im lambda")
 
 
-@click.command("modes")
-@model_options
-@click.option(
-    "--measured-input", metavar="SENSOR", help="The poles of responses against this sensor: those of the cut system."
-)
-@click.option("--excitation", metavar="INPUT", help="What drives the drivetrain then, if it has several inputs.")
-@click.option("--lowest", type=click.IntRange(min=1), metavar="N", help="Only the N lowest modes; default: all.")
-@click.option("--shapes", is_flag=True, help="Also the mode shapes, at every node.")
-@click.option("--energies", is_flag=True, help="Also the share of every element in the energies.")
-@frequency_unit_option
-@json_option
-@csv_option
-@plot_option("the mode shapes")
-def command(
-    model: str,
-    configurations: tuple[str, ...],
-    settings: tuple[tuple[str, str], ...],
-    measured_input: str | None,
-    excitation: str | None,
-    lowest: int | None,
-    shapes: bool,
-    energies: bool,
-    frequency_unit: str,
-    as_json: bool,
-    csv_file: str | None,
-    plot_file: str | None,
-) -> None:
+class ModesCommand(ModelCommand):
     """Complex modes: natural frequencies |lambda|/2pi, damping ratios, descriptions.
 
     The eigenvalues, shapes and energy shares are all in --json; --csv has the eigenvalues.
     """
-    cases = load_cases(model, configurations, settings)
-    from torsionnet.response import Conventions
 
-    conventions = Conventions(frequency=frequency_unit)
-    results = [
-        case.drivetrain.modes(measured_input=measured_input, excitation=excitation, lowest=lowest) for case in cases
-    ]
-    tables = [modes.table(conventions) for modes in results]
-    if csv_file:
-        joined(cases, tables, named=bool(configurations)).to_csv(csv_file)
-        wrote(csv_file)
-    if plot_file:
-        _plot(plot_file, cases, results, conventions)
-    if as_json:
-        print_json([_as_data(case, modes) for case, modes in zip(cases, results, strict=True)])
-    else:
-        for number, (modes, table) in enumerate(zip(results, tables, strict=True)):
-            parts = [on_screen(table)]
-            parts += in_blocks(modes.shape_table(), 2) if shapes else []
-            parts += in_blocks(shares_on_screen(modes.energy_table()), 3) if energies else []
-            for position, part in enumerate(parts):
-                if number or position:
-                    say()
-                print_table(part)
+    forms = TABLE
+    picture = "the mode shapes"
+
+    measured_input: str | None = option(
+        "--measured-input",
+        metavar="SENSOR",
+        help="The poles of responses against this sensor: those of the cut system.",
+    )
+    excitation: str | None = EXCITATION
+    lowest: int | None = option(
+        "--lowest", type=click.IntRange(min=1), metavar="N", help="Only the N lowest modes; default: all."
+    )
+    shapes: bool = option("--shapes", help="Also the mode shapes, at every node.")
+    energies: bool = option("--energies", help="Also the share of every element in the energies.")
+    frequency_unit: str = FREQUENCY_UNIT
+
+    def answer(self) -> Answer:
+        cases = self.cases()
+        from torsionnet.response import Conventions
+
+        conventions = Conventions(frequency=self.frequency_unit)
+        results = [
+            case.drivetrain.modes(measured_input=self.measured_input, excitation=self.excitation, lowest=self.lowest)
+            for case in cases
+        ]
+        tables = [modes.table(conventions) for modes in results]
+        pairs = list(zip(cases, results, strict=True))
+        return Answer(
+            screen=lambda: spaced(part for pair in zip(results, tables, strict=True) for part in self.parts(*pair)),
+            data=lambda: [_as_data(*pair) for pair in pairs],
+            csv=lambda: [("", self.joined(cases, tables))],
+            # overlaid the shapes of several configurations could not be told apart
+            figures=lambda plot: [
+                (case.configuration, plot.mode_shapes(modes, case.drivetrain, conventions=conventions))
+                for case, modes in pairs
+            ],
+        )
+
+    def parts(self, modes: Modes, table: Table) -> Iterator[Table]:
+        """What is printed of one configuration."""
+        yield on_screen(table)
+        if self.shapes:
+            yield from in_blocks(self.output.sized(modes.shape_table()), 2)
+        if self.energies:
+            yield from in_blocks(self.output.sized(shares_on_screen(modes.energy_table())), 3)
 
 
 def on_screen(table: Table) -> Table:
     """Without the eigenvalues, which say the same again; files have them."""
-    kept = [index for index, column in enumerate(table.columns) if column.name not in EIGENVALUES]
-    rows = tuple(tuple(row[index] for index in kept) for row in table.rows)
-    return replace(table, columns=tuple(table.columns[index] for index in kept), rows=rows)
-
-
-def _plot(file: str, cases: list[ConfiguredCase], results: list[Modes], conventions: Conventions) -> None:
-    """The shapes of each configuration in a file of its own: overlaid they could not be told apart."""
-    import torsionnet.plot as plot
-
-    for case, modes in zip(cases, results, strict=True):
-        path = file_of(file, case, cases)
-        plot.save(plot.mode_shapes(modes, case.drivetrain, conventions=conventions), path)
-        wrote(path)
+    return table.chosen([index for index, one in enumerate(table.columns) if one.name not in EIGENVALUES])
 
 
 def _as_data(case: ConfiguredCase, modes: Modes) -> dict[str, Any]:
@@ -122,3 +107,6 @@ def _mode(modes: Modes, index: int) -> dict[str, Any]:
             name: dict(zip(("kinetic", "strain", "dissipated"), parts, strict=True)) for name, parts in shares.items()
         },
     }
+
+
+command = click_command("modes", ModesCommand)

@@ -1,42 +1,90 @@
-"""Arguments and options that several commands share, refused before anything is calculated."""
+"""Types of values, and options that several commands share, refused before anything is calculated."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import click
 
+from torsionnet.cli.declarations import option
+
 if TYPE_CHECKING:
-    SettingType = click.ParamType[tuple[str, str]]
+    PairType = click.ParamType[tuple[str, Any]]
+    EntryType = click.ParamType[Any]
     FileType = click.ParamType[str]
 else:  # not generic before click 8.2
-    SettingType = FileType = click.ParamType
-
-F = TypeVar("F", bound=Callable[..., Any])
+    PairType = FileType = EntryType = click.ParamType
 
 PLOT_ENDINGS = (".svg", ".png", ".pdf")
+PRESETS = ("paper",)
 
 
-class CommandSettings(SettingType):
+class WordPair(PairType):
+    """``LEFT=RIGHT``."""
+
+    def __init__(self, left: str, right: str, example: str) -> None:
+        self.name, self.example = f"{left}={right}", example
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        left, equals, right = (part.strip() for part in value.partition("="))
+        if not (left and equals and right):
+            self.fail(f'expected {self.name}, as in "{self.example}", got "{value}"', param, ctx)
+        return left, right
+
+
+class CommandSettings(WordPair):
     """``NAME=VALUE``, with a value that can be read."""
 
-    name = "NAME=VALUE"
+    def __init__(self) -> None:
+        super().__init__("NAME", "VALUE", "c_O=360 N*m*s/rad")
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         from torsionnet.core.entries.scalars import read_value
         from torsionnet.core.entries.spec import EntryError
 
-        name, equals, text = (part.strip() for part in value.partition("="))
-        if not (name and equals and text):
-            self.fail(f'expected NAME=VALUE, as in "c_O=360 N*m*s/rad", got "{value}"', param, ctx)
+        name, text = super().convert(value, param, ctx)
         try:
             read_value(text)
         except EntryError as error:
             self.fail(f"{name}: {error}", param, ctx)
         return name, text
+
+
+class StepsOption(WordPair):
+    """``CHANNEL=STEPS``, a number above 0."""
+
+    def __init__(self) -> None:
+        super().__init__("CHANNEL", "STEPS", "n1=60")
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        channel, word = super().convert(value, param, ctx)
+        try:
+            steps = float(word)
+        except ValueError:
+            steps = 0.0
+        if not 0 < steps < float("inf"):
+            self.fail(f"{channel}: the steps per revolution must be a positive number, got {word}", param, ctx)
+        return channel, steps
+
+
+class Written(EntryType):
+    """What an entry of a file may be, as ``module:name`` of its specification, which is imported where it is used."""
+
+    def __init__(self, name: str, entry: str) -> None:
+        self.name, self.entry = name, entry
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        import importlib
+
+        from torsionnet.core.entries.spec import EntryError
+
+        module, _, name = self.entry.partition(":")
+        try:
+            return getattr(importlib.import_module(f"torsionnet.{module}"), name).coerce(value)
+        except EntryError as error:
+            self.fail(str(error), param, ctx)
 
 
 class Finite(click.FloatRange):
@@ -68,51 +116,33 @@ class OutputFile(FileType):
         return str(value)
 
 
-def model_options(command: F) -> F:
-    """MODEL, --configuration, --set."""
-    command = click.option(
-        "--set",
-        "settings",
-        type=CommandSettings(),
-        multiple=True,
-        help='Change a parameter: "c_O=360 N*m*s/rad", a bare number is SI. Repeatable.',
-    )(command)
-    command = click.option(
-        "--configuration",
-        "-c",
-        "configurations",
-        metavar="NAME",
-        multiple=True,
-        help='A configuration ("V"; "gear=V,clutch=open" on several axes), or "all". Repeatable.',
-    )(command)
-    return click.argument("model", metavar="MODEL")(command)
+def file_option(text: str, endings: tuple[str, ...] = ()) -> Any:
+    """``-o``, ``--output-file``: what a command makes, if that is a file."""
+    return option("-o", "--output-file", type=OutputFile(endings), help=text)
 
 
-def output_file_option(text: str, endings: tuple[str, ...] = (), *, required: bool = False) -> Callable[[F], F]:
-    """-o, --output-file: what a command makes, if that is a file."""
-    return click.option("-o", "--output-file", type=OutputFile(endings), required=required, help=text)
-
-
-def json_option(command: F) -> F:
-    return click.option("--json", "as_json", is_flag=True, help="Print JSON instead of tables.")(command)
-
-
-def csv_option(command: F) -> F:
-    return click.option("--csv", "csv_file", type=OutputFile(), help="Write the table as CSV, in full precision.")(
-        command
-    )
-
-
-def plot_option(what: str) -> Callable[[F], F]:
+def plot_option(what: str) -> Any:
+    """``--plot``: the picture of a result."""
     text = f"Write {what} as {', '.join(ending[1:].upper() for ending in PLOT_ENDINGS)}, by the ending."
-    return click.option("--plot", "plot_file", type=OutputFile(PLOT_ENDINGS), help=text)
+    return option("--plot", type=OutputFile(PLOT_ENDINGS), help=text)
 
 
-def frequency_unit_option(command: F) -> F:
-    return click.option(
-        "--frequency-unit",
-        type=click.Choice(["Hz", "rpm", "cpm", "rad/s"], case_sensitive=False),
-        default="Hz",
-        show_default=True,
-        help="Unit of frequencies, given and shown.",
-    )(command)
+SIMPLIFY = option(
+    "--simplify",
+    type=Written("SHARE", "model.report.report_plan:SIMPLIFY"),
+    help="Leave out elements that move natural frequency and damping ratio of no mode in the band by more, as 1%.",
+)
+SETTINGS = option(
+    "--set", type=CommandSettings(), help='Change a parameter: "c_O=360 N*m*s/rad", a bare number is SI. Repeatable.'
+)
+FREQUENCY_UNIT = option(
+    "--frequency-unit",
+    type=click.Choice(["Hz", "rpm", "cpm", "rad/s"], case_sensitive=False),
+    default="Hz",
+    show_default=True,
+    help="Unit of frequencies, given and shown.",
+)
+ANGLE = option("--angle", type=click.Choice(["rad", "deg"]), default="rad", show_default=True, help="Unit of angles.")
+LOWEST_FREQUENCY = option("--from", default=0.0, help="Lowest frequency in Hz.")
+HIGHEST_FREQUENCY = option("--to", help="Highest frequency in Hz.")
+EXCITATION = option("--excitation", metavar="INPUT", help="What drives the drivetrain then, if it has several inputs.")

@@ -109,14 +109,19 @@ FITTED = record(
     unit=TEXT,
     true=NUMBER,
 )
-EQUATIONS = record(
-    coordinates=TEXTS,
-    equations=TEXTS,
-    dependent=by_name(TEXT),
-    conditions=TEXTS,
-    M=listed(TEXTS),
-    C=listed(TEXTS),
-    K=listed(TEXTS),
+MOTION = {
+    "coordinates": TEXTS,
+    "equations": TEXTS,
+    "dependent": by_name(TEXT),
+    "conditions": TEXTS,
+    **dict.fromkeys("MCK", listed(TEXTS)),
+}
+EQUATIONS = record(**MOTION)
+TRANSFER_FUNCTION = record(
+    {"left_out": TEXTS, "band": PAIR, "errors": record(omega=NUMBER, zeta=NUMBER, decibels=NUMBER)},
+    configuration=TEXT,
+    transfer_function=TEXT,
+    text=TEXT,
 )
 RANKED = record(
     kind=TEXT, of=TEXT, unknown=TEXT, before=NUMBER, value=NUMBER, misfit=NUMBER, left=NUMBER, explains=YES_OR_NO
@@ -182,6 +187,7 @@ OUTPUTS: dict[str, Schema] = {
             mean_speeds_rad_per_s=by_name(NUMBER),
         )
     ),
+    "equations": listed({"anyOf": [record(configuration=TEXT, **MOTION), TRANSFER_FUNCTION]}),
     "estimate": ESTIMATE,
     "compare": record(
         test=ESTIMATE,

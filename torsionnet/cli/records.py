@@ -9,7 +9,7 @@ from pathlib import Path
 from torsionnet.cli.record_options import RecordReading
 from torsionnet.cli.terminal import message, tell
 from torsionnet.core.errors import Fault, ModelError
-from torsionnet.io.records import iter_blocks, read_recording
+from torsionnet.io.recording_files import iter_blocks, read_recording
 from torsionnet.response.recording import Recording
 from torsionnet.signals.record_blocks import Recordings
 from torsionnet.signals.recording_checks import check_recording

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
+from torsionnet.cli.cases import ModelCommand
+from torsionnet.cli.command import Answer, click_command
+from torsionnet.cli.declarations import option
 from torsionnet.cli.models import STANDARD_INPUT, load_model
-from torsionnet.cli.options import Finite, model_options, output_file_option
-from torsionnet.cli.record_options import PRESETS, Averaging, RecordReading
+from torsionnet.cli.options import PRESETS, SIMPLIFY, Finite, file_option
+from torsionnet.cli.record_options import Averaging, Estimator, RecordReading
 from torsionnet.cli.terminal import wrote
 
 if TYPE_CHECKING:
@@ -18,64 +21,17 @@ if TYPE_CHECKING:
     from torsionnet.report.request import Measured
     from torsionnet.response import FrequencyResponse
 
+    Band = tuple[float, float] | None
+
 ENDINGS = (".html", ".pdf", ".tex", ".md", ".htm")
 
 
-@click.command("report")
-@model_options
-@output_file_option("Ends in .html, .pdf, .tex or .md.  [default: MODEL.html]", ENDINGS)
-@click.option("--section", "sections", metavar="NAME", multiple=True, help="Repeatable.  [default: all that apply]")
-@click.option(
-    "--tf", "pairs", metavar="OUTPUT/INPUT", multiple=True, help='Transfer function, "theta_1/T_T". Repeatable.'
-)
-@click.option("--band", type=float, nargs=2, metavar="LOW HIGH", help="Frequencies of the plots in Hz.")
-@click.option("--angle", type=click.Choice(["rad", "deg"]), help="Unit of angles.  [default: that of the model]")
-@click.option("--title", help="Title of the report.")
-@click.option("--author", help="Who signs it.")
-@click.option("--date", default="today", show_default=True, help='As 2025-03-31; "none" leaves it out.')
-@click.option("--fit", "fits", metavar="FIT.yaml", multiple=True, help="Result of torsionnet fit -o. Repeatable.")
-@click.option(
-    "--record",
-    "records",
-    metavar="[CONFIGURATION=]FILE",
-    multiple=True,
-    help="Test over model: record of signals, or a measured response. Repeatable.",
-)
-@click.option("--output", metavar="NAME", help="Channel of the records, and sensor of the model.")
-@click.option("--input", "into", metavar="NAME", help="Channel of the records, and input or sensor.")
-@click.option("--preset", type=click.Choice(PRESETS), help="How the records are averaged; paper: Galvagno (2015).")
-@click.option(
-    "--seconds",
-    type=Finite(0, min_open=True),
-    help="Length of a segment of the records in s.  [default: 2]",
-)
-@click.option(
-    "--record-band",
-    type=float,
-    nargs=2,
-    metavar="LOW HIGH",
-    help="Frequencies in Hz at which test and model are compared.  [default: --band, else all of the test]",
-)
-def command(
-    model: str,
-    configurations: tuple[str, ...],
-    settings: tuple[tuple[str, str], ...],
-    output_file: str | None,
-    sections: tuple[str, ...],
-    pairs: tuple[str, ...],
-    band: tuple[float, float] | None,
-    records: tuple[str, ...],
-    output: str | None,
-    into: str | None,
-    preset: str | None,
-    seconds: float | None,
-    record_band: tuple[float, float] | None,
-    **texts: Any,
-) -> None:
+class ReportCommand(ModelCommand):
     """Write a report on a model: schematic, values, equations, modes, transfer functions, checks, validity.
 
     What is in it says the report: section of the model file; options say it for this time. Sections: summary,
-    schematic, elements, parameters, kinematics, equations, modes, formulas, responses, test, fit, checks, validity.
+    schematic, elements, parameters, kinematics, equations, modes, formulas, simplified, responses, test, fit, checks,
+    validity.
 
     \b
     torsionnet report amt_rig
@@ -83,31 +39,82 @@ def command(
     torsionnet report amt_rig -c V --record test.npz --output theta_1 --input T_T --seconds 4 --record-band 0.5 40
     cat model.yaml | torsionnet report - -o model.pdf
     """
-    from torsionnet.model.configurations import EVERY
-    from torsionnet.report.report import make_report, writer_for
 
-    target = Path(output_file or f"{'model' if model == STANDARD_INPUT else Path(model).stem}.html")
-    write = writer_for(target)
-    rig = load_model(model)
-    plan = rig.definition.report
-    compared = _band("--record-band", record_band) or _band("--band", band) or (plan.band if plan else None)
-    averaging = Averaging(preset=preset, seconds=seconds)
-    named = () if EVERY in configurations and EVERY not in rig.configurations else configurations
-    fits = [_fit(name) for name in texts.pop("fits")]
-    tests = [_measured(name, rig, output, into, averaging, compared) for name in records]
-    report = make_report(
-        rig if model == STANDARD_INPUT else model,
-        configurations=named or (rig.configurations if configurations else ()),
-        sections=sections,
-        transfer_functions=pairs,
-        band=band,
-        settings=dict(settings),
-        tests=tests,
-        fits=fits,
-        **texts,
+    output_file: str | None = file_option("Ends in .html, .pdf, .tex or .md.  [default: MODEL.html]", ENDINGS)
+    sections: tuple[str, ...] = option("--section", metavar="NAME", help="Repeatable.  [default: all that apply]")
+    pairs: tuple[str, ...] = option(
+        "--tf", metavar="OUTPUT/INPUT", help='Transfer function, "theta_1/T_T". Repeatable.'
     )
-    for path in write(report, target)[:1]:
-        wrote(str(path))
+    band: tuple[float, float] | None = option(
+        "--band", type=float, nargs=2, metavar="LOW HIGH", help="Frequencies of the plots in Hz."
+    )
+    simplify: float | None = SIMPLIFY
+    angle: str | None = option(
+        "--angle", type=click.Choice(["rad", "deg"]), help="Unit of angles.  [default: that of the model]"
+    )
+    title: str | None = option("--title", help="Title of the report.")
+    author: str | None = option("--author", help="Who signs it.")
+    date: str = option("--date", default="today", show_default=True, help='As 2025-03-31; "none" leaves it out.')
+    template: str | None = option(
+        "--template", metavar="FOLDER", help="Letterhead, style and wording.  [default: that of the model]"
+    )
+    fits: tuple[str, ...] = option("--fit", metavar="FIT.yaml", help="Result of torsionnet fit -o. Repeatable.")
+    records: tuple[str, ...] = option(
+        "--record",
+        metavar="[CONFIGURATION=]FILE",
+        help="Test over model: record of signals, or a measured response. Repeatable.",
+    )
+    sensor: str | None = option("--output", metavar="NAME", help="Channel of the records, and sensor of the model.")
+    into: str | None = option("--input", metavar="NAME", help="Channel of the records, and input or sensor.")
+    preset: str | None = option(
+        "--preset", type=click.Choice(PRESETS), help="How the records are averaged; paper: Galvagno (2015)."
+    )
+    seconds: float | None = option(
+        "--seconds", type=Finite(0, min_open=True), help="Length of a segment of the records in s.  [default: 2]"
+    )
+    record_band: tuple[float, float] | None = option(
+        "--record-band",
+        type=float,
+        nargs=2,
+        metavar="LOW HIGH",
+        help="Frequencies in Hz at which test and model are compared.  [default: --band, else all of the test]",
+    )
+
+    def answer(self) -> Answer:
+        from torsionnet.model.configurations import EVERY
+        from torsionnet.report.report import make_report, writer_for
+
+        piped = self.model == STANDARD_INPUT
+        target = Path(self.output_file or f"{'model' if piped else Path(self.model).stem}.html")
+        write = writer_for(target)
+        rig = load_model(self.model)
+        plan = rig.definition.report
+        compared = (
+            _band("--record-band", self.record_band) or _band("--band", self.band) or (plan.band if plan else None)
+        )
+        averaging = Averaging(preset=self.preset, seconds=self.seconds)
+        named = () if EVERY in self.configurations and EVERY not in rig.configurations else self.configurations
+        fits = [_fit(name) for name in self.fits]
+        tests = [_measured(name, rig, self.sensor, self.into, averaging, compared) for name in self.records]
+        report = make_report(
+            rig if piped else self.model,
+            configurations=named or (rig.configurations if self.configurations else ()),
+            sections=self.sections,
+            transfer_functions=self.pairs,
+            band=self.band,
+            settings=dict(self.settings),
+            tests=tests,
+            fits=fits,
+            angle=self.angle,
+            simplify=self.simplify,
+            title=self.title,
+            author=self.author,
+            date=self.date,
+            template=self.template,
+        )
+        for path in write(report, target)[:1]:
+            wrote(str(path))
+        return Answer()
 
 
 def _fit(name: str) -> Fit:
@@ -171,4 +178,7 @@ def _response(file: str, output: str | None, into: str | None, averaging: Averag
             raise
     from torsionnet.cli.estimate import estimated
 
-    return estimated(file, RecordReading(), (str(output),), (str(into),), averaging, 0.0, None)
+    return estimated(file, RecordReading(), (str(output),), (str(into),), averaging, Estimator(), (0.0, None))
+
+
+command = click_command("report", ReportCommand)

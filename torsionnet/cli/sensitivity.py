@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from torsionnet.cli.cases import ConfiguredCase, file_of, joined, load_cases
-from torsionnet.cli.options import csv_option, json_option, model_options, plot_option
-from torsionnet.cli.terminal import print_json, print_table, wrote
+from torsionnet.cli.cases import ConfiguredCase, ModelCommand
+from torsionnet.cli.command import TABLE, Answer, click_command
+from torsionnet.cli.declarations import option
+from torsionnet.cli.options import EXCITATION
 from torsionnet.core.errors import UsageError
 
 if TYPE_CHECKING:
@@ -21,62 +23,51 @@ MOST = 10
 """Effects on the screen unless some are asked for."""
 
 
-@click.command("sensitivity")
-@model_options
-@click.option(
-    "--parameter", "parameters", metavar="NAME", multiple=True, help="Or element.field; default: all. Repeatable."
-)
-@click.option("--mode", "modes", type=click.IntRange(1), multiple=True, help="Only this mode. Repeatable.")
-@click.option("--measured-input", metavar="SENSOR", help="Poles of responses against this sensor instead.")
-@click.option("--excitation", metavar="INPUT", help="What drives the drivetrain then, if it has several inputs.")
-@click.option("--full", is_flag=True, help=f"Print every effect instead of the {MOST} largest.")
-@json_option
-@csv_option
-@plot_option("a tornado plot")
-def command(
-    model: str,
-    configurations: tuple[str, ...],
-    settings: tuple[tuple[str, str], ...],
-    parameters: tuple[str, ...],
-    modes: tuple[int, ...],
-    measured_input: str | None,
-    excitation: str | None,
-    full: bool,
-    as_json: bool,
-    csv_file: str | None,
-    plot_file: str | None,
-) -> None:
+class SensitivityCommand(ModelCommand):
     """Exact derivatives of natural frequencies and damping ratios to the parameters of a model.
 
     \b
     torsionnet sensitivity amt_rig -c V --mode 1 --plot tornado.png
     """
-    cases = load_cases(model, configurations, settings)
-    from torsionnet.solve.sensitivity import mode_sensitivities
 
-    results = [
-        mode_sensitivities(
-            case.drivetrain, list(parameters) or None, measured_input=measured_input, excitation=excitation
+    forms = TABLE
+    picture = "a tornado plot"
+
+    parameters: tuple[str, ...] = option(
+        "--parameter", metavar="NAME", help="Or element.field; default: all. Repeatable."
+    )
+    modes: tuple[int, ...] = option("--mode", type=click.IntRange(1), help="Only this mode. Repeatable.")
+    measured_input: str | None = option(
+        "--measured-input", metavar="SENSOR", help="Poles of responses against this sensor instead."
+    )
+    excitation: str | None = EXCITATION
+    full: bool = option("--full", help=f"Print every effect instead of the {MOST} largest.")
+
+    def answer(self) -> Answer:
+        cases = self.cases()
+        from torsionnet.solve.sensitivity import mode_sensitivities
+
+        results = [
+            mode_sensitivities(
+                case.drivetrain,
+                list(self.parameters) or None,
+                measured_input=self.measured_input,
+                excitation=self.excitation,
+            )
+            for case in cases
+        ]
+        _require(self.modes, results)
+        tables = [_chosen(one, self.modes) for one in results]
+        every = self.full or self.modes or self.parameters
+        pairs = list(zip(cases, results, strict=True))
+        return Answer(
+            screen=lambda: [self.joined(cases, tables if every else [_largest(table) for table in tables])],
+            data=lambda: [_as_data(*pair, self.modes) for pair in pairs],
+            csv=lambda: [("", self.joined(cases, tables))],
+            figures=lambda plot: [
+                (case.configuration, plot.tornado(one, modes=list(self.modes) or None)) for case, one in pairs
+            ],
         )
-        for case in cases
-    ]
-    _require(modes, results)
-    tables = [_chosen(one, modes) for one in results]
-    if csv_file:
-        joined(cases, tables, named=bool(configurations)).to_csv(csv_file)
-        wrote(csv_file)
-    if plot_file:
-        import torsionnet.plot as plot
-
-        for case, one in zip(cases, results, strict=True):
-            path = file_of(plot_file, case, cases)
-            plot.save(plot.tornado(one, modes=list(modes) or None), path)
-            wrote(path)
-    if as_json:
-        print_json([_as_data(case, one, modes) for case, one in zip(cases, results, strict=True)])
-    else:
-        shown = tables if full or modes or parameters else [_largest(table) for table in tables]
-        print_table(joined(cases, shown, named=bool(configurations)))
 
 
 def _require(modes: tuple[int, ...], results: list[ModeSensitivities]) -> None:
@@ -88,8 +79,6 @@ def _require(modes: tuple[int, ...], results: list[ModeSensitivities]) -> None:
 
 def _chosen(found: ModeSensitivities, modes: tuple[int, ...]) -> Table:
     """Only some modes, of them what moves at all."""
-    from dataclasses import replace
-
     table = found.table()
     rows = tuple(
         row for row in table.rows if (not modes or row[0] in modes) and max(abs(row[4]), abs(row[5])) > ROUNDING
@@ -100,8 +89,6 @@ def _chosen(found: ModeSensitivities, modes: tuple[int, ...]) -> Table:
 
 def _largest(table: Table) -> Table:
     """The effects that move an eigenvalue farthest for its size, and what is said of their modes."""
-    from dataclasses import replace
-
     if len(table.rows) <= MOST:
         return table
     rows = sorted(table.rows, key=lambda row: math.hypot(row[4], row[2] * row[5]), reverse=True)[:MOST]
@@ -133,3 +120,6 @@ def _as_data(case: ConfiguredCase, found: ModeSensitivities, modes: tuple[int, .
         ],
         "words": list(found.words()),
     }
+
+
+command = click_command("sensitivity", SensitivityCommand)

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import click
-
-from torsionnet.cli.options import Finite, csv_option, json_option, plot_option
-from torsionnet.cli.record_options import Averaging, RecordReading, averaging_options, record_options
-from torsionnet.cli.terminal import print_json, print_table, wrote
+from torsionnet.cli.command import TABLE, Answer, click_command
+from torsionnet.cli.declarations import option
+from torsionnet.cli.options import ANGLE, Finite
+from torsionnet.cli.record_options import Averaging, RecordCommand
 
 if TYPE_CHECKING:
     from torsionnet.response import Table
@@ -18,58 +16,51 @@ if TYPE_CHECKING:
     from torsionnet.signals.spectrogram import Spectrogram
 
 
-@click.command("spectrogram")
-@record_options
-@click.option("--channel", "channels", metavar="CHANNEL", multiple=True, help="Repeatable; default: all of the record.")
-@averaging_options
-@click.option("--to", "highest", type=Finite(0, min_open=True), help="Highest frequency in Hz.")
-@click.option("--span", type=Finite(0, min_open=True), default=60.0, show_default=True, help="dB shown.")
-@click.option("--angle", type=click.Choice(["rad", "deg"]), default="rad", show_default=True, help="Unit of angles.")
-@json_option
-@csv_option
-@plot_option("the level over time and frequency")
-def command(
-    record: str,
-    reading: RecordReading,
-    channels: tuple[str, ...],
-    averaging: Averaging,
-    highest: float | None,
-    span: float,
-    angle: str,
-    as_json: bool,
-    csv_file: str | None,
-    plot_file: str | None,
-) -> None:
+class SpectrogramCommand(RecordCommand):
     """Level over time and frequency; on the screen the strongest line along the record.
 
     \b
     torsionnet spectrogram test.npz --channel T_T --decimate 50 --plot torque.png
     """
-    from torsionnet.cli.progress import progress
-    from torsionnet.cli.records import load_record
-    from torsionnet.response.recording import Recording
-    from torsionnet.signals.decimation import decimated
-    from torsionnet.signals.spectrogram import spectrogram
 
-    settings = averaging.settings()
-    with progress("transforming", None) as advance:
-        found = load_record(record, reading, channels or None, settings.seconds, advance)
-        if not isinstance(found, Recording):  # only what is left after decimation is kept in memory
-            found = _joined(list(decimated(found, settings.decimation)))
-            settings = replace(settings, decimation=1)
-        seen = [spectrogram(found, name, settings) for name in channels or found.names]
-    for one in seen:
-        if csv_file:
-            path = _file(csv_file, one.name, len(seen))
-            _table(one, every=True).to_csv(path)
-            wrote(path)
-        if plot_file:
-            _plot(one, _file(plot_file, one.name, len(seen)), highest, span, angle)
-    if as_json:
-        print_json([_as_data(one) for one in seen])
-    else:
-        for one in seen:
-            print_table(_table(one))
+    forms = TABLE
+    picture = "the level over time and frequency"
+
+    channels: tuple[str, ...] = option("--channel", metavar="CHANNEL", help="Repeatable; default: all of the record.")
+    averaging: Averaging
+    highest: float | None = option("--to", type=Finite(0, min_open=True), help="Highest frequency in Hz.")
+    span: float = option("--span", type=Finite(0, min_open=True), default=60.0, show_default=True, help="dB shown.")
+    angle: str = ANGLE
+
+    def answer(self) -> Answer:
+        from torsionnet.response import Conventions
+
+        seen, shown = self.transformed(), Conventions(angle=self.angle)
+        return Answer(
+            screen=lambda: map(_table, seen),
+            data=lambda: list(map(_as_data, seen)),
+            csv=lambda: [(one.name, _table(one, every=True)) for one in seen],
+            figures=lambda plot: [
+                (one.name, plot.spectrogram(one, highest=self.highest, span=self.span, conventions=shown))
+                for one in seen
+            ],
+        )
+
+    def transformed(self) -> list[Spectrogram]:
+        """A spectrogram of every channel."""
+        from torsionnet.cli.progress import progress
+        from torsionnet.cli.records import load_record
+        from torsionnet.response.recording import Recording
+        from torsionnet.signals.decimation import decimated
+        from torsionnet.signals.spectrogram import spectrogram
+
+        settings = self.averaging.settings()
+        with progress("transforming", None) as advance:
+            found = load_record(self.record, self.reading, self.channels or None, settings.seconds, advance)
+            if not isinstance(found, Recording):  # only what is left after decimation is kept in memory
+                found = _joined(list(decimated(found, settings.decimation)))
+                settings = replace(settings, decimation=1)
+            return [spectrogram(found, name, settings) for name in self.channels or found.names]
 
 
 def _joined(blocks: list[Recording]) -> Recording:
@@ -80,19 +71,6 @@ def _joined(blocks: list[Recording]) -> Recording:
         replace(signal, values=np.concatenate([block[signal.name].values for block in blocks])) for signal in first
     )
     return replace(first, signals=signals)
-
-
-def _file(file: str, name: str, count: int) -> str:
-    path = Path(file)
-    return file if count == 1 else str(path.with_name(f"{path.stem}_{name}{path.suffix}"))
-
-
-def _plot(seen: Spectrogram, file: str, highest: float | None, span: float, angle: str) -> None:
-    import torsionnet.plot as plot
-    from torsionnet.response import Conventions
-
-    plot.save(plot.spectrogram(seen, highest=highest, span=span, conventions=Conventions(angle=angle)), file)
-    wrote(file)
 
 
 def _table(seen: Spectrogram, *, every: bool = False) -> Table:
@@ -119,3 +97,6 @@ def _as_data(seen: Spectrogram) -> dict[str, Any]:
         "frequencies_Hz": seen.frequencies.tolist(),
         "amplitude": seen.amplitude.tolist(),
     }
+
+
+command = click_command("spectrogram", SpectrogramCommand)

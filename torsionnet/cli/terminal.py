@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import sys
 import textwrap
@@ -13,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from torsionnet.core.errors import visible
+from torsionnet.core.number_text import bracketed, finite
 
 if TYPE_CHECKING:
     from torsionnet.core.errors import Fault
@@ -48,21 +48,19 @@ def tell(faults: Iterable[Fault]) -> None:
         message(fault.severity, f"{where}{fault.text}")
 
 
+def tell_warnings(notes: Iterable[str]) -> None:
+    """Those of the notes to a result that warn of something, on stderr."""
+    for note in notes:
+        kind, _, text = note.partition(": ")
+        if kind == "warning":
+            message("warning", text)
+
+
 def print_json(data: Any) -> None:
     """JSON on stdout; numbers that JSON lacks become null."""
     import json
 
     click.echo(json.dumps(finite(data), indent=1))
-
-
-def finite(data: Any) -> Any:
-    if isinstance(data, float):
-        return data if math.isfinite(data) else None
-    if isinstance(data, dict):
-        return {key: finite(value) for key, value in data.items()}
-    if isinstance(data, (list, tuple)):
-        return [finite(value) for value in data]
-    return data
 
 
 def print_table(table: Table) -> None:
@@ -84,23 +82,23 @@ def width_of(table: Table) -> int:
 
 def _safe(table: Table) -> Table:
     """With texts of files as they can be shown."""
-    rows = tuple(tuple(visible(cell) if isinstance(cell, str) else cell for cell in row) for row in table.rows)
-    return replace(table, title=visible(table.title), rows=rows)
+    return replace(table, title=visible(table.title), rows=tuple(tuple(map(_safe_cell, row)) for row in table.rows))
+
+
+def _safe_cell(cell: Any) -> Any:
+    if isinstance(cell, tuple):
+        return tuple(map(_safe_cell, cell))
+    return visible(cell) if isinstance(cell, str) else cell
 
 
 def _coloured(stream: Any) -> bool:
     return bool(stream.isatty()) and not os.environ.get("NO_COLOR")
 
 
-def _is_number_column(table: Table, index: int) -> bool:
-    cells = [row[index] for row in table.rows]
-    return all(cell is None or isinstance(cell, (int, float)) for cell in cells)
-
-
 def _aligned(table: Table) -> list[str]:
     """Title, headings broken into lines, rows; numbers to the right, text to the left, folded if it is long."""
     cells = table.cells()
-    right = [_is_number_column(table, index) for index in range(len(table.columns))]
+    right = [table.is_numeric(index) for index in range(len(table.columns))]
     widths, headings = [], []
     for index, column in enumerate(table.columns):
         content = max((len(row[index]) for row in cells), default=0)
@@ -142,7 +140,7 @@ def _line(row: list[str], widths: list[int], right: list[bool]) -> str:
 
 def _broken(name: str, unit: str, width: int) -> list[str]:
     lines = [""]
-    for word in [*name.split(" "), *([f"[{unit}]"] if unit else [])]:
+    for word in [*name.split(" "), *filter(None, [bracketed(unit)])]:
         if not lines[-1] or len(lines[-1]) + 1 + len(word) <= width:
             lines[-1] = f"{lines[-1]} {word}".strip()
         else:
@@ -167,7 +165,7 @@ def _print_framed(table: Table) -> None:
     )
     cells, least = table.cells(), BETWEEN_COLUMNS
     for index, column in enumerate(table.columns):
-        number, widest = _is_number_column(table, index), max((len(row[index]) for row in cells), default=0)
+        number, widest = table.is_numeric(index), max((len(row[index]) for row in cells), default=0)
         heading = _broken(column.name, column.unit, max(widest, NARROWEST))
         needed = max([widest if number else min(widest, NARROWEST_TEXT), *map(len, heading)])
         framed.add_column(Text("\n".join(heading)), justify="right" if number else "left", min_width=needed)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from torsionnet.cli.terminal import WIDTH, width_of
 
@@ -25,15 +25,10 @@ def in_blocks(table: Table, group: int) -> Iterator[Table]:
 
 
 def _columns(table: Table, start: int, end: int) -> Table:
-    rows = tuple((row[0], *row[start:end]) for row in table.rows)
-    return replace(table, title="", columns=(table.columns[0], *table.columns[start:end]), rows=rows)
+    return replace(table.chosen([0, *range(start, end)]), title="")
 
 
 def shares_on_screen(table: Table) -> Table:
     """Percentages to two decimals, and nothing where there is none."""
-    rows = tuple((row[0], *map(_share, row[1:])) for row in table.rows)
-    return replace(table, rows=rows)
-
-
-def _share(value: Any) -> float | None:
-    return round(value, 2) if value else None
+    rows = tuple((row[0], *(share or None for share in row[1:])) for row in table.rows)
+    return replace(table, columns=tuple(replace(one, decimals=2) for one in table.columns), rows=rows)

@@ -117,6 +117,8 @@ class TorsionnetError(Exception):
 class ModelError(TorsionnetError, ValueError):
     """The model (or the question asked of it) is wrong; ``faults`` lists everything found, not only the first."""
 
+    outcome = "Nothing was calculated."
+
     def __init__(self, faults: Iterable[Fault] | str, title: str = "the model") -> None:
         self.faults: tuple[Fault, ...] = (Fault(faults),) if isinstance(faults, str) else tuple(faults)
         self.title = title
@@ -127,7 +129,7 @@ class ModelError(TorsionnetError, ValueError):
 
     def _text(self) -> str:
         count = len(self.faults)
-        total = f"{count} error{'s' if count != 1 else ''} in {self.title}. Nothing was calculated."
+        total = f"{count} error{'s' if count != 1 else ''} in {self.title}. {self.outcome}"
         return "\n".join([*(str(fault) for fault in self.faults), total])
 
 
@@ -199,6 +201,15 @@ def did_you_mean(name: str, candidates: Iterable[str]) -> str:
     '; did you mean "gearbox"?'
     """
     return _question(nearest(name, candidates))
+
+
+def meant_or(name: str, candidates: Iterable[str], rest: str) -> str:
+    """As :func:`did_you_mean`, and after it what there is.
+
+    >>> meant_or("gerbox", ["gearbox"], "known: gearbox"), meant_or("x", ["gearbox"], "known: gearbox")
+    ('; did you mean "gearbox"? known: gearbox', '; known: gearbox')
+    """
+    return f"{did_you_mean(name, candidates)}; {rest}".replace("?; ", "? ")
 
 
 def _question(meant: str) -> str:

@@ -110,7 +110,7 @@ def _slider(name: str, plain: Drivetrain, changed: Drivetrain, units: Mapping[st
 def written_unit(value: Expression) -> str:
     """The unit behind a number as its author wrote it, or an empty string.
 
-    >>> from torsionnet.core.expressions import scalar
+    >>> from torsionnet.core.expression_reading import scalar
     >>> written_unit(scalar("0.46 kN*m/rad")), written_unit(scalar(3))
     ('kN*m/rad', '')
     """

@@ -15,7 +15,7 @@ from torsionnet.identification.instrument import set_points
 from torsionnet.identification.measurement import Measurement
 from torsionnet.identification.measurement_blocks import default_settings
 from torsionnet.identification.unknown import Unknown
-from torsionnet.io.records import channel_names, read_recording
+from torsionnet.io.recording_files import channel_names, read_recording
 from torsionnet.loading import load
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.located import LocatedDocument, compose

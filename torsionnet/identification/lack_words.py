@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
+from torsionnet.core.number_text import with_error
 from torsionnet.identification.lack_of_fit import Explanation, LackOfFit
 
 AGREED = {
@@ -17,8 +17,6 @@ AGREED = {
 }
 WITHHELD = "Intervals are withheld"
 MOST_TOLD = 3
-EXACT = 1e-6
-"""Relative standard errors below this are not written out."""
 
 
 def lacking(lack: LackOfFit | None) -> Iterator[str]:
@@ -72,15 +70,3 @@ def _values(one: Explanation) -> str:
         if name.partition("[")[0] != one.unknown
     ]
     return ", ".join(listed) or "nothing else changes"
-
-
-def with_error(value: float, error: float) -> str:
-    """A value to the second digit of its standard error.
-
-    >>> with_error(0.80312, 0.0098), with_error(459.96, 1.73), with_error(4.0, 1e-12)
-    ('0.8031 ± 0.0098', '460.0 ± 1.7', '4 ± 1e-12')
-    """
-    if not EXACT * abs(value) < error < math.inf:
-        return f"{value:.6g} ± {error:.2g}"
-    places = max(0, 1 - math.floor(math.log10(error)))
-    return f"{value:.{places}f} ± {error:.{places}f}"

@@ -8,18 +8,18 @@ from torsionnet.core.lazy import names_on_demand
 
 _HOMES = {
     "from_tors": "torsionnet.io.tors_reading",
-    "iter_blocks": "torsionnet.io.records",
-    "read_frequency_response": "torsionnet.io.responses.response_files",
-    "read_recording": "torsionnet.io.records",
+    "iter_blocks": "torsionnet.io.recording_files",
+    "read_frequency_response": "torsionnet.io.response_files",
+    "read_recording": "torsionnet.io.recording_files",
     "read_tors": "torsionnet.io.tors_reading",
     "to_matlab": "torsionnet.io.matlab",
     "to_modelica": "torsionnet.io.modelica",
     "to_tors": "torsionnet.io.tors_writing",
     "write_fmu": "torsionnet.io.fmu",
-    "write_frequency_response": "torsionnet.io.responses.response_files",
+    "write_frequency_response": "torsionnet.io.response_files",
     "write_matlab": "torsionnet.io.matlab",
     "write_modelica": "torsionnet.io.modelica",
-    "write_recording": "torsionnet.io.records",
+    "write_recording": "torsionnet.io.recording_files",
     "write_tors": "torsionnet.io.tors_writing",
 }
 
@@ -32,11 +32,11 @@ if TYPE_CHECKING:
     from torsionnet.io.matlab import write_matlab as write_matlab
     from torsionnet.io.modelica import to_modelica as to_modelica
     from torsionnet.io.modelica import write_modelica as write_modelica
-    from torsionnet.io.records import iter_blocks as iter_blocks
-    from torsionnet.io.records import read_recording as read_recording
-    from torsionnet.io.records import write_recording as write_recording
-    from torsionnet.io.responses.response_files import read_frequency_response as read_frequency_response
-    from torsionnet.io.responses.response_files import write_frequency_response as write_frequency_response
+    from torsionnet.io.recording_files import iter_blocks as iter_blocks
+    from torsionnet.io.recording_files import read_recording as read_recording
+    from torsionnet.io.recording_files import write_recording as write_recording
+    from torsionnet.io.response_files import read_frequency_response as read_frequency_response
+    from torsionnet.io.response_files import write_frequency_response as write_frequency_response
     from torsionnet.io.tors_reading import from_tors as from_tors
     from torsionnet.io.tors_reading import read_tors as read_tors
     from torsionnet.io.tors_writing import to_tors as to_tors

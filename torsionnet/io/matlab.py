@@ -14,8 +14,9 @@ import numpy as np
 from torsionnet.core.atomic import write_bytes, write_text
 from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.io.mat_bytes import cells, mat_bytes
-from torsionnet.io.matrices import Matrices, StateSpace, matrices, state_space
+from torsionnet.io.formats.mat import cells, mat_bytes
+from torsionnet.io.matrices import Matrices, matrices
+from torsionnet.solve.state_space import StateSpace, state_space
 
 NUMBERS = {
     "M": "inertia, kg*m^2",

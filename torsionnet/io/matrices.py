@@ -1,4 +1,4 @@
-"""A drivetrain as the matrices that other programs take: of second order, and as state space."""
+"""A drivetrain as the matrices of second order that other programs take."""
 
 from __future__ import annotations
 
@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.assembly.functionals import Functional, functional
+from torsionnet.assembly.functionals import Functional, powers_of_s
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.solve.state_space import active_channels, first_order, output_rows
+from torsionnet.solve.state_space import active_channels
 
 
 @dataclass(frozen=True)
@@ -50,16 +50,6 @@ class Matrices:
     output_units: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class StateSpace:
-    """x' = A x + B u, y = C x + D u; torques in N m, outputs in their SI units."""
-
-    A: FloatArray
-    B: FloatArray
-    C: FloatArray
-    D: FloatArray
-
-
 def matrices(drivetrain: Drivetrain) -> Matrices:
     """The equations of a drivetrain, with its torque inputs and its sensors.
 
@@ -79,11 +69,10 @@ def matrices(drivetrain: Drivetrain) -> Matrices:
     present = active_channels(drivetrain)
     _refuse(drivetrain, assembly)
     loads = [assembly.rows_of({channel.of: 1})[0] for channel in present.inputs.values()]
-    readings = [functional(drivetrain, sensor, name) for name, sensor in present.sensors.items()]
+    readings = present.readings(drivetrain)
     n, n_in = system.n_coordinates, len(loads)
     motion = np.array([_motion(assembly, reading) for reading in readings]).reshape(len(readings), 3, n)
-    nodes = [channel.of for channel in present.inputs.values()]
-    direct = [[reading.direct.get(node, 0.0) for node in nodes] for reading in readings]
+    direct = [[reading.direct(channel.of) for channel in present.inputs.values()] for reading in readings]
     return Matrices(
         system.M, system.C, system.K, np.array(loads).reshape(n_in, n).T, motion[:, 0], motion[:, 1], motion[:, 2],
         np.array(direct).reshape(len(readings), n_in), assembly.T, assembly.kinematics.coordinates, assembly.nodes,
@@ -104,32 +93,8 @@ def _refuse(drivetrain: Drivetrain, assembly: Assembly) -> None:
 
 def _motion(assembly: Assembly, reading: Functional) -> FloatArray:
     """Coefficients (3, n_q) of q, q' and q'' in a reading."""
-    system = assembly.system
-    found = np.zeros((3, system.n_coordinates))
+    found = np.zeros((3, assembly.system.n_coordinates))
     for term in reading.terms:
-        row = float(term.factor) * term.row
-        if term.law is None:
-            found[term.power] += row
-        else:
-            laws = (system.stiffness, system.damping, system.inertia)
-            found += np.array([law[term.law] for law in laws])[:, None] * row
+        factors = [float(factor) for factor in powers_of_s(assembly, term)]
+        found += np.outer(factors, float(term.factor) * term.row)
     return found
-
-
-def state_space(drivetrain: Drivetrain) -> StateSpace:
-    """The state space behind :meth:`Drivetrain.to_control`, also without inputs or sensors.
-
-    Raises
-    ------
-    UsageError
-        As :func:`matrices`, or a reading that contains the rate of change of an input.
-    """
-    present = active_channels(drivetrain)
-    inputs = list(present.inputs.values())
-    assembly = drivetrain.assembly
-    full = first_order(assembly, inputs)
-    readings = [functional(drivetrain, sensor, name) for name, sensor in present.sensors.items()]
-    rows = [output_rows(assembly, reading, inputs, full) for reading in readings]
-    n, n_in = len(full.A), len(inputs)
-    C = np.array([row[0] for row in rows]).reshape(len(rows), n)
-    return StateSpace(full.A, full.B, C, np.array([row[1] for row in rows]).reshape(len(rows), n_in))

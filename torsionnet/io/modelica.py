@@ -90,26 +90,23 @@ class _Model:
         self.parameters = self._parameters(known, words)
         self.net = Net(self.names)
         driven = {
-            name: self._interface("RealInput", name, _input_unit(entry)) for name, entry in channels.inputs.items()
+            name: self._interface("RealInput", name, UNITS[entry.quantity]) for name, entry in channels.inputs.items()
         }
         read = {
             name: self._interface("RealOutput", name, UNITS[entry.quantity]) for name, entry in channels.sensors.items()
         }
-        meters: dict[tuple[str, str], list[str]] = {}
+        meters: dict[tuple[str, int], list[str]] = {}
         for name, sensor in channels.sensors.items():
             if sensor.quantity == "torque":
-                meters.setdefault((sensor.of, self._port(sensor)), []).append(read[name])
-        for node in drivetrain.nodes:
-            self.net.join(f"node:{node}")
+                element = drivetrain.elements[sensor.of]
+                meters.setdefault((sensor.of, element.place_of(sensor.at)), []).append(read[name])
         for element in drivetrain.elements.values():
             write_element(element, self.net, words)
-            for name, node in element.ports.items():
-                self._attach(
-                    port(element, name), node, list(element.ports).index(name), meters.pop((element.name, name), [])
-                )
-        if FIXED in self.net.home:
+            for place, (name, node) in enumerate(element.ports.items()):
+                self._attach(port(element, name), node, place, meters.pop((element.name, place), []))
+        if FIXED in self.net.points.home:
             fixed = self.net.declare(f"{COMPONENTS}.Fixed", "fixed")
-            self.net.join(FIXED, f"{fixed}.flange")
+            self.net.points.join(FIXED, f"{fixed}.flange")
         for name, entry in channels.inputs.items():
             self._drive(driven[name], entry)
         for name, sensor in channels.sensors.items():
@@ -129,19 +126,15 @@ class _Model:
     def _interface(self, kind: str, name: str, unit: str) -> str:
         return self.net.declare(f"{BLOCKS}.{kind}", name, f'unit="{written_unit(unit)}"')
 
-    def _port(self, sensor: Sensor) -> str:
-        ports = self.drivetrain.elements[sensor.of].ports
-        return next(iter(ports)) if sensor.at is None else next(pair[0] for pair in ports.items() if sensor.at in pair)
-
     def _attach(self, point: str, node: str, index: int, outputs: list[str]) -> None:
         """A port to its node, through a torque sensor if there is one: into the element at the first port, else out."""
         if not outputs:
-            self.net.join(f"node:{node}", point)
+            self.net.points.join(f"node:{node}", point)
             return
         meter = self.net.declare(f"{ROTATIONAL}.Sensors.TorqueSensor", f"{outputs[0]}_meter")
         inner, outer = ("flange_b", "flange_a") if index == 0 else ("flange_a", "flange_b")
-        self.net.join(f"node:{node}", f"{meter}.{outer}")
-        self.net.join(point, f"{meter}.{inner}")
+        self.net.points.join(f"node:{node}", f"{meter}.{outer}")
+        self.net.points.join(point, f"{meter}.{inner}")
         self.net.equations += [f"connect({meter}.tau, {output});" for output in outputs]
 
     def _drive(self, name: str, entry: Input) -> None:
@@ -149,7 +142,7 @@ class _Model:
             ("Torque", "", "tau") if entry.quantity == "torque" else ("Position", "exact=true", "phi_ref")
         )
         source = self.net.declare(f"{ROTATIONAL}.Sources.{kind}", f"{name}_source", values)
-        self.net.join(f"node:{entry.of}", f"{source}.flange")
+        self.net.points.join(f"node:{entry.of}", f"{source}.flange")
         self.net.equations.append(f"connect({name}, {source}.{signal});")
 
     def _read(self, name: str, sensor: Sensor) -> None:
@@ -163,9 +156,5 @@ class _Model:
     def _motion(self, wish: str, quantity: str, node: str) -> str:
         kind, signal = MOTIONS[quantity]
         meter = self.net.declare(f"{ROTATIONAL}.Sensors.{kind}", f"{wish}_sensor")
-        self.net.join(f"node:{node}", f"{meter}.flange")
+        self.net.points.join(f"node:{node}", f"{meter}.flange")
         return f"{meter}.{signal}"
-
-
-def _input_unit(entry: Input) -> str:
-    return "N*m" if entry.quantity == "torque" else "rad"

@@ -20,7 +20,7 @@ def _compliant(element: Any, net: Net, words: ModelicaWords, entrance: str) -> s
     stiffness = words.expression(element.stiffness)
     values = f"c={stiffness}, d={words.damping(element.damping, element.stiffness)}"
     name = declared(element, net, "SpringDamper", values, "_mesh")
-    net.join(entrance, f"{name}.flange_a")
+    net.points.join(entrance, f"{name}.flange_a")
     return f"{name}.flange_b"
 
 
@@ -28,10 +28,10 @@ def _gear(element: Gear, net: Net, words: ModelicaWords) -> None:
     ratio = _quotient(element.teeth) if element.teeth else words.expression(element.ratio)
     support = ", useSupport=true" if element.housing else ""
     name = declared(element, net, "IdealGear", f"ratio={ratio}{support}")
-    net.join(_compliant(element, net, words, port(element, "first")), f"{name}.flange_a")
-    net.join(port(element, "second"), f"{name}.flange_b")
+    net.points.join(_compliant(element, net, words, port(element, "first")), f"{name}.flange_a")
+    net.points.join(port(element, "second"), f"{name}.flange_b")
     if element.housing:
-        net.join(port(element, "housing"), f"{name}.support")
+        net.points.join(port(element, "housing"), f"{name}.support")
 
 
 def _quotient(teeth: Any) -> str:
@@ -41,31 +41,31 @@ def _quotient(teeth: Any) -> str:
 def _planetary(element: Planetary, net: Net, words: ModelicaWords) -> None:
     ratio = _quotient(element.teeth) if element.teeth else words.expression(element.ratio)
     name = declared(element, net, "IdealPlanetary", f"ratio={ratio}")
-    net.join(_compliant(element, net, words, port(element, "sun")), f"{name}.sun")
+    net.points.join(_compliant(element, net, words, port(element, "sun")), f"{name}.sun")
     for side in ("ring", "carrier"):
-        net.join(port(element, side), f"{name}.{side}")
+        net.points.join(port(element, side), f"{name}.{side}")
     if words.values(element.planet_inertia):
         # A planet rolls on the sun: against the carrier it turns by -2/(z - 1) of what the sun does.
         roll = declared(element, net, "IdealGear", f"ratio=-({ratio} - 1)/2, useSupport=true", "_planet_mesh")
         total = f"{element.planets}*{factor(words.expression(element.planet_inertia))}"
-        net.join(port(element, "sun"), f"{roll}.flange_a")
-        net.join(port(element, "carrier"), f"{roll}.support")
-        net.join(f"{roll}.flange_b", f"{declared(element, net, 'Inertia', f'J={total}', '_planets')}.flange_a")
+        net.points.join(port(element, "sun"), f"{roll}.flange_a")
+        net.points.join(port(element, "carrier"), f"{roll}.support")
+        net.points.join(f"{roll}.flange_b", f"{declared(element, net, 'Inertia', f'J={total}', '_planets')}.flange_a")
     if words.values(element.planet_mass) and words.values(element.orbit_radius):
         mass, radius = (factor(words.expression(value)) for value in (element.planet_mass, element.orbit_radius))
         orbit = declared(element, net, "Inertia", f"J={element.planets}*{mass}*{radius}^2", "_orbit")
-        net.join(port(element, "carrier"), f"{orbit}.flange_a")
+        net.points.join(port(element, "carrier"), f"{orbit}.flange_a")
 
 
 def _differential(element: Differential, net: Net, words: ModelicaWords) -> None:
     del words
     sides = {"cage": "carrier", "left": "sun", "right": "ring"}
     if element.locked:
-        net.join(*(port(element, side) for side in sides))
+        net.points.join(*(port(element, side) for side in sides))
         return
     name = declared(element, net, "IdealPlanetary", "ratio=1")
     for ours, theirs in sides.items():
-        net.join(port(element, ours), f"{name}.{theirs}")
+        net.points.join(port(element, ours), f"{name}.{theirs}")
 
 
 def _shaft(element: Shaft, net: Net, words: ModelicaWords) -> None:
@@ -84,8 +84,8 @@ def _shaft(element: Shaft, net: Net, words: ModelicaWords) -> None:
         suffix = f"_{index + 1}" if n > 1 else ""
         values = f"c={stiffness}, d={damping!r}" if damping else f"c={stiffness}"
         name = declared(element, net, "SpringDamper" if damping else "Spring", values, suffix)
-        net.join(points[index], f"{name}.flange_a")
-        net.join(points[index + 1], f"{name}.flange_b")
+        net.points.join(points[index], f"{name}.flange_a")
+        net.points.join(points[index + 1], f"{name}.flange_b")
         if element.inertia != "none":
             _segment_inertia(element, net, inertia, points[index : index + 2], suffix)
 
@@ -99,13 +99,13 @@ def _segment_inertia(element: Shaft, net: Net, inertia: str, ends: list[str], su
     share = 6 if element.inertia == "consistent" else 2
     for end, side in zip(ends, "ab", strict=True):
         lump = declared(element, net, "Inertia", f"J={inertia}/{share}", f"{suffix}_inertia_{side}")
-        net.join(end, f"{lump}.flange_a")
+        net.points.join(end, f"{lump}.flange_a")
     if element.inertia == "consistent":
         mean = declared(element, net, "IdealPlanetary", "ratio=1", f"{suffix}_mean")
         middle = declared(element, net, "Inertia", f"J=2*{inertia}/3", f"{suffix}_inertia_mean")
-        net.join(ends[0], f"{mean}.sun")
-        net.join(ends[1], f"{mean}.ring")
-        net.join(f"{mean}.carrier", f"{middle}.flange_a")
+        net.points.join(ends[0], f"{mean}.sun")
+        net.points.join(ends[1], f"{mean}.ring")
+        net.points.join(f"{mean}.carrier", f"{middle}.flange_a")
 
 
 _WRITERS: dict[type[Element], Writer] = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from torsionnet.core.groups import Groups
 from torsionnet.io.plain_names import Names
 
 
@@ -12,8 +13,7 @@ class Net:
         self.names = names
         self.declarations: list[str] = []
         self.equations: list[str] = []
-        self.home: dict[str, str] = {}
-        self.groups: dict[str, list[str]] = {}
+        self.points = Groups[str]()
 
     def declare(self, kind: str, wish: str, values: str = "", comment: str = "") -> str:
         """A component of a type; returns its name."""
@@ -22,25 +22,12 @@ class Net:
         self.declarations.append(f"{kind} {name}{modifiers}{f' {comment}' if comment else ''};")
         return name
 
-    def join(self, first: str, *others: str) -> None:
-        """Make one connection set of points."""
-        for other in others:
-            one, two = self._group(first), self._group(other)
-            if one != two:
-                self.groups[one] += self.groups[two]
-                for point in self.groups.pop(two):
-                    self.home[point] = one
-
-    def _group(self, point: str) -> str:
-        if point not in self.home:
-            self.home[point] = point
-            self.groups[point] = [point]
-        return self.home[point]
-
     def connections(self) -> list[str]:
         """``connect`` equations from the first flange of every set to all others, with the nodes of the set."""
         lines: list[str] = []
-        for points in self.groups.values():
+        for name, points in self.points.home.items():
+            if points[0] != name:
+                continue
             flanges = [point for point in points if ":" not in point]
             nodes = [point.removeprefix("node:") for point in points if point.startswith("node:")]
             if len(flanges) > 1:

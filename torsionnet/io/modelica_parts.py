@@ -61,7 +61,7 @@ class _PartWriter:
             if part.inertia != 0:
                 point, factor = self._mean(part.row)
                 name = self._declared("Inertia", f"J={self._text(part.inertia * factor**2)}", "_inertia")
-                self.net.join(point, f"{name}.flange_a")
+                self.net.points.join(point, f"{name}.flange_a")
 
     def _declared(self, kind: str, values: str, suffix: str) -> str:
         name = declared(self.element, self.net, kind, values, "" if self.is_first else suffix)
@@ -77,8 +77,8 @@ class _PartWriter:
         values = ", ".join(f"{letter}={self._text(number)}" for letter, number in laws.items() if number != 0)
         kind = "Damper" if law.stiffness == 0 else "Spring" if law.damping == 0 else "SpringDamper"
         name = self._declared(kind, values, f"_{kind.lower()}")
-        self.net.join(first, f"{name}.flange_a")
-        self.net.join(second, f"{name}.flange_b")
+        self.net.points.join(first, f"{name}.flange_a")
+        self.net.points.join(second, f"{name}.flange_b")
 
     def _ends(self, row: Row) -> tuple[str, str, OpenNumber]:
         """Two points whose difference, times a factor, is gamma."""
@@ -97,11 +97,11 @@ class _PartWriter:
         (point, factor), (end, share) = one, other
         if factor + share == 0:  # there is no mean of weights that cancel: the other angle turned round
             reverse = self._declared("IdealGear", "ratio=-1", "_reverse")
-            self.net.join(end, f"{reverse}.flange_a")
+            self.net.points.join(end, f"{reverse}.flange_a")
             end, share = f"{reverse}.flange_b", -share
         mean = self._declared("IdealPlanetary", f"ratio={self._text(share / factor)}", "_mean")
-        self.net.join(point, f"{mean}.sun")
-        self.net.join(end, f"{mean}.ring")
+        self.net.points.join(point, f"{mean}.sun")
+        self.net.points.join(end, f"{mean}.ring")
         return f"{mean}.carrier", factor + share
 
     def _constraint(self, row: Row) -> None:
@@ -112,14 +112,14 @@ class _PartWriter:
         point, factor = self._mean({node: row[node] for node in some})
         share = open_number(row[last])
         if factor + share == 0:
-            self.net.join(point, self.points[last])
+            self.net.points.join(point, self.points[last])
             return
         gear = self._declared("IdealGear", f"ratio={self._text(-share / factor)}", "_gear")
-        self.net.join(point, f"{gear}.flange_a")
-        self.net.join(self.points[last], f"{gear}.flange_b")
+        self.net.points.join(point, f"{gear}.flange_a")
+        self.net.points.join(self.points[last], f"{gear}.flange_b")
 
     def _hold(self, point: str) -> None:
         if GROUND in self.points:
-            self.net.join(point, self.points[GROUND])
+            self.net.points.join(point, self.points[GROUND])
         else:
-            self.net.join(point, f"{self._declared('Fixed', '', '_fixed')}.flange")
+            self.net.points.join(point, f"{self._declared('Fixed', '', '_fixed')}.flange")

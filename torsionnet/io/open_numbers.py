@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from math import pi
-from typing import Any, Literal
+from typing import Any
 
-from torsionnet.core.expressions import Algebra, Binary, Expression, Name, Negative, Number, Pi, Power, SquareRoot
+from torsionnet.core.expressions import Algebra, Compound, Expression, Name, Number
 from torsionnet.core.units import exact_sqrt, limited
 from torsionnet.model.elements import Values
 
@@ -52,11 +52,13 @@ class OpenNumber:
         return self if other.is_constantly(1) else self._with("/", other, self.value / other.value)
 
     def __pow__(self, power: int) -> OpenNumber:
-        return self if power == 1 else _made(self.value**power, Power(self.expression, power))
+        return self if power == 1 else self._with("**", open_number(power), self.value**power)
 
     def __neg__(self) -> OpenNumber:
-        inner = self.expression
-        return _made(-self.value, inner.operand if isinstance(inner, Negative) else Negative(inner))
+        match self.expression:
+            case Compound("negative", (inner,)):
+                return _made(-self.value, inner)
+        return _made(-self.value, Compound("negative", (self.expression,)))
 
     def __radd__(self, left: Any) -> OpenNumber:
         return open_number(left) + self
@@ -86,8 +88,8 @@ class OpenNumber:
         """Whether it is a number that no parameter can change."""
         return isinstance(self.expression, Number) and self.value == number
 
-    def _with(self, operator: Literal["+", "-", "*", "/"], right: OpenNumber, value: Fraction | float) -> OpenNumber:
-        return _made(value, Binary(operator, self.expression, right.expression))
+    def _with(self, sign: str, right: OpenNumber, value: Fraction | float) -> OpenNumber:
+        return _made(value, Compound(sign, (self.expression, right.expression)))
 
 
 def open_number(value: Any) -> OpenNumber:
@@ -98,11 +100,11 @@ def open_number(value: Any) -> OpenNumber:
 def open_values(parameters: Mapping[str, Any]) -> Values:
     """What turns the scalars of elements into numbers that stay open in these parameters."""
     named = {name: OpenNumber(value, Name(name)) for name, value in parameters.items()}
-    return Values(named, Algebra(open_number, _square_root, OpenNumber(pi, Pi())))
+    return Values(named, Algebra(open_number, _square_root, OpenNumber(pi, Compound("pi"))))
 
 
 def _square_root(number: OpenNumber) -> OpenNumber:
-    return _made(exact_sqrt(number.value), SquareRoot(number.expression))
+    return _made(exact_sqrt(number.value), Compound("sqrt", (number.expression,)))
 
 
 def _made(value: Fraction | float, expression: Expression) -> OpenNumber:

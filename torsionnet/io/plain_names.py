@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
+from itertools import chain, count
 
 
 class Names:
@@ -21,9 +22,12 @@ class Names:
         """A free name as near to ``wish`` as can be."""
         plain = re.sub(r"[^A-Za-z0-9_]+", "_", wish).strip("_") or "n"
         plain = plain if plain[0].isalpha() else f"n{plain}"
-        number, name = 1, plain
-        while name in self.taken:
-            number += 1
-            name = f"{plain}_{number}"
+        name = free_name(plain, self.taken)
         self.taken.add(name)
         return name
+
+
+def free_name(wish: str, taken: Container[str]) -> str:
+    """The name itself, or else with the first number from 2 that is free."""
+    numbered = (f"{wish}_{number}" for number in count(2))
+    return next(name for name in chain([wish], numbered) if name not in taken)

@@ -8,11 +8,12 @@ does a gear with a parent, on the shaft it drives. Meaning as in ``opentorsion.P
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from torsionnet.core.errors import Fault, Path, did_you_mean
+from torsionnet.core.groups import Groups
 
 SHEAR_MODULUS, DENSITY = 80e9, 8000.0
 """Pa and kg/m^3; the format has no shear modulus, and openTorsion takes this density where none is given."""
@@ -182,14 +183,8 @@ def _start(
         listed = ", ".join(free) or "none"
         text = f"the components must form one connected tree; without a connection into them: {listed}"
         return "", [Fault(text, ("structure",))] if components else []
-    reached = set(_reached(free[0], onward))
-    lost = [name for name in components if name not in reached]
+    joined = Groups(components)
+    for (source, _), targets in onward.items():
+        joined.join(source, *targets)
+    lost = [name for name in components if name not in joined.of(free[0])]
     return free[0], [Fault(f"{', '.join(lost)} are not connected to {free[0]}", ("structure",))] if lost else []
-
-
-def _reached(start: str, onward: Mapping[tuple[str, str], Iterable[str]]) -> Iterator[str]:
-    open_names = [start]
-    while open_names:
-        name = open_names.pop()
-        yield name
-        open_names += [target for (source, _), targets in onward.items() if source == name for target in targets]

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import zip_longest
 from typing import Any, TypeAlias, TypeGuard
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.groups import Groups
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.part_words import unwritten
 from torsionnet.io.tors_elements import SHEAR_MODULUS
@@ -142,20 +143,11 @@ def _is_joint(element: Element, row: Row) -> bool:
 
 
 def _refuse_all_but_a_tree(disks: Disks, edges: list[Edge]) -> None:
-    home = {node: node for node in disks}
-
-    def root(node: str) -> str:
-        while home[node] != node:
-            home[node] = home[home[node]]
-            node = home[node]
-        return node
-
+    joined = Groups(disks)
     for edge in edges:
-        first, second = root(edge.first), root(edge.second)
-        if first == second:
+        if not joined.join(edge.first, edge.second):
             raise UsageError(f"{', '.join(edge.names)} closes a loop; TORS holds trees only")
-        home[second] = first
-    parts = {root(node): node for node in disks}
+    parts = [part[0] for part in joined.groups()]
     if len(parts) > 1:
         raise UsageError(f"nothing connects {' and '.join(parts)} in this configuration; TORS holds one tree")
 
@@ -164,15 +156,14 @@ def _two(ends: list[str]) -> tuple[str, str]:
     return ends[0], ends[1]
 
 
-def _merged(elements: Iterable[Element], value: Values, nodes: Iterable[str]) -> dict[str, str]:
+def _merged(elements: Iterable[Element], value: Values, nodes: Sequence[str]) -> dict[str, str]:
     """Every node with the one that stands for it: rigid connections make one of two."""
-    home = {node: node for node in nodes}
+    joined = Groups(nodes)
     for element in elements:
         for part in element.parts(value):
             if isinstance(part, Constraint) and _is_joint(element, part.row):
-                first, second = (home[node] for node in part.row)
-                home = {node: first if other == second else other for node, other in home.items()}
-    return home
+                joined.join(*part.row)
+    return {node: joined.of(node)[0] for node in nodes}
 
 
 def _disk(name: str, inertia: float = 0.0, damping: float = 0.0) -> dict[str, Any]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
 from torsionnet.core.errors import UsageError, did_you_mean, unknown_key
@@ -44,6 +44,11 @@ class Sensor:
         if self.at is not None and self.quantity != "torque":
             raise UsageError(f"only a torque is taken at a port; leave out at={self.at!r}, or measure a torque instead")
 
+    @property
+    def is_on_element(self) -> bool:
+        """Whether ``of`` is an element; else it is a node."""
+        return self.quantity in ELEMENT_QUANTITIES
+
     def __str__(self) -> str:
         return f"{self.quantity}({self.of}{', ' + self.at if self.at else ''})"
 
@@ -54,6 +59,8 @@ class Sensor:
 @dataclass(frozen=True)
 class Input:
     """An excitation: a ``torque`` on a node, or an imposed ``angle`` of a node."""
+
+    is_on_element: ClassVar[bool] = False
 
     quantity: str
     of: str
@@ -88,6 +95,13 @@ def parse_sensor(text: str) -> Sensor | None:
     if match is None or match[1] not in SENSOR_QUANTITIES or (match[3] and match[1] != "torque"):
         return None
     return Sensor(match[1], match[2], match[3])
+
+
+def named_sensor(entry: str | Sensor, declared: Mapping[str, Sensor]) -> Sensor | None:
+    """The sensor meant: an object, a declared name, or text such as ``torque(gearbox)``."""
+    if isinstance(entry, Sensor):
+        return entry
+    return declared[entry] if entry in declared else parse_sensor(entry)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -12,7 +12,7 @@ from torsionnet.core.entries.format_version import KEY, VERSION, version_faults
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import NAME_SCHEMA, Text, name_fault
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import check_name
+from torsionnet.core.expression_reading import check_name
 from torsionnet.model.channels import INPUT, SENSOR, Input, Sensor
 from torsionnet.model.configurations import AxesEntry, Overlay
 from torsionnet.model.elements import GROUND, Element

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 from torsionnet.core.errors import UsageError, did_you_mean
@@ -57,11 +58,11 @@ class Kinematics:
         """Whether rigid connections to ground keep the node at zero."""
         return not self.reduction.is_free(node) and not self.reduction.reduced({node: 1})
 
-    @property
+    @cached_property
     def laws(self) -> tuple[tuple[str, Law], ...]:
         return tuple((owned.element, owned.part) for owned in self.parts if isinstance(owned.part, Law))
 
-    @property
+    @cached_property
     def constraints(self) -> tuple[tuple[str, Row], ...]:
         return constraints_of(self.parts)
 
@@ -134,6 +135,21 @@ def solve_kinematics(
         raise UsageError(f"{kept} cannot all be coordinates: {owners[tied[0]]} ties them to each other or to ground")
     coordinates = in_order_given([node for node in nodes if reduction.is_free(node)], referred_to)
     return Kinematics(nodes, parts, tuple(imposed), driven, reduction, coordinates)
+
+
+def kinematics_on(
+    value: Values, plain: Kinematics, definition: Definition, referred_to: Sequence[str] = (), loose: Sequence[int] = ()
+) -> Kinematics:
+    """The constraints solved again on the numbers of ``value``; those with a number in ``loose`` are left out."""
+    parts, number = owned_parts(definition, value), value.algebra.number
+    rows = [
+        {} if index in loose else {node: number(coefficient) for node, coefficient in row.items()}
+        for index, (_, row) in enumerate(constraints_of(parts))
+    ]
+    order = {node: index for index, node in enumerate(plain.nodes)}
+    reduction = reduce_rows(rows, order, {*referred_to, *map(pseudo_node, plain.imposed)})
+    coordinates = in_order_given([node for node in plain.nodes if reduction.is_free(node)], referred_to)
+    return replace(plain, parts=parts, reduction=reduction, coordinates=coordinates)
 
 
 def in_order_given(coordinates: Sequence[str], referred_to: Collection[str]) -> tuple[str, ...]:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import html
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.spec import Spec
 from torsionnet.core.entries.words import Text
 from torsionnet.core.expressions import Expression, Number
+from torsionnet.core.number_text import on_screen
 from torsionnet.core.units import expected_unit
 from torsionnet.model.channels import UNITS
 from torsionnet.model.checks.units_in_use import parameter_units
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 
 MOST_ROWS = 60
 """Rows of a table in a notebook."""
+Written: TypeAlias = tuple[str | float, ...]
+"""A text with numbers in it, which a table writes with the digits of its column."""
 SHOWN_ELSEWHERE = (NodeName, NodePair, Text)
 
 
@@ -57,16 +60,22 @@ def _beginning(table: Table) -> Table:
 def elements_table(rig: Model) -> Table:
     columns = (Column("element"), Column("type"), Column("nodes"), Column("values"), Column("description"))
     rows = tuple(
-        (element.name, element.kind, nodes_text(element), "; ".join(values_of(element, rig)), _remark(element))
+        (element.name, element.kind, nodes_text(element), _listed(values_of(element, rig)), _remark(element))
         for element in rig.definition.elements.values()
     )
     return without_empty_columns(Table("Elements", columns, rows))
 
 
 def without_empty_columns(table: Table) -> Table:
-    used = [index for index in range(len(table.columns)) if any(row[index] not in ("", None) for row in table.rows)]
-    rows = tuple(tuple(row[index] for index in used) for row in table.rows)
-    return replace(table, columns=tuple(table.columns[index] for index in used), rows=rows)
+    return table.chosen(
+        [index for index in range(len(table.columns)) if any(row[index] not in ("", (), None) for row in table.rows)]
+    )
+
+
+def _listed(values: Iterable[Written]) -> Written:
+    """One text of several."""
+    parts = [part for value in values for part in ("; ", *value)]
+    return tuple(parts[1:])
 
 
 def _remark(element: Element) -> str:
@@ -84,7 +93,7 @@ def nodes_text(element: Element) -> str:
     return ", ".join(f"{port} {node}" for port, node in element.ports.items())
 
 
-def values_of(element: Element, rig: Model) -> Iterator[str]:
+def values_of(element: Element, rig: Model) -> Iterator[Written]:
     """``stiffness k_2 = 460 N*m/rad`` for each value given."""
     defaults = element.defaults()
     for name, (spec, value) in element.scalars().items():
@@ -92,39 +101,40 @@ def values_of(element: Element, rig: Model) -> Iterator[str]:
             continue  # in columns of their own
         if value == defaults[name]:
             continue
-        yield f"{name} {value_text(element, spec, value, rig)}"
+        yield (f"{name} ", *value_text(element, spec, value, rig))
 
 
-def value_text(element: Element, spec: Spec, value: Any, rig: Model) -> str:
+def value_text(element: Element, spec: Spec, value: Any, rig: Model) -> Written:
     if isinstance(value, DampingMeasure):
-        at = f" at {resolved(value.at, 'Hz', rig)}" if value.at is not None else ""
-        return f"{value.measure} {resolved(value.value, _unit_of_measure(value), rig)}{at}{_viscous(element, rig)}"
+        at = (" at ", *resolved(value.at, "Hz", rig)) if value.at is not None else ()
+        shown = resolved(value.value, _unit_of_measure(value), rig)
+        return (f"{value.measure} ", *shown, *at, *_viscous(element, rig))
     entries = spec.expressions(value)
     if entries:
         return resolved(value, expected_unit(entries[0][2]), rig)
     if hasattr(value, "frequencies"):
-        return f"of {len(value.frequencies)} frequencies"
+        return (f"of {len(value.frequencies)} frequencies",)
     plain = spec.plain(value)
-    return ", ".join(map(str, plain)) if isinstance(plain, list) else str(plain)
+    return (", ".join(map(str, plain)) if isinstance(plain, list) else str(plain),)
 
 
 def _unit_of_measure(value: DampingMeasure) -> str:
     return expected_unit("damping" if value.measure == "c" else "1")
 
 
-def _viscous(element: Element, rig: Model) -> str:
+def _viscous(element: Element, rig: Model) -> Written:
     """What a measure of damping comes to, where the element has a single law."""
     laws = [part for part in element.parts(Values(rig.exact_values)) if isinstance(part, Law)]
-    return f" = {float(laws[0].damping):.6g} N*m*s/rad" if len(laws) == 1 and laws[0].damping else ""
+    return (" = ", float(laws[0].damping), " N*m*s/rad") if len(laws) == 1 and laws[0].damping else ()
 
 
-def resolved(value: Expression, unit: str, rig: Model) -> str:
+def resolved(value: Expression, unit: str, rig: Model) -> Written:
     """As written, and in SI where that is something else: ``0.46 kN*m/rad = 460 N*m/rad``."""
-    number = f"{float(value.evaluate(rig.exact_values)):.6g}{'' if unit == '1' else f' {unit}'}"
+    number = (float(value.evaluate(rig.exact_values)), "" if unit == "1" else f" {unit}")
     if isinstance(value, Number) and value.unit_dimension is None:
         return number
     written = str(value)
-    return number if written == number else f"{written} = {number}"
+    return number if written == on_screen(number) else (f"{written} = ", *number)
 
 
 def parameters_table(rig: Model) -> Table:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 import torsionnet.plot.style as style
 from torsionnet.core.errors import UsageError
+from torsionnet.core.number_text import typeset_unit
 from torsionnet.response import SI, Conventions, FrequencyResponse
 from torsionnet.response.phase import HALF_TURN, unwrapped
 from torsionnet.signals.advice import LEAST_COHERENCE
@@ -291,7 +292,7 @@ def _pair(responses: Sequence[FrequencyResponse]) -> str:
 
 
 def _dress_magnitude(axes: Axes, what: str, unit: str, *, decibels: bool, conventions: Conventions) -> None:
-    shown = style.shown_unit(unit) if unit != "1" else "-"
+    shown = typeset_unit(unit) if unit != "1" else "-"
     if decibels:
         reference = f"{conventions.db_reference:g}" + (f" {shown}" if unit != "1" else "")
         axes.set_ylabel(f"{what} [dB re {reference}]")

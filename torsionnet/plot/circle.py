@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.style as style
+from torsionnet.core.number_text import typeset_unit
 
 if TYPE_CHECKING:
     from torsionnet.modal import CircleFit
@@ -68,7 +69,7 @@ def _plane(axes: Axes, fit: CircleFit) -> None:
         )
     axes.set_aspect("equal", adjustable="datalim")
     axes.margins(0.15)
-    unit = style.shown_unit(fit.unit)
+    unit = typeset_unit(fit.unit)
     axes.set_xlabel(f"real part [{unit}]")
     axes.set_ylabel(f"imaginary part [{unit}]")
 

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 import torsionnet.plot.style as style
+from torsionnet.core.number_text import typeset_unit
 from torsionnet.response import Conventions, FrequencyResponse
 from torsionnet.response.conventions import SI
 from torsionnet.response.frequency_response import FloatArray
@@ -171,9 +172,7 @@ def _dress(
     size.set_ylim(low, high)
     style.log_ticks(size.yaxis, low, high)
     unit = test.unit(conventions=conventions)
-    size.set_ylabel(
-        f"|{test.outputs[0].name}/{test.inputs[0].name}| [{style.shown_unit(unit) if unit != '1' else '-'}]"
-    )
+    size.set_ylabel(f"|{test.outputs[0].name}/{test.inputs[0].name}| [{typeset_unit(unit) if unit != '1' else '-'}]")
     last.set_xlabel(f"frequency [{conventions.frequency}]")
     if x_log:
         last.set_xscale("log")

@@ -9,7 +9,6 @@ from functools import cached_property
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from torsionnet.model.channels import ELEMENT_QUANTITIES
 from torsionnet.model.elements import GROUND, Element, Law, Values
 from torsionnet.plot.epicyclic import Boxed, EpicyclicSet
 from torsionnet.plot.labels import value_lines
@@ -88,7 +87,7 @@ class DrawingPlan:
         return self._by_node(
             (name, sensor.quantity, sensor.of)
             for name, sensor in self.drivetrain.sensors.items()
-            if sensor.quantity not in ELEMENT_QUANTITIES
+            if not sensor.is_on_element
         )
 
     def _by_node(self, channels: Iterable[tuple[str, str, str]]) -> dict[str, list[tuple[str, str]]]:
@@ -105,7 +104,7 @@ class DrawingPlan:
         found: dict[str, list[Tap]] = {}
         for name, sensor in self.drivetrain.sensors.items():
             element = self.drivetrain.elements.get(sensor.of)
-            if sensor.quantity not in ELEMENT_QUANTITIES or element is None:
+            if not sensor.is_on_element or element is None:
                 continue
             port, node = _taken(element, sensor.at)
             found.setdefault(self.homes.get(node, node), []).append(Tap(name, sensor.quantity, element.name, port))

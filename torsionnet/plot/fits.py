@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.style as style
 from torsionnet.core.errors import UsageError
+from torsionnet.core.number_text import typeset_unit
 from torsionnet.plot.labels import symbol
 from torsionnet.response import SI, Conventions
 
@@ -120,5 +121,5 @@ def _phase(values: np.ndarray[tuple[int], np.dtype[np.complex128]]) -> np.ndarra
 
 
 def _labels(one: Compared, conventions: Conventions) -> tuple[str, str, str]:
-    unit = style.shown_unit(one.unit.replace("rad", conventions.angle)) if one.unit != "1" else "-"
+    unit = typeset_unit(one.unit.replace("rad", conventions.angle)) if one.unit != "1" else "-"
     return f"magnitude [{unit}]", "phase [deg]", "(test - model)\nover noise [-]"

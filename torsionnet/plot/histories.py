@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.style as style
 from torsionnet.core.errors import UsageError
+from torsionnet.core.number_text import typeset_unit
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.recording import FloatArray, Recording
@@ -59,7 +60,7 @@ def time_histories(
         scale = conventions.scale(signal.unit) if signal.unit else 1.0
         time, values = thinned(chosen.time, signal.values * scale)
         panel.plot(time, values, color=style.PALETTE[number % len(style.PALETTE)], linewidth=0.7)
-        unit = style.shown_unit(conventions.unit(signal.unit)) if signal.unit else "unit unknown"
+        unit = typeset_unit(conventions.unit(signal.unit)) if signal.unit else "unit unknown"
         panel.set_ylabel(f"{signal.name} [{unit}]")
     panels[-1].set_xlabel("time [s]")
     panels[-1].set_xlim(chosen.time[0], chosen.time[-1])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Mapping
 from typing import Any
@@ -11,16 +10,14 @@ from torsionnet.core.damping import MEASURES, DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import Spec, spec_of
 from torsionnet.core.expressions import Name
+from torsionnet.core.number_text import NumberText, typeset_unit
 from torsionnet.core.units import expected_unit
 from torsionnet.model.elements import Element
 from torsionnet.model.elements.stiffness_rows import TableEntry
+from torsionnet.symbolic.symbol_names import GREEK
 
-GREEK = {"alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "kappa", "lambda", "mu", "nu", "xi",
-         "pi", "rho", "sigma", "tau", "phi", "chi", "psi", "omega"}  # fmt: skip
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
-RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
-SMALLEST, LARGEST = 1e-3, 1e6
-MOST_LINES, DIGITS = 3, 4
+MOST_LINES = 3
 LONGEST_SYMBOL = 14
 """Letters of a name that is set as a symbol: a longer one has to be broken."""
 
@@ -37,31 +34,11 @@ def symbol(name: str) -> str:
     if match is None or len(name) > LONGEST_SYMBOL:
         return name
     base, below = match[1], match[2]
-    if len(base) > 1 and base.lower() not in GREEK:
+    if len(base) > 1 and base not in GREEK:
         return name
     shown = base if len(base) == 1 else f"\\{base}"
     escaped = (below or "").replace("_", r"\_")
     return f"${shown}_{{\\mathrm{{{escaped}}}}}$" if below else f"${shown}$"
-
-
-def number(value: float) -> str:
-    """Four significant digits without exponents where a reader does not need them.
-
-    >>> number(12300.0), number(0.0781), number(2.5e-5)
-    ('12300', '0.0781', '2.5·10⁻⁵')
-    """
-    if value == 0 or not math.isfinite(value):
-        return f"{value:g}"
-    exponent = math.floor(math.log10(abs(value)))
-    if SMALLEST <= abs(value) < LARGEST:
-        decimals = DIGITS - 1 - exponent
-        return _trimmed(f"{round(value, decimals):.{max(0, decimals)}f}")
-    return _trimmed(f"{value / 10.0**exponent:.{DIGITS - 1}f}") + "·10" + str(exponent).translate(RAISED)
-
-
-def _trimmed(decimal: str) -> str:
-    short = decimal.rstrip("0").rstrip(".") if "." in decimal else decimal
-    return short.replace("-", "−")
 
 
 def quantity(value: float, dimension: str) -> str:
@@ -72,13 +49,13 @@ def quantity(value: float, dimension: str) -> str:
     """
     unit = expected_unit(dimension)
     if unit in ("1", ""):
-        return number(value)
+        return str(NumberText(value))
     if unit == "m" and abs(value) < 1:
-        return f"{number(1000 * value)} mm"
+        return f"{NumberText(1000 * value)} mm"
     factor, prefix = 1.0, ""
     if unit.startswith(("N", "Pa")):
         factor, prefix = next(((f, p) for f, p in PREFIXES if abs(value) >= f), (1.0, ""))
-    return f"{number(value / factor)} {prefix}{unit.replace('*', '·').replace('^2', '²').replace('^3', '³')}"
+    return f"{NumberText(value / factor)} {prefix}{typeset_unit(unit)}"
 
 
 def value_lines(element: Element, values: Mapping[str, Any]) -> list[str]:
@@ -99,7 +76,7 @@ def _line(spec: Spec, raw: Any, values: Mapping[str, Any]) -> str:
     if not isinstance(spec, PhysicalQuantity):
         return ""
     if isinstance(raw, DampingMeasure):
-        at = "" if raw.at is None else f" at {number(float(raw.at.evaluate(values)))} Hz"
+        at = "" if raw.at is None else f" at {NumberText(float(raw.at.evaluate(values)))} Hz"
         dimension = MEASURES[raw.measure].dimension
         shown = quantity(float(raw.value.evaluate(values)), dimension)
         return f"{symbol(MEASURES[raw.measure].symbol)} = {shown}{at}"
@@ -109,7 +86,7 @@ def _line(spec: Spec, raw: Any, values: Mapping[str, Any]) -> str:
     if spec.dimension == "1" and raw.names and not isinstance(raw, Name) and len(str(raw)) <= LONGEST_EXPRESSION:
         # A parameter of the model may have the symbol of the field: tau of a gear with the ratio -tau.
         head = "" if spec.symbol in raw.names else f"{symbol(spec.symbol)} = "
-        return f"{head}{expression(str(raw))} = {number(value)}"
+        return f"{head}{expression(str(raw))} = {NumberText(value)}"
     name = raw.name if isinstance(raw, Name) else spec.symbol
     return f"{symbol(name)} = {quantity(value, spec.dimension)}"
 
@@ -129,7 +106,7 @@ def _ratio_line(element: Element, teeth: tuple[int, int]) -> str:
     ratio = next((spec_of(declared) for declared in element.declared() if declared.name == "ratio"), None)
     name = ratio.symbol if isinstance(ratio, PhysicalQuantity) else "tau"
     sign = "−" if teeth[0] * teeth[1] < 0 else ""
-    return f"{symbol(name)} = {sign}{abs(teeth[1])}/{abs(teeth[0])} = {number(teeth[1] / teeth[0])}"
+    return f"{symbol(name)} = {sign}{abs(teeth[1])}/{abs(teeth[0])} = {NumberText(teeth[1] / teeth[0])}"
 
 
 def _shaft_lines(element: Any, values: Mapping[str, Any]) -> list[str]:

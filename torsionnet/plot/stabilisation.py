@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 import torsionnet.plot.style as style
+from torsionnet.core.number_text import typeset_unit
 from torsionnet.modal import ModalEstimate, Stabilisation, cmif
 from torsionnet.response import SI, Conventions
 
@@ -87,7 +88,7 @@ def _indicator(axes: Axes, diagram: Stabilisation, scale: float) -> None:
         width = 1.4 if number == 0 else 0.8
         axes.semilogy(response.frequencies[positive] * scale, curve[positive], color=style.MUTED, linewidth=width)
     units = {response.unit(o, i) for o in range(len(response.outputs)) for i in range(len(response.inputs))}
-    unit = style.shown_unit(units.pop()) if len(units) == 1 else "relative"
+    unit = typeset_unit(units.pop()) if len(units) == 1 else "relative"
     axes.set_ylabel(f"CMIF [{unit}]", fontsize=style.FONT, color=style.MUTED)
     axes.tick_params(which="both", labelsize=style.SMALL, color=style.MUTED, labelcolor=style.MUTED)
     for spine in axes.spines.values():

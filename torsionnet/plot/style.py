@@ -88,11 +88,6 @@ def plain(value: float) -> str:
     return f"{value:g}" if 1e-4 <= abs(value) < 1e5 or value == 0 else f"{value:.0e}".replace("e-0", "e-")
 
 
-def shown_unit(unit: str) -> str:
-    """An SI unit as it is printed: ``rad/(N·m)``."""
-    return unit.replace("*", "·").replace("^2", "²")
-
-
 def heading(figure: Figure, title: str) -> None:
     if title:
         figure.suptitle(title, fontsize=TITLE, color=INK)

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import torsionnet.plot.style as style
+from torsionnet.core.number_text import typeset_unit
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.recording import FloatArray
@@ -55,7 +56,7 @@ def spectrogram(
     """
     scale = conventions.scale(seen.unit) if seen.unit else 1.0
     levels = seen.decibels(conventions.db_reference / scale)
-    unit = style.shown_unit(conventions.unit(seen.unit)) if seen.unit else "unknown unit"
+    unit = typeset_unit(conventions.unit(seen.unit)) if seen.unit else "unknown unit"
     label = f"{seen.name} [dB re {conventions.db_reference:g} {unit}]"
     figure = style.new_figure(style.WIDTH, 3.6)
     axes = figure.subplots()
@@ -82,7 +83,7 @@ def order_map(seen: OrderMap, *, span: float = 60.0, conventions: Conventions = 
     scale = conventions.scale(seen.unit) if seen.unit else 1.0
     with np.errstate(divide="ignore"):
         levels = 20 * np.log10(seen.amplitude * scale / conventions.db_reference)
-    unit = style.shown_unit(conventions.unit(seen.unit)) if seen.unit else "unknown unit"
+    unit = typeset_unit(conventions.unit(seen.unit)) if seen.unit else "unknown unit"
     figure = style.new_figure(style.WIDTH, 3.6)
     axes = figure.subplots()
     speeds = seen.speeds * 60 / (2 * np.pi)
@@ -106,7 +107,7 @@ def sweep_harmonics(found: Harmonics, *, conventions: Conventions = SI, title: s
         By default the name of the signal.
     """
     scale = conventions.scale(found.unit) if found.unit else 1.0
-    unit = style.shown_unit(conventions.unit(found.unit)) if found.unit else "unknown unit"
+    unit = typeset_unit(conventions.unit(found.unit)) if found.unit else "unknown unit"
     figure = style.new_figure(style.WIDTH, 4.2)
     size, phase = figure.subplots(2, 1, sharex=True, gridspec_kw={"height_ratios": [3, 2]})
     for number, order in enumerate(found.orders):

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
+
+import networkx as nx
 
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.plot.epicyclic import Boxed, epicyclic_sets
@@ -168,19 +171,8 @@ def _loose(link: Link) -> int:
 
 def _way(joined: Mapping[Vertex, list[tuple[Link, Vertex]]], start: Vertex, end: Vertex) -> list[Link]:
     """The links of the tree between two vertices, from the end backwards."""
-    came: dict[Vertex, tuple[Link, Vertex] | None] = {start: None}
-    queue = [start]
-    for vertex in queue:
-        for link, other in joined[vertex]:
-            if other not in came:
-                came[other] = (link, vertex)
-                queue.append(other)
-    way = []
-    step = came.get(end)
-    while step is not None:
-        way.append(step[0])
-        step = came[step[1]]
-    return way
+    tree = nx.Graph((vertex, other, {"link": link}) for vertex, links in joined.items() for link, other in links)
+    return [tree.edges[step]["link"] for step in pairwise(nx.shortest_path(tree, end, start))]
 
 
 def _best_root(start: Vertex, joined: Mapping[Vertex, list[tuple[Link, Vertex]]]) -> Vertex:

@@ -22,6 +22,7 @@ from torsionnet.report.sections.modes import modes_section
 from torsionnet.report.sections.parameters import parameters_section
 from torsionnet.report.sections.responses import responses_section
 from torsionnet.report.sections.schematic import schematic_section
+from torsionnet.report.sections.simplified import simplified_section
 from torsionnet.report.sections.summary import summary_section
 from torsionnet.report.sections.validity import validity_section
 
@@ -34,6 +35,7 @@ BUILDERS: dict[str, Callable[[ReportData], Section | None]] = {
     "equations": equations_section,
     "modes": modes_section,
     "formulas": formulas_section,
+    "simplified": simplified_section,
     "responses": responses_section,
     "test": comparison_section,
     "fit": fit_section,
@@ -55,6 +57,8 @@ def build(subject: ReportData, version: str) -> Report:
         facts=Facts(tuple(_facts(subject, version))),
         notes=sentence(plan.notes.strip(), subject.model),
         sections=tuple(section for section in made if section is not None),
+        author=plan.author,
+        date=subject.request.date.isoformat() if subject.request.date else "",
     )
 
 

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeAlias
 
+from torsionnet.core import number_text
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SMALLEST, LARGEST = 1e-4, 1e6
-"""Sizes between which a number is written without a power of ten."""
+    from torsionnet.report.template_folder import TemplateFolder
 
 
 @dataclass(frozen=True)
@@ -42,59 +42,7 @@ class Code:
     text: str
 
 
-@dataclass(frozen=True)
-class NumberText:
-    """A number with so many significant digits, or with so many decimals.
-
-    Examples
-    --------
-    >>> [(number.mantissa, number.exponent) for number in map(NumberText, (0.46, 13300.0, 1.106e6))]
-    [('0.46', None), ('13300', None), ('1.106', 6)]
-    """
-
-    value: float | None
-    digits: int = 4
-    decimals: int | None = None
-
-    @property
-    def exponent(self) -> int | None:
-        """Power of ten, None where the number is written without."""
-        if self.value is None or not math.isfinite(self.value) or self.value == 0:
-            return None
-        if SMALLEST <= abs(self.value) < LARGEST or self.decimals is not None:
-            return None
-        return math.floor(math.log10(float(f"{abs(self.value):.{self.digits - 1}e}")))
-
-    @property
-    def mantissa(self) -> str:
-        """The digits, with an ASCII minus; a dash where there is no number."""
-        if self.value is None or math.isnan(self.value):
-            return "–"
-        if math.isinf(self.value):
-            return "-∞" if self.value < 0 else "∞"
-        if self.decimals is not None:
-            return _positive_zero(f"{self.value:.{self.decimals}f}")
-        if self.exponent is not None:
-            return _trimmed(f"{self.value / 10.0**self.exponent:.{self.digits - 1}f}")
-        if self.value == 0:
-            return "0"
-        places = self.digits - 1 - math.floor(math.log10(abs(self.value)))
-        return _trimmed(f"{round(self.value, places):.{max(0, places)}f}")
-
-    @property
-    def decimals_shown(self) -> int:
-        """Digits behind the point, for setting columns."""
-        return len(self.mantissa.partition(".")[2]) if self.exponent is None else 0
-
-
-def _trimmed(text: str) -> str:
-    return text.rstrip("0").rstrip(".") if "." in text else text
-
-
-def _positive_zero(text: str) -> str:
-    return text.removeprefix("-") if not text.strip("-0.") else text
-
-
+NumberText = number_text.NumberText
 Inline: TypeAlias = str | Math | DefinitionList | Strong | Code | NumberText
 Text: TypeAlias = tuple[Inline, ...]
 Cell: TypeAlias = Inline | Text
@@ -155,6 +103,11 @@ class Heading:
     numeric: bool = False
     wide: bool = False
 
+    @property
+    def bracket(self) -> str:
+        """The unit as it stands behind the text, empty if there is none."""
+        return number_text.bracketed(self.unit)
+
 
 @dataclass(frozen=True)
 class TableGroup:
@@ -173,6 +126,23 @@ class TableBlock:
     groups: tuple[TableGroup, ...]
     notes: tuple[Text, ...] = ()
     more: int = 0
+
+    def column(self, index: int) -> list[Cell]:
+        """The cells below a heading, of all groups."""
+        return [row[index] for group in self.groups for row in group.rows]
+
+    def numbers(self, index: int) -> list[NumberText]:
+        """The numbers among them."""
+        return [cell for cell in self.column(index) if isinstance(cell, NumberText)]
+
+    def decimals(self, index: int) -> int:
+        """Digits behind the point that the numbers of a column need to stand below each other."""
+        return max((number.decimals_shown for number in self.numbers(index)), default=0)
+
+    @property
+    def ending(self) -> tuple[Text, ...]:
+        """What stands below the table: its notes, and how many rows are left out."""
+        return (*self.notes, *([(f"… and {self.more} more",)] if self.more else []))
 
 
 @dataclass(frozen=True, eq=False)
@@ -208,13 +178,16 @@ Block: TypeAlias = Paragraph | Listing | Facts | Remark | Formula | Equations | 
 
 @dataclass(frozen=True)
 class Report:
-    """A whole report."""
+    """A whole report; ``template`` is the folder that says how it looks."""
 
     title: str
     subtitle: str
     facts: Facts
     notes: Text
     sections: tuple[Section, ...]
+    author: str = ""
+    date: str = ""
+    template: TemplateFolder | None = None
 
     @property
     def pictures(self) -> Iterator[Picture]:

@@ -23,9 +23,10 @@ from torsionnet.report.request import Measured, Request, read_date
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.identification import Fit
+    from torsionnet.report.template_folder import TemplateFolder
 
 Model: TypeAlias = "str | os.PathLike[str] | Drivetrain"
-WRITERS = {".html": "page", ".htm": "page", ".pdf": "pdf", ".tex": "latex", ".md": "markdown"}
+WRITERS = {".html": "html", ".htm": "html", ".pdf": "pdf", ".tex": "latex", ".md": "markdown"}
 """Writer by the ending of the file: a module with a function ``write(report, path)``."""
 
 
@@ -41,7 +42,7 @@ def write_report(model: Model, path: str | os.PathLike[str], **options: Any) -> 
         it. PDF needs an installed Chromium, Chrome or Edge.
     **options
         As for :func:`torsionnet.report.make_report`: configurations, sections, transfer_functions, band, settings,
-        title, author, notes, angle, date, tests, fits.
+        title, author, notes, angle, simplify, date, tests, fits, template.
 
     Returns
     -------
@@ -96,9 +97,11 @@ def make_report(
     author: str | None = None,
     notes: str | None = None,
     angle: str | None = None,
+    simplify: float | str | None = None,
     date: str | dt.date | None = "today",
     tests: Iterable[Any] | Mapping[str, Any] = (),
     fits: Iterable[Fit] = (),
+    template: str | os.PathLike[str] | None = None,
 ) -> Report:
     """The report on a model as a tree; what is not given is what the ``report:`` section of its file says.
 
@@ -117,16 +120,22 @@ def make_report(
         Parameter -> value.
     title, author, notes : str
     angle : {"rad", "deg"}
+    simplify : float or str
+        0.01 or ``"1 %"``: also transfer functions without the elements that move no mode in the band by more.
     date : str, dt.date or None
         ISO; None: without. Equal models with equal dates give equal files.
     tests : mapping or iterable of FrequencyResponse
         Measured responses, by configuration if there are several.
     fits : iterable of Fit
+    template : str or path
+        Folder with a letterhead, style and wording; default: that of the file, a path from there.
 
     Raises
     ------
     UsageError
         An unknown section, configuration or transfer function.
+    ModelError
+        The template folder is wrong; every fault with its place.
 
     Examples
     --------
@@ -137,7 +146,8 @@ def make_report(
     if settings:
         drivetrain = drivetrain.configured(**settings)
     plan = drivetrain.definition.report or ReportPlan()
-    texts = {"title": title, "author": author, "notes": notes, "angle": angle}
+    read = _template(template or (plan.template and file.parent / plan.template))
+    texts = {"title": title, "author": author, "notes": notes, "angle": angle, "simplify": simplify}
     given: dict[str, Any] = {key: text for key, text in texts.items() if text is not None}
     lists = {
         "configurations": tuple(configurations),
@@ -154,19 +164,33 @@ def make_report(
         plan, tuple((key, str(value)) for key, value in (settings or {}).items()), today, _tests(tests), tuple(fits)
     )
     cases = cases_of(drivetrain, plan.configurations)
-    subject = ReportData(drivetrain, cases, request, file, digest_of(data))
+    subject = ReportData(drivetrain, cases, request, file.name, digest_of(data))
     require_answers(subject)
     from torsionnet.report.build import build
+    from torsionnet.report.report_words import plain
+    from torsionnet.report.rewording import Reworded
 
-    return build(subject, __version__)
+    report = build(subject, __version__)
+    if read is None:
+        return report
+    names = {case.configuration for case in cases} | {plain(name) for name in drivetrain.definition.elements}
+    return replace(Reworded(read.wording, names).report(report), template=read)
 
 
-def _read(model: Model) -> tuple[Drivetrain, str, bytes]:
-    """The drivetrain, the name of its file, and the bytes that describe it."""
+def _read(model: Model) -> tuple[Drivetrain, Path, bytes]:
+    """The drivetrain, its file if it has one, and the bytes that describe it."""
     if isinstance(model, (str, os.PathLike)):
         path = find_model(model)
-        return load(model), path.name, path.read_bytes()
-    return model, "", model.to_yaml().encode()
+        return load(model), path, path.read_bytes()
+    return model, Path(), model.to_yaml().encode()
+
+
+def _template(folder: str | os.PathLike[str] | None) -> TemplateFolder | None:
+    if not folder:
+        return None
+    from torsionnet.report.template_reading import read_template
+
+    return read_template(folder)
 
 
 def _sections(names: Iterable[str]) -> tuple[str, ...]:

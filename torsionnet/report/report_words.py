@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from torsionnet.core.number_text import MISSING_TYPESET, typeset_unit
 from torsionnet.model.channels import parse_sensor
 from torsionnet.model.report import Pair
-from torsionnet.report.document_tree import Inline, Math, NumberText, Text
+from torsionnet.report.document_tree import Inline, Math, Text
 from torsionnet.symbolic.symbol_names import GREEK, symbol_latex
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
-
-MOST_DECIMALS = 4
-LARGE, SMALL, SPREAD = 1e5, 1e-3, 1e4
-"""Sizes and spread of a column beyond which each number has digits of its own."""
 
 
 def plain(name: str) -> str:
@@ -47,6 +43,11 @@ def channel_latex(name: str) -> str:
 def pair_latex(pair: Pair) -> str:
     """A transfer function as a slanted fraction."""
     return f"{channel_latex(pair.output)} / {channel_latex(pair.input)}"
+
+
+def quotient_latex(pair: Pair) -> str:
+    """A transfer function as an upright fraction, in front of its formula."""
+    return rf"\frac{{{channel_latex(pair.output)}}}{{{channel_latex(pair.input)}}}"
 
 
 def named(name: str) -> Inline:
@@ -85,7 +86,7 @@ def _can_be_told(name: str) -> bool:
 
 def unit(text: str) -> str:
     """An SI unit as it is printed: ``rad/(N·m)``, a dash for none."""
-    return "–" if text in ("", "1") else text.replace("*", "·").replace("^2", "²").replace("^3", "³")
+    return MISSING_TYPESET if text in ("", "1") else typeset_unit(text)
 
 
 def capital(text: str) -> str:
@@ -101,17 +102,3 @@ def listed(names: Sequence[str], most: int = 12) -> str:
     """Names with commas; of many the first."""
     rest = len(names) - most
     return ", ".join(names[:most]) + (f", … and {rest} more" if rest > 0 else "")
-
-
-def aligned(values: Sequence[float | None], digits: int = 4) -> list[NumberText]:
-    """Numbers of one column with equally many decimals, so many that the smallest has three digits or more.
-
-    >>> [number.mantissa for number in aligned([3.6909, 40.535, None])]
-    ['3.691', '40.535', '–']
-    """
-    sizes = [abs(value) for value in values if value is not None and math.isfinite(value) and value != 0]
-    if not sizes or max(sizes) >= LARGE or min(sizes) < SMALL or max(sizes) / min(sizes) > SPREAD:
-        return [NumberText(value, digits) for value in values]
-    decimals = digits - 1 - math.floor(math.log10(min(sizes)))
-    decimals = min(max(decimals, 0), max(MOST_DECIMALS, digits - 1 - math.floor(math.log10(max(sizes)))))
-    return [NumberText(value, digits, decimals if value else None) for value in values]

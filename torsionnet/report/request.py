@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime as dt
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -13,9 +12,6 @@ from torsionnet.model.report import Pair, ReportPlan
 if TYPE_CHECKING:
     from torsionnet.identification import Fit
     from torsionnet.response import FrequencyResponse
-
-GIVEN_ONLY = ("test", "fit")
-"""Sections that need data."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,10 +46,13 @@ class Request:
 
     def wants(self, section: str) -> bool:
         """Whether a section is in the report."""
-        data: dict[str, Sequence[object]] = {"test": self.tests, "fit": self.fits}
-        if section in data and not data[section]:
-            return False
-        return not self.plan.sections or section in self.plan.sections or section in data
+        chosen = self.plan.sections
+        if_given = {
+            "test": bool(self.tests),
+            "fit": bool(self.fits),
+            "simplified": self.plan.simplify is not None or "simplified" in chosen,
+        }
+        return if_given.get(section, not chosen or section in chosen)
 
     @property
     def pairs(self) -> tuple[Pair, ...]:

@@ -6,26 +6,32 @@ import csv
 import html
 import io
 import json
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from torsionnet.core.atomic import write_text
+from torsionnet.core.number_text import bracketed, exact, finite, on_screen
 
 
 @dataclass(frozen=True)
 class Column:
-    """Heading of a column; ``digits`` are the significant digits of numbers shown as text."""
+    """Heading of a column; numbers shown as text have so many significant digits, and at most so many decimals."""
 
     name: str
     unit: str = ""
     digits: int = 6
+    decimals: int | None = None
 
     @property
     def heading(self) -> str:
-        return f"{self.name} [{self.unit}]" if self.unit else self.name
+        return f"{self.name} {bracketed(self.unit)}".rstrip()
+
+    def text(self, value: Any) -> str:
+        """A cell of this column as text."""
+        rounded = isinstance(value, float) and self.decimals is not None
+        return on_screen(round(value, self.decimals) if rounded else value, self.digits)
 
 
 @dataclass(frozen=True)
@@ -37,11 +43,22 @@ class Table:
     rows: tuple[tuple[Any, ...], ...]
     notes: tuple[str, ...] = ()
 
+    def with_digits(self, digits: int) -> Table:
+        """The same with so many significant digits in every column."""
+        return replace(self, columns=tuple(replace(one, digits=digits, decimals=None) for one in self.columns))
+
+    def chosen(self, indices: Sequence[int]) -> Table:
+        """Some of the columns."""
+        rows = tuple(tuple(row[index] for index in indices) for row in self.rows)
+        return replace(self, columns=tuple(self.columns[index] for index in indices), rows=rows)
+
+    def is_numeric(self, index: int) -> bool:
+        """Whether nothing but numbers stands in a column, which then goes to the right."""
+        return all(row[index] is None or isinstance(row[index], (int, float)) for row in self.rows)
+
     def cells(self) -> list[list[str]]:
         """Every cell as text with the digits of its column."""
-        return [
-            [show(value, column.digits) for value, column in zip(row, self.columns, strict=True)] for row in self.rows
-        ]
+        return [[column.text(value) for value, column in zip(row, self.columns, strict=True)] for row in self.rows]
 
     def to_text(self) -> str:
         headings = [column.heading for column in self.columns]
@@ -59,7 +76,7 @@ class Table:
             buffer.write(f"# {note}\n")
         writer = csv.writer(buffer, lineterminator="\n")
         writer.writerow([column.heading for column in self.columns])
-        writer.writerows([[_exact(value) for value in row] for row in self.rows])
+        writer.writerows([[exact(value) for value in row] for row in self.rows])
         return _written(buffer.getvalue(), path)
 
     def to_json(self, path: str | Path | None = None) -> str:
@@ -67,7 +84,9 @@ class Table:
         data = {
             "title": self.title,
             "columns": [{"name": column.name, "unit": column.unit} for column in self.columns],
-            "rows": [[_plain(value) for value in row] for row in self.rows],
+            "rows": [
+                [on_screen(cell) if isinstance(cell, tuple) else finite(cell) for cell in row] for row in self.rows
+            ],
             "notes": list(self.notes),
         }
         return _written(json.dumps(data, indent=1, ensure_ascii=False) + "\n", path)
@@ -84,29 +103,6 @@ class Table:
 
     def __str__(self) -> str:
         return self.to_text()
-
-
-def show(value: Any, digits: int = 6) -> str:
-    """A value as a short text: ``-`` for nothing."""
-    if value is None or (isinstance(value, float) and math.isnan(value)):
-        return "-"
-    if isinstance(value, float):
-        return f"{value:.{digits}g}"
-    return str(value)
-
-
-def _exact(value: Any) -> Any:
-    return (
-        ""
-        if value is None or (isinstance(value, float) and math.isnan(value))
-        else repr(value)
-        if isinstance(value, float)
-        else value
-    )
-
-
-def _plain(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _written(text: str, path: str | Path | None) -> str:

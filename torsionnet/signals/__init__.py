@@ -76,5 +76,5 @@ __all__ = [
 
 # Files are read in a layer above this one, which knows no files; the names have their place here all the same.
 __getattr__ = names_on_demand(
-    __name__, dict.fromkeys(("iter_blocks", "read_recording", "write_recording"), "torsionnet.io.records")
+    __name__, dict.fromkeys(("iter_blocks", "read_recording", "write_recording"), "torsionnet.io.recording_files")
 )

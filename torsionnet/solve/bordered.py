@@ -17,8 +17,8 @@ from fractions import Fraction
 from itertools import islice
 from typing import TypeAlias
 
+from torsionnet.assembly.functionals import powers_of_s
 from torsionnet.assembly.system import Assembly
-from torsionnet.model.elements import Law
 from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import exact_row
 from torsionnet.solve.modular import Coefficients, determinant, interpolated, primes, rational, residue, square_free
@@ -45,7 +45,7 @@ class Bordered:
         powers: tuple[list[ExactRow], ...] = tuple([{} for _ in range(n + m)] for _ in range(3))
         for law, row in zip(assembly.laws, assembly.exact_rows, strict=True):
             ours = {index[name]: value for name, value in row.items() if name in index}
-            for power, value in enumerate(_law_powers(law)):
+            for power, value in enumerate((exact(law.stiffness), exact(law.damping), exact(law.inertia))):
                 for i, a in ours.items():
                     for j, b in ours.items():
                         _add(powers[power][i], j, value * a * b)
@@ -56,16 +56,11 @@ class Bordered:
         for line, reading in enumerate(request.measured, start=n):
             for term in reading.terms:
                 ours = {index[name]: value for name, value in term.exact.items() if name in index}
-                shares = (
-                    [Fraction(term.power == p) for p in range(3)]
-                    if term.law is None
-                    else _law_powers(assembly.laws[term.law])
-                )
-                for power, share in enumerate(shares):
+                for power, share in enumerate(powers_of_s(assembly, term)):
                     for i, a in ours.items():
                         _add(powers[power][line], i, term.factor * share * a)
             for column, excitation in enumerate(request.excitations):
-                _add(powers[0][line], n + column, reading.applied(excitation.of))
+                _add(powers[0][line], n + column, reading.applied.get(excitation.of, Fraction(0)))
         kept = ([{key: value for key, value in row.items() if value} for row in block] for block in powers)
         return cls(tuple(kept), n)  # type: ignore[arg-type]
 
@@ -117,10 +112,6 @@ class Bordered:
                 return now  # type: ignore[return-value]
             last = now
         return None
-
-
-def _law_powers(law: Law) -> list[Fraction]:
-    return [exact(law.stiffness), exact(law.damping), exact(law.inertia)]
 
 
 def _add(row: ExactRow, column: int, value: Fraction) -> None:

@@ -2,27 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
-
 import numpy as np
 from scipy.fft import next_fast_len
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.functionals import Functional
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
-from torsionnet.model.channels import Input
 from torsionnet.solve.transfer import responses
-from torsionnet.solve.transfer_request import TransferRequest, ask
+from torsionnet.solve.transfer_request import TransferRequest
 
 
 def by_spectrum(
-    drivetrain: AssembledModel,
-    readings: Sequence[Functional],
-    excitations: Sequence[Input],
-    torques: FloatArray,
-    sampling_rate: float,
+    drivetrain: AssembledModel, request: TransferRequest, torques: FloatArray, sampling_rate: float
 ) -> FloatArray:
     """Readings (n_out, n) under torques (n_in, n) that are zero before and after.
 
@@ -38,7 +29,6 @@ def by_spectrum(
     count = torques.shape[1]
     size = int(next_fast_len(2 * count, real=True))
     frequencies: FloatArray = np.asarray(np.fft.rfftfreq(size, 1 / sampling_rate), dtype=np.float64)
-    request = _question(drivetrain, readings, excitations)
     H = responses([drivetrain], request, frequencies, "graph").values[0]
     if not np.isfinite(H).all():
         raise UsageError(
@@ -48,11 +38,3 @@ def by_spectrum(
     H[0] = H[0].real
     motion = np.fft.irfft(np.einsum("foi,if->of", H, spectra), size, axis=1)
     return np.asarray(motion[:, :count])
-
-
-def _question(
-    drivetrain: AssembledModel, readings: Sequence[Functional], excitations: Sequence[Input]
-) -> TransferRequest:
-    node = next(iter(drivetrain.nodes))
-    nodes = [load.of for load in excitations]
-    return replace(ask(drivetrain, [node], nodes, None), outputs=tuple(readings))

@@ -108,32 +108,3 @@ class EliminationPlan:
     outputs: tuple[tuple[int, float], ...]
     reactions: tuple[ReactionStep, ...]
     subtracts: bool
-
-
-def felt(plan: EliminationPlan) -> tuple[frozenset[int], ...]:
-    """Excitations that reach every output and reaction at all; those that do not leave it at zero for any values.
-
-    >>> from torsionnet.solve.graph_plan import make_plan
-    >>> links = [{0: 1.0}, {0: 1.0, 1: -1.0}, {2: 1.0}]
-    >>> felt(make_plan(links, 3, [{0: 1.0}], [{}], [{1: 1.0}, {0: 1.0, 1: -1.0}, {2: 1.0}], ()))
-    (frozenset({0}), frozenset(), frozenset())
-    """
-    nobody: frozenset[int] = frozenset()
-    weights: dict[int, frozenset[int]] = {}
-    for slot, excitation, _ in plan.weights:
-        weights[slot] = weights.get(slot, nobody) | {excitation}
-    loads = []
-    for step in plan.steps:
-        loads.append(nobody.union(*(weights.get(slot, nobody) for slot, _ in step.loads)))
-        for slot, _, _, target in step.passed:
-            weights[target] = weights.get(target, nobody) | weights.get(slot, nobody)
-    values = {slot: frozenset(e for e, motion in enumerate(motions) if motion) for slot, motions in plan.given}
-    for step, load in zip(reversed(plan.steps), reversed(loads), strict=True):
-        for motion in step.motions:
-            own = load if motion.load else nobody
-            values[motion.slot] = own.union(*(values.get(source, nobody) for _, _, source in motion.parts))
-    outputs = [values.get(slot, nobody) for slot, _ in plan.outputs]
-    for reaction in plan.reactions:
-        laws = (values.get(motion, nobody) for _, _, motion in reaction.laws)
-        outputs.append(nobody.union(*laws, *(weights.get(slot, nobody) for slot, _ in reaction.loads)))
-    return tuple(outputs)

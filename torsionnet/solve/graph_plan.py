@@ -33,7 +33,7 @@ from torsionnet.solve.elimination_plan import (
     Passed,
     ReactionStep,
 )
-from torsionnet.solve.row_algebra import Row, RowTable, clique, combined, common_motion
+from torsionnet.solve.row_algebra import DOUBLE, Accuracy, Row, RowTable, clique, combined, common_motion
 
 MOST_ROWS = 2
 """Rows on one coordinate, as a multiple of what links and grounds would be, from which on they become such."""
@@ -50,6 +50,7 @@ def make_plan(
     reactions: Sequence[int],
     *,
     turned: bool = False,
+    accuracy: Accuracy = DOUBLE,
 ) -> EliminationPlan:
     """Plan for the motion of ``outputs`` and the torque on given columns.
 
@@ -65,8 +66,10 @@ def make_plan(
         Given columns.
     turned : bool
         Eliminate towards another root than the first load.
+    accuracy : Accuracy
+        Of the coefficients.
     """
-    planner = _Planner(laws, n_free, loads, motions, outputs, reactions)
+    planner = _Planner(laws, n_free, loads, motions, outputs, reactions, accuracy)
     if turned:
         planner.turn()
     return planner.plan()
@@ -81,12 +84,13 @@ class _Planner:
         motions: Sequence[Row],
         outputs: Sequence[Row],
         reactions: Sequence[int],
+        accuracy: Accuracy,
     ) -> None:
-        self.n_free = n_free
+        self.n_free, self.accuracy = n_free, accuracy
         self.driving, self.driven = motions, {j for motion in motions for j in motion}
         self.reactions, self.open = reactions, set(reactions)
         self.taken: dict[int, ReactionStep] = {}
-        self.laws, self.loads, self.motions = RowTable(), RowTable(), RowTable()
+        self.laws, self.loads, self.motions = (RowTable(accuracy) for _ in range(3))
         self.scale: dict[int, float] | None = None
         self.sources = self._sources(laws)
         self.weights = [(e, self._load(row)) for e, row in enumerate(loads)]
@@ -213,21 +217,21 @@ class _Planner:
     def _pairs(self, v: int, rows: Sequence[Row]) -> Iterable[EliminatedPair]:
         for i, first in enumerate(rows):
             for j in range(i + 1, len(rows)):
-                found = self._law(combined(first, rows[j], v))
+                found = self._law(combined(first, rows[j], v, self.accuracy))
                 if found:
                     yield EliminatedPair(i, j, found[1] * found[1], found[0])
 
     def _passed(self, v: int, slot: int, rows: Sequence[Row]) -> Iterable[Passed]:
         row = self.loads.rows[slot]
         for i, law in enumerate(rows):
-            found = self._load(combined(row, law, v))
+            found = self._load(combined(row, law, v, self.accuracy))
             if found:
                 yield Passed(slot, i, law[v] * found[1], found[0])
 
     def _read(self, v: int, number: int, rows: Sequence[Row], loaded: bool) -> MotionStep:
         row, parts = self.motions.rows[number], []
         for i, law in enumerate(rows):
-            found = self._motion(combined(row, law, v))
+            found = self._motion(combined(row, law, v, self.accuracy))
             if found:
                 parts.append((i, law[v] * found[1], found[0]))
         return MotionStep(number, row[v] if loaded else 0.0, tuple(parts))
@@ -241,7 +245,7 @@ class _Planner:
             self.scale = collections.defaultdict(lambda: 1.0, common_motion(self.laws.rows))
         for number in sorted(numbers):
             row = self.laws.rows[number]
-            shares = list(clique(row, self.scale)) if len(row) > 1 else []
+            shares = list(clique(row, self.scale, self.accuracy)) if len(row) > 1 else []
             if len(shares) > 1:
                 yield self._handed_on(number, shares)
 

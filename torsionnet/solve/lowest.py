@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.core.errors import SolveError
 from torsionnet.solve.frozen_stiffness import Found
-from torsionnet.solve.nullspace import null_space, rows_of
+from torsionnet.solve.nullspace import unresisted
 from torsionnet.solve.reduction import AnyArray, acting, echelon, require_resistance, resisting, restricted
 from torsionnet.solve.spectrum import MAX_OPERATIONS
 
@@ -66,11 +66,11 @@ class Motions:
         SolveError
             Where some coordinates have neither inertia nor spring nor damper.
         """
-        heavy, size = system.inertia > 0, system.n_coordinates
+        heavy = system.inertia > 0
         require_resistance(system, heavy | stiff | damped)
-        rigid, undamped = (null_space(rows_of(system, laws), size).first(count) for laws in (stiff, stiff | damped))
-        massless = null_space(rows_of(system, heavy), size).dimension
-        return cls(echelon(rigid.basis()), undamped.basis(), size - massless)
+        rigid, undamped = (unresisted(system, laws).first(count) for laws in (stiff, stiff | damped))
+        massless = unresisted(system, heavy).dimension
+        return cls(echelon(rigid.basis()), undamped.basis(), system.n_coordinates - massless)
 
 
 def lowest_vibrations(system: RowSystem, motions: Motions, count: int, *, undamped: bool) -> Found | None:
@@ -123,18 +123,20 @@ def _search(system: RowSystem, motions: Motions, count: int, *, undamped: bool) 
 def _refined(
     system: RowSystem, values: Any, shapes: Any, errors: FloatArray, *, undamped: bool
 ) -> tuple[Any, Any, Any]:
-    """Newton's method in mpmath for the values that assembled matrices leave uncertain, as far as work allows."""
+    """In many digits what assembled matrices leave uncertain, as far as work allows."""
     import torsionnet.solve.refine as refine
+    from torsionnet.solve.isolated import settle
 
     laws = [system.stiffness, -system.inertia] if undamped else [system.stiffness, system.damping, system.inertia]
     p = refine.polynomial(system.law_rows, laws)
     values, errors = values.copy(), errors.copy()
     doubtful = np.flatnonzero((errors > ACCURATE) & (errors < _NEAR))
     for j in doubtful[: MAX_OPERATIONS // max(p.operations, 1)]:
-        root = refine.newton(p, values[j].real if undamped or values[j].imag == 0 else values[j])
-        if root is not None and abs(complex(root) - values[j]) <= _NEAR * abs(values[j]):
-            shapes[:, j] = refine.refine_vector(p, root, shapes[:, j])
-            values[j], errors[j] = complex(root).real if undamped else complex(root), refine.CONVERGED
+        start = values[j].real if undamped or values[j].imag == 0 else values[j]
+        met = settle(p, start.item(), shapes[:, j], _NEAR * abs(values[j]))
+        if met is not None:
+            root, shapes[:, j] = complex(met[0]), met[1]
+            values[j], errors[j] = root.real if undamped else root, refine.CONVERGED
     return values, shapes, errors
 
 
@@ -267,7 +269,7 @@ def _slowest_undamped(system: RowSystem, motions: Motions) -> float:
     if len(kept) == system.n_coordinates:
         return _slowest(_Pencil.of(system, undamped=True), motions.rigid)
     system = acting(restricted(system, kept))
-    rigid = null_space(rows_of(system, system.stiffness > 0), system.n_coordinates).basis()
+    rigid = unresisted(system, system.stiffness > 0).basis()
     return _slowest(_Pencil.of(system, undamped=True), rigid)
 
 

@@ -1,68 +1,44 @@
 """Readings in many digits, from the exact values of a model: for the few places where double precision is not enough.
 
-All numbers are the rationals an author wrote, s may be any complex number. What cancels to less than the digits left of
-its terms is zero.
+All numbers are the rationals an author wrote, s may be any complex number. The tape is that of the same plan, made from
+exact rows, and a third walk along it does in mpmath what the others do in numpy and numba. What cancels to less than
+the digits left of its terms is zero.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from fractions import Fraction
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from torsionnet.assembly.functionals import Functional, Term
+import torsionnet.solve.tape as ops
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import SolveError
-from torsionnet.model.channels import Input
+from torsionnet.model.elements import Law
 from torsionnet.model.elimination import exact
-from torsionnet.model.kinematics import exact_row, pseudo_node
-from torsionnet.solve.refine import eliminate
+from torsionnet.solve.posed import ReadingPart, pose
+from torsionnet.solve.row_algebra import Accuracy
+from torsionnet.solve.tape import Tape
 from torsionnet.solve.transfer_request import TransferRequest
 
 DIGITS = 200
 TRUSTED = 0.55
 """Share of the digits that mean something in a sum: the others are for poles near s and for spreads of the values."""
+CERTAIN = 0.9
+"""Share of the digits of coefficients in rows that are known: products around a loop lose few."""
 
 Number: TypeAlias = Any
 """A number of mpmath."""
-
-
-@dataclass(frozen=True)
-class _Law:
-    row: dict[str, Number]
-    exact_row: dict[str, Fraction]
-    inertia: Number
-    damping: Number
-    stiffness: Number
-    loss: Number
-    table: Any
-
-    def kappa(self, s: Number) -> Number:
-        """Dynamic stiffness; of a table at |Im s|, and beside the axis with its damping."""
-        import mpmath
-
-        total = self.stiffness * (1 + self.loss) + s * (self.damping + s * self.inertia)
-        if self.table is not None:
-            total += mpmath.mpmathify(complex(self.table.kappa(np.array([abs(float(mpmath.im(s)))]))[0]))
-            total += mpmath.re(s) * number(self.table.damping[0])
-        return total
 
 
 class ManyDigits:
     """A request to an assembly, in as many digits as ``mpmath.workdps`` says, within which it is to be used."""
 
     def __init__(self, assembly: Assembly, request: TransferRequest) -> None:
-        self.request = request
-        self.place = {name: index for index, name in enumerate(assembly.kinematics.coordinates)}
-        self.imposed = [pseudo_node(name) for name in assembly.kinematics.imposed]
-        self.laws = [_law(law, row) for law, row in zip(assembly.laws, assembly.exact_rows, strict=True)]
-        self.effects = [
-            {name: number(a) for name, a in exact_row(assembly.kinematics.reduced({one.of: 1})).items()}
-            for one in request.excitations
-        ]
+        self.request, self.laws = request, assembly.laws
+        measured = request.measured if request.is_measured else ()
+        self.posed = pose(assembly, request.outputs, measured, request.excitations, number, _accuracy())
 
     def transfer(self, s: Number) -> list[list[Number]] | None:
         """Outputs over inputs at one s; None where the measured inputs do not tell the excitations apart.
@@ -72,73 +48,76 @@ class ManyDigits:
         SolveError
             No digits are left.
         """
-        kappa = [law.kappa(s) for law in self.laws]
-        motions = [self._motion(kappa, *pair) for pair in zip(self.request.excitations, self.effects, strict=True)]
-        outputs = [self._reading(one, motions, kappa, s) for one in self.request.outputs]
-        if not self.request.is_measured:
-            return outputs
-        return _quotient(outputs, [self._reading(one, motions, kappa, s) for one in self.request.measured])
+        kappa = [_dynamic_stiffness(law, s) for law in self.laws]
+        readings, n_out = self._readings(kappa, s), len(self.request.outputs)
+        return _quotient(readings[:n_out], readings[n_out:]) if self.request.is_measured else readings
 
-    def _motion(self, kappa: Sequence[Number], excitation: Input, effect: dict[str, Number]) -> dict[str, Number]:
-        """Every coordinate and imposed angle under a unit excitation, by name."""
-        motion = dict.fromkeys(self.imposed, number(0))
-        matrix: list[dict[int, Number]] = [{} for _ in self.place]
-        loads = [number(0) for _ in self.place]
-        if excitation.quantity == "torque":
-            for name in effect.keys() & self.place.keys():
-                loads[self.place[name]] = effect[name]
-        else:
-            motion |= effect
-        for stiffness, law in zip(kappa, self.laws, strict=True):
-            follows = sum((law.row[name] * motion[name] for name in law.row.keys() & motion.keys()), start=number(0))
-            free = [name for name in law.row if name in self.place]
-            for i in free:
-                loads[self.place[i]] -= stiffness * law.row[i] * follows
-                for j in free:
-                    _add(matrix[self.place[i]], self.place[j], stiffness * number(law.exact_row[i] * law.exact_row[j]))
-        _, solution = eliminate(matrix, loads)
-        if len(solution) < len(self.place):
-            raise SolveError("the response cannot be told from rounding; ask for another frequency")
-        least = max((abs(angle) for angle in solution), default=number(0)) * _share()
-        return motion | {name: _above(solution[index], least) for name, index in self.place.items()}
-
-    def _reading(
-        self, reading: Functional, motions: Sequence[dict[str, Number]], kappa: Sequence[Number], s: Number
-    ) -> list[Number]:
-        """Under every excitation; exactly 0 where nothing is left of its terms."""
-        row = []
-        for excitation, motion in zip(self.request.excitations, motions, strict=True):
-            applied = reading.applied(excitation.of) if excitation.quantity == "torque" else 0
-            row.append(
-                _left([number(applied), *(part for term in reading.terms for part in _parts(term, motion, kappa, s))])
-            )
-        return row
+    def _readings(self, kappa: Sequence[Number], s: Number) -> list[list[Number]]:
+        """Every reading under every excitation."""
+        problem = self.posed.problem
+        solved = [[number(0)] * len(problem.excitations) for _ in range(problem.n_read)]
+        for excitations, part in problem.parts:
+            slots = [sum(factor * kappa[law] for law, factor in source) for source in part.plan.sources]
+            for value, found in walked(part.tape, slots).items():
+                reading, place = divmod(value, len(excitations))
+                solved[reading][excitations[place]] = found
+        return [[_factor(part, kappa, s) * motion for motion in solved[part.solved]] for part in self.posed.parts]
 
 
-def _law(law: Any, row: dict[str, Fraction]) -> _Law:
+def _accuracy() -> Accuracy:
+    """Of rows in as many digits as there are."""
     import mpmath
 
-    return _Law(
-        {name: number(a) for name, a in row.items()},
-        row,
-        number(law.inertia),
-        number(law.damping),
-        number(law.stiffness),
-        mpmath.mpc(0, number(law.loss_factor)) if law.loss_factor else 0,
-        law.table,
-    )
+    digits = round(CERTAIN * mpmath.mp.dps)
+    return Accuracy(mpmath.mpf(10) ** -digits, lambda value: mpmath.nstr(value, digits))
 
 
-def _share() -> Number:
-    """What is left of a sum in which all digits cancel that mean something."""
+def walked(tape: Tape, kappa: Sequence[Number]) -> dict[int, Number]:
+    """The values of a tape, by number, for dynamic stiffnesses of its slots.
+
+    Raises
+    ------
+    SolveError
+        A pivot vanishes.
+    """
+    r: list[Number] = [None] * tape.n_registers
+    values: dict[int, Number] = {}
+    for (code, t, a, b), factor in zip(tape.operations.tolist(), tape.factors.tolist(), strict=True):
+        if code == ops.LAW:
+            r[t] = kappa[a]
+        elif code == ops.CONSTANT:
+            r[t] = number(0) + factor
+        elif code in (ops.SUM, ops.PIVOT):
+            r[t] = _left([r[a], factor * r[b]])
+        elif code == ops.PRODUCT:
+            r[t] = r[a] * r[b]
+        elif code in (ops.QUOTIENT, ops.INVERSE):
+            above, below = (r[a], r[b]) if code == ops.QUOTIENT else (1, r[a])
+            if not below:
+                raise SolveError("the response cannot be told from rounding; ask for another frequency")
+            r[t] = above / below
+        elif code == ops.OUTPUT:
+            values[t] = factor * r[a]
+    return values
+
+
+def _factor(part: ReadingPart, kappa: Sequence[Number], s: Number) -> Number:
+    """What makes a reading of what was solved."""
+    if part.term is None:
+        return number(part.factor)
+    return number(part.term.factor) * (s**part.term.power if part.term.law is None else kappa[part.term.law])
+
+
+def _dynamic_stiffness(law: Law, s: Number) -> Number:
+    """Of a table at |Im s|, and beside the axis with its damping."""
     import mpmath
 
-    return mpmath.mpf(10) ** -round(TRUSTED * mpmath.mp.dps)
-
-
-def _above(value: Number, least: Number) -> Number:
-    """The value, or 0 where it is rounding."""
-    return value if abs(value) > least else number(0)
+    loss = mpmath.mpc(0, number(law.loss_factor)) if law.loss_factor else 0
+    total = number(law.stiffness) * (1 + loss) + s * (number(law.damping) + s * number(law.inertia))
+    if law.table is not None:
+        total += mpmath.mpmathify(complex(law.table.kappa(np.array([abs(float(mpmath.im(s)))]))[0]))
+        total += mpmath.re(s) * number(law.table.damping[0])
+    return total
 
 
 def number(value: Any) -> Number:
@@ -147,15 +126,6 @@ def number(value: Any) -> Number:
 
     fraction = exact(value)
     return mpmath.mpf(fraction.numerator) / fraction.denominator
-
-
-def _parts(term: Term, motion: dict[str, Number], kappa: Sequence[Number], s: Number) -> list[Number]:
-    over = number(term.factor) * (s**term.power if term.law is None else kappa[term.law])
-    return [over * number(share) * motion[name] for name, share in term.exact.items()]
-
-
-def _add(row: dict[int, Number], column: int, value: Number) -> None:
-    row[column] = row.get(column, 0) + value
 
 
 def _quotient(outputs: list[list[Number]], measured: list[list[Number]]) -> list[list[Number]] | None:
@@ -192,5 +162,9 @@ def _minors(rows: Sequence[Sequence[Number]]) -> dict[int, Number]:
 
 
 def _left(terms: Sequence[Number]) -> Number:
-    """Their sum, exactly 0 where nothing is left of them."""
-    return _above(sum(terms), _share() * sum(abs(term) for term in terms))
+    """Their sum, exactly 0 where all digits cancel that mean something."""
+    import mpmath
+
+    total = sum(terms)
+    least = mpmath.mpf(10) ** -round(TRUSTED * mpmath.mp.dps) * sum(abs(term) for term in terms)
+    return total if abs(total) > least else number(0)

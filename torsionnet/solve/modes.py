@@ -20,6 +20,7 @@ from torsionnet.solve.eigen import EigenSolution, complex_modes, scaled, undampe
 from torsionnet.solve.mode_words import describe, uncertain, unsettled
 from torsionnet.solve.reduction import LARGE
 from torsionnet.solve.repeated import with_chosen_shapes
+from torsionnet.solve.transfer_request import TransferRequest, driven
 
 
 def modes(
@@ -32,14 +33,20 @@ def modes(
     """See :meth:`torsionnet.Drivetrain.modes`."""
     if lowest is not None and lowest < 1:
         raise UsageError(f"lowest={lowest}: at least one mode must be asked for")
-    if measured_input is not None:
-        found, doubts = poles_of_measured(drivetrain, measured_input, excitation, partial(natural_modes, lowest=lowest))
-    elif excitation is not None:
+    if measured_input is None and excitation is not None:
         raise UsageError("excitation= goes with measured_input=; the modes of the drivetrain itself need none")
-    else:
+    request = None if measured_input is None else driven(drivetrain, measured_input, excitation)
+    return modes_against(drivetrain, request, lowest)
+
+
+def modes_against(drivetrain: AssembledModel, request: TransferRequest | None, lowest: int | None = None) -> Modes:
+    """Modes of the drivetrain, or poles against the measured inputs of a request; warns of what is doubtful."""
+    if request is None:
         found, doubts = natural_modes(drivetrain, lowest)
+    else:
+        found, doubts = poles_of_measured(drivetrain, request, partial(natural_modes, lowest=lowest))
     for doubt in doubts:
-        warnings.warn(doubt, TorsionnetWarning, stacklevel=3)
+        warnings.warn(doubt, TorsionnetWarning, stacklevel=4)
     return found.first(lowest)
 
 

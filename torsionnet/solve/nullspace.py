@@ -106,9 +106,9 @@ class Rounded:
     __hash__ = None  # type: ignore[assignment]
 
 
-def rows_of(system: RowSystem, laws: NDArray[np.bool_]) -> list[dict[int, float]]:
-    """The rows of some laws."""
-    return [system.sparse_rows[index] for index in np.flatnonzero(laws)]
+def unresisted(system: RowSystem, laws: NDArray[np.bool_]) -> NullSpace:
+    """Motions of a system that none of these laws resists."""
+    return null_space([system.sparse_rows[index] for index in np.flatnonzero(laws)], system.n_coordinates)
 
 
 def null_space(rows: Sequence[SparseRow], size: int) -> NullSpace:

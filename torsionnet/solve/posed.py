@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -16,9 +16,11 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.model.channels import Input
 from torsionnet.model.kinematics import exact_row
-from torsionnet.solve.elimination_plan import felt
 from torsionnet.solve.response_problem import Loading, ResponseProblem
-from torsionnet.solve.row_algebra import Row
+from torsionnet.solve.row_algebra import DOUBLE, Accuracy, Row
+
+Number: TypeAlias = Callable[[Any], Any]
+"""What coefficients are written as."""
 
 
 class ReadingPart(NamedTuple):
@@ -26,12 +28,12 @@ class ReadingPart(NamedTuple):
 
     solved: int
     term: Term | None
-    factor: float = 1.0
+    factor: Fraction = Fraction(1)
 
     def of(self, kappa: LawStiffness, values: ComplexArray) -> ComplexArray:
         """The share (n_exc, n_points)."""
         if self.term is None:
-            return np.asarray(self.factor * values[self.solved])
+            return np.asarray(float(self.factor) * values[self.solved])
         return np.asarray(coefficient(self.term, kappa) * values[self.solved])
 
 
@@ -65,10 +67,10 @@ class PosedProblem:
 
     def felt_by(self, reading: int) -> frozenset[int]:
         """Excitations that reach a reading at all."""
-        found: set[int] = set()
+        solved, found = self.parts[reading].solved, set[int]()
         for excitations, part in self.problem.parts:
-            reached = felt(part.plan)[self.parts[reading].solved]
-            found |= {excitations[number] for number in reached}
+            values = (divmod(value, len(excitations)) for value in part.tape.reached)
+            found |= {excitations[number] for place, number in values if place == solved}
         return frozenset(found)
 
     @cached_property
@@ -78,13 +80,18 @@ class PosedProblem:
 
 
 def pose(
-    assembly: Assembly, outputs: Sequence[Functional], measured: Sequence[Functional], excitations: Sequence[Input]
+    assembly: Assembly,
+    outputs: Sequence[Functional],
+    measured: Sequence[Functional],
+    excitations: Sequence[Input],
+    number: Number = float,
+    accuracy: Accuracy = DOUBLE,
 ) -> PosedProblem:
-    """The problem behind outputs and measured inputs."""
+    """The problem behind outputs and measured inputs, with rows of numbers that have this accuracy."""
     readings = [*outputs, *measured]
-    rows, gaps = _Rows(), _Gaps()
+    rows, gaps = _Rows(assembly, number), _Gaps()
     found = [
-        gaps.part(reading) if reading.reactions or len(reading.own) != 1 else rows.part(reading.own[0])
+        gaps.part(reading) if reading.applied or len(reading.terms) != 1 else rows.part(reading.terms[0])
         for reading in readings
     ]
     terms: list[tuple[ReadingPart, ...]] = [() for _ in outputs]
@@ -92,34 +99,36 @@ def pose(
     n_given = assembly.system.n_coordinates + len(assembly.kinematics.imposed)
     columns = dict(enumerate(gaps.found, n_given))
     problem = ResponseProblem(
-        _laws(assembly, columns),
+        _laws(assembly, columns, number),
         assembly.system.n_coordinates,
-        tuple(_excitation(assembly, one, columns) for one in excitations),
+        tuple(_excitation(assembly, one, columns, number) for one in excitations),
         tuple(rows.rows),
         tuple(columns),
+        accuracy=accuracy,
     )
     applied = np.zeros((len(readings), len(excitations)))
-    for number, reading in enumerate(measured, len(outputs)):
+    for place, reading in enumerate(measured, len(outputs)):
         for column, one in enumerate(excitations):
-            applied[number, column] = float(reading.applied(one.of)) if one.quantity == "torque" else 0.0
+            applied[place, column] = reading.direct(one.of) if one.quantity == "torque" else 0.0
     parts = (part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in found)
     return PosedProblem(problem, tuple(parts), tuple(terms), applied)
 
 
-def _laws(assembly: Assembly, gaps: Mapping[int, Gap]) -> Sequence[Row]:
+def _laws(assembly: Assembly, gaps: Mapping[int, Gap], number: Number) -> Sequence[Row]:
     """Rows of all laws over all columns."""
-    laws = list(assembly.law_columns)
+    exact = number is not float
+    laws = [assembly.columns_of(row, number) for row in assembly.exact_rows] if exact else list(assembly.law_columns)
     for column, gap in gaps.items():
         for law, work in gap.laws.items():
-            laws[law] = {**laws[law], column: float(work)}
+            laws[law] = {**laws[law], column: number(work)}
     return laws
 
 
-def _excitation(assembly: Assembly, excitation: Input, gaps: Mapping[int, Gap]) -> Loading:
-    effect = assembly.columns_of(exact_row(assembly.kinematics.reduced({excitation.of: 1})))
+def _excitation(assembly: Assembly, excitation: Input, gaps: Mapping[int, Gap], number: Number) -> Loading:
+    effect = assembly.columns_of(exact_row(assembly.kinematics.reduced({excitation.of: 1})), number)
     if excitation.quantity == "angle":
         return Loading(motion=effect)
-    at_gaps = {j: float(gap.nodes[excitation.of]) for j, gap in gaps.items() if excitation.of in gap.nodes}
+    at_gaps = {j: number(gap.nodes[excitation.of]) for j, gap in gaps.items() if excitation.of in gap.nodes}
     return Loading(load={**effect, **at_gaps})
 
 
@@ -127,13 +136,16 @@ def _excitation(assembly: Assembly, excitation: Input, gaps: Mapping[int, Gap]) 
 class _Rows:
     """Motions asked for, each once."""
 
+    assembly: Assembly
+    number: Number
     rows: list[Row] = field(default_factory=list)
     numbers: dict[frozenset[tuple[int, float]], int] = field(default_factory=dict)
 
     def part(self, term: Term) -> ReadingPart:
-        number = self.numbers.setdefault(frozenset(term.columns.items()), len(self.rows))
+        row = self.assembly.columns_of(term.exact, self.number)
+        number = self.numbers.setdefault(frozenset(row.items()), len(self.rows))
         if number == len(self.rows):
-            self.rows.append(dict(term.columns))
+            self.rows.append(row)
         return ReadingPart(number, term)
 
 
@@ -150,12 +162,11 @@ class _Gaps:
         for term in reading.terms:
             if term.law is not None:
                 laws[term.law] = laws.get(term.law, Fraction(0)) - term.factor
-        nodes = {node: reading.applied(node) for reaction in reading.reactions for node in reaction.motion}
-        sizes = [*laws.items(), *nodes.items()]
+        sizes = [*laws.items(), *reading.applied.items()]
         factor = next((size for _, size in sizes if size), Fraction(1))
         laws = {law: work / factor for law, work in laws.items() if work}
-        nodes = {node: share / factor for node, share in nodes.items() if share}
+        nodes = {node: share / factor for node, share in reading.applied.items() if share}
         number = self.numbers.setdefault((frozenset(laws.items()), frozenset(nodes.items())), len(self.found))
         if number == len(self.found):
             self.found.append(Gap(laws, nodes))
-        return ReadingPart(number, None, float(factor))
+        return ReadingPart(number, None, factor)

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray, Rows, RowSystem
 from torsionnet.core.errors import SolveError
-from torsionnet.solve.nullspace import null_space, rows_of
+from torsionnet.solve.nullspace import unresisted
 
 AnyArray: TypeAlias = NDArray[np.float64] | NDArray[np.complex128]
 
@@ -73,55 +73,6 @@ class FirstOrder:
     size: float  # norm of the matrix and of the terms that cancelled on the way to it
 
 
-def null_basis(rows: FloatArray) -> FloatArray:
-    """Orthonormal basis of the null space of normalised rows, shape (n_q, nullity)."""
-    n_q = rows.shape[1]
-    free = _not_pinned(rows)
-    rest = rows[:, free]
-    rest = rest[np.any(rest != 0, axis=1)]
-    ties = len(free) > LARGE and np.all(np.count_nonzero(rest, axis=1) == 2)
-    inside = null_space(Rows.of(rest).maps, len(free)).basis() if ties else _null_of_any(rest)
-    basis = np.zeros((n_q, inside.shape[1]))
-    basis[free] = inside
-    return basis
-
-
-def _null_of_any(rows: FloatArray) -> FloatArray:
-    if not len(rows):
-        return np.eye(rows.shape[1])
-    unit = rows / np.linalg.norm(rows, axis=1)[:, None]
-    if len(unit) > unit.shape[1]:
-        unit = np.linalg.qr(unit, mode="r")  # the same singular values without as many left vectors as rows
-    _, sigma, vt = np.linalg.svd(unit)
-    rank = int(np.count_nonzero(sigma > RANK_TOLERANCE * sigma[0]))
-    return np.asarray(vt[rank:].T)
-
-
-def _not_pinned(rows: FloatArray) -> list[int]:
-    """List the coordinates that rows with a single entry do not fix, one after the other, at zero.
-
-    This is exact, so that a locked train keeps its full rank whatever its ratios multiply to.
-    """
-    open_rows: list[set[int]] = [set() for _ in rows]
-    for number, column in zip(*(part.tolist() for part in np.nonzero(rows)), strict=True):
-        open_rows[number].add(column)
-    touching: list[list[set[int]]] = [[] for _ in range(rows.shape[1])]
-    for row in open_rows:
-        for column in row:
-            touching[column].append(row)
-    pinned: set[int] = set()
-    single = [row for row in open_rows if len(row) == 1]
-    while single:
-        for column in single.pop().copy():
-            pinned.add(column)
-            for row in touching[column]:
-                row.discard(column)
-                if len(row) == 1:
-                    single.append(row)
-            touching[column] = []
-    return [column for column in range(rows.shape[1]) if column not in pinned]
-
-
 def echelon(basis: FloatArray) -> FloatArray:
     """Combine columns so that each has a coordinate of its own: separate trains get separate rigid modes."""
     basis = basis.copy()
@@ -141,6 +92,11 @@ def orthogonal_complement(columns: AnyArray, size: int) -> AnyArray:
     if not columns.shape[1]:
         return np.eye(size)
     return np.asarray(np.linalg.qr(columns.conj(), mode="complete")[0][:, columns.shape[1] :])
+
+
+def beside(part: FloatArray, whole: FloatArray) -> FloatArray:
+    """Orthonormal basis of what the span of ``whole`` has besides ``part`` of it; the columns of both orthonormal."""
+    return np.asarray(whole @ orthogonal_complement(whole.T @ part, whole.shape[1]), dtype=float)
 
 
 def _mass_basis(scaled_rows: FloatArray, rank: int) -> FloatArray:
@@ -191,14 +147,14 @@ def stiff_laws(system: RowSystem) -> NDArray[np.bool_]:
 
 def resisting(system: RowSystem) -> list[int]:
     """Coordinates without one of each motion that neither inertias nor springs resist; these may stay at rest."""
-    floating = null_space(rows_of(system, stiff_laws(system) | (system.inertia > 0)), system.n_coordinates)
+    floating = unresisted(system, stiff_laws(system) | (system.inertia > 0))
     loose = {next(iter(motion)) for motion in floating.columns}
     return [column for column in range(system.n_coordinates) if column not in loose]
 
 
 def require_resistance(system: RowSystem, laws: NDArray[np.bool_]) -> None:
     """Refuse a system in which these laws leave a motion free."""
-    free = null_space(rows_of(system, laws), system.n_coordinates).dimension
+    free = unresisted(system, laws).dimension
     if free:
         raise SolveError(f"{free} coordinate(s) have neither inertia nor spring nor damper acting on them")
 
@@ -211,21 +167,20 @@ def subspaces(system: RowSystem, stiff: NDArray[np.bool_], damped: NDArray[np.bo
     SolveError
         Where some coordinates have neither inertia nor spring nor damper.
     """
-    rows, heavy = system.rows, system.inertia > 0
+    heavy = system.inertia > 0
     require_resistance(system, heavy | stiff | damped)
-    massless, held = null_basis(rows[heavy]), null_basis(rows[heavy | damped])
-    rigid = echelon(null_basis(rows[stiff]))
-    undamped_rigid = null_basis(rows[stiff | damped])
-    scaled = np.sqrt(system.inertia[heavy])[:, None] * rows[heavy]
+    massless, held = (unresisted(system, laws).basis() for laws in (heavy, heavy | damped))
+    rigid = echelon(unresisted(system, stiff).basis())
+    undamped_rigid = unresisted(system, stiff | damped).basis()
+    scaled = np.sqrt(system.inertia[heavy])[:, None] * system.rows[heavy]
     moving = _mass_basis(scaled, system.n_coordinates - massless.shape[1])
     deflated = (scaled @ moving).T @ (scaled @ undamped_rigid)
     if undamped_rigid.shape[1]:
         moving = np.asarray(moving @ orthogonal_complement(deflated, moving.shape[1]), dtype=float)
-    within = orthogonal_complement(massless.T @ held, massless.shape[1])
     return Subspaces(
         rigid=rigid,
         moving=moving,
-        damped=np.asarray(massless @ within, dtype=float),
+        damped=beside(held, massless),
         held=held,
         springs=np.flatnonzero(stiff),
         spring_rank=system.n_coordinates - rigid.shape[1],

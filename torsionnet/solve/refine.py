@@ -29,7 +29,6 @@ STEP = 1e-24
 CONVERGED = 1e-15
 BESIDE = 1e-6
 MAX_ITERATIONS = 120
-NEWTON_STEPS = 8
 LOST = 1e-16
 """Share of the largest root at which one starts that double precision rounded to zero, where det P has other roots."""
 
@@ -266,22 +265,6 @@ def _move(p: MatrixPolynomial, z: list[Any], j: int, zeros: int) -> bool:
     step = 1 / (newton - repulsion)
     z[j] = z[j] - step
     return bool(size_of(step) <= CONVERGED * size_of(z[j]))
-
-
-def newton(p: MatrixPolynomial, start: complex) -> Any:
-    """The simple root of det P next to a good approximation, or None where it is not found."""
-    import mpmath
-
-    with mpmath.workdps(DIGITS):
-        z = mpmath.mpmathify(start)
-        for _ in range(NEWTON_STEPS):
-            slope = _inverse_newton(p, z)
-            if slope is None:
-                return z
-            z = z - 1 / slope
-            if size_of(1 / slope) <= CONVERGED * size_of(z):
-                return z
-    return None
 
 
 def _set_apart(

@@ -17,7 +17,7 @@ from torsionnet.solve.eigen import RIGID, EigenSolution
 EQUAL = 1e-9
 """Relative difference of eigenvalues below which they are one."""
 INDEPENDENT = 1e-6
-"""What is left of a row, over the largest, below which shapes are the same one: a repeated pole with too few modes."""
+"""Ratio of singular values below which shapes are the same one: a repeated pole with too few modes."""
 ALIKE = 1 - 1e-9
 
 
@@ -62,12 +62,13 @@ def _groups(solution: EigenSolution) -> Iterator[list[int]]:
 
 def _nodes_apart(shapes: ComplexArray) -> list[int] | None:
     """As many nodes as there are shapes (n_nodes, m) at which these are most independent; None if they are not."""
-    left, chosen = shapes.copy(), []
-    largest = float(np.linalg.norm(left, axis=1).max())
+    # Of an orthonormal basis every choice has the same rows, so that it makes no difference which shapes came out.
+    left, sizes, _ = np.linalg.svd(shapes, full_matrices=False)
+    if len(sizes) < shapes.shape[1] or sizes[-1] <= INDEPENDENT * sizes[0]:
+        return None
+    chosen: list[int] = []
     for _ in range(shapes.shape[1]):
         size = np.linalg.norm(left, axis=1)
-        if size.max() <= INDEPENDENT * largest:
-            return None
         node = int(np.argmax(size >= ALIKE * size.max()))
         chosen.append(node)
         along = left[node].conj() / size[node]

@@ -13,7 +13,7 @@ from functools import cached_property
 
 from torsionnet.solve.elimination_plan import EliminationPlan
 from torsionnet.solve.graph_plan import make_plan
-from torsionnet.solve.row_algebra import Row
+from torsionnet.solve.row_algebra import DOUBLE, Accuracy, Row
 from torsionnet.solve.tape import Tape
 from torsionnet.solve.tape_writing import make_tape
 
@@ -48,6 +48,8 @@ class ResponseProblem:
         Given columns; asked for is the torque on each that the drivetrain, held there, exerts.
     turned : bool
         Whether to eliminate towards another root, in coordinates of odd sizes: which gives the same but for rounding.
+    accuracy : Accuracy
+        Of the coefficients in all rows.
     """
 
     laws: Sequence[Row]
@@ -56,6 +58,7 @@ class ResponseProblem:
     outputs: tuple[Row, ...]
     reactions: tuple[int, ...] = ()
     turned: bool = False
+    accuracy: Accuracy = DOUBLE
 
     @property
     def n_read(self) -> int:
@@ -99,6 +102,7 @@ class ResponseProblem:
             [self._sized(output) for output in self.outputs],
             self.reactions,
             turned=self.turned,
+            accuracy=self.accuracy,
         )
 
     @cached_property

@@ -1,51 +1,64 @@
 """Rows up to a factor: the geometry behind elimination on the graph.
 
 Rows are sparse maps from coordinate to coefficient. Coefficients are known to rounding only, so what cancels to within
-``TOLERANCE`` of its terms is zero, and rows that agree to ``DIGITS`` digits are the same.
+the tolerance of its terms is zero, and rows that agree to as many digits are the same.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 Row: TypeAlias = dict[int, float]
-Key: TypeAlias = tuple[tuple[int, float], ...]
+Key: TypeAlias = tuple[tuple[int, Any], ...]
 
-TOLERANCE = 1e-13
-"""Ratios multiplied around a consistent loop meet to about 1e-15 for each gear."""
-DIGITS = 13
 PAIR = 2
 
 
-def combined(first: Mapping[int, float], second: Mapping[int, float], coordinate: int) -> Row:
+def _rounded(coefficient: float) -> float:
+    return coefficient if coefficient.is_integer() else float(f"{coefficient:.13g}")
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """To what share sums of coefficients cancel, and what of a coefficient tells rows apart."""
+
+    tolerance: Any
+    rounded: Callable[[Any], Any]
+
+
+DOUBLE = Accuracy(1e-13, _rounded)
+"""Ratios multiplied around a consistent loop meet to about 1e-15 for each gear."""
+
+
+def combined(
+    first: Mapping[int, float], second: Mapping[int, float], coordinate: int, accuracy: Accuracy = DOUBLE
+) -> Row:
     """Row b = second_v first - first_v second for coordinate v, on which b has no part."""
     over_first, over_second = second.get(coordinate, 0.0), first[coordinate]
     row: Row = {}
     for j in {**first, **second}:
         plus, minus = over_first * first.get(j, 0.0), over_second * second.get(j, 0.0)
-        if j != coordinate and abs(plus - minus) > TOLERANCE * (abs(plus) + abs(minus)):
+        if j != coordinate and abs(plus - minus) > accuracy.tolerance * (abs(plus) + abs(minus)):
             row[j] = plus - minus
     return row
 
 
-def normalised(row: Mapping[int, float]) -> tuple[Key, Row, float]:
+def normalised(row: Mapping[int, float], accuracy: Accuracy = DOUBLE) -> tuple[Key, Row, float]:
     """Key, unit and factor of a row: row = factor * unit, where the unit's first coefficient is 1."""
     first = min(row)
     factor = row[first]
     if len(row) == 1:
         return ((first, 1.0),), {first: 1.0}, factor
     unit = {j: row[j] / factor for j in sorted(row)}
-    return tuple((j, _rounded(coefficient)) for j, coefficient in unit.items()), unit, factor
+    return tuple((j, accuracy.rounded(coefficient)) for j, coefficient in unit.items()), unit, factor
 
 
-def _rounded(coefficient: float) -> float:
-    return coefficient if coefficient.is_integer() else float(f"{coefficient:.{DIGITS}g}")
-
-
-def clique(row: Mapping[int, float], scale: Mapping[int, float]) -> Iterator[tuple[Row, float]]:
+def clique(
+    row: Mapping[int, float], scale: Mapping[int, float], accuracy: Accuracy = DOUBLE
+) -> Iterator[tuple[Row, float]]:
     """Links and grounds that act together as one row: a a^T = sum of weight * b b^T.
 
     With a_i d_i for a_i, where d is the ``scale`` of the coordinates, a pair i, j gets the link {i: 1/d_i, j: -1/d_j}
@@ -58,7 +71,7 @@ def clique(row: Mapping[int, float], scale: Mapping[int, float]) -> Iterator[tup
     for place, i in enumerate(names):
         for j in names[place + 1 :]:
             yield {i: 1 / scale[i], j: -1 / scale[j]}, -scaled[i] * scaled[j]
-        if abs(total) > TOLERANCE * size:
+        if abs(total) > accuracy.tolerance * size:
             yield {i: 1 / scale[i]}, scaled[i] * total
 
 
@@ -88,13 +101,14 @@ def common_motion(rows: Iterable[Mapping[int, float]]) -> dict[int, float]:
 class RowTable:
     """Rows up to a factor, each with a number, found by the columns they touch."""
 
+    accuracy: Accuracy = DOUBLE
     numbers: dict[Key, int] = field(default_factory=dict)
     rows: list[Row] = field(default_factory=list)
     touching: dict[int, set[int]] = field(default_factory=dict)
 
     def add(self, row: Row) -> tuple[int, float]:
         """Number of the row and the factor it is of it."""
-        key, unit, factor = normalised(row)
+        key, unit, factor = normalised(row, self.accuracy)
         number = self.numbers.get(key)
         if number is None:
             number = self.numbers[key] = len(self.rows)
@@ -114,4 +128,4 @@ class RowTable:
         """Remove a row; its number is not given away again."""
         for j in self.rows[number]:
             self.touching[j].discard(number)
-        del self.numbers[normalised(self.rows[number])[0]]
+        del self.numbers[normalised(self.rows[number], self.accuracy)[0]]

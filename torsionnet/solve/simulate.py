@@ -16,14 +16,13 @@ from numpy.typing import ArrayLike
 from scipy import linalg
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.functionals import Functional
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
-from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.channels import Sensor
 from torsionnet.response.recording import Recording, Signal
 from torsionnet.solve.by_spectrum import by_spectrum
-from torsionnet.solve.state_space import first_order, output_rows
-from torsionnet.solve.transfer_request import ask
+from torsionnet.solve.state_space import first_order, output_matrices
+from torsionnet.solve.transfer_request import TransferRequest, ask
 from torsionnet.solve.triangular import DiagonalBlock, blocks
 
 QUANTITIES = {"N*m": "torque", "rad": "angle", "rad/s": "velocity", "rad/s^2": "acceleration"}
@@ -41,7 +40,7 @@ def simulate(
     request = ask(drivetrain, asked, list(inputs), None)
     if request.is_measured or any(source.quantity != "torque" for source in request.excitations):
         raise UsageError("a simulation is driven by torques: name inputs or nodes on which they act")
-    motion = respond(drivetrain, request.outputs, request.excitations, torques, sampling_rate)
+    motion = respond(drivetrain, request, torques, sampling_rate)
     names = (name if name in drivetrain.inputs else f"torque on {name}" for name in inputs)
     driven = (Signal(name, "torque", torque) for name, torque in zip(names, torques, strict=True))
     read = (
@@ -63,18 +62,13 @@ def _torques(inputs: Mapping[str, ArrayLike]) -> FloatArray:
 
 
 def respond(
-    drivetrain: AssembledModel,
-    readings: Sequence[Functional],
-    excitations: Sequence[Input],
-    torques: FloatArray,
-    sampling_rate: float,
+    drivetrain: AssembledModel, request: TransferRequest, torques: FloatArray, sampling_rate: float
 ) -> FloatArray:
     """Readings (n_out, n) under torques (n_in, n) in N m."""
     if drivetrain.assembly.system.dynamic:
-        return by_spectrum(drivetrain, readings, excitations, torques, sampling_rate)
-    system = first_order(drivetrain.assembly, excitations)
-    rows = [output_rows(drivetrain.assembly, reading, excitations, system) for reading in readings]
-    C, D = np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
+        return by_spectrum(drivetrain, request, torques, sampling_rate)
+    system = first_order(drivetrain.assembly, request.excitations)
+    C, D = output_matrices(drivetrain.assembly, request.outputs, request.excitations, system)
     motion = D @ torques
     for block in blocks(system.A, system.B, C):
         motion += _stepped(block, torques, 1 / sampling_rate)

@@ -16,12 +16,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.functionals import Functional, functional
+from torsionnet.assembly.functionals import Functional, functional, powers_of_s
 from torsionnet.assembly.rows import FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.solve.reduction import null_basis, orthogonal_complement
+from torsionnet.solve.nullspace import unresisted
+from torsionnet.solve.reduction import beside
 from torsionnet.solve.transfer_request import usable
 
 if TYPE_CHECKING:
@@ -41,6 +42,17 @@ class StateSpaceForm:
     states: tuple[str, ...]
 
 
+@dataclass(frozen=True)
+class StateSpace:
+    """x' = A x + B u, y = C x + D u; torques in N m, outputs in their SI units; ``states`` are the names of x."""
+
+    A: FloatArray
+    B: FloatArray
+    C: FloatArray
+    D: FloatArray
+    states: tuple[str, ...]
+
+
 def to_control(drivetrain: AssembledModel) -> control.StateSpace:
     """See :meth:`torsionnet.Drivetrain.to_control`.
 
@@ -54,17 +66,12 @@ def to_control(drivetrain: AssembledModel) -> control.StateSpace:
     present = active_channels(drivetrain)
     if not present.inputs or not present.sensors:
         raise UsageError("a state space needs at least one input and one sensor in the model")
-    assembly = drivetrain.assembly
-    inputs = list(present.inputs.values())
-    system = first_order(assembly, inputs)
-    readings = [functional(drivetrain, sensor, name) for name, sensor in present.sensors.items()]
-    rows = [output_rows(assembly, reading, inputs, system) for reading in readings]
-    C, D = np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
+    system = state_space(drivetrain)
     return control.StateSpace(
         system.A,
         system.B,
-        C,
-        D,
+        system.C,
+        system.D,
         inputs=list(present.inputs),
         outputs=list(present.sensors),
         states=[name.replace(".", "_") for name in system.states],
@@ -73,12 +80,31 @@ def to_control(drivetrain: AssembledModel) -> control.StateSpace:
     )
 
 
+def state_space(drivetrain: AssembledModel) -> StateSpace:
+    """The state space behind :meth:`Drivetrain.to_control`, also without inputs or sensors.
+
+    Raises
+    ------
+    UsageError
+        Frequency-dependent laws, an imposed angle, or a reading with the rate of an input in it.
+    """
+    present = active_channels(drivetrain)
+    inputs = list(present.inputs.values())
+    form = first_order(drivetrain.assembly, inputs)
+    C, D = output_matrices(drivetrain.assembly, present.readings(drivetrain), inputs, form)
+    return StateSpace(form.A, form.B, C, D, form.states)
+
+
 @dataclass(frozen=True)
 class Channels:
     """The inputs and sensors that act in a configuration."""
 
     inputs: dict[str, Input]
     sensors: dict[str, Sensor]
+
+    def readings(self, drivetrain: AssembledModel) -> tuple[Functional, ...]:
+        """What the sensors read."""
+        return tuple(functional(drivetrain, sensor, name) for name, sensor in self.sensors.items())
 
 
 def active_channels(drivetrain: AssembledModel) -> Channels:
@@ -127,13 +153,9 @@ def _state_names(coordinates: Sequence[str], heavy: FloatArray, damped: FloatArr
 
 def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Bases of the coordinates with inertia, of the massless damped and of the static ones."""
-    massless = null_basis(system.rows[system.inertia > 0])
-    n = system.n_coordinates
-    heavy = np.asarray(orthogonal_complement(massless, n), dtype=float) if massless.shape[1] else np.eye(n)
-    damped_rows = system.rows[system.damping > 0] @ massless
-    still = null_basis(damped_rows)
-    moving = np.asarray(orthogonal_complement(still, massless.shape[1]), dtype=float)
-    return _upright(heavy), _upright(massless @ moving), massless @ still
+    heavy = system.inertia > 0
+    massless, static = (unresisted(system, laws).basis() for laws in (heavy, heavy | (system.damping > 0)))
+    return _upright(beside(massless, np.eye(system.n_coordinates))), _upright(beside(static, massless)), static
 
 
 def _upright(basis: FloatArray) -> FloatArray:
@@ -168,24 +190,33 @@ def _condensed(
     return StateSpaceForm(A, B, X, U, names)
 
 
-def output_rows(
-    assembly: Assembly, reading: Functional, inputs: Sequence[Input], system: StateSpaceForm
+def output_matrices(
+    assembly: Assembly, readings: Sequence[Functional], inputs: Sequence[Input], system: StateSpaceForm
 ) -> tuple[FloatArray, FloatArray]:
-    """Rows of C and D of a reading; the coefficients of u' and u'' have to vanish.
+    """C (n_out, n_x) and D (n_out, n_in) of readings; the coefficients of u' and u'' have to vanish.
 
     Raises
     ------
     UsageError
         They do not.
     """
+    C, D = np.zeros((len(readings), len(system.A))), np.zeros((len(readings), len(inputs)))
+    for number, reading in enumerate(readings):
+        C[number], D[number] = _output_rows(assembly, reading, inputs, system)
+    return C, D
+
+
+def _output_rows(
+    assembly: Assembly, reading: Functional, inputs: Sequence[Input], system: StateSpaceForm
+) -> tuple[FloatArray, FloatArray]:
     C = np.zeros(len(system.A))
-    D = np.array([reading.direct.get(channel.of, 0.0) for channel in inputs])
+    D = np.array([reading.direct(channel.of) for channel in inputs])
     rates = np.zeros((2, len(inputs)))
     sizes = np.zeros(2)
     for term in reading.terms:
         gain = float(term.factor)
         x, u = term.row @ system.X, term.row @ system.U
-        factors = _factors(assembly, term.law, term.power)
+        factors = [float(factor) for factor in powers_of_s(assembly, term)]
         states, direct = (x, x @ system.A, x @ system.A @ system.A), (u, x @ system.B, x @ system.A @ system.B)
         for factor, state, load in zip(factors, states, direct, strict=True):
             C += gain * factor * state
@@ -199,10 +230,3 @@ def output_rows(
             f"{reading.name} contains the rate of change of an input; it has a frequency response but no state space"
         )
     return C, D
-
-
-def _factors(assembly: Assembly, law: int | None, power: int) -> tuple[float, float, float]:
-    if law is None:
-        return float(power == 0), float(power == 1), float(power == 2)
-    system = assembly.system
-    return float(system.stiffness[law]), float(system.damping[law]), float(system.inertia[law])

@@ -59,6 +59,12 @@ class Tape:
     def __len__(self) -> int:
         return len(self.operations)
 
+    @property
+    def reached(self) -> list[int]:
+        """Numbers of the values that anything reaches at all; the others are zero whatever the stiffnesses."""
+        found: list[int] = self.operations[self.operations[:, 0] == OUTPUT, 1].tolist()
+        return found
+
 
 class TapeQuantity(NamedTuple):
     """``factor`` times what an operation gave; times one where ``name`` is negative."""

@@ -20,9 +20,9 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.model.checks.structure import rigid_motions
-from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.response import FrequencyResponse
 from torsionnet.solve.grid import Adaptive
-from torsionnet.solve.modes import modes
+from torsionnet.solve.modes import modes_against
 from torsionnet.solve.quotient import METHODS, transfer_functions
 from torsionnet.solve.transfer_request import TransferRequest, remembered
 from torsionnet.solve.uncertain import settled
@@ -50,8 +50,8 @@ def frequency_response(
     return FrequencyResponse(
         frequencies=f,
         values=values[0],
-        outputs=tuple(Channel(reading.name, reading.unit) for reading in request.outputs),
-        inputs=tuple(Channel(reading.name, reading.unit) for reading in request.measured),
+        outputs=tuple(reading.channel for reading in request.outputs),
+        inputs=tuple(reading.channel for reading in request.measured),
         title=drivetrain.title,
         conditioning=conditioning[0] if request.is_measured else None,
         notes=request.notes,
@@ -103,16 +103,10 @@ def _static(drivetrain: AssembledModel, request: TransferRequest, method: str) -
 
 def _resolving(drivetrain: AssembledModel, wanted: Adaptive, request: TransferRequest) -> FloatArray:
     """Frequencies that resolve the peaks of the drivetrain and, where inputs are measured, those of their poles."""
-    found = [modes(drivetrain)]
+    found = [modes_against(drivetrain, None)]
     if request.is_measured and len(request.measured) == 1:
-        sensor = request.measured[0].name
-        found.append(modes(drivetrain, measured_input=sensor, excitation=_excitation_node(drivetrain, request)))
+        found.append(modes_against(drivetrain, request))
     return wanted.frequencies(*found)
-
-
-def _excitation_node(drivetrain: AssembledModel, request: TransferRequest) -> str:
-    names = [name for name, channel in drivetrain.inputs.items() if channel == request.excitations[0]]
-    return names[0] if names else request.excitations[0].of
 
 
 def _checked(frequencies: ArrayLike) -> FloatArray:

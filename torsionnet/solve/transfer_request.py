@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -11,8 +11,10 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import Functional, functional
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.model.channels import ELEMENT_QUANTITIES, Input, Sensor, parse_sensor
+from torsionnet.model.channels import UNITS, Input, Sensor, named_sensor
 from torsionnet.solve.posed import PosedProblem, pose
+
+NOTHING = "name at least one output and one input"
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,16 @@ class TransferRequest:
     is_measured: bool
     assembly: Assembly
     notes: tuple[str, ...] = ()
+
+    @property
+    def names(self) -> str:
+        """Of the inputs."""
+        return " and ".join(reading.name for reading in self.measured)
+
+    @property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """Of the outputs, then of the measured inputs."""
+        return tuple(one.sensor for one in (*self.outputs, *self.measured) if one.sensor is not None)
 
     @cached_property
     def posed(self) -> PosedProblem:
@@ -51,17 +63,14 @@ class TransferRequest:
                 raise UsageError(
                     f"{reading.name} stays zero under a {driven} at every frequency; it cannot be a measured input"
                 )
-        names = " and ".join(reading.name for reading in self.measured)
         for number, excitation in enumerate(self.excitations):
             if not any(number in reached for reached in felt):
-                raise UsageError(
-                    f"{names} stay zero under a {excitation} at every frequency; they cannot be its measured inputs"
-                )
+                where = f"under a {excitation} at every frequency"
+                raise UsageError(f"{self.names} stay zero {where}; they cannot be its measured inputs")
 
     def dependent(self) -> UsageError:
         """What to say where measured inputs never tell the excitations apart."""
-        driven = " and ".join(str(excitation) for excitation in self.excitations)
-        names = " and ".join(reading.name for reading in self.measured)
+        names, driven = self.names, " and ".join(str(excitation) for excitation in self.excitations)
         if len(self.measured) == 1:
             return UsageError(f"{names} stays zero under a {driven} at every frequency; it cannot be a measured input")
         return UsageError(f"{names} depend on each other under {driven}: they cannot be measured inputs together")
@@ -102,23 +111,33 @@ def ask(
         An unknown name, no or an ambiguous excitation, or not as many measured inputs as excitations.
     """
     outputs = tuple(_output(drivetrain, entry) for entry in _listed(output, "an output", (str, Sensor)))
+    if not outputs:
+        raise UsageError(NOTHING)
+    return replace(driven(drivetrain, input, excitation), outputs=outputs)
+
+
+def driven(
+    drivetrain: AssembledModel,
+    input: str | Sensor | Sequence[str | Sensor],
+    excitation: str | Sequence[str] | None,
+) -> TransferRequest:
+    """As :func:`ask`, without outputs."""
     entries = _listed(input, "an input", (str, Sensor, Input))
-    if not outputs or not entries:
-        raise UsageError("name at least one output and one input")
+    if not entries:
+        raise UsageError(NOTHING)
     resolved = [_input(drivetrain, entry) for entry in entries]
-    if all(isinstance(entry, Input) for entry in resolved):
-        excitations = tuple(entry for entry in resolved if isinstance(entry, Input))
-        labels = [entry if isinstance(entry, str) else str(entry) for entry in entries]
-        measured = tuple(_excitation_reading(label, entry) for label, entry in zip(labels, excitations, strict=True))
-        if excitation is not None and _chosen(drivetrain, excitation) != excitations:
-            raise UsageError("excitation= goes with measured inputs; here the input itself is the excitation")
-        return TransferRequest(outputs, measured, excitations, is_measured=False, assembly=drivetrain.assembly)
-    return _measured(drivetrain, outputs, entries, resolved, excitation)
+    excitations = tuple(entry for entry in resolved if isinstance(entry, Input))
+    if len(excitations) < len(resolved):
+        return _measured(drivetrain, entries, resolved, excitation)
+    if excitation is not None and _chosen(drivetrain, excitation) != excitations:
+        raise UsageError("excitation= goes with measured inputs; here the input itself is the excitation")
+    pairs = zip(entries, excitations, strict=True)
+    inputs = tuple(Functional(str(entry), UNITS[one.quantity], ()) for entry, one in pairs)
+    return TransferRequest((), inputs, excitations, is_measured=False, assembly=drivetrain.assembly)
 
 
 def _measured(
     drivetrain: AssembledModel,
-    outputs: tuple[Functional, ...],
     entries: Sequence[str | Sensor],
     resolved: Sequence[Input | Functional],
     excitation: str | Sequence[str] | None,
@@ -137,14 +156,8 @@ def _measured(
             f"there must be as many of one as of the other{_known_inputs(drivetrain)}"
         )
     names = ", ".join(str(entry) for entry in excitations)
-    return TransferRequest(
-        outputs,
-        measured,
-        excitations,
-        is_measured=True,
-        assembly=drivetrain.assembly,
-        notes=(f"measured input; excitation: {names}",),
-    )
+    notes = (f"measured input; excitation: {names}",)
+    return TransferRequest((), measured, excitations, is_measured=True, assembly=drivetrain.assembly, notes=notes)
 
 
 def _default(drivetrain: AssembledModel) -> tuple[Input, ...]:
@@ -220,20 +233,12 @@ def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:
     return entries
 
 
-def as_sensor(drivetrain: AssembledModel, entry: str | Sensor) -> Sensor | None:
-    """The sensor meant: an object, a declared name, or text such as ``torque(gearbox)``."""
-    if isinstance(entry, Sensor):
-        return entry
-    return drivetrain.sensors[entry] if entry in drivetrain.sensors else parse_sensor(entry)
-
-
 def _output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:
-    sensor = as_sensor(drivetrain, entry)
+    sensor = named_sensor(entry, drivetrain.sensors)
     if sensor is None and entry in drivetrain.nodes:
         sensor = Sensor("angle", str(entry))
     if sensor is not None:
-        _require_moving(drivetrain, sensor, str(entry))
-        return functional(drivetrain, sensor, str(entry))
+        return _read(drivetrain, sensor, str(entry))
     known = [*drivetrain.sensors, *drivetrain.nodes]
     hint = did_you_mean(str(entry), known)
     declared = ", ".join(drivetrain.sensors) or "none"
@@ -251,7 +256,7 @@ def usable(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
     nodes, holds = set(drivetrain.nodes), drivetrain.assembly.kinematics.holds
 
     def acts(channel: Input | Sensor) -> bool:
-        if channel.quantity in ELEMENT_QUANTITIES and isinstance(channel, Sensor):
+        if channel.is_on_element:
             return channel.of in drivetrain.elements
         return channel.of in nodes and not holds(channel.of)
 
@@ -260,11 +265,12 @@ def usable(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
     return inputs, sensors
 
 
-def _require_moving(drivetrain: AssembledModel, sensor: Sensor, name: str) -> None:
-    """Refuse a sensor of the model on a node that this configuration locks; a node asked for by name is zero there."""
-    of_node = name in drivetrain.sensors and sensor.quantity not in ELEMENT_QUANTITIES
+def _read(drivetrain: AssembledModel, sensor: Sensor, name: str) -> Functional:
+    """What a sensor reads; one of the model on a locked node is refused, a node asked for by name is zero there."""
+    of_node = name in drivetrain.sensors and not sensor.is_on_element
     if of_node and sensor.of in drivetrain.nodes and drivetrain.assembly.kinematics.holds(sensor.of):
         raise UsageError(f'{name} reads zero: "{sensor.of}" is locked in this configuration')
+    return functional(drivetrain, sensor, name)
 
 
 def _input(drivetrain: AssembledModel, entry: str | Sensor | Input) -> Input | Functional:
@@ -272,15 +278,10 @@ def _input(drivetrain: AssembledModel, entry: str | Sensor | Input) -> Input | F
         return _given(drivetrain, entry)
     if isinstance(entry, str) and entry in drivetrain.inputs:
         return _present(drivetrain, entry)
-    sensor = as_sensor(drivetrain, entry)
+    sensor = named_sensor(entry, drivetrain.sensors)
     if sensor is not None:
-        _require_moving(drivetrain, sensor, str(entry))
-        return functional(drivetrain, sensor, str(entry))
+        return _read(drivetrain, sensor, str(entry))
     if entry in drivetrain.nodes:
         return _torque_on(drivetrain, str(entry))
     known = [*drivetrain.inputs, *drivetrain.sensors, *drivetrain.nodes]
     raise UsageError(f'no input, sensor or node is named "{entry}"{did_you_mean(str(entry), known)}')
-
-
-def _excitation_reading(label: str, excitation: Input) -> Functional:
-    return Functional(label, "N*m" if excitation.quantity == "torque" else "rad", ())

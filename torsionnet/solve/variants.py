@@ -12,7 +12,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
-from torsionnet.response import Channel, FrequencyResponses
+from torsionnet.response import FrequencyResponses
 from torsionnet.solve.grid import Adaptive
 from torsionnet.solve.transfer import Evaluated, chosen_frequencies, known_method, responses, warn_infinite
 from torsionnet.solve.transfer_request import remembered
@@ -44,8 +44,8 @@ def frequency_responses(
         parameters,
         f,
         values,
-        tuple(Channel(reading.name, reading.unit) for reading in request.outputs),
-        tuple(Channel(reading.name, reading.unit) for reading in request.measured),
+        tuple(reading.channel for reading in request.outputs),
+        tuple(reading.channel for reading in request.measured),
         drivetrain.title,
         conditioning if request.is_measured else None,
         request.notes,

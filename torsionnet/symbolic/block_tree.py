@@ -14,6 +14,7 @@ from typing import Generic
 
 import networkx as nx
 
+from torsionnet.core.groups import Groups
 from torsionnet.symbolic.network import L, Network, NetworkMember, SymbolRow
 
 
@@ -93,15 +94,13 @@ def _blocks(network: Network[L]) -> dict[str, dict[int, tuple[tuple[str, ...], t
 
 def roots_of(network: Network[L], first: str = "") -> list[str]:
     """One root for every connected part; that of the part with ``first`` is ``first``."""
-    graph = nx.Graph(pair for member in network.members for pair in combinations(member.row, 2))
-    graph.add_nodes_from(network.coordinates)
-    roots = []
-    left = dict.fromkeys([first, *network.coordinates] if first else network.coordinates)
-    while left:
-        roots.append(next(iter(left)))
-        for name in nx.node_connected_component(graph, roots[-1]):
-            left.pop(name, None)
-    return roots
+    parts = Groups(network.coordinates)
+    for member in network.members:
+        parts.join(*member.row)
+    roots: dict[int, str] = {}
+    for name in (first, *network.coordinates) if first else network.coordinates:
+        roots.setdefault(id(parts.of(name)), name)
+    return list(roots.values())
 
 
 def is_forest(network: Network[L]) -> bool:

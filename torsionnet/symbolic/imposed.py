@@ -72,8 +72,7 @@ def posed(
     free = at_rest(drivetrain, source.of)
     if request.is_measured:
         return ImposedRequest(free, input, source.of)
-    reading = request.measured[0]
-    return ImposedRequest(free, Sensor("angle", source.of), source.of, Channel(reading.name, reading.unit))
+    return ImposedRequest(free, Sensor("angle", source.of), source.of, request.measured[0].channel)
 
 
 def single(output: object, input: object) -> None:

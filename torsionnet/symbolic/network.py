@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,14 +10,13 @@ from typing import Any, Generic, TypeAlias, TypeVar
 
 import sympy
 
+from torsionnet.assembly.symbolic import collected
+
 SymbolRow: TypeAlias = Mapping[str, Any]
 """Coordinate -> sympy expression, nowhere zero."""
 
 ONE = sympy.Integer(1)
 ZERO = sympy.Integer(0)
-
-MOST_TERMS = 1000
-"""Terms of a sum that is still multiplied out."""
 
 
 @dataclass(frozen=True)
@@ -150,32 +148,6 @@ class _Collected:
 
     def law(self) -> Stiffness:
         return Stiffness(*(collected(groups) for groups in self.parts))
-
-
-def collected(groups: Mapping[Any, Any]) -> Any:
-    """Sum of ratio * total, each total expanded by itself."""
-    if not groups:
-        return ZERO
-    if list(groups) == [ONE]:
-        return _expanded(groups[ONE])
-    return sympy.Add(*(ratio * _expanded(total) for ratio, total in groups.items()))
-
-
-def _expanded(total: Any) -> Any:
-    """The sum with its products multiplied out, unless that would take more terms than anyone reads."""
-    return total if total.is_Atom or _terms(total) > MOST_TERMS else sympy.expand(total)
-
-
-def _terms(expression: Any) -> int:
-    """How many terms an expression has at most when it is multiplied out."""
-    if expression.is_Add:
-        return sum(map(_terms, expression.args))
-    if expression.is_Mul:
-        return math.prod(map(_terms, expression.args))
-    if expression.is_Pow and expression.exp.is_Integer:
-        power: int = _terms(expression.base) ** abs(int(expression.exp))
-        return power
-    return 1
 
 
 def row_sum(rows: Iterable[tuple[Any, SymbolRow]]) -> dict[str, Any]:

@@ -22,9 +22,9 @@ from torsionnet.model.elements import GROUND, Element
 from torsionnet.model.elements.gears import Gear
 from torsionnet.model.elements.rigid import RigidCoupling
 from torsionnet.model.elements.springs import Damper, Spring
-from torsionnet.solve.modes import modes
+from torsionnet.solve.modes import modes, modes_against
 from torsionnet.solve.transfer import frequency_response
-from torsionnet.solve.transfer_request import as_sensor
+from torsionnet.solve.transfer_request import ask, driven
 from torsionnet.symbolic.transfer_function import TransferFunction
 
 POINTS = 400
@@ -59,7 +59,8 @@ class Errors:
     decibels: float
 
     def __str__(self) -> str:
-        return f"omega_n {100 * self.omega:.2g} %, zeta {100 * self.zeta:.2g} %, {self.decibels:.2g} dB over the band"
+        decibels = round(self.decibels, 9)  # of nothing left out, rounding errors
+        return f"omega_n {100 * self.omega:.2g} %, zeta {100 * self.zeta:.2g} %, {decibels:.2g} dB over the band"
 
 
 @dataclass(frozen=True)
@@ -130,7 +131,8 @@ def simplified(
     """
     request = SimplificationRequest(output, input, excitation, tolerance, _band(drivetrain, band))
     current, changes = drivetrain, []
-    read = {sensor.of for sensor in (as_sensor(drivetrain, name) for name in (output, input)) if sensor is not None}
+    sensors = ask(drivetrain, output, input, excitation).sensors
+    read = {sensor.of for sensor in sensors if sensor.is_on_element}
     reference = _Reference(drivetrain, request)
     candidates = list(_candidates(drivetrain.definition, read))
     costs = {change: reference.cost(_apply(drivetrain, change)) for change in candidates}
@@ -202,11 +204,8 @@ class _Reference:
         self.magnitude = self._magnitude(drivetrain)
 
     def _poles(self, drivetrain: AssembledModel) -> list[complex]:
-        sensor = as_sensor(drivetrain, self.request.input)
-        is_input = isinstance(self.request.input, str) and self.request.input in drivetrain.inputs
-        measured = None if is_input or sensor is None else sensor
-        excitation = self.request.excitation if measured is not None else None
-        found = modes(drivetrain, measured_input=measured, excitation=excitation)
+        request = driven(drivetrain, self.request.input, self.request.excitation)
+        found = modes_against(drivetrain, request if request.is_measured else None)
         pairs = zip(found.eigenvalues, found.kinds, strict=True)
         return [complex(value) for value, kind in pairs if kind == "oscillatory"]
 

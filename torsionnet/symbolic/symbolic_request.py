@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.functionals import Functional, port_of
 from torsionnet.core.errors import UsageError
 from torsionnet.core.memo import Memo
-from torsionnet.model.channels import ELEMENT_QUANTITIES, Input, Sensor
+from torsionnet.model.channels import Sensor
+from torsionnet.model.readings import port_of
 from torsionnet.response import Channel
-from torsionnet.solve.cut import Cut, cut_definition, find_cut
-from torsionnet.solve.transfer_request import TransferRequest, as_sensor, ask
+from torsionnet.solve.cut import beyond_cut, cut_definition
+from torsionnet.solve.transfer_request import TransferRequest, ask
 from torsionnet.symbolic.symbolic_sensors import Mechanism, SymbolicPart, loose_constraints, parts_of
 
 
@@ -69,27 +69,19 @@ def resolve(
         As for a frequency response; also where the excitation does not reach the measured input.
     """
     request = ask(drivetrain, output, input, excitation)
-    reading = as_sensor(drivetrain, output) or Sensor("angle", str(output))
-    channels = (channel(request.outputs[0]), channel(request.measured[0]))
-    if not request.is_measured:
-        mechanism = _mechanism(drivetrain, [reading], referred_to, memo)
-        node = request.excitations[0].of
-        return SymbolicRequest(mechanism, parts_of(mechanism, reading), None, node, 1, channels, request.notes)
-    sensor = as_sensor(drivetrain, input)
-    if sensor is None:  # a measured input is a sensor
-        raise TypeError
-    mechanism = _mechanism(drivetrain, [reading, sensor], referred_to, memo)
-    whole = _measured(reading, sensor, request, mechanism)
-    _require_reached(whole, str(input), request.excitations[0])
-    cut = find_cut(drivetrain, sensor, request.excitations)
-    if cut is None or not _is_kept(drivetrain, cut, reading):
+    sensors, node = request.sensors, request.excitations[0].of
+    mechanism = _mechanism(drivetrain, sensors, referred_to, memo)
+    reading, *measured = (parts_of(mechanism, sensor) for sensor in sensors)
+    channels = (request.outputs[0].channel, request.measured[0].channel)
+    whole = SymbolicRequest(mechanism, reading, None, node, 1, channels, request.notes)
+    if not measured:
         return whole
-    return _of_cut(drivetrain, cut, reading, sensor, whole, referred_to)
-
-
-def channel(reading: Functional) -> Channel:
-    """Name and unit of a reading."""
-    return Channel(reading.name, reading.unit)
+    if mechanism.numerator(measured[0], node).is_zero:
+        felt = f"{request.names} does not feel the {request.excitations[0]}"
+        raise UsageError(f"{felt}: the transfer function against it does not exist")
+    whole = replace(whole, measured=measured[0])
+    kept = beyond_cut(drivetrain, request)
+    return whole if kept is None else _of_cut(drivetrain, kept, request, whole, referred_to)
 
 
 def _mechanism(
@@ -104,37 +96,21 @@ def _mechanism(
     return (memo or Memo()).once(Mechanism, loose, lambda: Mechanism(drivetrain, kept, loose))
 
 
-def _measured(output: Sensor, sensor: Sensor, request: TransferRequest, mechanism: Mechanism) -> SymbolicRequest:
-    channels = (channel(request.outputs[0]), channel(request.measured[0]))
-    parts, measured = parts_of(mechanism, output), parts_of(mechanism, sensor)
-    return SymbolicRequest(mechanism, parts, measured, request.excitations[0].of, 1, channels, request.notes)
-
-
-def _require_reached(asked: SymbolicRequest, name: str, excitation: Input) -> None:
-    if asked.measured is not None and asked.mechanism.numerator(asked.measured, asked.node).is_zero:
-        raise UsageError(f"{name} does not feel the {excitation}: the transfer function against it does not exist")
-
-
-def _is_kept(drivetrain: AssembledModel, cut: Cut, reading: Sensor) -> bool:
-    if reading.quantity in ELEMENT_QUANTITIES:
-        return reading.of in cut.kept
-    elements = [drivetrain.elements[name] for name in cut.kept]
-    return any(reading.of in {*element.ports.values(), *element.internal_nodes} for element in elements)
-
-
 def _of_cut(
     drivetrain: AssembledModel,
-    cut: Cut,
-    output: Sensor,
-    sensor: Sensor,
+    kept: Sequence[str],
+    request: TransferRequest,
     whole: SymbolicRequest,
     referred_to: Sequence[str],
 ) -> SymbolicRequest:
-    """What is left downstream of the cut; the measured torque is an excitation there."""
+    """What is left downstream of the cut, if the output is; the measured torque is an excitation there."""
+    output, sensor = request.sensors
     node, sign = port_of(drivetrain.elements[sensor.of], sensor.at)
-    rest = drivetrain.with_definition(cut_definition(drivetrain.definition, cut.kept))
+    rest = drivetrain.with_definition(cut_definition(drivetrain.definition, kept))
+    if output.of not in (rest.elements if output.is_on_element else rest.nodes):
+        return whole
     mechanism = _mechanism(rest, [output], referred_to)
-    removed = ", ".join(name for name in drivetrain.elements if name not in cut.kept)
+    removed = ", ".join(name for name in drivetrain.elements if name not in kept)
     notes = (*whole.notes, f"cut at {whole.channels[1].name}: independent of {removed}") if removed else whole.notes
-    into = sign if sensor.of in cut.kept else -sign
+    into = sign if sensor.of in kept else -sign
     return SymbolicRequest(mechanism, parts_of(mechanism, output), None, node, into, whole.channels, notes)

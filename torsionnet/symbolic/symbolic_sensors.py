@@ -1,4 +1,4 @@
-"""What sensors read, as rows on networks: the symbolic twin of :mod:`torsionnet.assembly.functionals`.
+"""What sensors read, as rows on networks.
 
 The torque through a rigid connection is read where that connection is taken away: with a law kappa on its row a, the
 torque is kappa a^T theta, and
@@ -17,19 +17,18 @@ from functools import cached_property
 from typing import Any
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.functionals import port_of
-from torsionnet.assembly.symbolic import law_parts, twin_kinematics
+from torsionnet.assembly.symbolic import law_parts
 from torsionnet.assembly.twin import TWINS, twin, twin_parameters
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Values
 from torsionnet.model.elimination import substitute
-from torsionnet.model.kinematics import Kinematics
+from torsionnet.model.kinematics import Kinematics, kinematics_on
+from torsionnet.model.readings import reading
 from torsionnet.symbolic.adjugate import bilinear, determinant
 from torsionnet.symbolic.network import ONE, Network, NetworkMember, Stiffness, SymbolRow
 from torsionnet.symbolic.program import Program, ProgramNode
 
 PURE_S = Stiffness(damping=ONE)
-POWERS = {"angle": 0, "velocity": 1, "acceleration": 2}
 
 
 @dataclass(frozen=True)
@@ -80,7 +79,7 @@ class Mechanism:
     def kinematics(self) -> Kinematics:
         """All constraints but the loose ones solved."""
         plain = self.drivetrain.assembly.kinematics
-        return twin_kinematics(plain, self.values, self.drivetrain.definition, self.referred_to, self.loose)
+        return kinematics_on(self.values, plain, self.drivetrain.definition, self.referred_to, self.loose)
 
     def row(self, row: Mapping[str, Any]) -> SymbolRow:
         """A row over nodes as one over coordinates."""
@@ -128,23 +127,14 @@ class Mechanism:
 
 def parts_of(mechanism: Mechanism, sensor: Sensor) -> list[SymbolicPart]:
     """The parts of what a sensor reads."""
-    if sensor.quantity in POWERS:
-        return [SymbolicPart({sensor.of: twin(1)}, power=POWERS[sensor.quantity])]
-    element = mechanism.drivetrain.elements[sensor.of]
-    if sensor.quantity == "twist":
-        return [SymbolicPart(element.twist(mechanism.values))]
-    node, sign = port_of(element, sensor.at)
-    laws = [
-        SymbolicPart(law.row, sign * twin(law.row[node]).symbol, law=Stiffness(*law_parts(owner, law)))
-        for owner, law in mechanism.kinematics.laws
-        if owner == sensor.of and law.acts and node in law.row
-    ]
-    rigid = [
-        SymbolicPart({}, sign * twin(row[node]).symbol, rigid=index)
-        for index, (owner, row) in enumerate(mechanism.kinematics.constraints)
-        if owner == sensor.of and node in row
-    ]
-    return laws + rigid
+    kinematics = mechanism.kinematics
+    rows = ((owner, law.row) for owner, law in kinematics.laws)
+    read = reading(sensor, mechanism.drivetrain.elements, mechanism.values, rows, kinematics.constraints)
+    if read.row is not None:
+        return [SymbolicPart(read.row, power=read.power)]
+    shares = [(*kinematics.laws[number], twin(factor).symbol) for number, factor in read.laws.items()]
+    laws = [SymbolicPart(law.row, by, law=Stiffness(*law_parts(owner, law))) for owner, law, by in shares if law.acts]
+    return laws + [SymbolicPart({}, twin(by).symbol, rigid=number) for number, by in read.constraints.items()]
 
 
 def loose_constraints(drivetrain: AssembledModel, sensors: Collection[Sensor]) -> tuple[int, ...]:

@@ -93,7 +93,7 @@ class SymbolicSystem(SymbolicMatrices):
         drivetrain = self._model
         request = ask(drivetrain, list(outputs), list(inputs), excitation)
         if request.is_measured and len(inputs) > 1:
-            return over_measured(drivetrain, outputs, inputs, excitation, self._written)
+            return over_measured(drivetrain, request, self._written)
         given = excitation if isinstance(excitation, str | None) else excitation[0]
         source = given if request.is_measured else None
         return TransferMatrix(

@@ -180,6 +180,34 @@ class TransferFunction(SymbolicFraction):
 
         return python_code(self, name)
 
+    def to_text(self, form: str = "mechanical") -> str:
+        """Text of a form, or ``"python"`` for the numpy function.
+
+        Raises
+        ------
+        UsageError
+            No such form, or one that would fill pages.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> print(tn.load("dmf_rig").symbolic().transfer_function("theta_1", "T_T").to_text("program"))
+        (z_1 + z_2)/(z_1*z_2)
+          z_1 = c_1*s + k_1
+          z_2 = k_2 + s*(I_2*s + c_2 + c_B)
+        """
+        if form == "mechanical":
+            require_short(self, MOST_LEAVES)
+            return str(shown(self.mechanical))
+        if form in ("polynomial", "normalised"):
+            require_readable(self)
+        if form in FORMS:
+            return str(self.expanded().expression if form == "expanded" else getattr(self, form))
+        if form == "python":
+            return self.python_code()
+        known = (*FORMS, "python")
+        raise UsageError(f'"{form}" is no form{did_you_mean(form, known)}; choose {", ".join(known)}')
+
     def to_latex(self, form: str = "mechanical") -> str:
         """LaTeX of a form: mechanical, polynomial, normalised, program or expanded.
 

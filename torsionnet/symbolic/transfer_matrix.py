@@ -21,12 +21,11 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.channels import Sensor
 from torsionnet.response import Channel, FrequencyResponse
-from torsionnet.solve.transfer_request import TransferRequest, as_sensor, ask
+from torsionnet.solve.transfer_request import TransferRequest
 from torsionnet.symbolic.algebras import InPowersOfS
 from torsionnet.symbolic.imposed import at_rest, is_imposed
 from torsionnet.symbolic.numbers import surely_zero
 from torsionnet.symbolic.program import Program, ProgramNode
-from torsionnet.symbolic.symbolic_request import channel
 from torsionnet.symbolic.symbolic_sensors import Mechanism, loose_constraints, parts_of
 from torsionnet.symbolic.transfer_function import TransferFunction
 
@@ -110,13 +109,7 @@ def _place(key: int | str, names: Sequence[str]) -> int:
     return names.index(key)
 
 
-def over_measured(
-    drivetrain: AssembledModel,
-    outputs: Sequence[str | Sensor],
-    inputs: Sequence[str | Sensor],
-    excitation: str | Sequence[str] | None,
-    write: Write,
-) -> TransferMatrix:
+def over_measured(drivetrain: AssembledModel, request: TransferRequest, write: Write) -> TransferMatrix:
     """Transfer functions against several measured inputs under as many excitations.
 
     ``write`` makes a transfer function of channels, numerator and denominator.
@@ -124,12 +117,11 @@ def over_measured(
     Raises
     ------
     UsageError
-        As for a frequency response; also with more than three measured inputs.
+        There are more than three measured inputs, or they depend on each other.
     """
-    request = ask(drivetrain, outputs, inputs, excitation)
-    if len(inputs) > MOST_MEASURED:
+    if len(request.measured) > MOST_MEASURED:
         raise UsageError(f"in symbols at most {MOST_MEASURED} inputs are measured at a time")
-    sensors = [as_sensor(drivetrain, entry) or Sensor("angle", str(entry)) for entry in (*outputs, *inputs)]
+    sensors = request.sensors
     program, mechanisms = Program(), dict[str, Mechanism]()
     columns = []
     for source in request.excitations:
@@ -158,7 +150,7 @@ def _by_cramer(
         tuple(
             tuple(
                 write(
-                    (channel(output), channel(measured)),
+                    (output.channel, measured.channel),
                     *program.reduced(_determinant(program, [*below[:i], row, *below[i + 1 :]]), whole),
                     request.notes,
                 )

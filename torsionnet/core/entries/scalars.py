@@ -9,7 +9,8 @@ from typing import Any
 
 from torsionnet.core.entries.spec import EntryError, Schema, Spec
 from torsionnet.core.errors import Path
-from torsionnet.core.expressions import Expression, ExpressionError, Number, scalar
+from torsionnet.core.expression_reading import scalar
+from torsionnet.core.expressions import Expression, ExpressionError, Number
 from torsionnet.core.units import DIMENSIONS, UnitError, expected_unit, is_beyond_range
 
 SCALAR_SCHEMA: Schema = {"type": ["number", "string"]}

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from torsionnet.io.fmu.variables import FMI_UNITS, Variables
+from torsionnet.io.fmu.variables import FMI_UNITS, Variable, Variables
 
 ATTRIBUTES: Mapping[str, Mapping[str, str]] = {
     "time": {"causality": "independent", "variability": "continuous"},
@@ -47,19 +47,38 @@ class FmuDescription:
     dependencies: Mapping[int, tuple[int, ...]]
 
 
-def add_units(root: Element, variables: Variables) -> None:
+def described(
+    subject: FmuDescription,
+    about: Mapping[str, str],
+    kinds: Mapping[str, Mapping[str, str]],
+    sources: Sequence[str],
+    add_variable: Callable[[Element, Variable], None],
+) -> Element:
+    """A description down to its variables; ``about`` are attributes of its own, ``kinds`` what it can be run as."""
+    common = {
+        "description": subject.description,
+        "generationTool": f"torsionnet {subject.version}",
+        "variableNamingConvention": "flat",
+    }
+    root = Element("fmiModelDescription", given({**about, **common}))
+    for kind, abilities in kinds.items():
+        entry = SubElement(root, kind, {"modelIdentifier": subject.identifier, **abilities})
+        for name in sources:
+            SubElement(SubElement(entry, "SourceFiles"), "File", name=name)
+    _add_units(root, subject.variables)
+    SubElement(SubElement(root, "LogCategories"), "Category", name="logStatusError")
+    SubElement(root, "DefaultExperiment", startTime="0", stepSize=repr(subject.step))
+    table = SubElement(root, "ModelVariables")
+    for variable in subject.variables.all:
+        add_variable(table, variable)
+    return root
+
+
+def _add_units(root: Element, variables: Variables) -> None:
     units = SubElement(root, "UnitDefinitions")
     for name in variables.units:
         unit = SubElement(units, "Unit", name=name)
         SubElement(unit, "BaseUnit", {base: str(power) for base, power in FMI_UNITS[name].items()})
-
-
-def add_log_category(root: Element) -> None:
-    SubElement(SubElement(root, "LogCategories"), "Category", name="logStatusError")
-
-
-def add_experiment(root: Element, step: float) -> None:
-    SubElement(root, "DefaultExperiment", startTime="0", stepSize=repr(step))
 
 
 def given(attributes: Mapping[str, str]) -> dict[str, str]:

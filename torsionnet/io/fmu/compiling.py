@@ -12,7 +12,7 @@ from pathlib import Path
 
 from torsionnet.core.errors import MissingExtraError, TorsionnetError
 from torsionnet.io.fmu.platforms import PLATFORMS, Platform, for_all_macs, this_machine
-from torsionnet.io.records.extras import needed
+from torsionnet.io.formats.extras import needed
 
 FLAGS = ("-std=c99", "-O2", "-shared", "-fvisibility=hidden", "-ffp-contract=off", "-fno-math-errno", "-w")
 """Without fused products what cancels does so alike on every machine."""

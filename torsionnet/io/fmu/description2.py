@@ -8,9 +8,7 @@ from torsionnet.io.fmu.common_description import (
     ATTRIBUTES,
     UNKNOWN_AT_START,
     FmuDescription,
-    add_experiment,
-    add_log_category,
-    add_units,
+    described,
     given,
     written,
 )
@@ -18,31 +16,14 @@ from torsionnet.io.fmu.variables import Variable
 
 STATES = {"canGetAndSetFMUstate": "true", "canSerializeFMUstate": "true", "providesDirectionalDerivative": "true"}
 STEPS = {"canHandleVariableCommunicationStepSize": "true", "canInterpolateInputs": "true"}
+KINDS = {"ModelExchange": STATES, "CoSimulation": STEPS | STATES}
 
 
 def describe(subject: FmuDescription) -> bytes:
     """The model description of a subject."""
-    root = Element(
-        "fmiModelDescription",
-        given({
-            "fmiVersion": "2.0",
-            "modelName": subject.title,
-            "guid": subject.token,
-            "description": subject.description,
-            "generationTool": f"torsionnet {subject.version}",
-            "variableNamingConvention": "flat",
-            "numberOfEventIndicators": "0",
-        }),
-    )  # fmt: skip
-    for kind, more in (("ModelExchange", {}), ("CoSimulation", STEPS)):
-        entry = SubElement(root, kind, {"modelIdentifier": subject.identifier, **more, **STATES})
-        SubElement(SubElement(entry, "SourceFiles"), "File", name="all.c")
-    add_units(root, subject.variables)
-    add_log_category(root)
-    add_experiment(root, subject.step)
-    table = SubElement(root, "ModelVariables")
-    for variable in subject.variables.all:
-        _add_variable(table, variable)
+    about = {"fmiVersion": "2.0", "modelName": subject.title, "guid": subject.token}
+    root = described(subject, about, KINDS, ["all.c"], _add_variable)
+    root.set("numberOfEventIndicators", "0")
     _add_structure(root, subject)
     return written(root)
 

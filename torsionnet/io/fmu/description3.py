@@ -8,9 +8,7 @@ from torsionnet.io.fmu.common_description import (
     ATTRIBUTES,
     UNKNOWN_AT_START,
     FmuDescription,
-    add_experiment,
-    add_log_category,
-    add_units,
+    described,
     given,
     written,
 )
@@ -22,29 +20,13 @@ STEPS = {
     "providesIntermediateUpdate": "true",
     "hasEventMode": "true",
 }
+KINDS = {"ModelExchange": STATES, "CoSimulation": STATES | STEPS}
 
 
 def describe(subject: FmuDescription) -> bytes:
     """The model description of a subject."""
-    root = Element(
-        "fmiModelDescription",
-        given({
-            "fmiVersion": "3.0",
-            "modelName": subject.title,
-            "instantiationToken": subject.token,
-            "description": subject.description,
-            "generationTool": f"torsionnet {subject.version}",
-            "variableNamingConvention": "flat",
-        }),
-    )  # fmt: skip
-    for kind, more in (("ModelExchange", {}), ("CoSimulation", STEPS)):
-        SubElement(root, kind, {"modelIdentifier": subject.identifier, **STATES, **more})
-    add_units(root, subject.variables)
-    add_log_category(root)
-    add_experiment(root, subject.step)
-    table = SubElement(root, "ModelVariables")
-    for variable in subject.variables.all:
-        _add_variable(table, variable)
+    about = {"fmiVersion": "3.0", "modelName": subject.title, "instantiationToken": subject.token}
+    root = described(subject, about, KINDS, [], _add_variable)
     _add_structure(root, subject)
     return written(root)
 

@@ -19,10 +19,10 @@ from typing import Any, TypeAlias
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.fmu.traced_numbers import NumberTape, Traced
-from torsionnet.io.fmu.traced_parameters import trace_parameters
 from torsionnet.model.elements import Law, Values
 from torsionnet.model.elimination import reduce_rows, substitute
-from torsionnet.model.kinematics import Kinematics, constraints_of, owned_parts
+from torsionnet.model.kinematics import Kinematics, kinematics_on
+from torsionnet.model.parameters import Parameter, evaluation_order
 
 _Names: TypeAlias = tuple[str, ...]
 
@@ -78,21 +78,11 @@ def trace_motion(drivetrain: Drivetrain) -> Motion:
 
 def _traced(drivetrain: Drivetrain, settled: Iterable[str]) -> Motion:
     definition, tape = drivetrain.definition, NumberTape()
-    parameters = trace_parameters(tape, definition.parameters, drivetrain.exact_values, settled)
+    parameters = _parameters(tape, definition.parameters, drivetrain.exact_values, settled)
     values = Values(parameters, tape.algebra)
-    kinematics = _kinematics(drivetrain, tape, values)
+    kinematics = kinematics_on(values, drivetrain.assembly.kinematics, definition)
     kinds = _Kinds(tape, kinematics)
     return Motion(tape, parameters, values, kinematics, *kinds.found())
-
-
-def _kinematics(drivetrain: Drivetrain, tape: NumberTape, values: Values) -> Kinematics:
-    """The kinematics of the drivetrain once more, on the tape."""
-    plain = drivetrain.assembly.kinematics
-    parts = owned_parts(drivetrain.definition, values)
-    rows = [{node: tape.number(a) for node, a in row.items()} for _, row in constraints_of(parts)]
-    reduction = reduce_rows(rows, {node: index for index, node in enumerate(plain.nodes)})
-    coordinates = tuple(node for node in plain.nodes if reduction.is_free(node))
-    return Kinematics(plain.nodes, parts, plain.imposed, plain.driven, reduction, coordinates)
 
 
 class _Kinds:
@@ -142,3 +132,19 @@ class _Kinds:
         loose = [name for name in free if name in static]
         if loose:
             raise UsageError(f"nothing resists the motion of {', '.join(loose)}: no inertia, no damper and no spring")
+
+
+def _parameters(
+    tape: NumberTape, definitions: Mapping[str, Parameter], values: Mapping[str, Any], settled: Iterable[str]
+) -> dict[str, Traced]:
+    """Every parameter on a tape; derived ones follow those they are made of, settled ones are constants."""
+    traced: dict[str, Traced] = {}
+    for name in evaluation_order(definitions)[0]:
+        expression = definitions[name].value
+        if name in settled:
+            traced[name] = tape.number(values[name])
+        elif expression.names:
+            traced[name] = expression.evaluate(traced, tape.algebra)
+        else:
+            traced[name] = tape.parameter(name, values[name])
+    return {name: tape.number(traced[name]) for name in definitions}

@@ -8,17 +8,17 @@ with heavy coordinates h, damped b and static d. What runs inside an FMU makes A
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from torsionnet.assembly.functionals import functional
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.fmu.motion import Motion, trace_motion
 from torsionnet.io.fmu.traced_numbers import Traced
-from torsionnet.io.fmu.traced_readings import TracedPart, parts_of
+from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Law
-from torsionnet.solve.state_space import active_channels, first_order, output_rows
+from torsionnet.model.readings import balance, reading
+from torsionnet.solve.state_space import active_channels, state_space
 
 MOST = 400
 """Coordinates up to which dense matrices are no burden on a host."""
@@ -94,10 +94,7 @@ def trace_system(drivetrain: Drivetrain) -> System:
         for name, share in motion.over_coordinates({node: 1}).items():
             matrices["L"].add(place[name], number, share)
     for number, sensor in enumerate(channels.sensors.values()):
-        for part in parts_of(drivetrain, motion, sensor):
-            _add_reading(matrices, number, part, motion, place)
-            for column, node in enumerate(nodes):
-                matrices["F"].add(number, column, motion.tape.number(part.applied.get(node, 0)))
+        _add_reading(matrices, number, sensor, drivetrain, motion, place, nodes)
     return System(motion, coordinates, tuple(channels.inputs), tuple(channels.sensors), matrices)
 
 
@@ -112,10 +109,7 @@ def _refuse(drivetrain: Drivetrain) -> None:
     n = assembly.system.n_coordinates
     if n > MOST:
         raise UsageError(f"the drivetrain has {n} coordinates; an FMU with its dense matrices takes up to {MOST}")
-    inputs = list(channels.inputs.values())
-    system = first_order(assembly, inputs)
-    for name, sensor in channels.sensors.items():
-        output_rows(assembly, functional(drivetrain, sensor, name), inputs, system)
+    state_space(drivetrain)
 
 
 def _add_law(
@@ -131,11 +125,25 @@ def _add_law(
 
 
 def _add_reading(
-    matrices: Mapping[str, Entries], number: int, part: TracedPart, motion: Motion, place: Mapping[str, int]
-) -> None:
-    row = motion.over_coordinates(part.row)
-    for power, factor in enumerate(part.factors):
-        weight = motion.tape.number(factor)
-        if not weight.vanishes:
-            for name, share in row.items():
-                matrices[f"R{power}"].add(number, place[name], weight * share)
+    matrices: Mapping[str, Entries], number: int, sensor: Sensor, drivetrain: Drivetrain, motion: Motion,
+    place: Mapping[str, int], nodes: Sequence[str],
+) -> None:  # fmt: skip
+    """Add what a sensor reads of coordinates and of torques on ``nodes``."""
+    tape, laws = motion.tape, motion.kinematics.laws
+    rows = [(owner, law.row) for owner, law in laws]
+    read = reading(sensor, drivetrain.elements, motion.values, rows, motion.kinematics.constraints)
+    balanced = balance(read, motion.kinematics, [row for _, row in rows], tape.number)
+    parts = [] if read.row is None else [(read.row, [tape.number(read.power == power) for power in range(3)])]
+    for index, factor in balanced.laws:
+        _, law = laws[index]
+        if law.acts and not factor.vanishes:
+            sizes = (law.stiffness, law.damping, law.inertia)
+            parts.append((law.row, [tape.number(size) * factor for size in sizes]))
+    for row, factors in parts:
+        over_coordinates = motion.over_coordinates(row)
+        for power, weight in enumerate(factors):
+            if not weight.vanishes:
+                for name, share in over_coordinates.items():
+                    matrices[f"R{power}"].add(number, place[name], weight * share)
+    for column, node in enumerate(nodes):
+        matrices["F"].add(number, column, tape.number(balanced.applied.get(node, 0)))

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
 
 from torsionnet.core.units import DIMENSIONS, Dimension
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.fmu.traced_matrices import System
 from torsionnet.io.fmu.traced_numbers import Traced
+from torsionnet.io.modelica_words import written_unit
 from torsionnet.model.channels import UNITS
 from torsionnet.model.parameters import dimensions
 from torsionnet.solve.state_space import active_channels
@@ -38,6 +38,7 @@ OF_DIMENSION = {
     "density": "kg/m3",
     "shear modulus": "Pa",
 }
+SETTLED = "cannot be changed here: the structure of the model rests on its value"
 
 
 @dataclass(frozen=True)
@@ -45,13 +46,13 @@ class Variable:
     """One variable; ``role`` is time, input, output, state, rate, parameter, derived, settled or flag."""
 
     name: str
-    reference: int
     role: str
     unit: str = ""
     description: str = ""
     start: float | None = None
     of: int | None = None
     """The reference of the state a rate belongs to."""
+    reference: int = 0
 
 
 @dataclass(frozen=True)
@@ -84,65 +85,50 @@ def list_variables(drivetrain: Drivetrain, system: System) -> Variables:
     derived = {name: number for name, number in traced.items() if not number.is_constant and name not in open_}
     settled = {name: values[name] for name, number in traced.items() if number.is_constant}
     named = _Namer()
-    listed = [
-        Variable(named(entry["name"], entry["role"]), reference, **{key: entry[key] for key in entry if key != "name"})
-        for reference, entry in enumerate(_entries(drivetrain, system, open_, derived, settled))
-    ]
+    listed = (
+        replace(variable, name=named(variable.name, variable.role), reference=reference)
+        for reference, variable in enumerate(_unnumbered(drivetrain, system, open_, derived, settled))
+    )
     return Variables(tuple(listed), open_, derived, settled)
 
 
-def _entries(
+def _unnumbered(
     drivetrain: Drivetrain, system: System, open_: dict[str, float], derived: dict[str, Traced],
     settled: dict[str, float],
-) -> Iterator[dict[str, Any]]:  # fmt: skip
+) -> Iterator[Variable]:  # fmt: skip
     channels, found = active_channels(drivetrain), dimensions(drivetrain.parameter_definitions)[0]
-    yield {"name": "time", "role": "time", "unit": "s"}
+    yield Variable("time", "time", "s")
     for name, source in channels.inputs.items():
-        yield {"name": name, "role": "input", "unit": "N.m", "description": str(source), "start": 0.0}
+        yield Variable(name, "input", "N.m", str(source), start=0.0)
     for name, sensor in channels.sensors.items():
-        unit = UNITS[sensor.quantity].replace("*", ".").replace("^", "")
-        yield {"name": name, "role": "output", "unit": unit, "description": str(sensor)}
+        yield Variable(name, "output", written_unit(UNITS[sensor.quantity]), str(sensor))
     first = 1 + len(channels.inputs) + len(channels.sensors)
-    for role in ("state", "rate"):
-        for place, state in enumerate(system.states):
-            yield _state(system, state, role, first + place)
+    for state in system.states:
+        node = state[state.index("(") + 1 : -1]
+        text = "relative to the motion of the nodes it follows" if node in system.motion.relative else ""
+        yield Variable(state, "state", _unit(state), text, start=0.0)
+    for reference, state in enumerate(system.states, first):
+        unit = f"{_unit(state)}/s".replace("/s/s", "/s2")
+        yield Variable(f"der({state})", "rate", unit, of=reference)
     for role, table in (("parameter", open_), ("derived", derived)):
         for name in table:
             yield _parameter(drivetrain, name, role, found.get(name))
-    yield {
-        "name": "extrapolate_inputs",
-        "role": "flag",
-        "description": "in co-simulation: inputs run on from step to step in straight lines; if false, they are held",
-    }
+    text = "in co-simulation: inputs run on from step to step in straight lines; if false, they are held"
+    yield Variable("extrapolate_inputs", "flag", description=text)
     for name in settled:
         yield _parameter(drivetrain, name, "settled", found.get(name))
 
 
-def _state(system: System, state: str, role: str, reference: int) -> dict[str, Any]:
-    node = state[state.index("(") + 1 : -1]
-    unit = "rad/s" if state.startswith("speed") else "rad"
-    text = "relative to the motion of the nodes it follows" if node in system.motion.relative else ""
-    if role == "state":
-        return {"name": state, "role": role, "unit": unit, "description": text, "start": 0.0}
-    return {"name": f"der({state})", "role": role, "unit": f"{unit}/s".replace("/s/s", "/s2"), "of": reference}
+def _unit(state: str) -> str:
+    return "rad/s" if state.startswith("speed") else "rad"
 
 
-def _parameter(drivetrain: Drivetrain, name: str, role: str, dimension: Dimension | None) -> dict[str, Any]:
+def _parameter(drivetrain: Drivetrain, name: str, role: str, dimension: Dimension | None) -> Variable:
     unit = next((unit for known, unit in OF_DIMENSION.items() if dimension == DIMENSIONS[known]), "")
-    definition, value = drivetrain.parameter_definitions[name], drivetrain.parameters[name]
-    text = definition.description
-    if role == "derived":
-        text = f"{text}; {definition.value}" if text else str(definition.value)
-    if role == "settled":
-        reason = "cannot be changed here: the structure of the model rests on its value"
-        text = f"{text}; {reason}" if text else reason
-    return {
-        "name": name,
-        "role": role,
-        "unit": unit,
-        "description": text,
-        "start": None if role == "derived" else value,
-    }
+    definition = drivetrain.parameter_definitions[name]
+    notes = {"derived": str(definition.value), "settled": SETTLED}
+    text = "; ".join(part for part in (definition.description, notes.get(role, "")) if part)
+    return Variable(name, role, unit, text, None if role == "derived" else drivetrain.parameters[name])
 
 
 class _Namer:

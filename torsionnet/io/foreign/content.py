@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 COMPLEX, ROW = "complex", "row"
 """Attributes of an array of complex numbers, and of one that is a row in the file and a column here."""
 
+UNIT_NAMES = ("unit", "units", "Unit", "Units", "unit_string")
+"""Attributes under which programs keep the unit of an array."""
+
 Plain: TypeAlias = str | float | bool | None
 Slice: TypeAlias = "Callable[[int, int], NDArray[Any]]"
 Blocks: TypeAlias = "Callable[[Sequence[int], int], Iterator[list[NDArray[Any]]]]"

@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.io.foreign.content import Content, ForeignFileError, Plain, Slice, Stored, plain, sliced
+from torsionnet.io.foreign.content import UNIT_NAMES, Content, ForeignFileError, Plain, Slice, Stored, plain, sliced
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-ATTRIBUTES = ("unit", "units", "Unit", "Units", "unit_string", "quantity")
+ATTRIBUTES = (*UNIT_NAMES, "quantity")
 CLASS = "MATLAB_class"
 HERE = "."
 """Name of the file itself, for a virtual dataset."""

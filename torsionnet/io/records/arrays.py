@@ -3,51 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.io.foreign import Content, Stored
-from torsionnet.io.foreign.content import COMPLEX
-from torsionnet.io.records.source import Blocks, FileChannel, Source, names_a_rate
+from torsionnet.io.foreign import Stored
+from torsionnet.io.foreign.content import COMPLEX, UNIT_NAMES, Blocks
+from torsionnet.io.records.source import FileChannel, Source, names_a_rate
 from torsionnet.io.records.stored import with_stored
 from torsionnet.response.recording import FloatArray
 
 MOST_COLUMNS = 256  # more make a picture or a matrix of something else
-UNIT_NAMES = ("unit", "units", "Unit", "Units", "unit_string")
 
 
-@dataclass(frozen=True)
-class ArrayMember:
-    """One array of a file; ``shape`` is (samples, columns), ``value`` that of a single number."""
-
-    name: str
-    shape: tuple[int, int]
-    unit: str = ""
-    quantity: str = ""
-    value: float | None = None
-
-
-def array_source(members: Sequence[ArrayMember], blocks: Blocks, stored: str, title: str) -> Source:
+def array_source(arrays: Sequence[Stored], blocks: Blocks, stored: str, title: str) -> Source:
     """Source of named arrays: a number named ``fs`` or the like is the rate, other single numbers are passed over.
 
-    ``blocks`` knows the arrays by their place in ``members``.
+    ``blocks`` knows the arrays by their place in ``arrays``.
     """
     channels, places, notes, rate = list[FileChannel](), list[tuple[int, int]](), list[str](), None
-    for number, member in enumerate(members):
-        if member.shape == (1, 1) and not stored:
-            is_rate = names_a_rate(member.name)
-            rate = member.value if is_rate else rate
+    for number, item in enumerate(arrays):
+        if len(item.shape) > 2 or item.attributes.get(COMPLEX):
+            continue
+        rows, columns = (*item.shape, 1, 1)[:2]
+        if rows == columns == 1 and not stored:
+            is_rate = names_a_rate(item.name)
+            rate = item.value if is_rate else rate
             what = "was taken for the sampling rate" if is_rate else "is a single number, no channel"
-            notes.append(f"{member.name} {what}")
-        elif member.shape[1] > MOST_COLUMNS:
-            notes.append(f"{member.name} was left out: {member.shape[0]} by {member.shape[1]} numbers are no channels")
+            notes.append(f"{item.name} {what}")
+        elif columns > MOST_COLUMNS:
+            notes.append(f"{item.name} was left out: {rows} by {columns} numbers are no channels")
         else:
-            for column in range(member.shape[1]):
-                channels.append(_channel(member, column, len(channels)))
+            for column in range(columns):
+                name = item.name if columns == 1 else f"{item.name}_{column + 1}"
+                channels.append(channel_of(item, len(channels), name, word(item, *UNIT_NAMES)))
                 places.append((number, column))
     source = Source(tuple(channels), _by_column(blocks, places), rate=rate, title=title, notes=tuple(notes))
-    return with_stored(source, stored) if stored else source.with_time_found()
+    return with_stored(source, stored)
 
 
 def _by_column(blocks: Blocks, places: Sequence[tuple[int, int]]) -> Blocks:
@@ -67,32 +58,11 @@ def _column(block: FloatArray, column: int) -> FloatArray:
     return np.asarray(block if block.ndim == 1 else block[:, column], dtype=float)
 
 
-def content_source(content: Content, stored: str, title: str) -> Source:
-    """Source of the arrays of a file of another program."""
-    kept = [(number, item) for number, item in enumerate(content.arrays) if _is_channel(item)]
-    numbers = [number for number, _ in kept]
-    members = [
-        ArrayMember(item.name, _shape(item.shape), _word(item, UNIT_NAMES), _word(item, ("quantity",)), item.value)
-        for _, item in kept
-    ]
-    return array_source(
-        members, lambda asked, count: content.blocks([numbers[at] for at in asked], count), stored, title
-    )
+def channel_of(item: Stored, number: int, name: str, unit: str) -> FileChannel:
+    """A channel, of the quantity that the array has as an attribute."""
+    return FileChannel(name, number, unit, word(item, "quantity") or None, item.length)
 
 
-def _is_channel(item: Stored) -> bool:
-    return len(item.shape) <= 2 and not item.attributes.get(COMPLEX)
-
-
-def _shape(shape: Sequence[int]) -> tuple[int, int]:
-    rows, columns = (*shape, 1, 1)[:2]
-    return rows, columns
-
-
-def _word(item: Stored, names: Sequence[str]) -> str:
+def word(item: Stored, *names: str) -> str:
+    """The first of these attributes that an array has, as text; empty where it has none."""
     return next((str(item.attributes[name]) for name in names if name in item.attributes), "")
-
-
-def _channel(member: ArrayMember, column: int, number: int) -> FileChannel:
-    name = member.name if member.shape[1] == 1 else f"{member.name}_{column + 1}"
-    return FileChannel(name, number, member.unit, member.quantity or None, member.shape[0])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from torsionnet.core.units import ANGLES, DIMENSIONS, UnitError, parse_unit
+from torsionnet.core.units import ANGLES, DIMENSIONS, Dimension, UnitError, parse_unit
 from torsionnet.response.recording import QUANTITY_UNITS
 
 _DIMENSIONS = {"torque": "torque", "angle": "angle", "velocity": "speed", "acceleration": "acceleration"}
@@ -31,11 +31,14 @@ def quantity_of(unit: str) -> str:
         dimension = parse_unit(plain_unit(unit)).dimension
     except UnitError:
         return ""
-    for quantity, name in _DIMENSIONS.items():
-        if dimension == DIMENSIONS[name]:
-            # A bare number or per cent has the dimension of an angle, and so have many other things.
-            return quantity if quantity != "angle" or _ANGULAR.search(unit) else ""
-    return ""
+    quantity = of_dimension(dimension)
+    # A bare number or per cent has the dimension of an angle, and so have many other things.
+    return quantity if quantity != "angle" or _ANGULAR.search(unit) else ""
+
+
+def of_dimension(dimension: Dimension) -> str:
+    """The quantity of a dimension; empty where there is none."""
+    return next((quantity for quantity, name in _DIMENSIONS.items() if dimension == DIMENSIONS[name]), "")
 
 
 def factor_to_si(unit: str, quantity: str) -> float:

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 from torsionnet.core.errors import Position
 from torsionnet.core.units import DIMENSIONS, UnitError, parse_unit
-from torsionnet.response.recording import FloatArray
+from torsionnet.io.foreign.content import Blocks
 
 TIME_NAMES = frozenset({"time", "times", "zeit", "tid", "temps", "timestamp", "timestamps", "time stamp", "x-time"})
 RATE_NAMES = frozenset({"fs", "sampling_rate", "sample_rate", "samplerate", "samplingrate", "abtastrate"})
-
-Blocks = Callable[[Sequence[int], int], Iterator[list[FloatArray]]]
-Reader = Callable[[int, int], FloatArray]
 
 
 @dataclass(frozen=True)
@@ -76,15 +73,3 @@ def names_a_rate(name: str) -> bool:
     """Whether a single number of this name is the sampling rate: ``fs``, ``Sample_Rate``, ``d.Time_Sample_Rate``."""
     folded = name.rpartition(".")[2].casefold()
     return folded in RATE_NAMES or any(folded.endswith(f"_{known}") for known in RATE_NAMES if known != "fs")
-
-
-def sliced(readers: Sequence[Reader], lengths: Sequence[int]) -> Blocks:
-    """Blocks of channels of which each can be read from one sample to another."""
-
-    def blocks(columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
-        length = min((lengths[column] for column in columns), default=0)
-        step = count or max(length, 1)
-        for first in range(0, length, step):
-            yield [readers[column](first, min(first + step, length)) for column in columns]
-
-    return blocks

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 from torsionnet.core.errors import UsageError
+from torsionnet.io.plain_names import free_name
 from torsionnet.io.records.source import FileChannel, Source
-from torsionnet.response.recording import QUANTITY_UNITS, Recording
+from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording
 
 KEY = "torsionnet_recording"
 TIME = "time"
@@ -34,8 +35,35 @@ def stored(recording: Recording, keys: Sequence[str] | None = None, *, with_time
     return json.dumps(data)
 
 
+@dataclass(frozen=True)
+class SavedColumn:
+    """Values with the name they have in the file, and their unit and quantity as attributes."""
+
+    name: str
+    values: FloatArray
+    attributes: dict[str, str]
+
+
+def saved_columns(recording: Recording, keys: Sequence[str] | None = None) -> list[SavedColumn]:
+    """One column for every signal, and one of time stamps where there are any; no two of one name."""
+    checked_names(recording)
+    columns = [
+        SavedColumn(key, signal.values, {"unit": signal.unit, "quantity": signal.quantity})
+        for key, signal in zip(keys or recording.names, recording, strict=True)
+    ]
+    return columns if recording.times is None else [*columns, SavedColumn(TIME, recording.times, {"unit": "s"})]
+
+
 def with_stored(source: Source, text: str) -> Source:
-    """The source with what ``text`` says about it; raises ``ValueError`` where the two do not fit."""
+    """The source with what ``text`` says about it, or with its time found where it says nothing.
+
+    Raises
+    ------
+    ValueError
+        The two do not fit.
+    """
+    if not text:
+        return source.with_time_found()
     try:
         data = json.loads(text)
         channels = tuple(_channel(source, entry) for entry in data["signals"])
@@ -84,9 +112,5 @@ def plain_keys(names: Sequence[str], pattern: str, taken: Sequence[str] = (TIME,
     keys: list[str] = []
     for name in names:
         plain = re.sub(pattern, "_", name.strip()) or "signal"
-        number, key = 1, plain
-        while key in keys or key in taken:
-            number += 1
-            key = f"{plain}_{number}"
-        keys.append(key)
+        keys.append(free_name(plain, {*keys, *taken}))
     return keys

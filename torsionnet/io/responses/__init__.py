@@ -1,1 +1,1 @@
-"""Frequency responses in files: CSV, NPZ, MAT and, with an extra, UFF58."""
+"""What files of frequency responses have in common, whichever format they are in."""

@@ -10,7 +10,7 @@ from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.errors import Fault, Path, did_you_mean
 from torsionnet.model.bench.parts import Encoder, Transducer
 from torsionnet.model.bench.plan import Plan
-from torsionnet.model.channels import Sensor, parse_sensor
+from torsionnet.model.channels import Sensor, named_sensor
 
 if TYPE_CHECKING:
     from torsionnet.model.definition import Definition
@@ -32,8 +32,7 @@ def check_plan(plan: Plan, definition: Definition, path: Path = ("bench",)) -> l
 
 def sensor_of(name: str, part: Transducer | Encoder, definition: Definition) -> Sensor | None:
     """What a channel measures, None if nothing of the model is meant."""
-    entry = part.sensor or name
-    return definition.sensors.get(entry) or parse_sensor(entry)
+    return named_sensor(part.sensor or name, definition.sensors)
 
 
 def _drive(plan: Plan, definition: Definition) -> Iterator[Fault]:

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 
 from torsionnet.core.errors import Fault, Path, did_you_mean, unknown_name
 from torsionnet.core.expressions import Expression
-from torsionnet.model.channels import ELEMENT_QUANTITIES, port_fault
+from torsionnet.model.channels import port_fault
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND
 from torsionnet.model.operating_point import OperatingPoint
@@ -72,7 +72,7 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
     faults = []
     for table in ("inputs", "sensors"):
         for name, channel in getattr(definition, table).items():
-            if not (table == "sensors" and channel.quantity in ELEMENT_QUANTITIES) and channel.of not in nodes:
+            if not channel.is_on_element and channel.of not in nodes:
                 faults.append(_unknown_node(channel.of, nodes, (table, name, channel.quantity)))
     points: list[tuple[Path, OperatingPoint | None]] = [(("operating_point",), definition.operating_point)]
     for axis, alternatives in definition.configurations.items():
@@ -92,7 +92,7 @@ def unknown_elements(definition: Definition) -> list[Fault]:
     """Sensors of elements, and ports of elements, that do not exist."""
     faults = []
     for name, sensor in definition.sensors.items():
-        if sensor.quantity not in ELEMENT_QUANTITIES:
+        if not sensor.is_on_element:
             continue
         path = ("sensors", name, sensor.quantity)
         element = definition.elements.get(sensor.of)

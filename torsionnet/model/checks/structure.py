@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from torsionnet.core.errors import USELESS, Fault, ModelError, UsageError, did_you_mean
-from torsionnet.model.channels import ELEMENT_QUANTITIES
+from torsionnet.core.groups import Groups
 from torsionnet.model.checks.balance import unbalanced_torques
 from torsionnet.model.checks.motions import left_free
 from torsionnet.model.definition import Definition, all_nodes
@@ -29,8 +29,13 @@ def unconnected_parts(definition: Definition) -> list[Fault]:
 
     Ground does not connect: what is only tied to ground does not feel its neighbour.
     """
-    groups = node_groups(element.ports.values() for element in definition.elements.values())
-    main = max(groups, key=len, default=set())
+    joined = Groups[str]()
+    for element in definition.elements.values():
+        nodes = [node for node in element.ports.values() if node != GROUND]
+        if nodes:
+            joined.join(*nodes)
+    groups = joined.groups()
+    main = max(groups, key=len, default=[])
     others = [group for group in groups if group is not main]
     faults = [_unconnected(definition, group, main) for group in others[:MOST_GROUPS]]
     if len(others) > MOST_GROUPS:
@@ -38,27 +43,14 @@ def unconnected_parts(definition: Definition) -> list[Fault]:
     return faults
 
 
-def _unconnected(definition: Definition, group: set[str], main: set[str]) -> Fault:
+def _unconnected(definition: Definition, names: Sequence[str], main: Sequence[str]) -> Fault:
+    group = set(names)
     owner = next(name for name, element in definition.elements.items() if group & set(element.ports.values()))
     order = [node for node in all_nodes(definition.elements.values()) if node in group]
     hint = next((text for text in (did_you_mean(node, main) for node in order[:MOST_GROUPS]) if text), "")
     verb = "is" if len(order) == 1 else "are"
     text = f"{_listed(order)} {verb} not connected to the rest of the drivetrain{hint}"
     return Fault(text, ("elements", owner), on_key=True)
-
-
-def node_groups(groups: Iterable[Iterable[str]]) -> list[set[str]]:
-    """Connected groups of nodes, from the groups each element joins."""
-    home: dict[str, set[str]] = {}
-    for group in groups:
-        nodes = dict.fromkeys(node for node in group if node != GROUND)
-        parts = {id(part): part for part in (home.setdefault(node, {node}) for node in nodes)}
-        merged = max(parts.values(), key=len, default=set())
-        for part in parts.values():
-            if part is not merged:  # the smaller ones move, so that no node moves more than log n times
-                merged |= part
-                home.update(dict.fromkeys(part, merged))
-    return list({id(group): group for group in home.values()}.values())
 
 
 def _listed(names: Sequence[str], most: int = 6) -> str:
@@ -109,7 +101,7 @@ def locked_channels(definition: Definition, kinematics: Kinematics) -> list[Faul
             text = f'input {name} does nothing: "{channel.of}" is locked'
             faults.append(Fault(text, ("inputs", name, channel.quantity), "warning", kind=USELESS))
     for name, sensor in definition.sensors.items():
-        moves = sensor.quantity not in ELEMENT_QUANTITIES and sensor.of in kinematics.nodes
+        moves = not sensor.is_on_element and sensor.of in kinematics.nodes
         if moves and kinematics.holds(sensor.of):
             text = f'sensor {name} reads zero: "{sensor.of}" is locked'
             faults.append(Fault(text, ("sensors", name, sensor.quantity), "warning"))
@@ -160,8 +152,7 @@ def idle_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]
     faults = []
     for table in ("inputs", "sensors"):
         for name, channel in getattr(definition, table).items():
-            on_element = table == "sensors" and channel.quantity in ELEMENT_QUANTITIES
-            if channel.of not in (active if on_element else nodes):
+            if channel.of not in (active if channel.is_on_element else nodes):
                 text = f"{name} has nothing to act on: {channel.of} is switched off"
                 faults.append(Fault(text, (table, name), "note", on_key=True))
     return faults

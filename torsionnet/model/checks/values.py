@@ -8,7 +8,7 @@ from fractions import Fraction
 
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.errors import Fault, TorsionnetError
-from torsionnet.core.expressions import Binary, Expression, ExpressionError
+from torsionnet.core.expressions import Compound, Expression, ExpressionError
 from torsionnet.core.units import DIMENSIONS, Dimension, expected_unit, is_beyond_range
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Element, Law, Values
@@ -72,8 +72,8 @@ def _dimension_fault(expression: Expression, wanted: str, known: Mapping[str, Di
 
 
 def _inverse(expression: Expression) -> str:
-    if isinstance(expression, Binary) and expression.operator == "/" and str(expression.left) == "1":
-        return str(expression.right)
+    if isinstance(expression, Compound) and expression.sign == "/" and str(expression.operands[0]) == "1":
+        return str(expression.operands[1])
     return f"1/{expression}" if str(expression) in expression.names else f"1/({expression})"
 
 

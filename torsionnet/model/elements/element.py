@@ -110,13 +110,15 @@ class Element(Declared):
                 ports[name] = nodes
         return ports
 
+    def place_of(self, at: str | None) -> int:
+        """Place of a port among all, given by its name or node; None is the first port."""
+        return next((place for place, pair in enumerate(self.ports.items()) if at in pair), 0)
+
     def sign_at(self, at: str | None) -> str:
         """What a positive torque means at a port, given by its name or node; None is the first port."""
-        ports = list(self.ports.items())
-        if at is None or at in ports[0]:
-            return self.sign
-        node = next((node for port, node in ports if at in (port, node)), at)
-        return f"positive when it drives out of the element into {node}"
+        place = self.place_of(at)
+        node = list(self.ports.values())[place]
+        return f"positive when it drives out of the element into {node}" if place else self.sign
 
     @property
     def internal_nodes(self) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, Flag
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import scalar
+from torsionnet.core.expression_reading import scalar
 from torsionnet.model.elements.damping_entries import DampingQuantity
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.laws import GROUND, Constraint, Law, Part, Row, Values, difference, make_row

@@ -10,7 +10,8 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Number, scalar
+from torsionnet.core.expression_reading import scalar
+from torsionnet.core.expressions import Number
 from torsionnet.model.elements.damping_entries import DampingQuantity
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row

@@ -83,7 +83,7 @@ def changed_text(text: str, definition: Definition, changes: Mapping[Place, Expr
 
     Examples
     --------
-    >>> from torsionnet.core.expressions import scalar
+    >>> from torsionnet.core.expression_reading import scalar
     >>> text = "{torsionnet: 1, name: x, parameters: {J: 2}, elements: {disc: {type: inertia, node: a, inertia: J}}}"
     >>> changed_text(text, read_text(text, "")[0], {Place("J"): scalar("3 kg*m^2")})
     '{torsionnet: 1, name: x, parameters: {J: 3 kg*m^2}, elements: {disc: {type: inertia, node: a, inertia: J}}}'

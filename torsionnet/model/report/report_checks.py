@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
-from torsionnet.core.errors import Fault, Path, UsageError, did_you_mean
+from torsionnet.core.errors import Fault, Path, UsageError, meant_or
 from torsionnet.model.channels import parse_sensor
 from torsionnet.model.configurations import parse_choice
 from torsionnet.model.report.report_plan import Pair, ReportPlan
@@ -35,8 +35,8 @@ def _pair(pair: Pair, definition: Definition) -> Iterator[Fault]:
     for what, (name, names) in known.items():
         is_written_out = what != "input or node" and parse_sensor(name) is not None
         if name and name not in names and not is_written_out:
-            text = f'no {what} is named "{name}"{did_you_mean(name, names)}; {_declared(definition, what)}'
-            yield Fault(text.replace("?; ", "? "), kind="unknown name", about=name)
+            text = f'no {what} is named "{name}"{meant_or(name, names, _declared(definition, what))}'
+            yield Fault(text, kind="unknown name", about=name)
 
 
 def _declared(definition: Definition, what: str) -> str:

@@ -9,9 +9,10 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.band import Band
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, reference
 from torsionnet.core.entries.words import OneOf, Text
-from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.errors import UsageError, meant_or
 from torsionnet.model.report.sections import SECTIONS
 
 ANGLES = ("rad", "deg")
@@ -102,8 +103,7 @@ def section_fault(name: Any) -> str:
     """Why this is no section of a report, or nothing."""
     if name in SECTIONS:
         return ""
-    text = f'no section is named "{name}"{did_you_mean(str(name), SECTIONS)}; known: {", ".join(SECTIONS)}'
-    return text.replace("?; ", "? ")
+    return f'no section is named "{name}"{meant_or(str(name), SECTIONS, "known: " + ", ".join(SECTIONS))}'
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -133,10 +133,10 @@ class ConfigurationName(Spec):
         return {"type": ["string", "number"]}
 
 
+SIMPLIFY = Value("how far leaving elements out may move the modes in the band, as 1 %", "1", exclusive=True, below=1)
+PAIR = PairEntry("OUTPUT/INPUT, as theta_1/T_T")
 _SECTIONS = Listed("sections of the report; default: all that apply", SectionName(""), form="a list of names")
-_PAIRS = Listed(
-    "OUTPUT/INPUT, in this order", PairEntry("OUTPUT/INPUT, as theta_1/T_T"), form="a list such as [theta_1/T_T]"
-)
+_PAIRS = Listed("OUTPUT/INPUT, in this order", PAIR, form="a list such as [theta_1/T_T]")
 _NAMES = Listed("configurations to report; default: all", ConfigurationName(""), form="a list of names")
 
 
@@ -154,11 +154,18 @@ class ReportPlan(Declared):
     band : (float, float), optional
         Hz; frequencies of the Bode plots.
     angle : {"rad", "deg"}
+    simplify : float, optional
+        Largest relative change of the modes in the band by which transfer functions may be simplified.
+    template : str
+        Folder, as seen from the file.
     """
 
     kind: ClassVar[str] = "report"
     article: ClassVar[str] = "a report"
-    form: ClassVar[str] = "the entries title, author, sections, transfer_functions, configurations, band, angle, notes"
+    form: ClassVar[str] = (
+        "the entries title, author, sections, transfer_functions, configurations, band, angle, simplify, notes, "
+        "template"
+    )
 
     title: str = entry(Text("title of the report; default: name of the model"), "")
     author: str = entry(Text("who signs it"), "")
@@ -167,4 +174,6 @@ class ReportPlan(Declared):
     configurations: tuple[str, ...] = entry(_NAMES, ())
     band: tuple[float, float] | None = entry(Band("frequencies of the plots"), None)
     angle: str = entry(OneOf("unit of angles", ANGLES), "rad")
+    simplify: float | None = entry(SIMPLIFY, None)
     notes: str = entry(Text("remarks of the author, printed under the title"), "")
+    template: str = entry(Text("folder with letterhead, style and wording, as seen from this file"), "")

@@ -11,6 +11,7 @@ SECTIONS = {
     "equations": "equations of motion, M, C and K in symbols and numbers",
     "modes": "modes of every configuration, energy shares, shapes",
     "formulas": "transfer functions in symbols with their limits",
+    "simplified": "the same without elements that hardly matter, with the error, if asked for or `simplify` is given",
     "responses": "transfer functions over frequency, overlaid by configuration",
     "test": "tests over the model",
     "fit": "fitted parameters with intervals",

@@ -69,7 +69,7 @@ def equations_section(subject: ReportData) -> Section:
     if others:
         title = f"Equations of motion of the other {sum(len(form.cases) for form in others)} configurations"
         inner = tuple(block for form in others for block in _form(form, several=True))
-        blocks.append(Details((title,), inner, (f"{title}: in the report as HTML.",)))
+        blocks.append(Details((title,), inner, (title, ": in the report as HTML.")))
     blocks += _numbers(subject)
     return Section("equations", ("Equations of motion",), tuple(blocks))
 
@@ -90,7 +90,7 @@ def _form(form: Form, *, several: bool) -> list[Block]:
     if several:
         blocks.append(Paragraph((Strong(f"Configuration {_where(form.cases)}"),)))
     rows = tuple(DefinitionList(tuple(equation_terms(system, row))) for row in range(len(system.coordinates)))
-    blocks += [Paragraph((_introduction(system),)), Equations(rows)]
+    blocks += [Paragraph(_introduction(system)), Equations(rows)]
     if all(matrix_letters(getattr(system, key)) <= MATRIX for key in UNITS):
         blocks += _matrices(system)
     if system.conditions:
@@ -121,12 +121,11 @@ def _matrices(system: SymbolicSystem) -> list[Block]:
     return blocks
 
 
-def _introduction(system: Any) -> str:
+def _introduction(system: Any) -> Text:
     reflected = any(key.has(symbol) for key in (system.M, system.C, system.K) for symbol in system.T.free_symbols)
     text = "Angles of the coordinates, a dot for a derivative with respect to time."
-    if reflected:
-        text += " What lies behind a gear stage appears reflected, with the square of its ratio."
-    return text
+    more = " What lies behind a gear stage appears reflected, with the square of its ratio."
+    return (text, more) if reflected else (text,)
 
 
 def _numbers(subject: ReportData) -> list[Block]:
@@ -207,7 +206,7 @@ def _entries(subject: ReportData) -> list[Block]:
     if len(rows) <= MOST_ENTRIES:
         return [found]
     text = f"{len(rows)} entries of M, C and K are not zero"
-    return [Details((text,), (found,), (f"{text}; the report as HTML lists them. ", *_export()))]
+    return [Details((text,), (found,), (text, "; the report as HTML lists them. ", *_export()))]
 
 
 def _export() -> Text:

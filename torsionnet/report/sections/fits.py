@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING
 
+from torsionnet.core.number_text import digits_to_error
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -22,8 +22,6 @@ from torsionnet.report.report_words import capital, named, sentence, unit
 
 if TYPE_CHECKING:
     from torsionnet.identification import Fit
-
-USUAL, FEWEST, MOST = 5, 2, 9
 
 
 def fit_section(subject: ReportData) -> Section:
@@ -52,17 +50,6 @@ def _fit(subject: ReportData, fit: Fit, number: int) -> list[Block]:
     return blocks
 
 
-def digits(value: float, error: float) -> int:
-    """Significant digits of a value down to the second one of its standard error.
-
-    >>> digits(169.9971, 0.0541), digits(4.0, math.inf), digits(1.5, 0.0)
-    (6, 5, 5)
-    """
-    if not (math.isfinite(error) and error > 0 and value):
-        return USUAL
-    return min(max(math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2, FEWEST), MOST)
-
-
 def _table(subject: ReportData, fit: Fit) -> TableBlock:
     intervals = fit.intervals()
     columns = (
@@ -79,7 +66,7 @@ def _table(subject: ReportData, fit: Fit) -> TableBlock:
         (
             named(name),
             NumberText(known[name]) if name in known else "",
-            NumberText(value, shown := digits(value, fit.standard_errors[name])),
+            NumberText(value, shown := digits_to_error(value, fit.standard_errors[name])),
             NumberText(fit.standard_errors[name], 2),
             *(NumberText(edge, shown) for edge in intervals[name]),
             unit(fit.units.get(name, "")),

@@ -27,7 +27,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, Form, ReportData
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import capital, channel_latex, pair_latex, sentence, unit
+from torsionnet.report.report_words import capital, pair_latex, quotient_latex, sentence, unit
 from torsionnet.report.widths import FORMULA, letters
 from torsionnet.response import FrequencyResponse
 from torsionnet.symbolic.equations import sum_terms
@@ -86,18 +86,14 @@ def _function(subject: ReportData, pair: Pair, form: Form) -> list[Block]:
             f'model.symbolic().transfer_function("{pair.output}", "{pair.input}").python_code()'
         )  # fmt: skip
         lead = "; " if operations <= LONG else ", which would fill pages; in Python "
-        return [*blocks, Paragraph((f"{text}{lead}", Code(how), " gives them."))]
+        return [*blocks, Paragraph((text, lead, Code(how), " gives them."))]
     # The formula of a large drivetrain can take hours to write, however few operations its steps have.
     small = subject.size <= MOST_SYMBOLIC
     if small and operations <= SHORT and found.nested_leaves <= 10 * SHORT and letters(found.mechanical) <= FORMULA:
-        blocks.append(Formula(rf"{_quotient(pair)} = {latex(found.mechanical)}"))
+        blocks.append(Formula(rf"{quotient_latex(pair)} = {latex(found.mechanical)}"))
         blocks += [*_polynomial(found, pair, form.cases), _limits(found, pair)]
         return blocks
     return [*blocks, *_steps(found, pair, limits=small)]
-
-
-def _quotient(pair: Pair) -> str:
-    return rf"\frac{{{channel_latex(pair.output)}}}{{{channel_latex(pair.input)}}}"
 
 
 def _introduction(found: TransferFunction, rig: Drivetrain) -> Text:
@@ -128,7 +124,7 @@ def _polynomial(found: TransferFunction, pair: Pair, cases: tuple[Case, ...]) ->
     columns = (Heading("Coefficient"), Heading("Expression", wide=True))
     return [
         Paragraph(("As a quotient of polynomials in ", Math("s"), ":")),
-        Formula(rf"{_quotient(pair)} = \frac{{{above}}}{{{below}}}"),
+        Formula(rf"{quotient_latex(pair)} = \frac{{{above}}}{{{below}}}"),
         table(("Coefficients of ", Math(pair_latex(pair))), columns, rows),
         _numbers(where, pair, cases),
     ]
@@ -189,7 +185,7 @@ def _steps(found: TransferFunction, pair: Pair, *, limits: bool) -> list[Block]:
     columns = (Heading("Step"), Heading("Expression", wide=True))
     steps: list[Block] = [
         table(("Steps of ", Math(pair_latex(pair))), columns, rows),
-        Formula(rf"{_quotient(pair)} = \frac{{N}}{{D}}"),
+        Formula(rf"{quotient_latex(pair)} = \frac{{N}}{{D}}"),
     ]
     after: list[Block] = [_limits(found, pair)] if limits else []
     if len(rows) <= FEW_STEPS:

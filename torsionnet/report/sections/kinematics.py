@@ -35,12 +35,12 @@ MOST, MOST_COLUMNS, FEW, LONGEST = 40, 6, 12, 24
 def kinematics_section(subject: ReportData) -> Section:
     rig = subject.cases[0].drivetrain
     kept = rig.assembly.kinematics.coordinates
-    count = f"{len(rig.nodes)} nodes, {len(kept)} of them independent"
     if not subject.is_large:
         names: Text = ("; the coordinates are ", *_angles(kept), ".") if kept else ("; nothing can move.",)
     else:
         names = (f"; the coordinates are the angles of {listed([plain(node) for node in kept], FEW)}.",)
-    blocks: list[Block] = [Paragraph((f"The model has {count}", *names))]
+    count = f"The model has {len(rig.nodes)} nodes, {len(kept)} of them independent"
+    blocks: list[Block] = [Paragraph((count, *names))]
     dependent = [node for node in rig.nodes if node not in kept]
     if not dependent:
         blocks.append(Paragraph(("No node is rigidly tied to another, and none is clamped.",)))
@@ -55,7 +55,7 @@ def kinematics_section(subject: ReportData) -> Section:
         if others:
             title = f"Kinematic relations of the other {sum(len(form.cases) for form in others)} configurations"
             tables = tuple(_relations(form) for form in others)
-            blocks.append(Details((title,), tables, (f"{title}: in the report as HTML.",)))
+            blocks.append(Details((title,), tables, (title, ": in the report as HTML.")))
     return Section("kinematics", ("Kinematic relations",), tuple(blocks))
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsionnet.core.number_text import aligned
 from torsionnet.report.document_tree import (
     Block,
     Cell,
@@ -24,7 +25,7 @@ from torsionnet.report.document_tree import (
 )
 from torsionnet.report.report_data import FEW_CASES, MOST_MODES, ReportData
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import aligned, capital, named, pair_latex, plain, sentence
+from torsionnet.report.report_words import capital, named, pair_latex, plain, sentence
 from torsionnet.response.modes import OSCILLATORY
 
 if TYPE_CHECKING:
@@ -119,8 +120,8 @@ def _compared(subject: ReportData, found: tuple[Modes, ...], caption: Text, *, d
         lists.append(list(aligned(values, 3 if damping else 4)))
     if len(columns) == 1:
         return None
-    what = "damping ratios" if damping else "natural frequencies"
-    said = (*caption, f": {what} of the vibrations in every configuration")
+    ratios, frequencies = ": damping ratios", ": natural frequencies"
+    said = (*caption, ratios if damping else frequencies, " of the vibrations in every configuration")
     return table(said, columns, list(zip(*lists, strict=True)))
 
 
@@ -152,7 +153,7 @@ def _notes(subject: ReportData, found: tuple[Modes, ...]) -> list[Text]:
         notes.append((f"{where}{', '.join(undamped)} Hz",))
     listed = "; ".join(str(note[0]) for note in notes)
     remarks = dict.fromkeys(note for modes in found for note in modes.notes)
-    lead = ("Undamped natural frequencies: " + listed,)
+    lead = ("Undamped natural frequencies: ", listed)
     return [lead, *(sentence(capital(note) + ".", subject.model) for note in remarks)]
 
 
@@ -202,12 +203,12 @@ def _shapes(subject: ReportData) -> Picture:
     geared = any(join.kind == "gear" for view in views for join in view.axis.joins)
     caption = (
         f"Mode shapes: {views[0].label.removesuffix(' [-]')}, the largest 1. Filled dots are the real part; open dots "
-        "the imaginary part, where the nodes do not move in phase or against each other."
-        + (" Dotted lines are gears." if geared else "")
-        + (f" The first {len(cases)} of {len(subject.cases)} configurations." if rest else "")
+        "the imaginary part, where the nodes do not move in phase or against each other.",
+        *([" Dotted lines are gears."] if geared else []),
+        *([f" The first {len(cases)} of {len(subject.cases)} configurations."] if rest else []),
     )
     alt = "Mode shapes of " + "; ".join(modes[index].title for index in range(len(modes)))
-    return Picture("mode_shapes", drawn, (caption,), alt)
+    return Picture("mode_shapes", drawn, caption, alt)
 
 
 def _cut(subject: ReportData, pair: str, measured: str, cut: tuple[Modes, ...]) -> list[Block]:

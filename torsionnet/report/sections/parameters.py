@@ -6,12 +6,13 @@ import math
 from typing import TYPE_CHECKING
 
 from torsionnet.core.expressions import Number
+from torsionnet.core.number_text import aligned, typeset_unit
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.report.document_tree import Block, Cell, Heading, Math, NumberText, Section, TableBlock, Text
 from torsionnet.report.expression_latex import expression_latex
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import as_shown, table
-from torsionnet.report.report_words import aligned, named, plain, unit
+from torsionnet.report.report_words import named, plain, unit
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -66,7 +67,7 @@ def _parameters(rig: Drivetrain, settings: dict[str, str]) -> TableBlock:
 def _written(parameter: Parameter) -> Cell:
     value = parameter.value
     if isinstance(value, Number):
-        return str(value).replace("*", "·").replace("^2", "²")
+        return typeset_unit(str(value))
     return Math(expression_latex(value))
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from torsionnet.core.number_text import aligned
 from torsionnet.model.report import Pair
 from torsionnet.report.document_tree import (
     Block,
@@ -21,10 +22,11 @@ from torsionnet.report.document_tree import (
     Section,
     TableBlock,
     TableGroup,
+    Text,
 )
 from torsionnet.report.report_data import FEW_CASES, ReportData, is_damped
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import aligned, pair_latex, sentence, unit
+from torsionnet.report.report_words import pair_latex, sentence, unit
 from torsionnet.response import FrequencyResponse
 from torsionnet.response.phase import phase_at_rest
 from torsionnet.solve.peaks import Peak, peaks, static_value
@@ -71,7 +73,8 @@ def _picture(subject: ReportData, pair: Pair, found: tuple[FrequencyResponse, ..
     rest = f"; the first {len(shown)} of {len(found)} configurations" if len(found) > len(shown) else ""
     overlaid = ", by configuration" if len(found) > 1 else ""
     kind = found[0].kind()
-    caption = (Math(pair_latex(pair)), f" ({kind}): magnitude and phase{overlaid}{rest}.")
+    extent = [text for text in (overlaid, rest) if text]
+    caption: Text = (Math(pair_latex(pair)), f" ({kind}): magnitude and phase", *extent, ".")
     low, high = subject.band
     alt = f"Bode plot of {pair}, {low:g} to {high:g} Hz{overlaid}"
     return Picture(f"bode_{number}", drawn, caption, alt)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from torsionnet.core.number_text import aligned
 from torsionnet.model.report import Pair
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, Paragraph, Section, TableBlock, Text
 from torsionnet.report.report_data import Case, ReportData, is_damped
 from torsionnet.report.report_tables import table
-from torsionnet.report.report_words import aligned, named, pair_latex, unit
+from torsionnet.report.report_words import named, pair_latex, unit
 from torsionnet.report.sections.responses import read_off
 from torsionnet.response.modes import OSCILLATORY
 
@@ -74,8 +75,8 @@ def _of_model(subject: ReportData) -> list[TableBlock]:
     if not any(OSCILLATORY in modes.kinds for modes in subject.modes):
         return []
     damped = "Damped vibrations" if any(map(is_damped, subject.cases)) else "Vibrations"
-    note = f"{damped} of the whole drivetrain; rigid-body motion and overdamped modes are in the section Modes."
-    return [_vibrations(subject, subject.modes, "Lowest natural frequencies and damping ratios", (note,))]
+    note = (damped, " of the whole drivetrain; rigid-body motion and overdamped modes are in the section Modes.")
+    return [_vibrations(subject, subject.modes, "Lowest natural frequencies and damping ratios", note)]
 
 
 def _response(subject: ReportData, pair: Pair) -> TableBlock:

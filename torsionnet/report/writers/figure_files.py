@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from torsionnet.core.atomic import write_bytes
+from torsionnet.core.atomic import write_bytes, write_text
 from torsionnet.report.document_tree import Report
+from torsionnet.report.writers.templating import Illustrations
 
 
 def figure_folder(path: Path) -> Path:
@@ -18,14 +19,28 @@ def figure_folder(path: Path) -> Path:
     return path.with_name(re.sub(r"[^A-Za-z0-9.-]", "_", path.stem) + "_figures")
 
 
-def write_figures(report: Report, path: Path, form: str) -> tuple[Path, ...]:
-    """Write every figure as SVG or PDF; gives their paths."""
+def beside(folder: str, form: str) -> Illustrations:
+    """How a text names the figures in a folder beside it."""
+    return Illustrations(
+        lambda picture, _: f"{folder}/{picture.name}.{form}", lambda name, _: f"{folder}/{_file(name)}"
+    )
+
+
+def _file(image: str) -> str:
+    """Name of an image of the template folder beside the figures, none of which is called so."""
+    return f"template_{image}"
+
+
+def write_beside(report: Report, path: Path, form: str, text: str) -> tuple[Path, ...]:
+    """Write a text, every figure as SVG or PDF, and the images of the template that it names; gives their paths."""
     from torsionnet.plot.rendering import rendered
 
-    folder, written = figure_folder(path), []
-    for picture in report.pictures:
+    folder = figure_folder(path)
+    images = report.template.images if report.template else {}
+    files = {_file(name): data for name, data in images.items() if f"{folder.name}/{_file(name)}" in text}
+    files |= {f"{picture.name}.{form}": rendered(picture.drawn, form) for picture in report.pictures}
+    for name, data in files.items():
         folder.mkdir(exist_ok=True)
-        file = folder / f"{picture.name}.{form}"
-        write_bytes(file, rendered(picture.drawn, form))
-        written.append(file)
-    return tuple(written)
+        write_bytes(folder / name, data)
+    write_text(path, text)
+    return (path, *(folder / name for name in files))

@@ -11,15 +11,16 @@ FEW = 14
 """Rows of a table that stays on one page."""
 
 
-def table_html(block: TableBlock, label: str) -> str:
-    """A table with caption, repeated head and notes; it scrolls where the screen is narrow."""
-    decimals = [_decimals(block, index) for index in range(len(block.columns))]
+def table_html(block: TableBlock, label: str, name: str) -> str:
+    """A table with caption, repeated head and notes; it scrolls where the screen is narrow.
+
+    ``label`` stands before the caption, ``name`` is the id of the caption.
+    """
+    decimals = [block.decimals(index) for index in range(len(block.columns))]
     head = "".join(f"<th{_class(column)} scope=col>{_heading(column)}</th>" for column in block.columns)
     body = "".join(_group(group.title, group.rows, block.columns, decimals) for group in block.groups)
-    notes = [*(inline(note) for note in block.notes), *([f"… and {block.more} more"] if block.more else [])]
-    foot = "".join(f"<p class=note>{note}</p>" for note in notes)
+    foot = "".join(f"<p class=note>{inline(note)}</p>" for note in block.ending)
     keep = " keep" if sum(len(group.rows) for group in block.groups) <= FEW else ""
-    name = label.lower().replace(" ", "-")
     caption = f"<p class=caption id={name}><b>{escaped(label)}</b> {inline(block.caption)}</p>"
     return (
         f"<div class='table{keep}'>{caption}<div class=scroll tabindex=0 role=region aria-labelledby={name}>"
@@ -28,7 +29,7 @@ def table_html(block: TableBlock, label: str) -> str:
 
 
 def _heading(column: Heading) -> str:
-    unit = f"<span class=unit>{escaped(column.unit)}</span>" if column.unit and column.unit != "–" else ""
+    unit = f"<span class=unit>{escaped(column.unit)}</span>" if column.bracket else ""
     return f"{inline(column.text)}{' ' if unit else ''}{unit}"
 
 
@@ -53,8 +54,3 @@ def _cells(row: tuple[Cell, ...], columns: Sequence[Heading], decimals: Sequence
         content = number(cell, places) if isinstance(cell, NumberText) else inline(cell)
         parts.append(f"<td{_class(column)}>{content}</td>")
     return "".join(parts)
-
-
-def _decimals(block: TableBlock, index: int) -> int:
-    cells = [row[index] for group in block.groups for row in group.rows]
-    return max((cell.decimals_shown for cell in cells if isinstance(cell, NumberText)), default=0)

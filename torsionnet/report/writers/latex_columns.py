@@ -98,17 +98,16 @@ def is_matrix(cell: Cell) -> bool:
 
 def breaks(block: TableBlock, index: int) -> bool:
     """Whether lines may break in a column: in texts, not in numbers and matrices."""
-    return not block.columns[index].numeric and not any(map(is_matrix, _column(block, index)))
+    return not block.columns[index].numeric and not any(map(is_matrix, block.column(index)))
 
 
 def _title(column: Heading) -> Cell:
-    unit = f" [{column.unit}]" if column.unit and column.unit != "–" else ""
-    return (*inlines(column.text), unit) if unit else column.text
+    return (*inlines(column.text), f" {column.bracket}") if column.bracket else column.text
 
 
 def heading_lines(column: Heading, width: float) -> tuple[Cell, ...]:
     """A heading in lines no wider than its column, as far as it has spaces; the unit on a line of its own."""
-    unit = [f"[{column.unit}]"] if column.unit and column.unit != "–" else []
+    unit = [column.bracket] if column.bracket else []
     if not isinstance(column.text, str):
         whole = _title(column)
         return (whole,) if len(shown(whole)) <= width else (column.text, *unit)
@@ -127,10 +126,8 @@ def natural(block: TableBlock, index: int) -> float:
 
 
 def _content(block: TableBlock, index: int) -> int:
-    cells = _column(block, index)
-    numbers = [cell for cell in cells if isinstance(cell, NumberText)]
-    decimals = max((number.decimals_shown for number in numbers), default=0)
-    whole = max((len(number.mantissa.partition(".")[0]) for number in numbers), default=0)
+    cells, decimals = block.column(index), block.decimals(index)
+    whole = max((len(number.mantissa.partition(".")[0]) for number in block.numbers(index)), default=0)
     aligned = whole + decimals + (decimals > 0)
     return max([aligned, *(min(len(shown(c)), MATRIX) if is_matrix(c) else len(shown(c)) for c in cells)], default=0)
 
@@ -139,11 +136,11 @@ def _least(block: TableBlock, index: int) -> float:
     """Letters that a column needs at least."""
     column = block.columns[index]
     words = [len(word) for word in shown(column.text).split()] + [len(column.unit) + 2 if column.unit else 0]
-    if any(is_matrix(cell) for cell in _column(block, index)):
+    if any(is_matrix(cell) for cell in block.column(index)):
         return min(_content(block, index), MATRIX)
     if not breaks(block, index):
         return min(max([_content(block, index), *words]), PAGE - 2 * GAP)
-    longest = max((_longest(cell) for cell in _column(block, index)), default=0)
+    longest = max((_longest(cell) for cell in block.column(index)), default=0)
     return min(natural(block, index), max(FEWEST, longest, *words))
 
 
@@ -158,10 +155,6 @@ def _longest(cell: Cell) -> int:
         else:
             found.append(len(shown(part)))
     return max(found)
-
-
-def _column(block: TableBlock, index: int) -> list[Cell]:
-    return [row[index] for group in block.groups for row in group.rows]
 
 
 def shown(cell: Cell) -> str:

@@ -9,15 +9,14 @@ from torsionnet.report.writers.latex_columns import MATRIX, PAGE, Columns, is_ma
 from torsionnet.report.writers.latex_text import breakable, displayed, escaped, inline, number
 
 
-def table_latex(block: TableBlock) -> str:
+def table_latex(block: TableBlock, continued: str = "(continued)") -> str:
     """A table with caption, head and notes; one that is too wide for the page goes on below."""
-    decimals = [_decimals(block, index) for index in range(len(block.columns))]
+    decimals = [block.decimals(index) for index in range(len(block.columns))]
     lines = []
     for place, columns in enumerate(pieces(block)):
-        caption = r"\caption*{(continued)}" if place else rf"\caption{{{inline(block.caption)}}}"
+        caption = rf"\caption*{{{escaped(continued)}}}" if place else rf"\caption{{{inline(block.caption)}}}"
         lines += _piece(block, columns, caption, decimals)
-    notes = [*map(inline, block.notes), *([escaped(f"… and {block.more} more")] if block.more else [])]
-    return "\n".join([*lines, *(rf"{{\footnotesize {note}\par}}" for note in notes)])
+    return "\n".join([*lines, *(rf"{{\footnotesize {inline(note)}\par}}" for note in block.ending)])
 
 
 def _piece(block: TableBlock, columns: Columns, caption: str, decimals: Sequence[int]) -> list[str]:
@@ -44,7 +43,7 @@ def _measured(block: TableBlock, columns: Columns, decimals: Sequence[int]) -> l
         zip(columns.indices, columns.widths, columns.headings, strict=True)
     ):
         if width is None:
-            cells = (_cell(cell, decimals[index], None) for cell in _column(block, index))
+            cells = (_cell(cell, decimals[index], None) for cell in block.column(index))
             texts = dict.fromkeys([_heading(heading, numeric=block.columns[index].numeric), *filter(None, cells)])
             lines.append(rf"\measured{{{length(place)}}}" + "".join(rf"\widen{{{text}}}" for text in texts))
     return lines
@@ -76,11 +75,3 @@ def _cell(cell: Cell, decimals: int, width: float | None) -> str:
         return rf"\fitted{{{MATRIX / PAGE:.2f}\linewidth}}{{{displayed(inline(cell)[1:-1])}}}"
     text = inline(cell) if width is None else "".join(map(breakable, inlines(cell)))
     return displayed(text)
-
-
-def _decimals(block: TableBlock, index: int) -> int:
-    return max((cell.decimals_shown for cell in _column(block, index) if isinstance(cell, NumberText)), default=0)
-
-
-def _column(block: TableBlock, index: int) -> list[Cell]:
-    return [row[index] for group in block.groups for row in group.rows]

@@ -20,19 +20,17 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.functionals import port_of
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.model.elements import Element, Values
+from torsionnet.model.elements import Element
 from torsionnet.model.elimination import exact, reduce_rows
 from torsionnet.model.kinematics import UNIT
 from torsionnet.solve.response_problem import Loading, ResponseProblem
 from torsionnet.solve.row_algebra import Row
 from torsionnet.solve.sensitivity.augmented import Augmented
-from torsionnet.solve.sensitivity.dual import DUALS, value_of
-from torsionnet.solve.sensitivity.forms import moved_by
-from torsionnet.solve.sensitivity.sensor_derivatives import POWERS, ReadingDerivative, reading
+from torsionnet.solve.sensitivity.dual import value_of
+from torsionnet.solve.sensitivity.sensor_derivatives import ReadingDerivative, derivative_of, reading_on_duals
 
 ExactRow = Mapping[str, Fraction]
 
@@ -47,12 +45,13 @@ class GapDerivative:
 
 @dataclass(frozen=True)
 class SolvedReadings:
-    """A sensor: its row of motion, or the gap of its torque; and its slopes."""
+    """A sensor: its row of motion, or the gap of its torque; its slopes; and which excitation it is as a load."""
 
     power: int
     row: ExactRow | None
     gap: int
     slopes: ReadingDerivative
+    load: int
 
 
 class Arranged:
@@ -69,6 +68,8 @@ class Arranged:
     names : mapping
         Input -> name.
     nodes : sequence of str
+    probes : sequence of str, optional
+        Nodes that are loaded and read too, after the others of both.
     """
 
     def __init__(
@@ -80,8 +81,10 @@ class Arranged:
         loads: Sequence[Input],
         names: Mapping[Input, str],
         nodes: Sequence[str],
+        probes: Sequence[str] = (),
     ) -> None:
-        self.system, self.nodes, self.n_loads = system, nodes, len(loads)
+        self.system, self.nodes, self.n_loads = system, nodes, len(loads) + len(probes)
+        self.followed = range(len(system.law_owners)) if probes else system.varied
         self.driven = [name for name in system.condition_owners if name.startswith("input:")]
         order = {node: index for index, node in enumerate(nodes)}
         self.reduction = reduce_rows(system.exact_conditions, order, set(self.driven))
@@ -91,10 +94,16 @@ class Arranged:
         self.gaps: list[GapDerivative] = []
         self.multipliers = {
             condition: self._gap(GapDerivative(self._opened(condition)))
-            for condition in np.flatnonzero(system.conditions.slopes.any(axis=(1, 2))).tolist()
+            for condition in np.flatnonzero(system.condition_slopes.any(axis=(1, 2))).tolist()
         }
-        self.asked = [self._asked(sensor, elements, values) for sensor in sensors]
-        self._place(loads, names)
+        self.asked = [
+            self._asked(sensor, elements, values, number) for number, sensor in enumerate(sensors, self.n_loads)
+        ]
+        still = ReadingDerivative.nothing(system)
+        self.asked += [
+            SolvedReadings(0, {node: Fraction(1)}, -1, still, number) for number, node in enumerate(probes, len(loads))
+        ]
+        self._place([self._load(load, names) for load in (*loads, *(Input("torque", node) for node in probes))])
 
     # --- rows -------------------------------------------------------------------------------------------------------
 
@@ -113,27 +122,20 @@ class Arranged:
         reduction = reduce_rows([*rows, last], order, {UNIT})
         return {node: row[UNIT] for node, row in reduction.solved.items() if UNIT in row}
 
-    def _asked(self, sensor: Sensor, elements: Mapping[str, Element], values: Mapping[str, Any]) -> SolvedReadings:
-        slopes = reading(sensor, elements, self.system, self.nodes, values)
-        if sensor.quantity in POWERS:
-            return SolvedReadings(POWERS[sensor.quantity], {sensor.of: Fraction(1)}, -1, slopes)
-        element = elements[sensor.of]
-        if sensor.quantity == "twist":
-            row = element.twist(Values(values, DUALS))
-            return SolvedReadings(0, {node: exact(value_of(a)) for node, a in row.items()}, -1, slopes)
-        node, sign = port_of(element, sensor.at)
+    def _asked(
+        self, sensor: Sensor, elements: Mapping[str, Element], values: Mapping[str, Any], load: int
+    ) -> SolvedReadings:
+        read = reading_on_duals(sensor, elements, self.system, values)
+        slopes = derivative_of(read, self.system, self.nodes)
+        if read.row is not None:
+            row = {node: exact(value_of(a)) for node, a in read.row.items()}
+            return SolvedReadings(read.power, row, -1, slopes, load)
         motion: dict[str, Fraction] = {}
-        owners, rows = self.system.condition_owners, self.system.exact_conditions
-        for condition, conditions in self._owned(owners, rows, element.name):
-            for moved, angle in self._opened(condition).items() if node in conditions else ():
-                motion[moved] = motion.get(moved, Fraction(0)) + sign * conditions[node] * angle
-        laws = self._owned(self.system.law_owners, self.system.exact_laws, element.name)
-        own = {law: sign * row[node] for law, row in laws if node in row}
-        return SolvedReadings(0, None, self._gap(GapDerivative(motion, own)), slopes)
-
-    @staticmethod
-    def _owned(owners: Sequence[str], rows: Sequence[ExactRow], name: str) -> list[tuple[int, ExactRow]]:
-        return [(index, row) for index, (owner, row) in enumerate(zip(owners, rows, strict=True)) if owner == name]
+        for condition, factor in read.constraints.items():
+            for moved, angle in self._opened(condition).items():
+                motion[moved] = motion.get(moved, Fraction(0)) + exact(value_of(factor)) * angle
+        own = {law: exact(value_of(factor)) for law, factor in read.laws.items()}
+        return SolvedReadings(0, None, self._gap(GapDerivative(motion, own)), slopes, load)
 
     def _row(self, row: ExactRow, own: Mapping[int, Fraction] | None = None) -> Row:
         """A row over nodes as one over columns; ``own``: gap -> what has to be taken off there."""
@@ -151,39 +153,44 @@ class Arranged:
 
     def _slope_row(self, slopes: FloatArray, law: int = -1, p: int = -1) -> Row:
         """The change (n_nodes,) of a row; of a law also what it changes in readings of its own torque."""
-        own = {one.gap: exact(float(one.slopes.law_slopes[law, p])) for one in self.asked if law >= 0 and one.gap >= 0}
+        own = {one.gap: exact(float(one.slopes.laws[law, p])) for one in self.asked if law >= 0 and one.gap >= 0}
         return self._row({self.nodes[i]: exact(float(slopes[i])) for i in np.flatnonzero(slopes).tolist()}, own)
 
     # --- the problem ------------------------------------------------------------------------------------------------
 
-    def _place(self, loads: Sequence[Input], names: Mapping[Input, str]) -> None:
+    def _place(self, loads: Sequence[Loading]) -> None:
         """Everything that has to be solved for, and its places among what is."""
         system, outputs = self.system, _Outputs()
         count = system.inertia.slopes.shape[1]
         laws = [self._law_row(law) for law in range(len(system.law_owners))]
-        self.twists = {law: outputs.add(laws[law]) for law in system.varied}
+        self.twists = {law: outputs.add(laws[law]) for law in self.followed}
         self.law_slopes = {
-            (law, int(p)): outputs.add(self._slope_row(system.laws.slopes[law][:, p], law, int(p)))
+            (law, int(p)): outputs.add(self._slope_row(system.law_slopes[law][:, p], law, int(p)))
             for law in system.varied
-            for p in moved_by(system.laws.slopes[law])
+            for p in np.flatnonzero(system.law_slopes[law].any(axis=0))
         }
         self.condition_slopes = {
-            (condition, int(p)): outputs.add(self._slope_row(system.conditions.slopes[condition][:, p]))
+            (condition, int(p)): outputs.add(self._slope_row(system.condition_slopes[condition][:, p]))
             for condition in self.multipliers
-            for p in moved_by(system.conditions.slopes[condition])
+            for p in np.flatnonzero(system.condition_slopes[condition].any(axis=0))
         }
         self.motions = [None if one.row is None else outputs.add(self._row(one.row)) for one in self.asked]
         self.motion_slopes = {
-            (number, int(p)): outputs.add(self._slope_row(one.slopes.motion_slopes[:, p]))
+            (number, int(p)): outputs.add(self._slope_row(one.slopes.motion[:, p]))
             for number, one in enumerate(self.asked)
             for p in range(count)
-            if one.slopes.motion_slopes[:, p].any()
+            if one.slopes.motion[:, p].any()
         }
         self.first_gap = len(outputs.rows)
-        excitations = [self._load(load, names) for load in loads]
-        excitations += [
-            Loading(motion={len(self.columns) + one.gap: 1.0}) if one.row is None else Loading(load=self._row(one.row))
-            for one in self.asked
+        excitations = [
+            *loads,
+            *(
+                Loading(motion={len(self.columns) + one.gap: 1.0})
+                if one.row is None
+                else Loading(load=self._row(one.row))
+                for one in self.asked
+                if one.load >= self.n_loads
+            ),
         ]
         gaps = tuple(len(self.columns) + number for number in range(len(self.gaps)))
         self.problem = ResponseProblem(laws, self.n_free, tuple(excitations), tuple(outputs.rows), gaps)
@@ -195,42 +202,58 @@ class Arranged:
 
     # --- what its solution says -------------------------------------------------------------------------------------
 
-    def values(self, solved: ComplexArray, omega: FloatArray) -> ComplexArray:
+    def values(self, solved: ComplexArray, s: ComplexArray) -> ComplexArray:
         """Readings (n_f, n_readings, n_loads)."""
-        found = np.empty((len(omega), len(self.asked), self.n_loads), dtype=complex)
+        found = np.empty((len(s), len(self.asked), self.n_loads), dtype=complex)
         for number, one in enumerate(self.asked):
             motion = self.motions[number]
             place = self.first_gap + one.gap if motion is None else motion
-            found[:, number] = ((1j * omega) ** one.power * solved[place, : self.n_loads]).T
+            found[:, number] = (s**one.power * solved[place, : self.n_loads]).T
         return found
 
-    def slopes(self, solved: ComplexArray, system: Augmented, kappa: ComplexArray, omega: FloatArray) -> ComplexArray:
-        """Derivatives of readings (n_f, n_readings, n_loads, n_p)."""
+    def slopes(
+        self, solved: ComplexArray, system: Augmented, kappa: ComplexArray, s: ComplexArray, at: FloatArray
+    ) -> ComplexArray:
+        """Derivatives of readings (n_f, n_readings, n_loads, n_p); the other arguments as for ``Augmented.kappa``."""
         count = system.inertia.slopes.shape[1]
-        found = np.zeros((len(omega), len(self.asked), self.n_loads, count), dtype=complex)
+        stiffness = {law: list(system.kappa_slopes(law, s, at)) for law in system.varied}
+        found = np.zeros((len(s), len(self.asked), self.n_loads, count), dtype=complex)
         for number, one in enumerate(self.asked):
             for load in range(self.n_loads):
-                x, z = solved[:, load], solved[:, self.n_loads + number]
-                found[:, number, load] = -self._equation_slopes(system, kappa, omega, x, z)
+                x, z = solved[:, load], solved[:, one.load]
+                found[:, number, load] = -self._equation_slopes(stiffness, kappa, x, z, count)
                 for p in range(count):
                     if (number, p) in self.motion_slopes:
                         found[:, number, load, p] += x[self.motion_slopes[number, p]]
                     for condition, gap in self.multipliers.items():
-                        found[:, number, load, p] += one.slopes.condition_slopes[condition, p] * x[self.first_gap + gap]
-            found[:, number] *= ((1j * omega) ** one.power)[:, None, None]
+                        found[:, number, load, p] += one.slopes.conditions[condition, p] * x[self.first_gap + gap]
+            found[:, number] *= (s**one.power)[:, None, None]
         return found
 
+    def along(self, solved: ComplexArray, rates: ComplexArray, s: ComplexArray) -> ComplexArray:
+        """How readings (n_f, n_readings, n_loads) change with stiffnesses at these rates (n_laws, n_f) alone."""
+        twists = solved[[self.twists[law] for law in range(len(rates))]]
+        adjoint, motion = twists[:, [one.load for one in self.asked]], twists[:, : self.n_loads]
+        powers = np.array([s**one.power for one in self.asked])
+        return np.asarray(-np.einsum("lf,lzf,lxf,zf->fzx", rates, adjoint, motion, powers, optimize=True))
+
     def _equation_slopes(
-        self, system: Augmented, kappa: ComplexArray, omega: FloatArray, x: ComplexArray, z: ComplexArray
+        self,
+        stiffness: Mapping[int, Sequence[tuple[int, ComplexArray]]],
+        kappa: ComplexArray,
+        x: ComplexArray,
+        z: ComplexArray,
+        count: int,
     ) -> ComplexArray:
         """Z . dK x for every parameter, (n_f, n_p)."""
-        total = np.zeros((len(omega), system.inertia.slopes.shape[1]), dtype=complex)
-        for law, place in self.twists.items():
-            for p, slope in system.kappa_slopes(law, omega):
+        total = np.zeros((x.shape[1], count), dtype=complex)
+        for law, slopes in stiffness.items():
+            place = self.twists[law]
+            for p, slope in slopes:
                 total[:, p] += slope * x[place] * z[place]
         for (law, p), place in self.law_slopes.items():
             twist = self.twists[law]
-            total[:, p] += kappa[:, law] * (x[place] * z[twist] + x[twist] * z[place])
+            total[:, p] += kappa[law] * (x[place] * z[twist] + x[twist] * z[place])
         for (condition, p), place in self.condition_slopes.items():
             gap = self.first_gap + self.multipliers[condition]
             total[:, p] += z[gap] * x[place] + x[gap] * z[place]

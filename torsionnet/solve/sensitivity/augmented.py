@@ -5,8 +5,7 @@ All node angles theta and the torques lambda of all rigid conditions are unknown
     [ D(s)  A^T ] [ theta  ]   [ B u ]
     [ A     0   ] [ lambda ] = [ x   ]        D(s) = sum_i kappa_i(s) a_i a_i^T
 
-so a parameter may sit in a law, in a ratio, or in both, and its derivative stays a sum over laws and conditions. The
-matrix is symmetric: the same factors serve readings and loads.
+so a parameter may sit in a law, in a ratio, or in both, and its derivative stays a sum over laws and conditions.
 """
 
 from __future__ import annotations
@@ -38,31 +37,24 @@ class LawCoefficients:
 
 
 @dataclass(frozen=True, eq=False)
-class DerivativeRows:
-    """Rows over nodes: values (n_rows, n_nodes) and derivatives (n_rows, n_nodes, n_p)."""
-
-    values: FloatArray
-    slopes: FloatArray
-
-
-@dataclass(frozen=True, eq=False)
 class Augmented:
     """Numbers of one set of parameter values.
 
     Attributes
     ----------
-    laws, conditions : DerivativeRows
+    law_slopes, condition_slopes : (n_rows, n_nodes, n_p) arrays
+        Derivatives of the rows.
     inertia, damping, stiffness, hysteretic : LawCoefficients
         J, c, k, and k eta of every law.
     tables : tuple of (law index, table)
     law_owners, condition_owners : tuple of str
         Elements; of a condition that imposes an angle ``input:NAME``.
-    exact_laws, exact_conditions : tuple of dict
-        The rows as rationals by node; of a condition also over the angle ``input:NAME`` that it imposes.
+    law_rows, condition_rows : tuple of dict
+        The rows by node as they came from the elements; of a condition also over the angle ``input:NAME`` it imposes.
     """
 
-    laws: DerivativeRows
-    conditions: DerivativeRows
+    law_slopes: FloatArray
+    condition_slopes: FloatArray
     inertia: LawCoefficients
     damping: LawCoefficients
     stiffness: LawCoefficients
@@ -70,46 +62,55 @@ class Augmented:
     tables: tuple[tuple[int, StiffnessTable], ...]
     law_owners: tuple[str, ...]
     condition_owners: tuple[str, ...]
-    exact_laws: tuple[dict[str, Fraction], ...]
-    exact_conditions: tuple[dict[str, Fraction], ...]
+    law_rows: tuple[Row, ...]
+    condition_rows: tuple[Row, ...]
 
-    def kappa(self, omega: FloatArray | ComplexArray) -> ComplexArray:
-        """Dynamic stiffness of every law, (n_f, n_laws), omega = s/j in rad/s; tables at its real part."""
-        w = omega[:, None]
-        real = self.stiffness.values - w**2 * self.inertia.values
-        kappa: ComplexArray = (real + 1j * (w * self.damping.values + self.hysteretic.values)).astype(complex)
+    @cached_property
+    def exact_laws(self) -> tuple[dict[str, Fraction], ...]:
+        """The rows of the laws as rationals."""
+        return tuple(map(_exact, self.law_rows))
+
+    @cached_property
+    def exact_conditions(self) -> tuple[dict[str, Fraction], ...]:
+        """The rows of the conditions as rationals."""
+        return tuple(map(_exact, self.condition_rows))
+
+    def kappa(self, s: ComplexArray, at: FloatArray) -> ComplexArray:
+        """Dynamic stiffness of every law, (n_laws, n_points).
+
+        Parameters
+        ----------
+        s : (n_points,) array
+            rad/s, anywhere.
+        at : (n_points,) array
+            Frequencies in rad/s at which tables are read; 0 where nothing vibrates and hysteresis does not damp.
+        """
+        J, c, k, loss = (part.values[:, None] for part in (self.inertia, self.damping, self.stiffness, self.hysteretic))
+        kappa = np.asarray(k + 1j * loss * (at > 0) + s * (c + s * J), dtype=complex)
         for law, table in self.tables:
-            kappa[:, law] += table.kappa(np.abs(np.real(omega)))
+            kappa[law] += table.kappa(at)
         return kappa
+
+    def kappa_rates(self, s: ComplexArray, at: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+        """Derivatives of that to s and to the frequency at which tables are read."""
+        rates = np.asarray(self.damping.values[:, None] + 2 * s * self.inertia.values[:, None], dtype=complex)
+        followed = np.zeros_like(rates)
+        for law, table in self.tables:
+            followed[law] = [table.kappa_rate(omega) for omega in at.tolist()]
+        return rates, followed
 
     @cached_property
     def varied(self) -> tuple[int, ...]:
         """Laws in which a parameter sits."""
         slopes = (self.inertia.slopes, self.damping.slopes, self.stiffness.slopes, self.hysteretic.slopes)
-        moved = np.any([slope.any(axis=1) for slope in slopes], axis=0) | self.laws.slopes.any(axis=(1, 2))
+        moved = np.any([slope.any(axis=1) for slope in slopes], axis=0) | self.law_slopes.any(axis=(1, 2))
         return tuple(int(law) for law in np.flatnonzero(moved))
 
-    def kappa_slopes(self, law: int, omega: FloatArray | ComplexArray) -> Iterator[tuple[int, ComplexArray]]:
-        """Derivative of the dynamic stiffness of one law, (n_f,), to every parameter that it depends on."""
-        slopes = (self.stiffness.slopes[law], self.inertia.slopes[law])
-        losses = (self.hysteretic.slopes[law], self.damping.slopes[law])
-        for p in np.flatnonzero(np.any([*slopes, *losses], axis=0)):
-            real = slopes[0][p] - omega**2 * slopes[1][p]
-            yield int(p), np.asarray(real + 1j * (losses[0][p] + omega * losses[1][p]))
-
-    def matrix(self, kappa: ComplexArray, scale: float) -> ComplexArray:
-        """The matrix (n_f, n, n) at dynamic stiffnesses (n_f, n_laws); conditions times ``scale``."""
-        A = scale * self.conditions.values
-        n_nodes = self.laws.values.shape[1]
-        n = n_nodes + len(A)
-        matrix = np.zeros((len(kappa), n, n), dtype=complex)
-        for law, row in enumerate(self.laws.values):  # a few entries each: quicker than products of matrices
-            for i in np.flatnonzero(row):
-                for j in np.flatnonzero(row):
-                    matrix[:, i, j] += kappa[:, law] * (row[i] * row[j])
-        matrix[:, :n_nodes, n_nodes:] = A.T
-        matrix[:, n_nodes:, :n_nodes] = A
-        return matrix
+    def kappa_slopes(self, law: int, s: ComplexArray, at: FloatArray) -> Iterator[tuple[int, ComplexArray]]:
+        """Derivative of the dynamic stiffness of one law, (n_points,), to every parameter that it depends on."""
+        J, c, k, loss = (part.slopes[law] for part in (self.inertia, self.damping, self.stiffness, self.hysteretic))
+        for p in np.flatnonzero(np.any([J, c, k, loss], axis=0)):
+            yield int(p), np.asarray(k[p] + 1j * loss[p] * (at > 0) + s * (c[p] + s * J[p]))
 
 
 def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], redundant: Sequence[int]) -> Augmented:
@@ -122,8 +123,8 @@ def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], red
     kept = [index for index in range(len(conditions)) if index not in set(redundant)]
     _refuse_redundant([owners[i] for i in redundant], [conditions[i] for i in redundant], count)
     return Augmented(
-        laws=_rows([law.row for law in laws], place, count),
-        conditions=_rows([conditions[index] for index in kept], place, count),
+        law_slopes=_slopes([law.row for law in laws], place, count),
+        condition_slopes=_slopes([conditions[index] for index in kept], place, count),
         inertia=_coefficients([law.inertia for law in laws], count),
         damping=_coefficients([law.damping for law in laws], count),
         stiffness=_coefficients([law.stiffness for law in laws], count),
@@ -131,8 +132,8 @@ def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], red
         tables=tuple((index, law.table) for index, law in enumerate(laws) if law.table is not None),
         law_owners=tuple(owner for owner, _ in owned),
         condition_owners=tuple(owners[index] for index in kept),
-        exact_laws=tuple(_exact(law.row) for law in laws),
-        exact_conditions=tuple(_exact(conditions[index]) for index in kept),
+        law_rows=tuple(law.row for law in laws),
+        condition_rows=tuple(conditions[index] for index in kept),
     )
 
 
@@ -156,14 +157,13 @@ def _refuse_redundant(owners: Sequence[str], rows: Sequence[Mapping[str, Any]], 
             )
 
 
-def _rows(rows: Sequence[Mapping[str, Any]], place: Mapping[str, int], count: int) -> DerivativeRows:
-    values, slopes = np.zeros((len(rows), len(place))), np.zeros((len(rows), len(place), count))
+def _slopes(rows: Sequence[Mapping[str, Any]], place: Mapping[str, int], count: int) -> FloatArray:
+    slopes = np.zeros((len(rows), len(place), count))
     for index, row in enumerate(rows):
         for node, coefficient in row.items():
             if node in place:  # an imposed angle is no node
-                values[index, place[node]] = float(coefficient)
                 slopes[index, place[node]] = gradient_of(coefficient, count)
-    return DerivativeRows(values, slopes)
+    return slopes
 
 
 def _coefficients(numbers: Sequence[Any], count: int) -> LawCoefficients:

@@ -1,13 +1,4 @@
-"""Derivatives of natural frequencies and damping ratios to parameters.
-
-A pole makes the matrix of the equations singular, K(s) r = 0 and l K(s) = 0. Differentiating along a parameter gives
-
-    d lambda = - (l dK r) / (l dK/ds r)
-
-also for complex modes of any damping. Of a repeated pole the derivatives are the eigenvalues of the small pencil of all
-its vectors: it parts in the directions that the parameter chooses. Against a measured input the torque that drives and
-the reading that must vanish join the equations. (Nelson 1976 and Lancaster 1964 have the formulas.)
-"""
+"""Derivatives of natural frequencies and damping ratios to parameters."""
 
 from __future__ import annotations
 
@@ -15,25 +6,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import linalg
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
-from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.channels import Sensor
 from torsionnet.response import Column, Table
-from torsionnet.solve.modes import modes as modes_of
-from torsionnet.solve.sensitivity.augmented import Augmented, augmented
-from torsionnet.solve.sensitivity.forms import equation_rate, equation_slopes, reading_rate, reading_slopes
-from torsionnet.solve.sensitivity.sensor_derivatives import ReadingDerivative, reading, rows_of
-from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
-from torsionnet.solve.transfer_request import as_sensor, ask
+from torsionnet.solve.modes import modes_against
+from torsionnet.solve.sensitivity.pole_slopes import ResponsesAroundPoles, clearance
+from torsionnet.solve.sensitivity.unknowns import unknowns
+from torsionnet.solve.transfer_request import driven
 
 SAME = 1e-6
 """Poles closer than this share of their size count as repeated."""
 STRONG = 0.05
-DEFECTIVE = 1e-5
-"""Equal poles with fewer vectors than poles leave a singular value above this, where entries are of the order of 1."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,13 +178,16 @@ def mode_sensitivities(
     """
     names = list(parameters) if parameters is not None else _basic(drivetrain)
     chosen = unknowns(drivetrain, names)
-    system = _System(drivetrain, chosen, measured_input, excitation)
-    modes = modes_of(drivetrain, measured_input=measured_input, excitation=excitation)
+    request = None if measured_input is None else driven(drivetrain, measured_input, excitation)
+    modes = modes_against(drivetrain, request)
     numbers = tuple(number for number, kind in enumerate(modes.kinds, 1) if "rigid" not in kind)
-    poles = np.array([modes.eigenvalues[number - 1] for number in numbers])
+    poles = np.array([modes.eigenvalues[number - 1] for number in numbers], dtype=complex)
     slopes = np.zeros((len(poles), len(names)), dtype=complex)
+    system = ResponsesAroundPoles.of(drivetrain, chosen, request)
+    places = [modes.nodes.index(node) for node in system.nodes]
+    shapes = modes.shapes[places][:, [number - 1 for number in numbers]]
     for group in _groups(poles):
-        slopes[group] = system.slopes(complex(np.mean(poles[group])), len(group))
+        slopes[group] = system.slopes(poles[group], shapes[:, group], clearance(poles, group))
     return ModeSensitivities(tuple(names), np.array(chosen.start), poles, slopes, modes.title, numbers)
 
 
@@ -219,102 +208,3 @@ def _groups(poles: ComplexArray) -> list[list[int]]:
         else:
             groups.append([place])
     return groups
-
-
-class _System:
-    """The equations, bordered by drive and reading where the input is measured."""
-
-    def __init__(
-        self, drivetrain: AssembledModel, chosen: Unknowns, measured: str | Sensor | None, excitation: str | None
-    ) -> None:
-        self.nodes = drivetrain.assembly.kinematics.nodes
-        redundant = tuple(sorted(drivetrain.assembly.kinematics.reduction.redundant))
-        self.system: Augmented = augmented(chosen, chosen.start, self.nodes, redundant)
-        self.count = len(chosen.names)
-        self.reading: ReadingDerivative | None = None
-        self.load: Input | None = None
-        if measured is not None:
-            request = ask(drivetrain, measured, measured, excitation)
-            sensor = as_sensor(drivetrain, measured)
-            assert sensor is not None
-            values, elements = chosen.values(chosen.start), dict(chosen.definition.elements)
-            self.reading = reading(sensor, elements, self.system, self.nodes, values)
-            self.load = request.excitations[0]
-
-    def matrix(self, s: complex) -> ComplexArray:
-        omega = np.array([s / 1j])
-        kappa = self.system.kappa(omega)
-        inner: ComplexArray = np.asarray(self.system.matrix(kappa, 1.0)[0])
-        if self.reading is None or self.load is None:
-            return inner
-        n = len(inner)
-        whole = np.zeros((n + 1, n + 1), dtype=complex)
-        whole[:n, :n] = inner
-        whole[self.nodes.index(self.load.of), n] = -1.0
-        whole[n, :n] = rows_of([self.reading], self.system, kappa, omega)[0, 0]
-        return whole
-
-    def slopes(self, s: complex, multiplicity: int) -> ComplexArray:
-        """Derivatives of the poles at s, (multiplicity, n_p)."""
-        matrix, scale = self.matrix(s), self._scale(s)
-        if multiplicity > len(matrix):
-            return np.full((multiplicity, self.count), complex(np.nan, np.nan))
-        left, sizes, right = np.linalg.svd(matrix * scale[:, None] * scale)
-        if multiplicity > 1 and sizes[-multiplicity] > DEFECTIVE:
-            return np.full((multiplicity, self.count), complex(np.nan, np.nan))
-        r = scale[:, None] * right[-multiplicity:].conj().T
-        l = scale[:, None] * left[:, -multiplicity:].conj()
-        rates = np.array([[self._rate(s, r[:, j], l[:, i]) for j in range(multiplicity)] for i in range(multiplicity)])
-        moved = np.array([[self._moved(s, r[:, j], l[:, i]) for j in range(multiplicity)] for i in range(multiplicity)])
-        if multiplicity == 1:
-            return self._followed(-moved[0] / rates[0, 0], -self._frozen_rate(s, r[:, 0], l[:, 0]) / rates[0, 0])
-        if self.system.tables:
-            owners = ", ".join(dict.fromkeys(self.system.law_owners[law] for law, _ in self.system.tables))
-            raise UsageError(f"equal poles have no derivatives here, with springs tabulated over frequency: {owners}")
-        found = np.zeros((multiplicity, self.count), dtype=complex)
-        for p in range(self.count):
-            found[:, p] = np.sort_complex(linalg.eigvals(-moved[:, :, p], rates))
-        return found
-
-    @staticmethod
-    def _followed(direct: ComplexArray, through: complex) -> ComplexArray:
-        """Slopes of a pole whose tabulated stiffnesses are read at its own frequency, and move with it."""
-        return np.asarray(direct + through * direct.imag / (1 - through.imag))
-
-    def _frozen_rate(self, s: complex, r: ComplexArray, left: ComplexArray) -> complex:
-        """Derivative of the equations between two vectors to the frequency at which tables are read, rad/s."""
-        total, n_q = 0j, self.system.laws.values.shape[1]
-        for law, table in self.system.tables:
-            row = self.system.laws.values[law]
-            weight = row @ left[:n_q] + (0.0 if self.reading is None else self.reading.laws[law] * left[-1])
-            total += table.kappa_rate(abs(s.imag)) * complex(row @ r[:n_q]) * complex(weight)
-        return total
-
-    def _scale(self, s: complex) -> FloatArray:
-        """Of every unknown, so that entries are of the order of 1 before anything cancels."""
-        kappa = np.abs(self.system.kappa(np.array([s / 1j])))
-        n_nodes = self.system.laws.values.shape[1]
-        own = (kappa[0][:, None] * self.system.laws.values**2).sum(axis=0)
-        scale = np.ones(len(self.matrix(s)))
-        scale[:n_nodes] = 1 / np.sqrt(np.where(own > 0, own, own.max(initial=1.0)))
-        beyond = np.abs(self.matrix(s))[n_nodes:, :n_nodes] * scale[:n_nodes]
-        largest = beyond.max(axis=1, initial=0.0)
-        scale[n_nodes:] = 1 / np.where(largest > 0, largest, 1.0)
-        return scale
-
-    def _rate(self, s: complex, r: ComplexArray, left: ComplexArray) -> complex:
-        n = self.system.laws.values.shape[1] + len(self.system.condition_owners)
-        rate = equation_rate(self.system, s, r[:n], left[:n])
-        if self.reading is not None:
-            rate += complex(left[n]) * reading_rate(self.system, self.reading, s, r[:n])
-        return rate
-
-    def _moved(self, s: complex, r: ComplexArray, left: ComplexArray) -> ComplexArray:
-        omega = np.array([s / 1j])
-        kappa = self.system.kappa(omega)
-        n = self.system.laws.values.shape[1] + len(self.system.condition_owners)
-        slopes = {law: list(self.system.kappa_slopes(law, omega)) for law in range(len(self.system.law_owners))}
-        moved = equation_slopes(self.system, kappa, slopes, r[None, :n], left[None, :n])[:, 0]
-        if self.reading is not None:
-            moved = moved + left[n] * reading_slopes(self.system, self.reading, omega, kappa, slopes, r[None, :n])[:, 0]
-        return np.asarray(moved)

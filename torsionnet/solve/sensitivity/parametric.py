@@ -21,7 +21,7 @@ from torsionnet.solve.sensitivity.augmented import Augmented, augmented
 from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
 from torsionnet.solve.starmesh import respond
 from torsionnet.solve.transfer import frequency_response
-from torsionnet.solve.transfer_request import TransferRequest, as_sensor, ask
+from torsionnet.solve.transfer_request import TransferRequest, ask
 from torsionnet.solve.uncertain import ENOUGH, expected_errors
 
 
@@ -88,8 +88,8 @@ class ParametricResponse:
         arranged, omega = self._arranged(whole, numbers), 2 * np.pi * self.frequencies
         kappa = law_stiffness_of(whole, omega)
         solved = respond(arranged.problem, kappa)
-        y = arranged.values(solved.values, omega)
-        found = self._quotient(y, arranged.slopes(solved.values, whole, kappa.by_law.T, omega))
+        y = arranged.values(solved.values, kappa.s)
+        found = self._quotient(y, arranged.slopes(solved.values, whole, kappa.by_law, kappa.s, omega))
         points = np.flatnonzero(solved.doubtful)
         if len(points) and np.isfinite(numbers).all():
             found.values[points] = self._settled(arranged, kappa.at(points), found.values[points], points, numbers)
@@ -99,7 +99,7 @@ class ParametricResponse:
 
     def _arranged(self, system: Augmented, numbers: Sequence[float]) -> Arranged:
         """The problem for these rows; one for all values where no parameter moves a row."""
-        slopes = (system.laws.slopes, system.conditions.slopes)
+        slopes = (system.law_slopes, system.condition_slopes)
         key = (system.exact_laws, system.exact_conditions, *(part.tobytes() for part in slopes))
         if self._known and self._known[0][0] == key:
             return self._known[0][1]
@@ -125,7 +125,7 @@ class ParametricResponse:
 
         def evaluate(some: LawStiffness, turned: bool) -> ComplexArray:
             problem = arranged.problem.otherwise if turned else arranged.problem
-            y = arranged.values(respond(problem, some).values, kappa.omega)
+            y = arranged.values(respond(problem, some).values, kappa.s)
             return self._quotient(y, np.zeros((*y.shape, 0))).values
 
         poor = (expected_errors(evaluate, kappa, values) > ENOUGH).any(axis=(1, 2))
@@ -185,16 +185,7 @@ def parametric_response(
     if f.ndim != 1 or not np.all(np.isfinite(f)) or not np.all(f > 0):
         raise UsageError("derivatives are taken at frequencies above 0, in Hz")
     request = ask(drivetrain, output, input, excitation)
-    asked = [output] if isinstance(output, str | Sensor) else list(output)
-    if request.is_measured:
-        asked += [input] if isinstance(input, str | Sensor) else list(input)
-    sensors = tuple(_sensor(drivetrain, entry) for entry in asked)
     redundant = tuple(sorted(drivetrain.assembly.kinematics.reduction.redundant))
     return ParametricResponse(
-        drivetrain, request, f, unknowns(drivetrain, parameters), sensors, request.excitations, redundant
+        drivetrain, request, f, unknowns(drivetrain, parameters), request.sensors, request.excitations, redundant
     )
-
-
-def _sensor(drivetrain: AssembledModel, entry: str | Sensor) -> Sensor:
-    found = as_sensor(drivetrain, entry)
-    return Sensor("angle", str(entry)) if found is None else found

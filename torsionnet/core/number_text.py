@@ -1,0 +1,172 @@
+"""Numbers, units and what is missing as a reader sees them: on the screen, in files, in documents and pictures.
+
+Whoever shows a table asks here. A screen has plain characters only (``-`` for nothing, ``1e+06``), a document has
+typeset ones (``–``, ``10⁶``), a file all digits and an empty cell.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+SMALLEST, LARGEST = 1e-4, 1e6
+"""Sizes between which a number is written without a power of ten, where it is typeset."""
+MISSING, MISSING_TYPESET = "-", "–"
+MOST_DECIMALS = 4
+LARGE, SMALL, SPREAD = 1e5, 1e-3, 1e4
+"""Sizes and spread of a column beyond which each number has digits of its own."""
+EXACT = 1e-6
+"""Standard errors below this share of their value say that there is none."""
+USUAL, FEWEST, MOST = 5, 2, 9
+"""Digits of a value whose error is not known, and limits of those that an error allows."""
+_RAISED = str.maketrans("0123456789-", "⁰¹²³⁴⁵⁶⁷⁸⁹⁻")
+
+
+def is_missing(value: Any) -> bool:
+    return value is None or (isinstance(value, float) and math.isnan(value))
+
+
+def on_screen(value: Any, digits: int = 6) -> str:
+    """A value in plain characters; a tuple is a text with numbers in it.
+
+    >>> on_screen(1 / 3, 3), on_screen(None), on_screen(7, 2), on_screen(("k = ", 460.0, " N*m/rad"))
+    ('0.333', '-', '7', 'k = 460 N*m/rad')
+    """
+    if isinstance(value, tuple):
+        return "".join(on_screen(part, digits) for part in value)
+    if is_missing(value):
+        return MISSING
+    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
+
+
+def exact(value: Any) -> Any:
+    """A value for a file of columns: all digits, and nothing where nothing is."""
+    if isinstance(value, tuple):
+        return on_screen(value)
+    return "" if is_missing(value) else repr(value) if isinstance(value, float) else value
+
+
+def finite(data: Any) -> Any:
+    """Data for JSON: null for the numbers it lacks."""
+    if isinstance(data, float):
+        return data if math.isfinite(data) else None
+    if isinstance(data, dict):
+        return {key: finite(value) for key, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [finite(value) for value in data]
+    return data
+
+
+def bracketed(unit: str) -> str:
+    """``[Hz]`` behind the head of a column, nothing where there is no unit."""
+    return "" if unit in ("", MISSING_TYPESET) else f"[{unit}]"
+
+
+def typeset_unit(unit: str) -> str:
+    """An SI unit as it is printed.
+
+    >>> typeset_unit("rad/(N*m)"), typeset_unit("kg*m^2")
+    ('rad/(N·m)', 'kg·m²')
+    """
+    return unit.replace("*", "·").replace("^2", "²").replace("^3", "³")
+
+
+@dataclass(frozen=True)
+class NumberText:
+    """A number with so many significant digits, or with so many decimals.
+
+    Examples
+    --------
+    >>> [(number.mantissa, number.exponent) for number in map(NumberText, (0.46, 13300.0, 1.106e6))]
+    [('0.46', None), ('13300', None), ('1.106', 6)]
+    """
+
+    value: float | None
+    digits: int = 4
+    decimals: int | None = None
+
+    @property
+    def exponent(self) -> int | None:
+        """Power of ten, None where the number is written without."""
+        if self.value is None or not math.isfinite(self.value) or self.value == 0:
+            return None
+        if SMALLEST <= abs(self.value) < LARGEST or self.decimals is not None:
+            return None
+        return math.floor(math.log10(float(f"{abs(self.value):.{self.digits - 1}e}")))
+
+    @property
+    def mantissa(self) -> str:
+        """The digits, with an ASCII minus; a dash where there is no number."""
+        if self.value is None or math.isnan(self.value):
+            return MISSING_TYPESET
+        if math.isinf(self.value):
+            return "-∞" if self.value < 0 else "∞"
+        if self.decimals is not None:
+            return _positive_zero(f"{self.value:.{self.decimals}f}")
+        if self.exponent is not None:
+            return _trimmed(f"{self.value / 10.0**self.exponent:.{self.digits - 1}f}")
+        if self.value == 0:
+            return "0"
+        places = self.digits - 1 - math.floor(math.log10(abs(self.value)))
+        return _trimmed(f"{round(self.value, places):.{max(0, places)}f}")
+
+    @property
+    def decimals_shown(self) -> int:
+        """Digits behind the point, for setting columns."""
+        return len(self.mantissa.partition(".")[2]) if self.exponent is None else 0
+
+    def __str__(self) -> str:
+        """In one line of typeset characters.
+
+        >>> str(NumberText(-2.5e-5)), str(NumberText(float("nan")))
+        ('−2.5·10⁻⁵', '–')
+        """
+        text = self.mantissa.replace("-", "−")
+        return text if self.exponent is None else f"{text}·10{str(self.exponent).translate(_RAISED)}"
+
+
+def _trimmed(text: str) -> str:
+    return text.rstrip("0").rstrip(".") if "." in text else text
+
+
+def _positive_zero(text: str) -> str:
+    return text.removeprefix("-") if not text.strip("-0.") else text
+
+
+def aligned(values: Sequence[float | None], digits: int = 4) -> list[NumberText]:
+    """Numbers of one column with equally many decimals, so many that the smallest has three digits or more.
+
+    >>> [number.mantissa for number in aligned([3.6909, 40.535, None])]
+    ['3.691', '40.535', '–']
+    """
+    sizes = [abs(value) for value in values if value is not None and math.isfinite(value) and value != 0]
+    if not sizes or max(sizes) >= LARGE or min(sizes) < SMALL or max(sizes) / min(sizes) > SPREAD:
+        return [NumberText(value, digits) for value in values]
+    decimals = digits - 1 - math.floor(math.log10(min(sizes)))
+    decimals = min(max(decimals, 0), max(MOST_DECIMALS, digits - 1 - math.floor(math.log10(max(sizes)))))
+    return [NumberText(value, digits, decimals if value else None) for value in values]
+
+
+def digits_to_error(value: float, error: float) -> int:
+    """Significant digits of a value down to the second one of its standard error.
+
+    >>> digits_to_error(169.9971, 0.0541), digits_to_error(4.0, math.inf), digits_to_error(1.5, 0.0)
+    (6, 5, 5)
+    """
+    if not (math.isfinite(error) and error > 0 and value):
+        return USUAL
+    return min(max(math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 2, FEWEST), MOST)
+
+
+def with_error(value: float, error: float) -> str:
+    """A value to the second digit of its standard error.
+
+    >>> with_error(0.80312, 0.0098), with_error(459.96, 1.73), with_error(4.0, 1e-12)
+    ('0.8031 ± 0.0098', '460.0 ± 1.7', '4 ± 1e-12')
+    """
+    if not EXACT * abs(value) < error < math.inf:
+        return f"{value:.6g} ± {error:.2g}"
+    places = max(0, 1 - math.floor(math.log10(error)))
+    return f"{value:.{places}f} ± {error:.{places}f}"

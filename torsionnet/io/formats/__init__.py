@@ -1,0 +1,1 @@
+"""Formats of files with records and frequency responses; ``registry`` lists them."""

@@ -1,0 +1,54 @@
+"""Packages that only one file format needs, and files that are read with them."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Any
+
+from torsionnet.core.errors import MissingExtraError
+from torsionnet.io.foreign import Content, opening
+
+PACKAGES = {
+    "tdms": ("nptdms", "npTDMS", "TDMS"),
+    "uff": ("pyuff", "pyuff", "UFF58"),
+    "hdf5": ("h5py", "h5py", "HDF5 and MAT v7.3"),
+    "parquet": ("pyarrow.parquet", "pyarrow", "Parquet"),
+    "mdf": ("asammdf", "asammdf", "MDF4"),
+    "fmu": ("ziglang", "ziglang", "FMU"),
+}
+"""Extra: its module, the package it comes in, and the files it is for."""
+
+
+def needed(extra: str) -> Any:
+    """The module of an extra.
+
+    Raises
+    ------
+    MissingExtraError
+        Where it is not installed; the message has the pip command.
+    """
+    try:
+        return importlib.import_module(PACKAGES[extra][0])
+    except ImportError as error:
+        raise _missing(extra) from error
+
+
+def require(extra: str) -> None:
+    """Raise :class:`MissingExtraError` where an extra is not installed, without importing it."""
+    if importlib.util.find_spec(PACKAGES[extra][0].partition(".")[0]) is None:
+        raise _missing(extra)
+
+
+def content_of(path: Path, form: str) -> AbstractContextManager[Content]:
+    """The arrays of a file, read in a process of their own; ``form`` is a module of :mod:`torsionnet.io.foreign`."""
+    if form in PACKAGES:
+        require(form)
+    return opening.opened(path, form)
+
+
+def _missing(extra: str) -> MissingExtraError:
+    _, package, files = PACKAGES[extra]
+    return MissingExtraError(f'{files} files need the package {package}: pip install "torsionnet[{extra}]"')

@@ -1,0 +1,115 @@
+"""MAT files: v5 through scipy, v7.3, which is HDF5, through h5py.
+
+A response has the variables frequencies, values (n_f x n_out x n_in), names and units, ready for Matlab.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from torsionnet.core.atomic import write_bytes
+from torsionnet.core.errors import UsageError
+from torsionnet.io.foreign import Content
+from torsionnet.io.foreign.content import ROW
+from torsionnet.io.formats import hdf5
+from torsionnet.io.formats.extras import content_of
+from torsionnet.io.records.arrays import array_source
+from torsionnet.io.records.source import Source
+from torsionnet.io.records.stored import KEY, TIME, plain_keys, saved_columns, stored
+from torsionnet.io.responses import described
+from torsionnet.response import FrequencyResponse
+from torsionnet.response.recording import Recording
+
+LONGEST_NAME = 63
+LARGEST = 2**31  # bytes of one variable
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+FLAT = ("frequencies", "conditioning")
+HEADER = 116
+"""Bytes of free text at the beginning of a MAT v5 file, where scipy writes today's date."""
+
+
+@contextlib.contextmanager
+def opened(path: Path) -> Iterator[Source]:
+    """A MAT file; numeric variables, and fields of structures, are channels."""
+    if _is_hdf5(path):
+        with hdf5.opened(path) as source:
+            yield source
+        return
+    with content_of(path, "mat") as content:
+        yield array_source(content.arrays, content.blocks, str(content.attributes.get(KEY, "")), path.stem)
+
+
+def _is_hdf5(path: Path) -> bool:
+    with path.open("rb") as file:
+        start = file.read(len(SIGNATURE))
+        file.seek(512)  # MATLAB puts its own header of 512 bytes first
+        return SIGNATURE in (start, file.read(len(SIGNATURE)))
+
+
+def write(recording: Recording, path: Path) -> None:
+    """A MAT v5 file of one column for every signal, with a description of the recording."""
+    keys = plain_keys(recording.names, "[^A-Za-z0-9_]|^(?=[^A-Za-z])", (TIME, KEY))
+    if any(len(key) > LONGEST_NAME for key in keys) or 8 * len(recording) >= LARGEST:
+        raise UsageError(
+            "a MAT v5 file takes names of 63 characters and 2 GB for each signal; write an .h5 or .npz file"
+        )
+    keys = [f"x{key}" if key.startswith("_") else key for key in keys]
+    content = {column.name: column.values for column in saved_columns(recording, keys)}
+    write_bytes(path, mat_bytes({**content, KEY: stored(recording, keys)}))
+
+
+def read_response(path: Path) -> FrequencyResponse:
+    """The response in a MAT file of :func:`write_response`."""
+    with content_of(path, "mat") as content:
+        names = [item.name for item in content.arrays]
+        described.check_members([*names, *content.attributes, *content.others], path, "file", "has nothing")
+        found = {name: _values(content, names.index(name)) for name in described.NUMBERS if name in names}
+        text = str(content.attributes.get(described.KEY, ""))
+    numbers = {name: values.ravel() if name in FLAT else _cubic(values) for name, values in found.items()}
+    return described.described(text, numbers | {"values": np.asarray(numbers["values"], dtype=complex)})
+
+
+def _values(content: Content, number: int) -> Any:
+    values = next(content.blocks([number], 0))[0]
+    return values.T if content.arrays[number].attributes.get(ROW) else values
+
+
+def _cubic(values: Any) -> Any:
+    """Matlab drops a third dimension of one when it saves again."""
+    return values if values.ndim == 3 else values[:, :, None]
+
+
+def write_response(response: FrequencyResponse, path: Path) -> None:
+    """Numbers, and cell arrays of names and units."""
+    sides = {"output": response.outputs, "input": response.inputs}
+    names = {f"{side}_names": cells(channel.name for channel in channels) for side, channels in sides.items()}
+    units = {f"{side}_units": cells(channel.unit for channel in channels) for side, channels in sides.items()}
+    values = np.asarray(response.values, dtype=complex)
+    content = {**described.arrays(response), "values": values, **names, **units, "title": response.title}
+    write_bytes(path, mat_bytes({**content, described.KEY: described.description(response)}))
+
+
+def mat_bytes(content: Mapping[str, Any]) -> memoryview:
+    """A MAT v5 file with these variables; equal content gives equal bytes."""
+    from scipy.io import savemat
+
+    buffer = io.BytesIO()
+    write: Any = savemat  # takes a stream, whatever its types say
+    write(buffer, dict(content), oned_as="column", long_field_names=True)
+    image = buffer.getbuffer()
+    image[:HEADER] = b"MATLAB 5.0 MAT-file, torsionnet".ljust(HEADER)
+    return image
+
+
+def cells(texts: Iterable[str]) -> Any:
+    """A row of texts as a cell array."""
+    listed = list(texts)
+    row = np.empty((1, len(listed)), dtype=object)
+    row[0, :] = listed
+    return row

@@ -1,0 +1,91 @@
+"""Which functions read and write which file, by its ending.
+
+``opened(path)`` of a format is a context manager that gives a :class:`~torsionnet.io.records.source.Source` of a
+record: channels with names and units as they stand in the file, and a reader of rows in blocks.
+``write(recording, path)`` writes one, through :func:`torsionnet.core.atomic.replacing`. ``read_response(path)`` and
+``write_response(response, path)`` are for frequency responses. ``npz.py`` is a short module to begin from;
+``arrays.array_source`` makes a source of named arrays, ``record_headings.split_heading`` takes a unit off a name, and
+``extras.content_of`` asks a library in a process of its own. What is wrong with a file is a ValueError in words, with
+the line where there is one: :func:`reading` adds the name of the file.
+"""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from torsionnet.core.errors import Fault, ModelError, TorsionnetError, UsageError, did_you_mean
+from torsionnet.io.formats import hdf5, mat, mdf, npz, parquet, tdms
+from torsionnet.io.formats.text import record_text, response_text
+from torsionnet.io.formats.uff import record_uff, response_uff
+from torsionnet.io.records.source import Source
+from torsionnet.response import FrequencyResponse
+from torsionnet.response.recording import Recording
+
+Holding = Literal["recording", "frequency response"]
+
+
+@dataclass(frozen=True)
+class Format:
+    """One format; it holds recordings where it has ``opened``, responses where it has ``read_response``."""
+
+    label: str
+    endings: tuple[str, ...]
+    opened: Callable[..., AbstractContextManager[Source]] | None = None
+    write: Callable[[Recording, Path], None] | None = None
+    read_response: Callable[[Path], FrequencyResponse] | None = None
+    write_response: Callable[[FrequencyResponse, Path], None] | None = None
+
+    def holds(self, what: Holding) -> bool:
+        return (self.opened if what == "recording" else self.read_response) is not None
+
+
+FORMATS = (
+    Format("text", (".csv", ".txt", ".tsv", ".asc", ".dat"), record_text.opened, record_text.write),
+    Format("CSV", (".csv",), read_response=response_text.read, write_response=response_text.write),
+    Format("NPZ", (".npz",), npz.opened, npz.write, npz.read_response, npz.write_response),
+    Format("MAT", (".mat",), mat.opened, mat.write, mat.read_response, mat.write_response),
+    Format("TDMS", (".tdms",), tdms.opened, tdms.write),
+    Format("UFF58", (".uff", ".unv"), record_uff.opened, record_uff.write, response_uff.read, response_uff.write),
+    Format("HDF5", (".h5", ".hdf5", ".hdf"), hdf5.opened, hdf5.write),
+    Format("Parquet", (".parquet", ".pq"), parquet.opened, parquet.write),
+    Format("MDF", (".mf4", ".mdf"), mdf.opened, mdf.write),
+)
+
+
+def format_of(path: Path, what: Holding) -> Format:
+    """The format of a file by its ending; raises :class:`UsageError` where no format of that ending holds such."""
+    known = {ending: form for form in FORMATS if form.holds(what) for ending in form.endings}
+    ending = path.suffix.lower()
+    if ending not in known:
+        text = f'"{path.name}" has no ending of a {what}{did_you_mean(ending, known)}; expected one of '
+        raise UsageError(text.replace("?;", "?") + ", ".join(known))
+    return known[ending]
+
+
+@contextlib.contextmanager
+def reading(path: Path, what: Holding) -> Iterator[Format]:
+    """The format that reads a file; whatever goes wrong with the file becomes an error with its name.
+
+    Raises
+    ------
+    ModelError
+        The file is faulty.
+    UsageError
+        There is no such file, or its ending is not known.
+    """
+    form = format_of(path, what)
+    if not path.is_file():
+        raise UsageError(f'there is no file "{path}"')
+    try:
+        yield form
+    except TorsionnetError:
+        raise
+    # A library says of a damaged file what it likes: struct.error, zlib.error, IndexError.
+    except Exception as error:
+        said = str(error).splitlines()[0] if str(error) else type(error).__name__
+        raise ModelError([Fault(f"the file cannot be read as {form.label}: {said}")], path.name) from error

@@ -1,0 +1,69 @@
+"""TDMS files of LabVIEW, through npTDMS."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+from torsionnet.core.atomic import replacing
+from torsionnet.io.foreign import Stored
+from torsionnet.io.foreign.content import Plain
+from torsionnet.io.formats.extras import content_of, needed
+from torsionnet.io.records.arrays import channel_of, word
+from torsionnet.io.records.source import FileChannel, Source
+from torsionnet.io.records.stored import KEY, saved_columns, stored, with_stored
+from torsionnet.response.recording import Recording
+
+GROUP, PIECE, INCREMENT = "recording", 1 << 20, "wf_increment"
+
+
+@contextlib.contextmanager
+def opened(path: Path) -> Iterator[Source]:
+    """A TDMS file; rate and start are those of the waveform properties."""
+    with content_of(path, "tdms") as content:
+        channels = [_channel(item, number) for number, item in enumerate(content.arrays)]
+        waves = [item.attributes for item in content.arrays if item.attributes.get(INCREMENT)]
+        rate = 1 / float(waves[0][INCREMENT] or 0) if waves else None
+        start = float(waves[0].get("wf_start_offset") or 0.0) if waves else 0.0
+        title = str(content.attributes.get("name", path.stem))
+        notes = _rate_notes(waves)
+        source = Source(tuple(channels), content.blocks, rate=rate, start=start, title=title, notes=notes)
+        text = str(content.attributes.get(KEY, ""))
+        yield with_stored(source, text) if text or not waves else source
+
+
+def _rate_notes(waves: Sequence[Mapping[str, Plain]]) -> tuple[str, ...]:
+    increments = sorted({float(wave[INCREMENT] or 0) for wave in waves})
+    if len(increments) < 2:
+        return ()
+    return (f"channels have sampling intervals of {increments} s; the first channel's was taken for all",)
+
+
+def _channel(item: Stored, number: int) -> FileChannel:
+    group = word(item, "group")
+    unit = word(item, "unit_string", "NI_UnitDescription")
+    return channel_of(item, number, f"{group}/{item.name}" if "group" in item.attributes else item.name, unit)
+
+
+def write(recording: Recording, path: Path) -> None:
+    """A TDMS file of one group, with waveform properties and units."""
+    columns = saved_columns(recording)
+    nptdms = needed("tdms")
+    root = nptdms.RootObject({"name": recording.title or path.stem, KEY: stored(recording)})
+    wave = {"wf_increment": 1 / recording.sampling_rate, "wf_start_offset": recording.start}
+    with replacing(path) as temporary, nptdms.TdmsWriter(str(temporary)) as writer:
+        writer.write_segment([root, nptdms.GroupObject(GROUP)])
+        for first in range(0, len(recording), PIECE):
+            writer.write_segment([
+                nptdms.ChannelObject(
+                    GROUP, column.name, column.values[first : first + PIECE], _properties(column.attributes, wave)
+                )
+                for column in columns
+            ])  # fmt: skip
+
+
+def _properties(attributes: Mapping[str, str], wave: Mapping[str, float]) -> dict[str, str | float]:
+    """Those of a signal; time stamps have a unit alone."""
+    named = {"unit_string" if name == "unit" else name: text for name, text in attributes.items()}
+    return {**wave, **named} if "quantity" in named else {**named}

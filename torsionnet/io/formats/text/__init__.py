@@ -1,0 +1,1 @@
+"""Tables of numbers as text: records in many dialects, responses as CSV."""

@@ -1,0 +1,83 @@
+"""How a text file separates its cells and writes its numbers: sniffed, never silently."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+
+SEPARATORS = (";", "\t", ",", " ")
+_NAMES = {";": "semicolon", "\t": "tab", ",": "comma", " ": "white space"}
+_NUMBER = r"[+-]?(?:(?:\d+(?:{0}\d*)?|{0}\d+)(?:[eEdD][+-]?\d+)?|inf(?:inity)?|nan)"
+_NUMBERS = {
+    ".": re.compile(_NUMBER.format(r"\."), re.IGNORECASE),
+    ",": re.compile(_NUMBER.format(",").replace(",\\d*", ",\\d+"), re.IGNORECASE),
+}
+
+
+@dataclass(frozen=True)
+class Dialect:
+    """Separator of cells (a blank stands for any white space) and sign of decimals."""
+
+    separator: str
+    decimal: str = "."
+
+    def cells(self, line: str) -> list[str]:
+        """The cells of a line without blanks and quotes around them."""
+        parts = line.split() if self.separator == " " else line.rstrip("\r\n").split(self.separator)
+        return [part.strip().strip('"').strip() for part in parts]
+
+    def is_number(self, cell: str) -> bool:
+        return _NUMBERS[self.decimal].fullmatch(cell) is not None
+
+    def is_data(self, line: str) -> bool:
+        """Whether a line has numbers, and nothing but numbers and empty cells."""
+        filled = [cell for cell in self.cells(line) if cell]
+        return bool(filled) and all(map(self.is_number, filled))
+
+    def number(self, cell: str) -> float:
+        """Value of a cell that is a number; D is Fortran's sign of an exponent.
+
+        >>> Dialect(";", ",").number("-1,5D+03")
+        -1500.0
+        """
+        return float(cell.replace(",", ".").upper().replace("D", "E"))
+
+    def __str__(self) -> str:
+        return (
+            f"cells between {_NAMES.get(self.separator, self.separator)}s, decimal {_NAMES.get(self.decimal, 'point')}"
+        )
+
+
+def sniffed(lines: Sequence[str], separator: str | None = None, decimal: str | None = None) -> Dialect:
+    """The dialect in which most lines are rows of numbers like their heading; what is given is kept.
+
+    >>> str(sniffed(["t;M", "0,1;2,5", "0,2;2,6"]))
+    'cells between semicolons, decimal comma'
+    """
+    candidates = [
+        Dialect(between, sign)
+        for between, sign in product([separator] if separator else SEPARATORS, [decimal] if decimal else ".,")
+        if between != sign
+    ]
+    return max(candidates, key=lambda dialect: _score(dialect, lines))
+
+
+def _score(dialect: Dialect, lines: Sequence[str]) -> tuple[int, int, int, bool]:
+    first = data_start(dialect, lines)
+    if first == len(lines):
+        return 0, 0, 0, False
+    width = len(dialect.cells(lines[first]))
+    rows = sum(dialect.is_data(line) and len(dialect.cells(line)) == width for line in lines[first:])
+    # A heading of as many cells settles 1,5 (one number, or two), best one of several.
+    like_heading = first > 0 and width == len(dialect.cells(lines[first - 1])) and 3 * rows > len(lines) - first
+    return like_heading * (1 + (width > 1)), rows, width, dialect.separator != " "
+
+
+def data_start(dialect: Dialect, lines: Sequence[str]) -> int:
+    """Index of the first row of numbers as wide as most of them; ``len(lines)`` where there is none."""
+    widths = [len(dialect.cells(line)) if dialect.is_data(line) else 0 for line in lines]
+    usual = Counter(filter(None, widths)).most_common(1)
+    return widths.index(usual[0][0]) if usual else len(lines)

@@ -1,0 +1,139 @@
+"""Rows of numbers in a text file, parsed in pieces, with the place of every cell that is none."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from itertools import islice
+
+import numpy as np
+
+from torsionnet.core.errors import Fault, ModelError, Position
+from torsionnet.io.formats.text.dialect import Dialect
+from torsionnet.io.formats.text.early_end import ENOUGH, early_end
+from torsionnet.io.records.clock import MOST_FAULTS
+from torsionnet.response.recording import FloatArray
+
+PIECE = 20_000
+
+
+def _other_width(cells: int, width: int) -> str:
+    return f"the row has {cells} cells, the others have {width}"
+
+
+def _no_number(cell: str) -> str:
+    return f'"{cell}" is not a number'
+
+
+@dataclass
+class NumberRows:
+    """Reads numbers from the lines of ``stream``; faults and counts grow while it does.
+
+    ``other_width`` and ``no_number`` word the refusal of a row of so many cells instead of so many, and of a cell.
+    """
+
+    stream: Iterable[str]
+    file: str
+    dialect: Dialect
+    width: int
+    line: int
+    names: Sequence[str]
+    own: bool = False
+    other_width: Callable[[int, int], str] = _other_width
+    no_number: Callable[[str], str] = _no_number
+    faults: list[Fault] = field(default_factory=list)
+    read: int = 0
+    filled: FloatArray = field(init=False)
+    empty: FloatArray = field(init=False)
+
+    _above: list[str] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.filled, self.empty = np.zeros(self.width), np.zeros(self.width)
+
+    def blocks(self, columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
+        """Blocks of ``count`` rows, or everything; raises :class:`ModelError` with all faults of a block."""
+        while True:
+            pieces = list(self._pieces(columns, count))
+            if self.faults:
+                raise ModelError(self.faults, self.file)
+            if not pieces:
+                return
+            yield [np.concatenate([piece[:, i] for piece in pieces]) for i in range(len(columns))]
+
+    def _pieces(self, columns: Sequence[int], count: int) -> Iterator[FloatArray]:
+        left = count or None
+        while left is None or left > 0:
+            lines = list(islice(self.stream, min(PIECE, left) if left else PIECE))
+            if not lines:
+                return
+            values = self._parsed(lines)
+            if lines[-1].strip() and not lines[-1].endswith("\n") and not self.faults:
+                self._check_end(lines)
+            self._above = lines[-ENOUGH:]
+            self.line += len(lines)
+            self.read += len(values)
+            left = None if left is None else left - len(lines)
+            if len(values) and len(self.faults) < MOST_FAULTS:
+                yield values[:, list(columns)]
+
+    def _parsed(self, lines: list[str]) -> FloatArray:
+        if '"' in lines[0] or not lines[0].strip() or self.faults:
+            return self._one_by_one(lines)
+        text = [line.replace(",", ".") for line in lines] if self.dialect.decimal == "," else lines
+        separator = None if self.dialect.separator == " " else self.dialect.separator
+        try:
+            values = np.loadtxt(text, delimiter=separator, comments=None, ndmin=2)
+        except ValueError:
+            return self._one_by_one(lines)
+        if values.shape != (len(lines), self.width):
+            return self._one_by_one(lines)
+        self.filled[:] = self.read + len(values)
+        return values
+
+    def _one_by_one(self, lines: list[str]) -> FloatArray:
+        rows: list[list[float]] = []
+        for number, line in enumerate(lines, self.line):
+            if line.strip():
+                cells = self.dialect.cells(line)
+                short = "" if line.endswith("\n") else early_end(cells, [], self.names)
+                if short:
+                    self._fault(short, number, line, 0, len(line))
+                else:
+                    rows.append(self._row(cells, line.rstrip("\r\n"), number, self.read + len(rows) + 1))
+        return np.array(rows).reshape(-1, self.width)
+
+    def _check_end(self, lines: list[str]) -> None:
+        """The last line of the file, which no end of a line follows."""
+        above = [self.dialect.cells(line) for line in [*self._above, *lines[-1 - ENOUGH : -1]]]
+        text = early_end(self.dialect.cells(lines[-1]), above, self.names, own=self.own)
+        if text:
+            self._fault(text, self.line + len(lines) - 1, lines[-1], 0, len(lines[-1]))
+
+    def _row(self, cells: list[str], line: str, number: int, count: int) -> list[float]:
+        if len(cells) != self.width:
+            self._fault(self.other_width(len(cells), self.width), number, line, 0, len(line))
+            return [np.nan] * self.width
+        return [self._value(cells, column, line, number, count) for column in range(self.width)]
+
+    def _value(self, cells: list[str], column: int, line: str, number: int, count: int) -> float:
+        cell = cells[column]
+        if not cell:
+            self.empty[column] += 1
+            return float("nan")
+        self.filled[column] = count
+        if self.dialect.is_number(cell):
+            return self.dialect.number(cell)
+        at = self._offset(line, column) + line[self._offset(line, column) :].find(cell)
+        self._fault(self.no_number(cell), number, line, at, len(cell))
+        return float("nan")
+
+    def _offset(self, line: str, column: int) -> int:
+        if self.dialect.separator == " ":
+            return 0
+        return sum(len(part) + 1 for part in line.split(self.dialect.separator)[:column])
+
+    def _fault(self, text: str, number: int, line: str, at: int, width: int) -> None:
+        if len(self.faults) < MOST_FAULTS:
+            source = line[:200].replace("\t", " ")
+            self.faults.append(Fault(text, position=Position(self.file, number, at + 1, at + 1 + width, source)))

@@ -1,0 +1,73 @@
+"""Names and units of the columns of a text file, from the lines above its numbers."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from torsionnet.core.units import UnitError, parse_unit
+from torsionnet.io.formats.text.dialect import Dialect
+from torsionnet.io.records.quantities import plain_unit
+
+_BRACKETED = re.compile(r"(?P<name>.*?)\s*\[(?P<unit>[^\[\]]*)\]")
+_IN_PARENTHESES = re.compile(r"(?P<name>.*?\S)\s*\((?P<unit>[^()]*(?:\([^()]*\))?[^()]*)\)")
+_WITH_SLASH = re.compile(r"(?P<name>.*?\S)\s+(?:/|in)\s+(?P<unit>\S.*)")
+
+
+@dataclass(frozen=True)
+class Headings:
+    """Names and units of columns, how many lines they take, and what was assumed."""
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    lines: int
+    notes: tuple[str, ...] = ()
+
+
+def headings(dialect: Dialect, above: Sequence[str], width: int) -> Headings:
+    """Names and units from the lines above ``width`` columns of numbers."""
+    rows = [dialect.cells(line) for line in above[-2:]]
+    if len(rows) == 2 and _is_units(rows[1], width) and len(rows[0]) == width:
+        units = tuple(cell.strip("[]() ") if cell != "-" else "" for cell in rows[1])
+        return Headings(_named(rows[0]), units, 2, ("names and units from two rows of headings",))
+    if rows and len(rows[-1]) == width and any(rows[-1]):
+        pairs = [split_heading(cell) for cell in rows[-1]]
+        note = "names and units from the heading" if any(unit for _, unit in pairs) else "names from the heading"
+        return Headings(_named([name for name, _ in pairs]), tuple(unit for _, unit in pairs), 1, (note,))
+    names = tuple(f"column_{number + 1}" for number in range(width))
+    return Headings(names, ("",) * width, 0, ("no heading: columns are named column_1, column_2 and so on",))
+
+
+def split_heading(text: str) -> tuple[str, str]:
+    """Name and unit of a heading.
+
+    >>> split_heading("T_T [Nm]"), split_heading("phi / rad"), split_heading("T (filtered)")
+    (('T_T', 'Nm'), ('phi', 'rad'), ('T (filtered)', ''))
+    """
+    bracketed = _BRACKETED.fullmatch(text.strip())
+    if bracketed:
+        return bracketed["name"], bracketed["unit"].strip()
+    for form in (_IN_PARENTHESES, _WITH_SLASH):
+        found = form.fullmatch(text.strip())
+        if found and is_unit(found["unit"]):
+            return found["name"], found["unit"].strip()
+    return text.strip(), ""
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text can be read as a unit."""
+    try:
+        parse_unit(plain_unit(text))
+    except UnitError:
+        return False
+    return True
+
+
+def _is_units(cells: Sequence[str], width: int) -> bool:
+    filled = [cell.strip("[]() ") for cell in cells if cell.strip("[]()- ")]
+    return len(cells) == width and bool(filled) and 2 * sum(map(is_unit, filled)) >= len(filled)
+
+
+def _named(names: Sequence[str]) -> tuple[str, ...]:
+    return tuple(name or f"column_{number + 1}" for number, name in enumerate(names))

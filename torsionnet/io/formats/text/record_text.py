@@ -1,0 +1,135 @@
+"""CSV and other text files of columns: separator, decimal sign, names and units are found out, and reported."""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections.abc import Iterator, Sequence
+from itertools import islice
+from pathlib import Path
+
+from torsionnet.core.errors import Fault, ModelError, Position
+from torsionnet.io.formats.text.dialect import Dialect, data_start, sniffed
+from torsionnet.io.formats.text.number_rows import NumberRows
+from torsionnet.io.formats.text.record_headings import Headings, headings
+from torsionnet.io.formats.text.writing import description_in, write_columns
+from torsionnet.io.records.source import FileChannel, Source
+from torsionnet.io.records.stored import KEY, TIME, checked_names, plain_keys, stored, with_stored
+from torsionnet.response.recording import FloatArray, Recording
+
+_EMPTY = " empty cells are NaN"
+SAMPLE = 400
+
+
+@contextlib.contextmanager
+def opened(path: Path, separator: str | None = None, decimal: str | None = None) -> Iterator[Source]:
+    """A text file; ``separator`` and ``decimal`` are found out where they are not given."""
+    encoding = _encoding(path)
+    with path.open(encoding=encoding, newline=None) as file:
+        lines = list(islice(file, SAMPLE))
+        comments = [line for line in lines if line.startswith(("#", "%"))]
+        skipped = next((at for at, line in enumerate(lines) if not line.startswith(("#", "%")) and line.strip()), 0)
+        body = lines[skipped:]
+        dialect = sniffed(body if len(body) < SAMPLE - skipped else body[:-1], separator, decimal)
+        first = data_start(dialect, body)
+        if first == len(body):
+            raise ModelError([_no_data(path, lines)], path.name)
+        width = len(dialect.cells(body[first]))
+        heading = headings(dialect, body[:first], width)
+        file.seek(0)
+        for _ in range(skipped + first):
+            file.readline()
+        described = description_in(comments, KEY)
+        source = _source(path, file, dialect, heading, skipped + first, lines, own=described is not None)
+        notes = _notes(dialect, encoding, first - heading.lines, heading)
+        yield with_stored(source, described) if described is not None else _with_notes(source, notes)
+
+
+def _with_notes(source: Source, notes: tuple[str, ...]) -> Source:
+    found = source.with_time_found()
+    source.discovered[:0] = notes
+    return found
+
+
+def _encoding(path: Path) -> str:
+    with path.open("rb") as file:
+        start = file.read(1 << 16)
+    if start.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    try:
+        start[: start.rfind(b"\n") + 1].decode("utf-8")
+    except UnicodeDecodeError:
+        return "cp1252"
+    return "utf-8-sig"
+
+
+def _notes(dialect: Dialect, encoding: str, preamble: int, heading: Headings) -> tuple[str, ...]:
+    notes = [f"assumed: {dialect}", *heading.notes]
+    if preamble > 0:
+        notes.append(f"{preamble} line{'s' if preamble > 1 else ''} above the heading passed over")
+    if encoding != "utf-8-sig":
+        notes.append(f"characters read as {encoding}")
+    return tuple(notes)
+
+
+def _no_data(path: Path, lines: Sequence[str]) -> Fault:
+    if not any(line.strip() for line in lines):
+        return Fault("the file is empty", position=Position(path.name, 1, 1, 1))
+    text = f"found no rows of numbers in the first {len(lines)} lines; separator= and decimal= may be given"
+    return Fault(text, position=Position(path.name, 1, 1, 1, lines[0].rstrip()[:200]))
+
+
+def _source(
+    path: Path,
+    file: io.TextIOWrapper,
+    dialect: Dialect,
+    heading: Headings,
+    first: int,
+    lines: Sequence[str],
+    *,
+    own: bool,
+) -> Source:
+    discovered: list[str] = []
+    width, start = len(heading.names), file.tell()
+    place = Position(path.name, first, 1, 1, lines[first - 1].rstrip()[:200]) if heading.lines else None
+    channels = [
+        FileChannel(name, column, unit, position=place)
+        for column, (name, unit) in enumerate(zip(heading.names, heading.units, strict=True))
+    ]
+    if len(channels) > 1 and all(not dialect.cells(line)[-1] for line in lines[first:] if line.strip()):
+        channels.pop()  # every row ends with a separator
+
+    def blocks(columns: Sequence[int], count: int) -> Iterator[list[FloatArray]]:
+        file.seek(start)
+        rows = NumberRows(file, path.name, dialect, width, first + 1, heading.names, own)
+        for block in rows.blocks(columns, count):
+            if not count:
+                _check_lengths(rows, [channels[column] for column in columns], path.name)
+            empty = int(rows.empty[list(columns)].sum())
+            if empty:
+                discovered[:] = [*(note for note in discovered if not note.endswith(_EMPTY)), f"{empty}{_EMPTY}"]
+            yield block
+
+    return Source(
+        tuple(channels),
+        blocks,
+        title=path.stem,
+        discovered=discovered,
+        place=lambda row: Position(path.name, first + 1 + row, 1, 1),
+    )
+
+
+def _check_lengths(rows: NumberRows, channels: Sequence[FileChannel], file: str) -> None:
+    lengths = {channel.name: int(rows.filled[channel.column]) for channel in channels}
+    if len(set(lengths.values())) > 1:
+        sizes = ", ".join(f"{name} has {length}" for name, length in lengths.items())
+        raise ModelError([Fault(f"channels of different lengths: {sizes} values")], file)
+
+
+def write(recording: Recording, path: Path) -> None:
+    """A CSV file: a description of the recording, headings with units, a column of time, all digits."""
+    checked_names(recording)
+    keys = plain_keys(recording.names, r"[^\w .:+-]| in ")
+    units = [f"{key} [{signal.unit}]" if signal.unit else key for key, signal in zip(keys, recording, strict=True)]
+    columns = [recording.time, *(signal.values for signal in recording)]
+    write_columns(path, KEY, stored(recording, keys, with_time=True), [f"{TIME} [s]", *units], columns)

@@ -1,0 +1,34 @@
+"""Tables of numbers as CSV, with a line of description above them: how it is written, and found again."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from torsionnet.core.atomic import replacing
+from torsionnet.response.recording import FloatArray
+
+PIECE = 20_000
+"""Rows that are made into text at a time."""
+
+
+def description_in(comments: Iterable[str], key: str) -> str | None:
+    """What the first line of description says; None where there is none.
+
+    >>> description_in(["% a comment", '# torsionnet_recording: {"title": "run 7"}'], "torsionnet_recording")
+    '{"title": "run 7"}'
+    """
+    found = (re.match(rf"#\s*{key}:\s*(.*)", comment) for comment in comments)
+    return next((match[1] for match in found if match), None)
+
+
+def write_columns(
+    path: Path, key: str, description: str, headings: Sequence[str], columns: Sequence[FloatArray]
+) -> None:
+    """A line of description, one of headings, and the columns beside each other, all digits."""
+    with replacing(path) as temporary, temporary.open("w", encoding="utf-8", newline="\n") as file:
+        file.write(f"# {key}: {description}\n{','.join(headings)}\n")
+        for first in range(0, len(columns[0]), PIECE):
+            rows = zip(*(column[first : first + PIECE].tolist() for column in columns), strict=True)
+            file.writelines(",".join(map(repr, row)) + "\n" for row in rows)

@@ -1,0 +1,1 @@
+"""Universal files: records and frequency responses as datasets 58."""

@@ -1,0 +1,59 @@
+"""Dataset 58, a function, as universal files have it (SDRC, `<https://www.ceas3.uc.edu/sdrluff/>`_); through pyuff."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from torsionnet.core.atomic import replacing
+from torsionnet.io.formats.extras import needed
+
+FUNCTION = 58
+GENERAL_FUNCTION, TIME_RESPONSE, FRF, TRANSMISSIBILITY, COHERENCE = 0, 1, 4, 5, 6
+"""Record 6, field 1."""
+ROTATION = 4
+"""Record 6, fields 7 and 10: rotation about +X; negative about -X, 5 and 6 about Y and Z."""
+TRANSLATIONS = frozenset({1, 2, 3})
+WIDTH = 80
+"""Characters of an ID line."""
+BETWEEN = " / "
+
+TYPES = {"rad": 8, "rad/s": 11, "rad/s^2": 12, "N*m": 13}
+"""Records 9 and 10, field 1: displacement, velocity, acceleration, excitation force, of a rotation."""
+UNITS = {code: unit for unit, code in TYPES.items()} | {9: "N*m"}
+"""The SI unit behind a code where the file gives no label; 9 is a reaction."""
+_EMPTY = ("", "NONE")
+_UNUSED = {
+    f"{axis}_{entry}": 0
+    for axis in ("abscissa", "ordinate", "orddenom", "z_axis")
+    for entry in ("spec_data_type", "len_unit_exp", "force_unit_exp", "temp_unit_exp")
+} | {"z_axis_value": 0.0, "orddenom_axis_units_lab": "NONE", "z_axis_axis_units_lab": "NONE"}
+
+
+def function(lines: Iterable[str], **entries: Any) -> dict[str, Any]:
+    """A binary function in double precision, with its five lines of text."""
+    texts = {f"id{at}": " ".join(line.split())[:WIDTH] or "NONE" for at, line in enumerate(lines, 1)}
+    return {**_UNUSED, "type": FUNCTION, "binary": 1, "load_case_id": 0, **texts, **entries}
+
+
+def text_in(entries: Mapping[str, Any], key: str) -> str:
+    """A text of a dataset; empty where there is none."""
+    line = str(entries.get(key) or "").strip()
+    return "" if line in _EMPTY else line
+
+
+def write_sets(sets: Iterable[Mapping[str, Any]], path: Path) -> None:
+    """Write datasets one behind the other, whole or not at all."""
+    pyuff = needed("uff")
+    with replacing(path) as temporary, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        temporary.unlink()  # pyuff would add to the empty file as if it had an end of a dataset
+        for item in sets:
+            try:
+                pyuff.UFF(str(temporary)).write_sets(item, mode="add")
+            except Exception as error:
+                if isinstance(error.__context__, OSError):  # pyuff hides that the disk is full
+                    raise error.__context__ from error
+                raise

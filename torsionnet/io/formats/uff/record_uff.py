@@ -1,0 +1,76 @@
+"""Records in universal files: one dataset 58 for every signal."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from torsionnet.io.foreign import Stored
+from torsionnet.io.formats.extras import content_of
+from torsionnet.io.formats.uff.datasets import FUNCTION, TIME_RESPONSE, function, text_in, write_sets
+from torsionnet.io.records.clock import clock_of
+from torsionnet.io.records.source import FileChannel, Source
+from torsionnet.response.recording import Recording, Signal
+
+TIME_AXIS, GENERAL = 17, 1
+
+
+@contextlib.contextmanager
+def opened(path: Path) -> Iterator[Source]:
+    """A universal file; every time response in it is a channel, named by its first line."""
+    with content_of(path, "uff") as content:
+        numbers = [at for at, item in enumerate(content.arrays[::2]) if _is_time_response(item)]
+        if not numbers:
+            yield Source((), content.blocks)
+            return
+        first, axis = content.arrays[2 * numbers[0]].attributes, 2 * numbers[0] + 1
+        stamps = next(content.blocks([axis], 0), [np.empty(0)])[0]
+        clock = clock_of(stamps, _written_rate(first))
+        channels = [_channel(content.arrays[2 * at], 2 * at) for at in numbers]
+        source = Source(
+            tuple(channels), content.blocks, rate=clock.rate, start=clock.start,
+            title=text_in(first, "id4") or path.stem, notes=tuple(filter(None, [text_in(first, "id5")])),
+        )  # fmt: skip
+        stamp = FileChannel("abscissa", axis, "s", length=len(stamps))
+        yield source if clock.times is None else replace(source, time=stamp, stamped=True)
+
+
+def _is_time_response(item: Stored) -> bool:
+    return item.attributes.get("type") == FUNCTION and item.attributes.get("func_type") == TIME_RESPONSE
+
+
+def _channel(item: Stored, number: int) -> FileChannel:
+    place = [item.attributes.get(key, "") for key in ("rsp_ent_name", "rsp_node", "rsp_dir")]
+    name = text_in(item.attributes, "id1") or "{}{}:{}".format(*place)
+    return FileChannel(name, number, text_in(item.attributes, "ordinate_axis_units_lab"), length=item.length)
+
+
+def _written_rate(entries: Mapping[str, Any]) -> float | None:
+    words = text_in(entries, "id3").split()
+    with contextlib.suppress(ValueError, IndexError):
+        return float(words[2]) if words[:2] == ["sampling", "rate"] else None
+    return None
+
+
+def write(recording: Recording, path: Path) -> None:
+    """A universal file of one binary dataset 58 in double precision for every signal; sequence numbers count down."""
+    write_sets([_dataset(recording, signal, number) for number, signal in enumerate(recording, 1)], path)
+
+
+def _dataset(recording: Recording, signal: Signal, number: int) -> dict[str, Any]:
+    lines = [signal.name, signal.quantity, f"sampling rate {recording.sampling_rate!r} Hz", recording.title,
+             next(iter(recording.notes), "")]  # fmt: skip
+    even = recording.times is None
+    return function(
+        lines, func_type=TIME_RESPONSE, rsp_node=number, rsp_dir=0, ref_node=0, ref_dir=0,
+        ver_num=len(recording.signals) - number, rsp_ent_name="NONE", ref_ent_name="NONE",
+        data=np.asarray(signal.values), x=recording.time, abscissa_spacing=int(even),
+        abscissa_min=recording.start, abscissa_inc=1 / recording.sampling_rate if even else 0.0,
+        abscissa_spec_data_type=TIME_AXIS, abscissa_axis_units_lab="s", ordinate_spec_data_type=GENERAL,
+        ordinate_axis_units_lab=signal.unit or "NONE",
+    )  # fmt: skip

@@ -1,0 +1,115 @@
+"""Datasets 58 of any origin put together to one matrix of transfer functions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from torsionnet.core.errors import Fault, ModelError
+from torsionnet.core.units import UnitError, parse_unit
+from torsionnet.io.formats.uff.datasets import (
+    BETWEEN,
+    COHERENCE,
+    FRF,
+    FUNCTION,
+    GENERAL_FUNCTION,
+    TRANSLATIONS,
+    TRANSMISSIBILITY,
+    UNITS,
+    text_in,
+)
+from torsionnet.io.records.quantities import factor_to_si, of_dimension, plain_unit
+from torsionnet.io.responses.described import limit_in
+from torsionnet.io.responses.matrix import Matrix, Single
+from torsionnet.response import FrequencyResponse
+from torsionnet.response.estimation import estimation_in
+from torsionnet.response.recording import QUANTITY_UNITS
+
+_DIRECTIONS = {0: "", 1: "X", 2: "Y", 3: "Z", 4: "RX", 5: "RY", 6: "RZ"}
+
+
+def collected(sets: Sequence[dict[str, Any]], path: Path) -> FrequencyResponse:
+    """One response of all transfer functions; ModelError lists what does not fit, by the number of the dataset."""
+    numbered = [(number, item) for number, item in enumerate(sets, 1) if item.get("type") == FUNCTION]
+    functions = [(number, item) for number, item in numbered if item["func_type"] in (FRF, TRANSMISSIBILITY)]
+    if not functions:
+        text = "there is no frequency response (dataset 58 with function type 4) in the file"
+        raise ModelError([Fault(text)], path.name)
+    first = functions[0][1]
+    matrix, faults = Matrix(np.asarray(first["x"], dtype=float)), []
+    for number, item in functions:
+        faults += _add(matrix, number, item)
+    faults += [
+        fault for number, item in numbered if item["func_type"] == COHERENCE for fault in _cohere(matrix, number, item)
+    ]
+    if faults:
+        raise ModelError(faults, path.name)
+    notes = tuple(line for line in (text_in(first, "id4"), text_in(first, "id5")) if line)
+    general = [item for _, item in numbered if item["func_type"] == GENERAL_FUNCTION]
+    conditioning = [np.asarray(item["data"], dtype=float) for item in general if text_in(item, "id1") == "conditioning"]
+    more = {
+        "conditioning": conditioning[0] if conditioning else None,
+        "usable_up_to": limit_in([text_in(first, "id3")]),
+        "estimation": estimation_in(notes),
+    }
+    return matrix.response(path.name, text_in(first, "id2") or path.stem, notes, **more)
+
+
+def _add(matrix: Matrix, number: int, item: dict[str, Any]) -> list[Fault]:
+    pair = _pair(item)
+    label = f"dataset {number} ({pair[0]} over {pair[1]})"
+    values = np.asarray(item["data"], dtype=complex)
+    if not np.array_equal(np.asarray(item["x"], dtype=float), matrix.frequencies):
+        return [Fault(f"{label} has other frequencies than the first one")]
+    if pair in matrix.pairs:
+        return [Fault(f"{label} is there twice")]
+    try:
+        (above, up), (below, down) = (
+            _unit(item, axis, side) for axis, side in (("ordinate", "rsp"), ("orddenom", "ref"))
+        )
+    except UnitError as error:
+        return [Fault(f"{label}: {error}")]
+    factor = up / down
+    matrix.pairs[pair] = Single(np.asarray(values if factor == 1.0 else values * factor, dtype=complex), above, below)
+    return []
+
+
+def _cohere(matrix: Matrix, number: int, item: dict[str, Any]) -> list[Fault]:
+    pair, values = _pair(item), np.real(np.asarray(item["data"]))
+    if pair not in matrix.pairs or len(values) != len(matrix.frequencies):
+        return [
+            Fault(f"dataset {number}: a coherence of {pair[0]} and {pair[1]}, of which there is no response like it")
+        ]
+    matrix.pairs[pair].coherence = np.asarray(values, dtype=float)
+    return []
+
+
+def _pair(item: dict[str, Any]) -> tuple[str, str]:
+    """Names as written here in the first line, or else entity, node and direction."""
+    output, between, driven = text_in(item, "id1").partition(BETWEEN)
+    return (output, driven) if between else (_place(item, "rsp"), _place(item, "ref"))
+
+
+def _place(item: dict[str, Any], side: str) -> str:
+    direction = int(item.get(f"{side}_dir") or 0)
+    sign = "" if direction == 0 else "-" if direction < 0 else "+"
+    return f"{text_in(item, f'{side}_ent_name')}{item.get(f'{side}_node')}{sign}{_DIRECTIONS[abs(direction)]}"
+
+
+def _unit(item: dict[str, Any], axis: str, side: str) -> tuple[str, float]:
+    """SI unit of one side and the factor to it: by its label, or by its code where it is a rotation."""
+    label = text_in(item, f"{axis}_axis_units_lab")
+    if not label:
+        code = int(item.get(f"{axis}_spec_data_type") or 0)
+        if code not in UNITS or abs(int(item.get(f"{side}_dir") or 0)) in TRANSLATIONS:
+            raise UnitError(
+                f"the {axis} has no unit and is no rotation of a known kind; only rotations and torques are read"
+            )
+        return UNITS[code], 1.0
+    quantity = of_dimension(parse_unit(plain_unit(label)).dimension)
+    if quantity:
+        return QUANTITY_UNITS[quantity], factor_to_si(label, quantity)
+    raise UnitError(f'"{label}" is no unit of an angle, angular velocity, angular acceleration or torque')

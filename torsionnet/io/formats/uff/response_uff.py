@@ -1,0 +1,147 @@
+"""Universal files: units (dataset 164), the channels as nodes (15), and dataset 58 for the functions.
+
+That is one of type 4 for every transfer function, of type 6 for its coherence. Both sides are rotations about the X
+axis (direction 4). An output and an input have the number of one node only if they have one name, as programs take such
+a pair for a driving point. The first line of a dataset names both, ``output / input``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from torsionnet.core.errors import UsageError
+from torsionnet.io.formats.extras import content_of, require
+from torsionnet.io.formats.uff.datasets import (
+    BETWEEN,
+    COHERENCE,
+    FRF,
+    FUNCTION,
+    GENERAL_FUNCTION,
+    ROTATION,
+    TYPES,
+    WIDTH,
+    function,
+    write_sets,
+)
+from torsionnet.io.formats.uff.response_reading import collected
+from torsionnet.response import Channel, FrequencyResponse
+from torsionnet.response.estimation import estimation_in
+from torsionnet.response.frequency_response import FloatArray, limit_line
+
+ENTITY, LABEL = 10, 20
+FREQUENCY = 18
+_SI = {
+    "type": 164, "units_code": 1, "units_description": "SI", "temp_mode": 1, "length": 1.0, "force": 1.0, "temp": 1.0,
+    "temp_offset": 273.15,
+}  # fmt: skip
+
+
+def read(path: Path) -> FrequencyResponse:
+    """All transfer functions of a universal file as one response."""
+    with content_of(path, "uff") as content:
+        sets: list[dict[str, Any]] = [dict(item.attributes) for item in content.arrays[::2]]
+        for number, item in enumerate(sets):
+            if item.get("type") == FUNCTION:
+                data, axis = (next(content.blocks([2 * number + at], 0), [np.empty(0)])[0] for at in (0, 1))
+                item |= {"data": data, "x": axis}
+    return collected(sets, path)
+
+
+def write(response: FrequencyResponse, path: Path) -> None:
+    """Binary datasets 58 in double precision."""
+    require("uff")
+    if len(response.frequencies) < 2:
+        raise UsageError("a universal file takes responses at two frequencies or more; write an .npz or .csv file")
+    if not response.has_phase:
+        raise UsageError(
+            "a universal file takes complex responses only; write magnitudes into a .csv, .npz or .mat file"
+        )
+    functions = list(_datasets(response))
+    if not all(np.isfinite(item["data"]).all() for item in functions):
+        raise UsageError(
+            "a universal file takes finite values only; leave frequencies without them out, as with between()"
+        )
+    # Sequence numbers say how many follow: a file that ends early is known by it.
+    counted = [{**item, "ver_num": len(functions) - number} for number, item in enumerate(functions, 1)]
+    write_sets([_SI, _nodes(response), *counted], path)
+
+
+def _numbers(response: FrequencyResponse) -> dict[str, int]:
+    """Number of the node of every channel, by name."""
+    names = dict.fromkeys(channel.name for channel in (*response.outputs, *response.inputs))
+    return {name: number for number, name in enumerate(names, 1)}
+
+
+def _nodes(response: FrequencyResponse) -> dict[str, Any]:
+    """A drivetrain has no places in space: its channels stand one behind the other on the axis."""
+    numbers = list(_numbers(response).values())
+    aside = np.zeros(len(numbers))
+    return {"type": 15, "node_nums": numbers, "x": np.arange(len(numbers), dtype=float), "y": aside, "z": aside}
+
+
+def _datasets(response: FrequencyResponse) -> Iterator[dict[str, Any]]:
+    common, numbers = _common(response), _numbers(response)
+    for o, out in enumerate(response.outputs):
+        for i, into in enumerate(response.inputs):
+            place = {"id1": _first_line(out, into), "rsp_node": numbers[out.name], "rsp_dir": ROTATION,
+                     "ref_node": numbers[into.name], "ref_dir": ROTATION,
+                     "rsp_ent_name": _entity(out), "ref_ent_name": _entity(into)}  # fmt: skip
+            yield {**common, **place, "func_type": FRF, "data": _complex(response.values[:, o, i]),
+                   **_side("ordinate", out), **_side("orddenom", into)}  # fmt: skip
+            if response.coherence is not None:
+                yield {**common, **place, "func_type": COHERENCE, "data": _real(response.coherence[:, o, i])}
+    if response.conditioning is not None:
+        yield {**common, "id1": "conditioning", "rsp_node": 0, "ref_node": 0, "rsp_dir": 0, "ref_dir": 0,
+               "rsp_ent_name": "NONE", "ref_ent_name": "NONE", "func_type": GENERAL_FUNCTION,
+               "data": _real(response.conditioning)}  # fmt: skip
+
+
+def _common(response: FrequencyResponse) -> dict[str, Any]:
+    # How it was estimated goes first: a fit needs it to know how certain the lines are.
+    notes = sorted(response.notes, key=lambda note: estimation_in([note]) is None)
+    lines = ("", response.title, limit_line(response), *notes[:2], "", "")[:5]
+    frequencies = np.asarray(response.frequencies, dtype=float)
+    return function(
+        lines, x=frequencies, abscissa_spacing=int(_is_even(frequencies)), abscissa_min=float(frequencies[0]),
+        abscissa_inc=float(frequencies[1] - frequencies[0]), abscissa_spec_data_type=FREQUENCY,
+        abscissa_axis_units_lab="Hz", ordinate_axis_units_lab="NONE",
+    )  # fmt: skip
+
+
+def _is_even(frequencies: FloatArray) -> bool:
+    """Whether a start and a step of six digits, all that even spacing has room for, give these very frequencies."""
+    start, step = (float(f"{value:.5e}") for value in (frequencies[0], frequencies[1] - frequencies[0]))
+    return bool(np.array_equal(start + np.arange(len(frequencies)) * step, frequencies))
+
+
+def _first_line(output: Channel, input: Channel) -> str:
+    text = f"{output.name}{BETWEEN}{input.name}"
+    if len(text) > WIDTH or text.count(BETWEEN) > 1 or not text.isascii():
+        raise UsageError(
+            f"a universal file has no room for the names {text}: 80 plain characters, with one slash between them"
+        )
+    return text
+
+
+def _entity(channel: Channel) -> str:
+    fits = len(channel.name) <= ENTITY and " " not in channel.name
+    return channel.name if fits else "NONE"
+
+
+def _side(axis: str, channel: Channel) -> dict[str, Any]:
+    return {
+        f"{axis}_spec_data_type": TYPES.get(channel.unit, 0),
+        f"{axis}_axis_units_lab": channel.unit[:LABEL] or "NONE",
+    }
+
+
+def _complex(values: Any) -> Any:
+    return np.ascontiguousarray(values, dtype=complex)
+
+
+def _real(values: Any) -> Any:
+    return np.ascontiguousarray(values, dtype=float)

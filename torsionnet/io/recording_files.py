@@ -1,0 +1,146 @@
+"""Recordings from and into files of any known format."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from pathlib import Path
+
+from torsionnet.core.errors import UsageError
+from torsionnet.io.formats.registry import format_of, reading
+from torsionnet.io.records.assembling import Wanted, recordings
+from torsionnet.io.records.channel_choice import choose
+from torsionnet.io.records.pulsed import pulsed
+from torsionnet.io.records.source import Source
+from torsionnet.response.recording import Recording
+
+
+def read_recording(
+    path: str | os.PathLike[str],
+    quantities: Mapping[str, str] | None = None,
+    names: Sequence[str] | Mapping[str, str] | None = None,
+    sampling_rate: float | None = None,
+    units: Mapping[str, str] | None = None,
+    pulses: Mapping[str, float] | None = None,
+    **dialect: str,
+) -> Recording:
+    r"""Read a recording; values are converted to SI, and what was assumed is in its notes.
+
+    Parameters
+    ----------
+    path : str or path
+        A file ending in .csv, .txt, .tsv, .npz or .mat, or with an extra in .tdms, .uff, .h5, .parquet or .mf4.
+    quantities : mapping, optional
+        Quantity of channels whose unit does not tell it: ``{"M1": "torque"}``.
+    names : sequence or mapping, optional
+        Channels to read, under new names where it is a mapping; all of the file if left out. A channel asked for by
+        name must have a quantity; others that have none are kept as they are, with a note.
+    sampling_rate : float, optional
+        Hz, where the file does not tell it.
+    units : mapping, optional
+        Unit of channels where the file has none or a wrong one.
+    pulses : mapping, optional
+        Channels that hold the pulses of an incremental encoder, with its steps per revolution: ``{"n1": 60}``. They
+        become angles, band-limited between the pulses: see :func:`~torsionnet.signals.encoder.angle_from_pulses`. A
+        channel whose values only increase holds the times of the pulses, and may have a length of its own; others
+        were sampled with the rest. The record is cut to where there are pulses.
+    **dialect : str
+        ``separator`` and ``decimal`` of a text file, instead of finding them out.
+
+    Raises
+    ------
+    ModelError
+        The file is faulty; everything found is listed.
+    UsageError
+        There is no such file, or its ending is not known.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp(), "test.csv")
+    >>> _ = path.write_text("time;T_T [kNm]\n0,0;1,0\n0,1;2,5\n")
+    >>> record = read_recording(path)
+    >>> record["T_T"].values.tolist(), record.sampling_rate
+    ([1000.0, 2500.0], 10.0)
+    >>> record.notes[0]
+    '"time" was taken for the time stamps'
+    """
+    wanted = Wanted(names, quantities or {}, units or {}, sampling_rate, pulses or {})
+    with contextlib.closing(_read(Path(path), wanted, None, dialect)) as found:
+        return next(found)
+
+
+def iter_blocks(
+    path: str | os.PathLike[str],
+    seconds: float,
+    quantities: Mapping[str, str] | None = None,
+    names: Sequence[str] | Mapping[str, str] | None = None,
+    sampling_rate: float | None = None,
+    units: Mapping[str, str] | None = None,
+    **dialect: str,
+) -> Iterator[Recording]:
+    """Read a large file in recordings of so many seconds, one after the other, the last one shorter.
+
+    Text, NPZ (arrays of one dimension), HDF5, MAT v7.3, TDMS and Parquet files never are in memory as a whole; of
+    the other formats the library reads everything. Arguments are those of :func:`read_recording`, without ``pulses``.
+    """
+    if not seconds > 0:
+        raise UsageError(f"blocks must last a positive number of seconds, got {seconds}")
+    return _read(Path(path), Wanted(names, quantities or {}, units or {}, sampling_rate), seconds, dialect)
+
+
+def channel_names(path: str | os.PathLike[str]) -> tuple[str, ...]:
+    """Names of the channels in a file that :func:`read_recording` reads without being told more about them."""
+    with _opened(Path(path), {}) as source:
+        names = dict.fromkeys(channel.name for channel in source.channels)
+        return tuple(name for name in names if not choose(source, [name], {}, {})[1])
+
+
+def _read(
+    path: Path, wanted: Wanted, seconds: float | None, dialect: dict[str, str]
+) -> Generator[Recording, None, None]:
+    with _opened(path, dialect) as source:
+        if wanted.pulses:
+            yield pulsed(source, wanted, path.name)
+        else:
+            yield from recordings(source, wanted, path.name, seconds)
+
+
+@contextlib.contextmanager
+def _opened(path: Path, dialect: dict[str, str]) -> Iterator[Source]:
+    with reading(path, "recording") as form:
+        if dialect and (form.label != "text" or not dialect.keys() <= {"separator", "decimal"}):
+            raise UsageError(f"{', '.join(dialect)} cannot be given for a {form.label} file")
+        assert form.opened is not None
+        with form.opened(path, **dialect) as source:
+            yield source
+
+
+def write_recording(recording: Recording, path: str | os.PathLike[str]) -> None:
+    """Write a recording in the format of the ending of ``path``, whole or not at all.
+
+    Reading the file again gives the same names, quantities, values, rate, start and notes. UFF58 files keep of the
+    notes and names what fits into lines of 80 characters.
+
+    Raises
+    ------
+    UsageError
+        The ending is not known, or two channels would have one name in the file.
+    MissingExtraError
+        The package for the format is not installed.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import numpy as np
+    >>> from torsionnet.response.recording import Signal
+    >>> path = Path(tempfile.mkdtemp(), "test.npz")
+    >>> write_recording(Recording((Signal("T_T", "torque", np.array([0.0, 1.0])),), sampling_rate=10e3), path)
+    >>> read_recording(path)
+    <Recording T_T: 2 samples at 10000 Hz, 0.0002 s>
+    """
+    target = Path(path)
+    write = format_of(target, "recording").write
+    assert write is not None
+    write(recording, target)

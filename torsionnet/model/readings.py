@@ -1,0 +1,123 @@
+"""What sensors read, in any algebra: numbers, symbols and derivatives are read by the same rules.
+
+An angle, its rates and a twist are a motion of nodes. A torque is what the element's own laws and constraints do at one
+node: of every law its torque times the coefficient there, and so of every constraint. The torque of a constraint is its
+multiplier, which equilibrium gives: with a virtual motion z that violates this constraint alone by one,
+lambda = z^T (B u - D(s) theta), the work of all laws and of the torques applied.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from torsionnet.core.errors import UsageError
+from torsionnet.model.channels import Sensor, port_fault
+from torsionnet.model.elements import GROUND, Element, Row, Values
+from torsionnet.model.elimination import exact
+from torsionnet.model.kinematics import Kinematics, virtual_motion
+
+POWERS = {"angle": 0, "velocity": 1, "acceleration": 2}
+
+
+@dataclass(frozen=True)
+class Reading:
+    """s^power (row theta), or where there is no row sum_i laws[i] kappa_i (a_i theta) + sum_j constraints[j] lambda_j.
+
+    Attributes
+    ----------
+    power : int
+    row : Row, optional
+        Over nodes.
+    laws, constraints : mapping
+        Number of a law or constraint of the element -> factor of its torque.
+    """
+
+    power: int = 0
+    row: Row | None = None
+    laws: Mapping[int, Any] = field(default_factory=dict)
+    constraints: Mapping[int, Any] = field(default_factory=dict)
+
+
+def reading(
+    sensor: Sensor,
+    elements: Mapping[str, Element],
+    value: Values,
+    laws: Iterable[tuple[str, Row]],
+    constraints: Iterable[tuple[str, Row]],
+) -> Reading:
+    """What a sensor reads that is known to be there; ``laws`` and ``constraints`` are owners and rows, in order."""
+    if sensor.quantity in POWERS:
+        return Reading(POWERS[sensor.quantity], {sensor.of: 1})
+    element = elements[sensor.of]
+    if sensor.quantity == "twist":
+        return Reading(0, element.twist(value))
+    node, sign = port_of(element, sensor.at)
+    own, rigid = (
+        {number: sign * row[node] for number, (owner, row) in enumerate(rows) if owner == element.name and node in row}
+        for rows in (laws, constraints)
+    )
+    return Reading(laws=own, constraints=rigid)
+
+
+@dataclass(frozen=True)
+class Balance:
+    """A torque by the torques of laws and the torques applied to nodes that are in equilibrium with it.
+
+    Attributes
+    ----------
+    laws : tuple of (int, factor)
+        Those of the element itself first, then for each of its constraints those that do work on its opening.
+    applied : mapping
+        Node -> share; empty where no constraint is read.
+    """
+
+    laws: tuple[tuple[int, Any], ...]
+    applied: Mapping[str, Any]
+
+
+def balance(
+    torque: Reading, kinematics: Kinematics, laws: Sequence[Row], number: Callable[[Any], Any] = exact
+) -> Balance:
+    """The torque of a reading without multipliers; ``laws`` are the rows that factors are numbered by.
+
+    Raises
+    ------
+    UsageError
+        The torque of a constraint is statically indeterminate.
+    """
+    shares = [(law, number(factor)) for law, factor in torque.laws.items()]
+    applied: dict[str, Any] = {}
+    for constraint, read in torque.constraints.items():
+        opened, factor = virtual_motion(kinematics, constraint, number), number(read)
+        for node, angle in opened.items():
+            share = factor * angle
+            applied[node] = applied[node] + share if node in applied else share
+        for law, row in enumerate(laws):
+            moved = [number(row[node]) * opened[node] for node in row if node in opened]
+            if moved:
+                shares.append((law, -(sum(moved, start=number(0)) * factor)))
+    return Balance(tuple(shares), applied)
+
+
+def port_of(element: Element, at: str | None) -> tuple[str, int]:
+    """(node, sign) of a port given by its own name or its node: +1 into the element at the first port, else -1.
+
+    A connection without inertia hands on to ground what it takes at its other end, so that end is returned instead.
+    """
+    fault = None if at is None else port_fault(element, at)
+    if fault:
+        raise UsageError(fault)
+    nodes, index = list(element.ports.values()), element.place_of(at)
+    if nodes[index] == GROUND:
+        index = _other_end(element, index)
+    return nodes[index], 1 if index == 0 else -1
+
+
+def _other_end(element: Element, index: int) -> int:
+    if element.glyph in ("spring", "damper", "coupling") and len(element.ports) == 2:
+        return 1 - index
+    raise UsageError(
+        f"attach {element.name} to a node with a lock instead of ground to read the torque it hands over there"
+    )

@@ -1,0 +1,94 @@
+"""Transfer functions of drivetrains with fewer elements, and how far these are off."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from torsionnet.core.errors import UsageError
+from torsionnet.report.document_tree import Block, Cell, Code, Formula, Heading, Math, NumberText, Paragraph, Section
+from torsionnet.report.report_data import MOST_SYMBOLIC, ReportData
+from torsionnet.report.report_tables import table
+from torsionnet.report.report_words import listed, pair_latex, quotient_latex
+from torsionnet.report.widths import FORMULA, letters
+from torsionnet.symbolic.shown import latex
+
+if TYPE_CHECKING:
+    from torsionnet.model.report import Pair
+    from torsionnet.symbolic.simplified import Simplified
+
+COLUMNS = (
+    Heading("Configuration"),
+    Heading("Left out", wide=True),
+    Heading("Frequencies off", "%", numeric=True),
+    Heading("Damping off", "%", numeric=True),
+    Heading("Magnitude off", "dB", numeric=True),
+)
+
+
+TOLERANCE = 0.01
+"""Unless the model file or the call says another."""
+
+
+def simplified_section(subject: ReportData) -> Section | None:
+    if not subject.pairs:
+        return None
+    tolerance = subject.request.plan.simplify or TOLERANCE
+    if subject.size > MOST_SYMBOLIC:
+        text = f"With {subject.size} coordinates the formulas would not be short enough to be read."
+        return Section("simplified", ("Simplified transfer functions",), (Paragraph((text,)),))
+    low, high = subject.band
+    lead = (
+        "Springs become rigid and dampers are left out, the least important first, as long as every mode up to "
+        f"{high:g} Hz keeps its natural frequency and its damping ratio within {100 * tolerance:g} %. The magnitude is "
+        f"compared from {low:g} to {high:g} Hz."
+    )
+    inner = [
+        Section(f"simplified-{number}", (Math(pair_latex(pair)),), tuple(_pair(subject.about(pair), pair, tolerance)))
+        for number, pair in enumerate(subject.pairs, 1)
+    ]
+    return Section("simplified", ("Simplified transfer functions",), (Paragraph((lead,)), *inner))
+
+
+def _pair(subject: ReportData, pair: Pair, tolerance: float) -> list[Block]:
+    try:
+        found = {
+            case.configuration: _simplified(subject, number, pair, tolerance)
+            for number, case in enumerate(subject.cases)
+        }
+    except UsageError as error:
+        return [Paragraph((f"Not simplified: {error}.",))]
+    rows: list[tuple[Cell, ...]] = [
+        (
+            configuration,
+            "; ".join(short.changes) or "nothing",
+            *(
+                NumberText(error, decimals=3)
+                for error in (100 * short.errors.omega, 100 * short.errors.zeta, short.errors.decibels)
+            ),
+        )
+        for configuration, short in found.items()
+    ]
+    formulas: dict[str, list[str]] = {}
+    for configuration, short in found.items():
+        written = short.transfer_function.mechanical
+        text = latex(written) if letters(written) <= FORMULA else ""
+        formulas.setdefault(text, []).append(configuration)
+    blocks: list[Block] = [table(("What is left out of ", Math(pair_latex(pair))), COLUMNS, rows)]
+    for text, names in formulas.items():
+        if len(formulas) > 1:
+            blocks.append(Paragraph((f"Configuration {listed(names, len(names))}:",)))
+        how = f'model.symbolic().simplified("{pair.output}", "{pair.input}", tolerance={tolerance:g})'
+        blocks.append(
+            Formula(rf"{quotient_latex(pair)} = {text}")
+            if text
+            else Paragraph(("The formula is still too long to be read; in Python ", Code(how), " gives it."))
+        )
+    return blocks
+
+
+def _simplified(subject: ReportData, number: int, pair: Pair, tolerance: float) -> Simplified:
+    low, high = subject.band
+    system = subject.cases[number].drivetrain.symbolic()
+    return system.simplified(
+        pair.output, pair.input, pair.excitation or None, tolerance=tolerance, band=(low or high / 1000, high)
+    )

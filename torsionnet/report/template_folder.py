@@ -1,0 +1,51 @@
+"""A folder with a company's letterhead, style and wording, as it was read."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from torsionnet.core.errors import ModelError, Position
+from torsionnet.report.wording import Wording
+
+STYLE = "style.css"
+
+
+class TemplateFolderError(ModelError):
+    """A template folder is wrong."""
+
+    outcome = "Nothing was written."
+
+
+@dataclass(frozen=True)
+class TemplateFolder:
+    """What was read of a folder.
+
+    Attributes
+    ----------
+    path : Path
+    texts : mapping
+        ``page.html``, ``page.tex``, ``page.md`` and ``style.css``, those that are there.
+    images : mapping
+        Name -> bytes.
+    wording : Wording
+    language : str
+    """
+
+    path: Path = field(default_factory=Path)
+    texts: Mapping[str, str] = field(default_factory=dict)
+    images: Mapping[str, bytes] = field(default_factory=dict)
+    wording: Wording = field(default_factory=Wording)
+    language: str = "en"
+
+    def file(self, name: str) -> str:
+        """A file of the folder as messages name it."""
+        return str(self.path / name)
+
+    def position(self, name: str, line: int, column: int = 1) -> Position:
+        """A place in one of its texts."""
+        lines = self.texts[name].splitlines()
+        source = lines[line - 1] if 0 < line <= len(lines) else ""
+        first = column if column > 1 else len(source) - len(source.lstrip()) + 1
+        return Position(self.file(name), line, first, len(source) + 1 if column == 1 else column + 1, source)

@@ -1,0 +1,129 @@
+"""Template folders: what one may hold, and everything that is wrong with it.
+
+Nothing leads out of a folder: templates name its files by their names alone, and links to other places are refused.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from torsionnet.core.errors import Fault, ModelError, Position, UsageError, did_you_mean, meant_or
+from torsionnet.model.files.decoding import MOST_BYTES, decode
+from torsionnet.model.files.located import compose
+from torsionnet.model.files.placing import placed, presentable
+from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFolderError
+from torsionnet.report.wording import Wording, Words
+from torsionnet.report.writers.page_checks import page_faults
+
+PAGES = ("page.html", "page.tex", "page.md")
+WORDS = "words.yaml"
+IMAGES = (".svg", ".png", ".jpg", ".jpeg", ".pdf")
+_IMAGE_NAME = re.compile(r"[A-Za-z0-9_-]+\.\w+")
+_PUT_IN = "write {{{{ image('{0}') }}}} for a file of the folder"
+_FROM_ELSEWHERE = {
+    r"<(script|link|iframe|object|embed|base|form)\b": "a report runs nothing and takes in nothing; delete <{0}",
+    r"@import\b": "a report takes in nothing from elsewhere; write the rules into style.css",
+    r"\bsrc\s*=\s*[\"']?(?!data:|\{\{|[\"'])([^\"'\s>]+)": "a report holds its images; " + _PUT_IN,
+    r"\burl\(\s*[\"']?(?!data:|#|\{\{|[\"'])([^\"')\s]+)": "a report holds its images; in page.html " + _PUT_IN,
+}
+"""What a page that needs nothing else may not hold, and what to do instead."""
+
+
+def read_template(path: str | os.PathLike[str]) -> TemplateFolder:
+    """Everything in a template folder.
+
+    Raises
+    ------
+    UsageError
+        There is no such folder.
+    TemplateFolderError
+        All faults of its files, each with its place.
+    """
+    folder = Path(path)
+    names = _names(folder)
+    faults = [fault for name in names if (fault := _no_part(folder, name, names))]
+    refused = {fault.about for fault in faults}
+    texts: dict[str, str] = {}
+    images: dict[str, bytes] = {}
+    for name in (name for name in names if name not in refused):
+        try:
+            data = (folder / name).read_bytes()
+            if name in (*PAGES, STYLE, WORDS):
+                texts[name] = decode(data, str(folder / name)).removeprefix("\ufeff")
+            else:
+                images[name] = data
+        except ModelError as error:
+            faults += error.faults
+        except OSError as error:
+            raise UsageError(f"{folder / name} cannot be read: {error.strerror or error}") from None
+    words, found = _words(texts.pop(WORDS, ""), str(folder / WORDS))
+    faults += found
+    read = TemplateFolder(folder, texts, images, Wording(words.texts or {}), words.language)
+    faults += [fault for name in ("page.html", STYLE) for fault in _from_elsewhere(read, name)]
+    faults += [fault for name in PAGES if name in texts for fault in page_faults(read, name)]
+    if faults:
+        raise TemplateFolderError(presentable(faults), str(folder))
+    return read
+
+
+def _names(folder: Path) -> list[str]:
+    """Files of the folder but for notes to its reader and what an editor hides there."""
+    try:
+        found = sorted(entry.name for entry in folder.iterdir())
+    except NotADirectoryError:
+        raise UsageError(f"{folder} is no folder; --template takes the folder that holds page.html") from None
+    except OSError as error:
+        beside = folder.parent.iterdir() if folder.parent.is_dir() else ()
+        hint = did_you_mean(folder.name, [entry.name for entry in beside if entry.is_dir()])
+        raise UsageError(f"the template folder {folder} cannot be read: {error.strerror or error}{hint}") from None
+    return [name for name in found if not name.startswith((".", "README"))]
+
+
+def _no_part(folder: Path, name: str, names: Iterable[str]) -> Fault | None:
+    """Why a file cannot be part of a template."""
+    path, known = folder / name, (*PAGES, STYLE, WORDS)
+
+    def fault(text: str) -> Fault:
+        return Fault(text, position=Position(str(path), 1, 1, 2), about=name)
+
+    if not path.resolve().is_relative_to(folder.resolve()):
+        return fault("this leads out of the template folder; put a copy of the file there")
+    if name not in known and Path(name).suffix.lower() not in IMAGES:
+        rest = f"it may hold {', '.join(known)} and images ({', '.join(IMAGES)})"
+        missing = [one for one in known if one not in names]
+        return fault(f"this is no part of a template{meant_or(name, missing, rest)}")
+    if not path.is_file():
+        return fault("a file is expected, not a folder or a device")
+    if path.stat().st_size > MOST_BYTES:
+        return fault(f"the file is too large: more than {MOST_BYTES // 1_000_000} MB")
+    if name not in known and not _IMAGE_NAME.fullmatch(name):
+        return fault("the name of an image has letters, digits, - and _, and one ending")
+    return None
+
+
+def _words(text: str, file: str) -> tuple[Words, list[Fault]]:
+    if not text.strip():
+        return Words(), []
+    try:
+        document = compose(text, file)
+    except ModelError as error:
+        return Words(), list(error.faults)
+    words, faults = Words.read(document.data)
+    return words or Words(), placed([*document.faults, *faults], document)
+
+
+def _from_elsewhere(template: TemplateFolder, name: str) -> Iterator[Fault]:
+    """What would make a page need something else, or run something."""
+    text = template.texts.get(name, "")
+    for pattern, advice in _FROM_ELSEWHERE.items():
+        for found in re.finditer(pattern, text, re.IGNORECASE):
+            line = text.count("\n", 0, found.start()) + 1
+            column = found.start() - text.rfind("\n", 0, found.start())
+            about = found[1] if found.re.groups else ""
+            yield Fault(advice.format(about), position=template.position(name, line, column))
+    if name == STYLE and "</" in text:
+        line = text.count("\n", 0, text.index("</")) + 1
+        yield Fault("a style sheet holds no tags", position=template.position(name, line))

@@ -1,0 +1,125 @@
+"""Other words for the texts of a report: a company's own, or another language.
+
+The words that may be replaced are listed once, in ``texts.yaml`` beside this module; the sections know nothing of it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cache, cached_property
+from importlib.resources import files
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.composite import Named
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.spec import EntryError, entry
+from torsionnet.core.entries.words import Text
+from torsionnet.core.errors import Fault, meant_or
+from torsionnet.model.files.located import compose
+
+PLACE = re.compile(r"\{(\w+)\}")
+"""Where something is inserted."""
+LISTED = 'the page "A report in your own words" lists them'
+
+
+@cache
+def replaceable() -> Mapping[str, tuple[str, ...]]:
+    """The texts of a report that may be replaced, by section."""
+    listed = files("torsionnet.report").joinpath("texts.yaml").read_text(encoding="utf-8")
+    return {section: tuple(map(str, texts)) for section, texts in compose(listed, "texts.yaml").data.items()}
+
+
+@dataclass(frozen=True)
+class Wording:
+    """What is said instead of a text.
+
+    Examples
+    --------
+    >>> wording = Wording({"Elements{where}; values": "Teile{where}", " in configuration {name}": " bei {name}"})
+    >>> wording("Elements in configuration V; values"), wording("Elements; values"), wording("else")
+    ('Teile bei V', 'Teile', 'else')
+    """
+
+    texts: Mapping[str, str] = field(default_factory=dict)
+
+    def __call__(self, text: str) -> str:
+        """The text in these words, or as it is if nothing is said instead of it."""
+        if text in self.texts:
+            return self.texts[text]
+        for pattern, said in self._patterns:
+            if found := pattern.fullmatch(text):
+                return self._filled(said, found.groupdict())
+        return text
+
+    def _filled(self, said: str, inserted: Mapping[str, str]) -> str:
+        return PLACE.sub(lambda place: self._inserted(inserted[place[1]]), said)
+
+    @cached_property
+    def _patterns(self) -> list[tuple[re.Pattern[str], str]]:
+        """Texts into which something is inserted, those of many words first."""
+        found = [text for text in self.texts if PLACE.search(text)]
+        found.sort(key=lambda text: -len(PLACE.sub("", text)))
+        return [(_pattern(text), self.texts[text]) for text in found]
+
+    def _inserted(self, text: str) -> str:
+        """What goes on with a sentence is one of the texts too; a name from the model stays as it is."""
+        return self(text) if text[:1] in (" ", ",", ";") else text
+
+
+def _pattern(text: str) -> re.Pattern[str]:
+    literal, *rest = PLACE.split(text)
+    parts = (f"(?P<{name}>.*?){re.escape(after)}" for name, after in zip(rest[::2], rest[1::2], strict=True))
+    return re.compile(re.escape(literal) + "".join(parts), re.DOTALL)
+
+
+def _unknown(text: str) -> str | None:
+    known = [one for texts in replaceable().values() for one in texts]
+    if text in known:
+        return None
+    return f'no text of a report is "{text}"{meant_or(text, known, LISTED)}'
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Language(Text):
+    """A language by its code."""
+
+    def coerce(self, raw: Any) -> str:
+        text = super().coerce(raw)
+        if not re.fullmatch(r"[A-Za-z]{2,3}(-[A-Za-z0-9]{1,8})*", text):
+            raise EntryError(f'a language is a code such as de or pt-BR, got "{text}"')
+        return text
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Words(Declared):
+    """The words of a template folder."""
+
+    kind: ClassVar[str] = "words"
+    form: ClassVar[str] = "the entries language, texts"
+
+    language: str = entry(Language("language of the page, such as de or pt-BR"), "en")
+    texts: Mapping[str, str] = entry(
+        Named("what is said instead of a text", Text("the other words"), _unknown, form="texts by the English ones"),
+        None,
+    )
+
+    def contradictions(self) -> list[Fault]:
+        return [
+            Fault(fault, ("texts", text))
+            for text, said in (self.texts or {}).items()
+            if (fault := _places_fault(set(PLACE.findall(text)), set(PLACE.findall(said))))
+        ]
+
+
+def _places_fault(needed: set[str], given: set[str]) -> str:
+    """What is inserted into the English text has to stand in the other."""
+    if more := sorted(given - needed):
+        rest = f"this text has {_braced(needed)}" if needed else "nothing is inserted into this text"
+        return f"nothing is inserted at {{{more[0]}}}{meant_or(more[0], needed, rest)}"
+    return f"{_braced(needed - given)} is missing: the report inserts something there" if needed - given else ""
+
+
+def _braced(names: set[str]) -> str:
+    return ", ".join(f"{{{name}}}" for name in sorted(names))

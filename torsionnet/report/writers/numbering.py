@@ -1,0 +1,72 @@
+"""The numbers of sections, tables, figures and formulas, the same in every form of a report."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from torsionnet.report.document_tree import Block, Details, Formula, Picture, Section, TableBlock
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A block where it stands.
+
+    Attributes
+    ----------
+    block : Block
+    number : str
+        ``2.1`` of a section, ``3`` of a table, figure or formula, else empty.
+    inner : tuple of Placed
+        What stands in a section, or folded away.
+    """
+
+    block: Block
+    number: str = ""
+    inner: tuple[Placed, ...] = ()
+
+    @property
+    def kind(self) -> str:
+        """Class of the block, by which templates tell it."""
+        return type(self.block).__name__
+
+    @property
+    def level(self) -> int:
+        """Sections above a section."""
+        return self.number.count(".")
+
+
+def placed(blocks: Sequence[Block], *, folds: bool = False) -> tuple[Placed, ...]:
+    """The blocks with their numbers; without ``folds`` nothing stands in what is folded away."""
+    return _Numbers(Counter(), folds).of(blocks)
+
+
+@dataclass(frozen=True)
+class _Numbers:
+    """Counts in the order of the text.
+
+    What is folded away counts for itself, after an S: paper, which leaves it out, has the same numbers without it.
+    """
+
+    counts: Counter[str]
+    folds: bool
+    series: str = ""
+
+    def of(self, blocks: Sequence[Block], above: str = "") -> tuple[Placed, ...]:
+        found, sections = [], 0
+        for block in blocks:
+            if isinstance(block, Section):
+                sections += 1
+                number = f"{above}{sections}"
+                found.append(Placed(block, number, self.of(block.blocks, f"{number}.")))
+            elif isinstance(block, Details):
+                folded = _Numbers(self.counts, self.folds, "S").of(block.blocks) if self.folds else ()
+                found.append(Placed(block, inner=folded))
+            elif isinstance(block, TableBlock | Picture | Formula):
+                what = self.series + type(block).__name__
+                self.counts[what] += 1
+                found.append(Placed(block, f"{self.series}{self.counts[what]}"))
+            else:
+                found.append(Placed(block))
+        return tuple(found)

@@ -1,0 +1,60 @@
+"""What is wrong with the page of a template folder, as far as its text tells."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from jinja2 import TemplateSyntaxError, nodes
+
+from torsionnet.core.errors import Fault, meant_or
+from torsionnet.report.template_folder import TemplateFolder
+from torsionnet.report.writers.templating import environment_of, shipped_blocks
+
+_TAGS = ("block", "endblock", "if", "elif", "else", "endif", "for", "endfor", "set", "endset", "macro", "endmacro")
+_UNKNOWN_TAG = re.compile(r"Encountered unknown tag '(\w+)'")
+_OTHERS = (nodes.Extends, nodes.Include, nodes.Import, nodes.FromImport)
+_SILENT = (nodes.Block, nodes.Macro, nodes.Assign, nodes.AssignBlock, *_OTHERS)
+"""What may stand outside of all blocks, or is refused for itself."""
+
+
+def page_faults(template: TemplateFolder, name: str) -> list[Fault]:
+    """Faults of a page: of its syntax, else of its blocks."""
+    environment = environment_of(name.removeprefix("page"), template)
+    try:
+        tree = environment.parse(template.texts[name])
+        found = list(_faults(tree, shipped_blocks(name)))
+        if not found:
+            environment.get_template(name)
+    except TemplateSyntaxError as error:
+        found = [(error.lineno, _explained(error.message or "this is no template"))]
+    return [Fault(text, position=template.position(name, line)) for line, text in found]
+
+
+def _explained(message: str) -> str:
+    tag = _UNKNOWN_TAG.match(message)
+    if not tag:
+        return message.rstrip(".")
+    return f'no tag is named "{tag[1]}"{meant_or(tag[1], _TAGS, "known: " + ", ".join(_TAGS))}'
+
+
+def _faults(tree: nodes.Template, known: tuple[str, ...]) -> Iterator[tuple[int, str]]:
+    blocks = ", ".join(known)
+    for other in tree.find_all(_OTHERS):
+        yield other.lineno, f"a page of a template takes in no other file; it holds blocks: {blocks}"
+    for block in tree.find_all(nodes.Block):
+        if block.name not in known:
+            yield block.lineno, f'no block is named "{block.name}"{meant_or(block.name, known, f"there are {blocks}")}'
+    for node in tree.body:
+        if not isinstance(node, _SILENT):
+            for line in _shown(node) if isinstance(node, nodes.Output) else [node.lineno]:
+                yield line, f"this stands in no block and would not be shown; blocks: {blocks}"
+
+
+def _shown(output: nodes.Output) -> Iterator[int]:
+    """The first line of it that is not blank."""
+    for node in output.nodes:
+        text = node.data if isinstance(node, nodes.TemplateData) else "x"
+        if text.strip():
+            yield node.lineno + text[: len(text) - len(text.lstrip())].count("\n")
+            return

@@ -1,0 +1,197 @@
+"""A report through the templates of one format. All they show passes the format's own function for text.
+
+A page of a template folder replaces blocks of the page that is shipped. It sees text only, nothing of the model or the
+program, and runs in Jinja's sandbox.
+"""
+
+from __future__ import annotations
+
+import re
+import traceback
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+from jinja2 import FunctionLoader, StrictUndefined, TemplateError, TemplateRuntimeError
+from jinja2.sandbox import ImmutableSandboxedEnvironment
+from jinja2.utils import missing
+from markupsafe import Markup
+
+from torsionnet.core.errors import Fault, TorsionnetError, meant_or
+from torsionnet.report.document_tree import Cell, Inline, Picture, Report
+from torsionnet.report.template_folder import STYLE, TemplateFolder, TemplateFolderError
+from torsionnet.report.writers.numbering import placed
+
+SHIPPED = files("torsionnet.report.writers") / "templates"
+NAMES = ("title", "subtitle", "facts", "notes", "contents", "sections", "author", "date", "language", "word", "image")
+"""What a page can show or call."""
+TAGS = {
+    ".tex": {
+        "block_start_string": "<%", "block_end_string": "%>",
+        "variable_start_string": "<<", "variable_end_string": ">>",
+        "comment_start_string": "<!--", "comment_end_string": "-->",
+    }
+}  # fmt: skip
+"""How templates are told from text, where braces mean something else."""
+_FAILURES = (
+    TemplateError,
+    ArithmeticError,
+    LookupError,
+    TypeError,
+    ValueError,
+    AttributeError,
+    RecursionError,
+    MemoryError,
+)
+"""What an expression in a template can bring about."""
+
+
+@dataclass(frozen=True)
+class TextFormat:
+    """One way to write a report.
+
+    Attributes
+    ----------
+    ending : str
+        Of the templates ``page`` and ``blocks``.
+    inline : function
+        A cell, caption or paragraph as text of the format; nothing else reaches the file.
+    tools : mapping
+        Functions that the templates of blocks call, each of which gives text of the format.
+    images : tuple of str
+        Endings of the images that it can show.
+    """
+
+    ending: str
+    inline: Callable[[Cell], str]
+    tools: Mapping[str, Callable[..., str]]
+    images: tuple[str, ...]
+
+    def shown(self, value: Any) -> Markup:
+        """A value as text of the format; what a template has made is that already."""
+        if isinstance(value, Markup):
+            return value
+        return Markup(self.inline(value if isinstance(value, Inline | tuple) else str(value)))
+
+
+@dataclass(frozen=True)
+class Illustrations:
+    """How figures and images stand in a file.
+
+    Attributes
+    ----------
+    drawing : function
+        A figure and its number.
+    image : function
+        Name and bytes of an image of the template folder, as what follows ``src=`` or stands in ``\\includegraphics``.
+    """
+
+    drawing: Callable[[Picture, str], str]
+    image: Callable[[str, bytes], str]
+
+
+def written(report: Report, target: TextFormat, figures: Illustrations, *, folds: bool = False) -> str:
+    """The text of a report."""
+    template = report.template or TemplateFolder()
+    environment = environment_of(target.ending, template, target.shown)
+    tools = {name: _marked(tool) for name, tool in {**target.tools, "drawing": figures.drawing}.items()}
+    blocks: Any = environment.get_template(f"blocks{target.ending}").make_module({**tools, "word": template.wording})
+    given = {
+        "title": report.title,
+        "subtitle": report.subtitle,
+        "author": report.author,
+        "date": report.date,
+        "notes": target.shown(report.notes) if any(report.notes) else "",
+        "facts": blocks.facts(report.facts.rows),
+        "contents": [{"name": section.name, "title": target.shown(section.title)} for section in report.sections],
+        "sections": blocks.all(placed(report.sections, folds=folds)),
+        "language": template.language,
+        "word": template.wording,
+        "image": lambda name: Markup(figures.image(name, _image(template, name, target.images))),
+        "style": Markup((SHIPPED / STYLE).read_text(encoding="utf-8") + template.texts.get(STYLE, "")),
+    }
+    try:
+        return environment.get_template(f"page{target.ending}").render(given)
+    except TorsionnetError:
+        raise
+    except _FAILURES as error:
+        raise _located(error, template, f"page{target.ending}") from None
+
+
+def environment_of(
+    ending: str, template: TemplateFolder, shown: Callable[[Any], Markup] | None = None
+) -> ImmutableSandboxedEnvironment:
+    """The templates of one format, those of the folder first."""
+
+    def source(name: str) -> tuple[str, str, Callable[[], bool]]:
+        text, mark = template.texts.get(name), TAGS.get(ending, {"block_start_string": "{%", "block_end_string": "%}"})
+        if text is None:
+            return _shipped(name.removeprefix("shipped/")), f"shipped/{name}", lambda: True
+        begin, end = mark["block_start_string"], mark["block_end_string"]
+        return f'{begin} extends "shipped/{name}" {end}{text}', template.file(name), lambda: True
+
+    environment = ImmutableSandboxedEnvironment(
+        loader=FunctionLoader(source),
+        autoescape=True,
+        finalize=shown,
+        undefined=_Unknown,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        **TAGS.get(ending, {}),
+    )
+    environment.globals.clear()
+    del environment.filters["safe"]
+    return environment
+
+
+def shipped_blocks(name: str) -> tuple[str, ...]:
+    """The blocks of a page that a template folder may replace."""
+    return tuple(environment_of(name.removeprefix("page"), TemplateFolder()).get_template(name).blocks)
+
+
+@cache
+def _shipped(name: str) -> str:
+    return (SHIPPED / name).read_text(encoding="utf-8")
+
+
+def _marked(tool: Callable[..., str]) -> Callable[..., Markup]:
+    return lambda *given: Markup(tool(*given))
+
+
+def _image(template: TemplateFolder, name: Any, endings: tuple[str, ...]) -> bytes:
+    if name not in template.images:
+        there = f"there are: {', '.join(template.images) or 'none'}"
+        raise TemplateRuntimeError(f'no image is named "{name}"{meant_or(str(name), template.images, there)}')
+    if not str(name).lower().endswith(endings):
+        raise TemplateRuntimeError(f'"{name}" cannot be shown here; an image ends in {", ".join(endings)}')
+    return template.images[name]
+
+
+def _located(error: Exception, template: TemplateFolder, name: str) -> TemplateFolderError:
+    """What failed in the page of the folder, with its line."""
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename == template.file(name)]
+    text = str(error) or type(error).__name__
+    if name not in template.texts:
+        raise error
+    place = template.position(name, frames[-1].lineno or 1 if frames else 1)
+    return TemplateFolderError(
+        [Fault(re.sub(r"'([^']*)'", r'"\1"', text).rstrip("."), position=place)], str(template.path)
+    )
+
+
+class _Unknown(StrictUndefined):
+    """A name that nothing has."""
+
+    __slots__ = ()
+
+    @property
+    def _undefined_message(self) -> str:
+        if self._undefined_hint:
+            return self._undefined_hint
+        name = str(self._undefined_name)
+        if self._undefined_obj is not missing:
+            return f'there is no "{name}" in this'
+        return f'nothing is named "{name}"{meant_or(name, NAMES, "there are " + ", ".join(NAMES))}'
