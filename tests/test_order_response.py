@@ -1,10 +1,13 @@
 """Excitation by orders: against a dense solve made elsewhere, closed forms, and what a user may write wrong."""
 
+import csv
+import re
 from fractions import Fraction
 
 import numpy as np
 import pytest
 from forced_plants import NAMES, plant, reference
+from test_cli import run
 
 import torsionnet as tn
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
@@ -168,6 +171,68 @@ class TestGearedShafts:
             tn.Drivetrain("free", elements, speeds={"of": "s", "list": [100]}, excitations={"fan": fan})
 
 
+PLANT = """torsionnet: 1
+name: two fans on a motor
+elements:
+  motor: {type: inertia, node: m, inertia: 0.5 kg*m^2}
+  shaft: {type: spring, nodes: [m, f], stiffness: 40 kN*m/rad, damping: 20 N*m*s/rad}
+  fan: {type: inertia, node: f, inertia: 2 kg*m^2}
+speeds: {of: m, range: 300..1500 rpm, step: 10 rpm}
+excitations:
+  motor: {type: harmonic, node: m, orders: {6: {amplitude: 20 N*m}}}
+  fan: {type: harmonic, node: f, orders: {5: {amplitude: 12 N*m, phase: 20 deg}}}
+configurations: {motor: {smooth: {motor.orders: {6: {amplitude: 5 N*m}}}, rough: {}}}
+"""
+
+
+class TestCommand:
+    @pytest.fixture(autouse=True)
+    def folder(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "plant.yaml").write_text(PLANT)
+        return tmp_path
+
+    def test_worst_speed_is_that_of_the_resonance(self):
+        """sqrt(k (1/J_m + 1/J_f)) is 50.33 Hz: 503 rpm for order 6."""
+        text = run("orders", "plant.yaml", "-c", "rough", "--output", "torque(shaft)").stdout
+        assert re.search(r"^motor 6 +500 ", text, re.MULTILINE)
+        assert "common cycle: 1 revolution of m" in text
+
+    def test_an_alternative_changes_an_excitation(self, folder):
+        rows = read_csv_of(folder, "-c", "all")
+        sizes = {
+            name: max(
+                abs(complex(float(row["f real [rad]"]), float(row["f imag [rad]"])))
+                for row in rows
+                if (row["configuration"], row["excitation"]) == (name, "motor")
+            )
+            for name in ("smooth", "rough")
+        }
+        assert sizes["rough"] == pytest.approx(4 * sizes["smooth"])
+        assert "motor.orders = {'6': {'amplitude': '5 N*m'}}" in run("show", "plant.yaml").stdout
+
+    def test_only_one_excitation(self, folder):
+        assert {row["excitation"] for row in read_csv_of(folder, "--excitation", "fan")} == {"fan"}
+
+    @pytest.mark.parametrize(
+        ("options", "code", "text"),
+        [
+            (["plant.yaml", "--output", "g"], 2, 'no sensor or node is named "g"'),
+            (["plant.yaml", "--output", "f", "--excitation", "fun"], 2, 'did you mean "fan"? there are motor, fan'),
+            (["dmf_rig", "--output", "theta_1"], 2, "the model has no entry speeds"),
+            (["plant.yaml"], 2, "Missing option '--output'"),
+        ],
+    )
+    def test_what_is_wrong_is_told(self, options, code, text):
+        assert text in run("orders", *options, code=code).stderr
+
+
+def read_csv_of(folder, *options):
+    run("orders", "plant.yaml", "--output", "f", "--csv", folder / "orders.csv", *options)
+    lines = (folder / "orders.csv").read_text().splitlines()
+    return list(csv.DictReader(line for line in lines if not line.startswith("#")))
+
+
 ENGINE = """
     type: reciprocating_engine
     speed_of: c1
@@ -243,7 +308,7 @@ class TestFiles:
 
     def test_without_excitations_or_speeds(self):
         rig = tn.load("dmf_rig")
-        with pytest.raises(tn.UsageError, match="the model has no speeds"):
+        with pytest.raises(tn.UsageError, match="the model has no entry speeds"):
             rig.order_response("theta_1")
         with pytest.raises(tn.UsageError, match="the model has no excitations"):
             rig.order_response("theta_1", speeds=[10.0], speed_of="motor")

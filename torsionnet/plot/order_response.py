@@ -10,6 +10,7 @@ from matplotlib.ticker import MultipleLocator
 
 import torsionnet.plot.style as style
 from torsionnet.core.errors import UsageError
+from torsionnet.core.number_text import typeset_unit
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.order_response import OrderResponse
@@ -63,7 +64,7 @@ def order_response(
         panel.plot(response.rpm, total[:, place] * scale, color=style.INK, linewidth=2.0, label=label)
         for number, line in enumerate(np.argsort(-sizes.max(axis=0), kind="stable")[:most].tolist()):
             panel.plot(response.rpm, sizes[:, line], label=str(response.lines[line]), **style.line_style(number))
-        panel.set_ylabel(f"{name} [{style.shown_unit(conventions.unit(unit))}]")
+        panel.set_ylabel(f"{name} [{typeset_unit(conventions.unit(unit))}]")
         panel.set_ylim(bottom=0)
         panel.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
     panels[-1].set_xlabel(f"speed of {response.reference} [r/min]")
@@ -111,7 +112,7 @@ def waveform(
     style.dress(axes)
     axes.plot(np.degrees(angle), waves[at] * conventions.scale(channel.unit), color=style.INK, linewidth=1.4)
     axes.set_xlabel(f"angle of {response.reference} [deg]")
-    axes.set_ylabel(f"{channel.name} [{style.shown_unit(conventions.unit(channel.unit))}]")
+    axes.set_ylabel(f"{channel.name} [{typeset_unit(conventions.unit(channel.unit))}]")
     axes.xaxis.set_major_locator(MultipleLocator(90 if angle[-1] < 15 else 360))
     axes.set_xlim(0, np.degrees(angle[-1]) * len(angle) / (len(angle) - 1))
     style.heading(figure, f"{response.title}, {response.rpm[at]:.5g} r/min" if title is None else title)

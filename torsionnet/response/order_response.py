@@ -163,7 +163,9 @@ class OrderResponse:
         )
         notes = [f"speeds of {self.reference}; peak amplitudes; {PHASE_NOTE}"]
         if exact:
-            notes.append(f"common cycle: {self.revolutions} revolutions of {self.reference}")
+            notes.append(
+                f"common cycle: {self.revolutions} revolution{'s' * (self.revolutions != 1)} of {self.reference}"
+            )
         else:
             notes.append("the excitations have no common cycle: the sum of the magnitudes bounds the peak")
         if len(chosen) < len(self.lines):

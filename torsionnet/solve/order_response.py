@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.errors import UsageError, meant_or
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.excitations import OrderExcitation
 from torsionnet.model.speeds import total_ratio
@@ -70,11 +70,9 @@ def _speeds(drivetrain: AssembledModel, speeds: ArrayLike | None, speed_of: str 
     """The reference node and its speeds in rad/s."""
     given = drivetrain.definition.speeds
     if given is None and (speeds is None or speed_of is None):
-        raise UsageError(
-            "the model has no speeds: {of: node, range: 300..800 rpm, step: 5 rpm}; give speeds= and speed_of="
-        )
-    reference = speed_of or given.of  # type: ignore[union-attr]
-    at = np.atleast_1d(np.asarray(given.values if speeds is None else speeds, dtype=float))  # type: ignore[union-attr]
+        raise UsageError("the model has no entry speeds: {of: node, range: 300..800 rpm, step: 5 rpm}")
+    reference = str(speed_of or (given and given.of))
+    at = np.atleast_1d(np.asarray(speeds if speeds is not None else given and given.values, dtype=float))
     if at.ndim != 1 or not len(at) or not np.isfinite(at).all() or (at <= 0).any():
         raise UsageError("speeds are finite numbers above 0, in rad/s")
     return reference, at
@@ -86,9 +84,8 @@ def _acting(known: Mapping[str, OrderExcitation], names: Iterable[str] | None) -
     chosen = list(known) if names is None else [names] if isinstance(names, str) else list(names)
     for name in chosen:
         if name not in known:
-            raise UsageError(
-                f'no excitation is named "{name}"{did_you_mean(name, known)}; there are {", ".join(known)}'
-            )
+            hint = meant_or(name, known, f"there are {', '.join(known)}")
+            raise UsageError(f'no excitation is named "{name}"{hint}')
     return {name: known[name] for name in chosen}
 
 
