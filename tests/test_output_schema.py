@@ -11,6 +11,7 @@ import pytest
 from test_cli import run
 from test_cli_fit import FIT
 from test_cli_records import RIG
+from test_order_response import PLANT
 
 import torsionnet as tn
 from torsionnet.cli.output_schema import OUTPUTS
@@ -23,6 +24,7 @@ def folder(tmp_path_factory):
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
         Path("rig.yaml").write_text(RIG)
+        Path("plant.yaml").write_text(PLANT)
         Path("fit.yaml").write_text(FIT)
         test = FIT.replace("record: run_soft.npz", "response: test.csv").replace(
             "input: T_set, model_input: T", "input: T"
@@ -46,6 +48,7 @@ CALLS = {
     ],
     "sensitivity": ["sensitivity dmf_rig"],
     "equations": ["equations dmf_rig", "equations dmf_rig --tf theta_1/T_M --simplify 1% --band 0.5 20"],
+    "orders": ["orders plant.yaml --output f", "orders plant.yaml -c all --output m"],
     "show": ["show dmf_rig", "show dmf_rig --equations --matrices"],
     "estimate": ["estimate run_soft.npz --output phi --input M"],
     "compare": ["compare run_soft.npz rig.yaml -c soft --output phi --input M"],

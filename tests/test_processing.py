@@ -13,7 +13,7 @@ from torsionnet.signals.calculus import convert, differentiate, integrate
 from torsionnet.signals.decimation import anti_alias_taps, decimate, decimated, usable_up_to
 from torsionnet.signals.detrending import detrend
 from torsionnet.signals.harmonics import sweep_harmonics
-from torsionnet.signals.orders import order_map
+from torsionnet.signals.order_tracking import order_map
 from torsionnet.signals.spectrogram import spectrogram
 from torsionnet.signals.welch import Welch
 

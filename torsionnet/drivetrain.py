@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from torsionnet.assembly.assembled import AssembledModel
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
     from typing import TypeAlias
 
     import control
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from torsionnet.model.channels import Sensor
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
+    from torsionnet.response.order_response import OrderResponse
     from torsionnet.response.recording import Recording
     from torsionnet.solve.grid import Adaptive
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
@@ -146,6 +147,48 @@ class Drivetrain(AssembledModel):
         from torsionnet.solve.variants import frequency_responses
 
         return frequency_responses(self, output, input, frequencies, variants, excitation=excitation, method=method)
+
+    def order_response(
+        self,
+        outputs: Channels,
+        *,
+        speeds: ArrayLike | None = None,
+        speed_of: str | None = None,
+        excitations: Iterable[str] | None = None,
+    ) -> OrderResponse:
+        """Response of running machinery: the complex amplitude of every order at every speed.
+
+        Parameters
+        ----------
+        outputs : str, Sensor or sequence of these
+            As for :meth:`frequency_response`.
+        speeds : (n_speeds,) array, optional
+            rad/s, above 0; default: those of the model.
+        speed_of : str, optional
+            The node they belong to; default: that of the model.
+        excitations : iterable of str, optional
+            Which of the model's excitations act; default: all.
+
+        Raises
+        ------
+        UsageError
+            Unknown names, no excitations or speeds, or a shaft without a fixed ratio to the reference.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+        ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+        >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["600 rpm"]},
+        ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
+        >>> run = fan.order_response("torque(shaft)")
+        >>> w = 2 * run.speeds[0]
+        >>> bool(abs(run.of_order(2)[0] - -10 * 2e4 / (3e4 - 2 * w**2)) < 1e-9)
+        True
+        """
+        from torsionnet.solve.order_response import order_response
+
+        return order_response(self, outputs, speeds=speeds, speed_of=speed_of, excitations=excitations)
 
     def simulate(self, outputs: Channels, inputs: Mapping[str, ArrayLike], sampling_rate: float) -> Recording:
         """Motion over time from rest, exact for torques that run straight from sample to sample.

@@ -56,7 +56,7 @@ CHOSEN: dict[str, tuple[str, ...]] = {
     "torsionnet/signals/faults_in_values": RECORDS,
     "torsionnet/signals/standstill": RECORDS,
     "torsionnet/signals/harmonics": (*RECORDS, "test_bench"),
-    "torsionnet/signals/orders": RECORDS,
+    "torsionnet/signals/order_tracking": RECORDS,
     "torsionnet/signals/pulses": RECORDS,
     "torsionnet/signals/resampling": RECORDS,
     "torsionnet/signals/spectrogram": RECORDS,

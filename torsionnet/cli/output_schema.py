@@ -188,6 +188,26 @@ OUTPUTS: dict[str, Schema] = {
         )
     ),
     "equations": listed({"anyOf": [record(configuration=TEXT, **MOTION), TRANSFER_FUNCTION]}),
+    "orders": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            speed_of=TEXT,
+            speeds_rpm=NUMBERS,
+            common_cycle_revolutions={"type": ["integer", "null"], "description": "null where there is none"},
+            outputs=listed(
+                record(
+                    output=TEXT,
+                    unit=TEXT,
+                    half_range=NUMBERS,
+                    rms=NUMBERS,
+                    orders=listed(
+                        record(excitation=TEXT, order=NUMBER, of_reference=NUMBER, real=NUMBERS, imag=NUMBERS)
+                    ),
+                )
+            ),
+        )
+    ),
     "estimate": ESTIMATE,
     "compare": record(
         test=ESTIMATE,

@@ -405,7 +405,7 @@ def _read_given(quantity: Any) -> Quantity:
 # The names of dimensions with the SI unit that messages show; the later of two equal dimensions wins in ``str``.
 _EXPECTED = {"inertia": "kg*m^2", "stiffness": "N*m/rad", "torque": "N*m", "damping": "N*m*s/rad",
              "compliance": "rad/(N*m)", "angle": "rad", "speed": "rad/s", "acceleration": "rad/s^2", "length": "m",
-             "mass": "kg", "density": "kg/m^3", "shear modulus": "Pa", "frequency": "Hz", "time": "s",
+             "mass": "kg", "density": "kg/m^3", "pressure": "Pa", "shear modulus": "Pa", "frequency": "Hz", "time": "s",
              "1": "1"}  # fmt: skip
 _SI_TEXT: dict[Dimension, str] = {}
 DIMENSIONS: dict[str, Dimension] = {"inertia": _dimension(1, 2)}

@@ -30,16 +30,19 @@ class Overlay:
     on: tuple[str, ...] = ()
     off: tuple[str, ...] = ()
     operating_point: OperatingPoint | None = None
+    excitations: Mapping[str, Any] = field(default_factory=dict)
+    """Entries of excitations as they are written, by ``excitation.entry``."""
 
     def to_data(self) -> dict[str, Any]:
         data: dict[str, Any] = {name: plain_scalar(value) for name, value in self.parameters.items()}
         data |= {key: list(getattr(self, key)) for key in ("on", "off") if getattr(self, key)}
+        data |= self.excitations
         return data | ({"operating_point": self.operating_point.to_data()} if self.operating_point else {})
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AlternativeEntry(Spec):
-    """``{parameter: value, on: [element], off: [element], operating_point: {...}}``."""
+    """``{parameter: value, on: [element], off: [element], operating_point: {...}, engine.misfire: [3]}``."""
 
     @property
     def absent(self) -> Overlay:
@@ -54,15 +57,19 @@ class AlternativeEntry(Spec):
             return Overlay(), [Fault(f"expected {{parameter: value}}, got {raw!r}")]
         known: dict[str, Any] = {}
         parameters: dict[str, Expression] = {}
+        excitations: dict[str, Any] = {}
         faults: list[Fault] = []
         for key, value in raw.items():
+            if isinstance(key, str) and "." in key:
+                excitations[key] = value
+                continue
             found, wrong = _KNOWN.get(key, _VALUE).read(value)
             faults += [fault.under(key) for fault in wrong]
             if key in _KNOWN:
                 known[key] = found
             elif not wrong:
                 parameters[key] = found
-        return Overlay(parameters, **known), faults
+        return Overlay(parameters, **known, excitations=excitations), faults
 
     def plain(self, value: Any) -> Any:
         return value.to_data()
@@ -75,6 +82,7 @@ class AlternativeEntry(Spec):
             "type": ["object", "null"],
             "description": self.description,
             "properties": {key: spec.schema() for key, spec in _KNOWN.items()},
+            "patternProperties": {r"\.": {"description": "entry of an excitation, as engine.misfire"}},
             "additionalProperties": reference("scalar"),
         }
         return {"alternative": alternative, **OPERATING_POINT.definitions()}
@@ -145,7 +153,7 @@ class AxesEntry(Spec):
 def _is_axis(entry: Any) -> bool:
     if not isinstance(entry, Mapping):
         return False
-    values = [value for key, value in entry.items() if key not in _KNOWN]
+    values = [value for key, value in entry.items() if key not in _KNOWN and "." not in str(key)]
     return bool(values) and all(value is None or isinstance(value, (Mapping, Overlay)) for value in values)
 
 

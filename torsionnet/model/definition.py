@@ -22,6 +22,8 @@ from torsionnet.model.parameters import PARAMETER, Parameter
 
 if TYPE_CHECKING:
     from torsionnet.model.bench import Plan
+    from torsionnet.model.excitations import OrderExcitation
+    from torsionnet.model.excitations.speed_range import SpeedRange
     from torsionnet.model.report import ReportPlan
 
 
@@ -29,6 +31,18 @@ def _plan() -> type[Declared]:
     from torsionnet.model.bench.plan import Plan  # loads numpy, which most models can do without
 
     return Plan
+
+
+def _speeds() -> type[Declared]:
+    from torsionnet.model.excitations.speed_range import SpeedRange
+
+    return SpeedRange
+
+
+def _excitation_kinds() -> Mapping[str, type[Declared]]:
+    from torsionnet.model.excitations import excitation_kinds  # loads numpy, which most models can do without
+
+    return excitation_kinds()
 
 
 def _report() -> type[Declared]:
@@ -49,6 +63,13 @@ _ELEMENTS = ElementTable(
 _INPUTS = Named("excitations by name", INPUT, refused=name_fault, names=NAME_SCHEMA)
 _SENSORS = Named("measured quantities by name", SENSOR, refused=name_fault, names=NAME_SCHEMA)
 _CONFIGURATIONS = AxesEntry("axes of alternatives, gear: {II: {tau: 7.96}}; the name of a single axis may be left out")
+_SPEEDS = Nested("at which speeds running machinery is examined", _speeds, "speeds", optional=True)
+_EXCITATIONS = Named(
+    "what runs and excites the drivetrain by orders of its speed, by name",
+    Typed("what kind of excitation this is", _excitation_kinds, "excitation", "order_excitation"),
+    refused=name_fault,
+    names=NAME_SCHEMA,
+)
 _BENCH = Nested("a virtual test: excitation, exciter, sensors, data acquisition", _plan, "bench", optional=True)
 _REPORT = Nested("what torsionnet report writes about the model", _report, "report", optional=True)
 
@@ -70,6 +91,8 @@ class Definition(Declared):
     sensors: Mapping[str, Sensor] = entry(_SENSORS, None)
     configurations: Mapping[str, Mapping[str, Overlay]] = entry(_CONFIGURATIONS, None)
     operating_point: OperatingPoint = entry(OPERATING_POINT, OperatingPoint())
+    speeds: SpeedRange | None = entry(_SPEEDS, None)
+    excitations: Mapping[str, OrderExcitation] = entry(_EXCITATIONS, None)
     bench: Plan | None = entry(_BENCH, None)
     report: ReportPlan | None = entry(_REPORT, None)
 
@@ -95,11 +118,28 @@ class Definition(Declared):
             for name, element in self.elements.items()
         }
         point = self.operating_point.overlaid(overlay.operating_point)
-        return replace(self, parameters=parameters, elements=elements, operating_point=point)
+        return replace(
+            self,
+            parameters=parameters,
+            elements=elements,
+            operating_point=point,
+            excitations=_overridden(self.excitations, overlay.excitations),
+        )
 
     def to_data(self) -> dict[str, Any]:
         """The entries of a model file; reading them again gives an equal definition."""
         return {KEY: VERSION, "name": self.name, **super().to_data()}
+
+
+def _overridden(
+    excitations: Mapping[str, OrderExcitation], changes: Mapping[str, Any]
+) -> Mapping[str, OrderExcitation]:
+    """The excitations with ``engine.misfire: [3]`` and the like put in."""
+    found = dict(excitations)
+    for key, value in changes.items():
+        name, _, field = key.partition(".")
+        found[name] = replace(found[name], **{field: value})
+    return found
 
 
 def all_nodes(elements: Iterable[Element]) -> tuple[str, ...]:

@@ -31,6 +31,8 @@ class Model:
         sensors: Mapping[str, Any] | None = None,
         configurations: Mapping[str, Any] | None = None,
         operating_point: Mapping[str, Any] | OperatingPoint | None = None,
+        speeds: Mapping[str, Any] | None = None,
+        excitations: Mapping[str, Any] | None = None,
         source: str = "",
         description: str = "",
     ) -> None:
@@ -44,6 +46,8 @@ class Model:
                 "sensors": sensors,
                 "configurations": configurations,
                 "operating_point": operating_point,
+                "speeds": speeds,
+                "excitations": excitations,
                 "source": source,
                 "description": description,
             }
@@ -214,7 +218,7 @@ class Model:
         >>> tn.load("amt_rig").configured("V").ratio_between("motor", "hub")
         3.26
         """
-        return total_ratio(self._definition, self.exact_values, first, second)
+        return float(total_ratio(self._definition, self.exact_values, first, second))
 
     @cached_property
     def mean_speeds(self) -> Mapping[str, float]:

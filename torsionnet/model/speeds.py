@@ -57,8 +57,8 @@ def _eliminated(rows: Rows, order: Mapping[str, int]) -> Elimination:
     return found
 
 
-def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, second: str) -> float:
-    """Speed of ``first`` over speed of ``second``.
+def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, second: str) -> Fraction:
+    """Speed of ``first`` over speed of ``second``, exact where the ratios in between are.
 
     Raises
     ------
@@ -85,7 +85,7 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
     ratios = {row.get(node, Fraction(0)) / other[node] for node in other}
     if len(ratios) > 1:
         raise UsageError(f"no fixed ratio between {first} and {second}: the speed splits in between")
-    return float(ratios.pop())
+    return Fraction(ratios.pop())
 
 
 def mean_speeds(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:

@@ -7,6 +7,7 @@ from torsionnet.plot.comparison import comparison
 from torsionnet.plot.fits import correlation, fit
 from torsionnet.plot.histories import time_histories
 from torsionnet.plot.mac import mac_matrix
+from torsionnet.plot.order_response import order_response, waveform
 from torsionnet.plot.save import save
 from torsionnet.plot.schematic import schematic
 from torsionnet.plot.shapes import mode_shapes
@@ -24,6 +25,7 @@ __all__ = [
     "mac_matrix",
     "mode_shapes",
     "order_map",
+    "order_response",
     "save",
     "schematic",
     "spectrogram",
@@ -31,4 +33,5 @@ __all__ = [
     "sweep_harmonics",
     "time_histories",
     "tornado",
+    "waveform",
 ]

@@ -14,7 +14,7 @@ from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.recording import FloatArray
 from torsionnet.signals.harmonics import Harmonics
-from torsionnet.signals.orders import OrderMap
+from torsionnet.signals.order_tracking import OrderMap
 from torsionnet.signals.spectrogram import Spectrogram
 
 COLOURS = "viridis"

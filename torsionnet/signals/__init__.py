@@ -12,7 +12,7 @@ from torsionnet.signals.encoder import angle_from_counts, angle_from_pulses, unw
 from torsionnet.signals.estimators import estimate, multiple_coherence
 from torsionnet.signals.excitation import BurstRandom, LinearChirp, LogarithmicSweep, Multisine, SteppedSine
 from torsionnet.signals.harmonics import Harmonics, sweep_harmonics
-from torsionnet.signals.orders import OrderMap, order_map
+from torsionnet.signals.order_tracking import OrderMap, order_map
 from torsionnet.signals.pulses import MissingPulses, Pulses, missing_pulses, repaired_pulses
 from torsionnet.signals.recording_checks import check_recording
 from torsionnet.signals.resampling import resampled

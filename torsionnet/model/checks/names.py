@@ -169,6 +169,7 @@ def dead_ends(definition: Definition) -> list[Fault]:
         for node in element.ports.values():
             touching.setdefault(node, []).append(element.name)
     used = {channel.of for table in (definition.inputs, definition.sensors) for channel in table.values()}
+    used |= {node for one in definition.excitations.values() for node in one.nodes}
     used |= {GROUND, *definition.operating_point.speed, *definition.operating_point.torque}
     faults: list[Fault] = []
     for node, names in touching.items():
@@ -189,6 +190,19 @@ def unfit_bench(definition: Definition) -> list[Fault]:
     return check_plan(definition.bench, definition)
 
 
+def unfit_excitations(definition: Definition) -> list[Fault]:
+    """Excitations and speeds that name what the model does not have."""
+    if definition.speeds is None and not definition.excitations and not _overridden(definition):
+        return []
+    import torsionnet.model.checks.running as running
+
+    return running.unfit_excitations(definition)
+
+
+def _overridden(definition: Definition) -> bool:
+    return any(overlay.excitations for axis in definition.configurations.values() for overlay in axis.values())
+
+
 def unfit_report(definition: Definition) -> list[Fault]:
     """A report that names what the model does not have."""
     if definition.report is None:
@@ -207,6 +221,7 @@ CHECKS = (
     unused_parameters,
     hidden_names,
     dead_ends,
+    unfit_excitations,
     unfit_bench,
     unfit_report,
 )

@@ -1,0 +1,335 @@
+"""Excitation by orders: against a dense solve made elsewhere, closed forms, and what a user may write wrong."""
+
+import csv
+import re
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from forced_plants import NAMES, plant, reference
+from test_cli import run
+
+import torsionnet as tn
+from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.model.excitations.slider_crank import piston_curvature, piston_rate
+from torsionnet.plot import order_response as drawn
+from torsionnet.plot import waveform
+from torsionnet.response.order_response import OrderLine, OrderResponse
+
+CASES = {"normal": lambda data: data["normal"], "motored": lambda data: data["misfire"]["motored"],
+         "gas_off": lambda data: data["misfire"]["gas_off"]}  # fmt: skip
+RPM = np.pi / 30
+
+
+def line_of(run, key, output):
+    """The amplitudes over speed of a line as the references name it: ``1.5`` or ``propeller 4``."""
+    excitation, _, order = key.rpartition(" ")
+    return run.of_order(float(order), output, excitation or "engine")
+
+
+class TestAgainstADenseSolve:
+    @pytest.mark.parametrize("firing", CASES)
+    @pytest.mark.parametrize("name", NAMES)
+    def test_every_order_of_torque_and_angle(self, name, firing):
+        data = reference(name)
+        cases = CASES[firing](data)
+        stiffness = {spring["name"]: spring["stiffness"] for spring in data["model"]["springs"]}
+        run = plant(data).configured(firing).order_response(
+            [f"twist({spring})" for spring in cases[0]["torque"]] + [f"angle({node})" for node in cases[0]["angle"]]
+        )  # fmt: skip
+        assert run.rpm == pytest.approx([case["rpm"] for case in cases])
+        for at, case in enumerate(cases):
+            quantities = [(f"twist({name})", stiffness[name], found) for name, found in case["torque"].items()]
+            quantities += [(f"angle({node})", 1.0, found) for node, found in case["angle"].items()]
+            for output, factor, expected in quantities:
+                for key, parts in expected.items():
+                    assert factor * line_of(run, key, output)[at] == pytest.approx(complex(*parts), rel=1e-8)
+
+    @pytest.mark.parametrize("firing", CASES)
+    @pytest.mark.parametrize("name", NAMES)
+    def test_half_ranges(self, name, firing):
+        data = reference(name)
+        cases = CASES[firing](data)
+        stiffness = {spring["name"]: spring["stiffness"] for spring in data["model"]["springs"]}
+        springs = list(cases[0]["torque"])
+        run = plant(data).configured(firing).order_response([f"twist({spring})" for spring in springs])
+        for at, case in enumerate(cases):
+            found = {spring: run.half_range[at, place] * stiffness[spring] for place, spring in enumerate(springs)}
+            assert {key: found[key] for key in case["half_range"]} == pytest.approx(case["half_range"], rel=1e-4)
+
+
+class TestCylinders:
+    def test_motion_of_the_piston_is_the_derivative_of_its_way(self):
+        """x = 1 - cos phi + (1 - sqrt(1 - (ratio sin phi)^2))/ratio, differentiated by complex steps."""
+        ratio, angle = 0.31, np.linspace(0, 2 * np.pi, 37)
+
+        def way(phi):
+            return 1 - np.cos(phi) + (1 - np.sqrt(1 - (ratio * np.sin(phi)) ** 2)) / ratio
+
+        assert piston_rate(angle, ratio) == pytest.approx(way(angle + 1e-20j).imag / 1e-20, abs=1e-14)
+        step = 1e-4
+        second = (way(angle + step) - 2 * way(angle) + way(angle - step)) / step**2
+        assert piston_curvature(angle, ratio) == pytest.approx(second, abs=1e-6)
+
+    @pytest.mark.parametrize(
+        ("misfire", "order", "size"), [([], 3, 6), ([], 6, 6), ([], 1.5, 0), ([], 0.5, 0), ([3], 3, 5), ([3], 0.5, 1), ([3], 1, 1)]
+    )  # fmt: skip
+    def test_phase_vector_sum_of_a_rigid_crankshaft(self, misfire, order, size):
+        """A four-stroke inline six 1-5-3-6-2-4: 6 at multiples of 3, else 0; without one cylinder 5 and 1."""
+        phi = 4 * np.pi * np.arange(720) / 720
+        pressure = 5e6 + 4e6 * np.cos(phi - 0.3) + 3e6 * np.cos(phi / 2) + 2e6 * np.cos(1.5 * phi - 1)
+        engine = engine_of(
+            6, [1, 5, 3, 6, 2, 4], orders=[order], mass=0, gas={"fired": pressure.tolist()}, gas_off=misfire
+        )
+        single = engine_of(1, [1], orders=[order], mass=0, gas={"fired": pressure.tolist()})
+        found, one = (each.torques(np.array([100.0])).amplitudes[0, 0] for each in (engine, single))
+        assert abs(found.sum()) == pytest.approx(size * abs(one[0]), abs=1e-9 * abs(one[0]))
+
+    def test_phase_vector_sum_of_a_mode(self):
+        """Shape 1, .9, .7, .45, .15, -.1: order 0.5 -> 0.7399, 1.5 -> 2.1, 3 -> 3.1 (of the amplitude of a cylinder)."""
+        shape = np.array([1, 0.9, 0.7, 0.45, 0.15, -0.1])
+        engine = engine_of(6, [1, 5, 3, 6, 2, 4])
+        phases = np.array([engine.firing_phases[number] for number in range(1, 7)])
+        sums = [abs((shape * np.exp(-1j * order * phases)).sum()) for order in (0.5, 1.5, 3)]
+        assert sums == pytest.approx([0.7399, 2.1, 3.1], abs=5e-5)
+
+    def test_two_cylinders_on_one_throw_add_up(self):
+        """A V engine: angles instead of an order, several cylinders on a node."""
+        engine = ReciprocatingEngine(
+            speed_of="a", cycle=2, cylinders={1: "a", 2: "a"}, firing_angles={1: 0, 2: "90 deg"}, orders=[2],
+            bore=0.1, stroke=0.1, rod_length=0.2, reciprocating_mass=1.0,
+        )  # fmt: skip
+        assert abs(engine.torques(np.array([50.0])).amplitudes[0, 0, 0]) < 1e-12  # half a period apart
+
+
+def engine_of(count, order, *, orders=(), mass=1.0, gas=None, gas_off=()):
+    return ReciprocatingEngine(
+        speed_of="c1", cycle=4, cylinders={number: f"c{number}" for number in range(1, count + 1)}, firing_order=order,
+        orders=list(orders), bore=0.1, stroke=0.12, rod_length=0.24, reciprocating_mass=mass, gas=gas, gas_off=list(gas_off),
+    )  # fmt: skip
+
+
+class TestSumOverOrders:
+    def test_two_orders_with_their_phases(self):
+        """cos(phi) and cos(3 phi), in phase and against each other, on a fine grid."""
+        both = response(two_lines(), [[1, 1], [1, -1]])
+        phi = np.linspace(0, 2 * np.pi, 200_001)
+        expected = [np.max(np.cos(phi) + sign * np.cos(3 * phi)) for sign in (1, -1)]
+        assert both.half_range[:, 0] == pytest.approx(expected, rel=1e-5)
+        assert both.rms[:, 0] == pytest.approx([1, 1])
+
+    def test_excitations_without_a_common_cycle_are_bounded(self):
+        lines = (OrderLine("a", 1, Fraction("1")), OrderLine("b", 1, Fraction("1000003/1000000")))
+        both = response(lines, [[3, 4]])
+        assert both.revolutions is None
+        assert both.half_range[0, 0] == pytest.approx(7)
+        assert both.rms[0, 0] == pytest.approx(np.sqrt(12.5))
+        assert "no common cycle" in both.table().to_text()
+        with pytest.raises(tn.UsageError, match="no common cycle"):
+            both.waveform()
+
+    def test_lines_of_one_frequency_add_up_with_their_phases(self):
+        lines = (OrderLine("a", 2, Fraction("2")), OrderLine("b", 1, Fraction("2")))
+        assert response(lines, [[1, -1]]).half_range[0, 0] == pytest.approx(0, abs=1e-12)
+
+
+def two_lines():
+    return OrderLine("e", 1, Fraction(1)), OrderLine("e", 3, Fraction(3))
+
+
+def response(lines, values):
+    values = np.array(values, dtype=complex)[:, :, None]
+    return OrderResponse(np.arange(1.0, len(values) + 1), "a", lines, values, (tn.Channel("x", "rad"),), "made up")
+
+
+class TestGearedShafts:
+    @pytest.mark.parametrize("ratio", [2.5, -2.5])
+    def test_order_of_a_shaft_behind_a_gear(self, ratio):
+        """A rigid drive: the angle is the torque over inertia and frequency squared, whichever way the wheel turns."""
+        plant = tn.Drivetrain(
+            "geared",
+            [tn.Inertia("fast", node="a", inertia=1), tn.Gear("stage", nodes=("a", "b"), ratio=ratio),
+             tn.Inertia("slow", node="b", inertia=3)],
+            speeds={"of": "a", "list": ["600 rpm"]},
+            excitations={"fan": {"type": "harmonic", "node": "b", "orders": {5: {"amplitude": 7, "phase": "30 deg"}}}},
+        )  # fmt: skip
+        run = plant.order_response("a")
+        assert run.lines[0].relative == 2
+        omega = 2 * 600 * RPM
+        driving = 7 / 2.5 * np.exp(1j * np.pi / 6)  # a torque that drives b drives a, too
+        assert run.values[0, 0, 0] == pytest.approx(-driving / ((1 + 3 / 2.5**2) * omega**2))
+
+    def test_a_shaft_without_a_fixed_ratio_is_refused(self):
+        elements = [
+            tn.Inertia("sun_body", node="s", inertia=1),
+            tn.Inertia("ring_body", node="r", inertia=1),
+            tn.Inertia("arm", node="c", inertia=1),
+            tn.Planetary("set", sun="s", ring="r", carrier="c", ratio=2),
+        ]
+        fan = {"type": "harmonic", "node": "r", "orders": {2: {"amplitude": 1}}}
+        with pytest.raises(tn.ModelError, match="no fixed ratio between r and s"):
+            tn.Drivetrain("free", elements, speeds={"of": "s", "list": [100]}, excitations={"fan": fan})
+
+
+PLANT = """torsionnet: 1
+name: two fans on a motor
+elements:
+  motor: {type: inertia, node: m, inertia: 0.5 kg*m^2}
+  shaft: {type: spring, nodes: [m, f], stiffness: 40 kN*m/rad, damping: 20 N*m*s/rad}
+  fan: {type: inertia, node: f, inertia: 2 kg*m^2}
+speeds: {of: m, range: 300..1500 rpm, step: 10 rpm}
+excitations:
+  motor: {type: harmonic, node: m, orders: {6: {amplitude: 20 N*m}}}
+  fan: {type: harmonic, node: f, orders: {5: {amplitude: 12 N*m, phase: 20 deg}}}
+configurations: {motor: {smooth: {motor.orders: {6: {amplitude: 5 N*m}}}, rough: {}}}
+"""
+
+
+class TestCommand:
+    @pytest.fixture(autouse=True)
+    def folder(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "plant.yaml").write_text(PLANT)
+        return tmp_path
+
+    def test_worst_speed_is_that_of_the_resonance(self):
+        """sqrt(k (1/J_m + 1/J_f)) is 50.33 Hz: 503 rpm for order 6."""
+        text = run("orders", "plant.yaml", "-c", "rough", "--output", "torque(shaft)").stdout
+        assert re.search(r"^motor 6 +500 ", text, re.MULTILINE)
+        assert "common cycle: 1 revolution of m" in text
+
+    def test_an_alternative_changes_an_excitation(self, folder):
+        rows = read_csv_of(folder, "-c", "all")
+        sizes = {
+            name: max(
+                abs(complex(float(row["f real [rad]"]), float(row["f imag [rad]"])))
+                for row in rows
+                if (row["configuration"], row["excitation"]) == (name, "motor")
+            )
+            for name in ("smooth", "rough")
+        }
+        assert sizes["rough"] == pytest.approx(4 * sizes["smooth"])
+        assert "motor.orders = {'6': {'amplitude': '5 N*m'}}" in run("show", "plant.yaml").stdout
+
+    def test_only_one_excitation(self, folder):
+        assert {row["excitation"] for row in read_csv_of(folder, "--excitation", "fan")} == {"fan"}
+
+    @pytest.mark.parametrize(
+        ("options", "code", "text"),
+        [
+            (["plant.yaml", "--output", "g"], 2, 'no sensor or node is named "g"'),
+            (["plant.yaml", "--output", "f", "--excitation", "fun"], 2, 'did you mean "fan"? there are motor, fan'),
+            (["dmf_rig", "--output", "theta_1"], 2, "the model has no entry speeds"),
+            (["plant.yaml"], 2, "Missing option '--output'"),
+        ],
+    )
+    def test_what_is_wrong_is_told(self, options, code, text):
+        assert text in run("orders", *options, code=code).stderr
+
+
+def read_csv_of(folder, *options):
+    run("orders", "plant.yaml", "--output", "f", "--csv", folder / "orders.csv", *options)
+    lines = (folder / "orders.csv").read_text().splitlines()
+    return list(csv.DictReader(line for line in lines if not line.startswith("#")))
+
+
+ENGINE = """
+    type: reciprocating_engine
+    speed_of: c1
+    cycle: 4
+    cylinders: {1: c1, 2: c2}
+    firing_order: [1, 2]
+    bore: 100 mm
+    stroke: 120 mm
+    rod_length: 240 mm
+    reciprocating_mass: 1 kg
+"""
+FILE = """torsionnet: 1
+name: two cylinders
+elements:
+  throw_1: {{type: inertia, node: c1, inertia: 0.1}}
+  crank: {{type: spring, nodes: [c1, c2], stiffness: 1 MN*m/rad}}
+  throw_2: {{type: inertia, node: c2, inertia: 0.1}}
+speeds: {{of: c1, range: 600..1200 rpm, step: 100 rpm}}
+excitations:
+  engine:{engine}"""
+
+
+class TestFiles:
+    def test_what_is_written_can_be_read_again(self):
+        rig = tn.loads(FILE.format(engine=ENGINE + "configurations: {idle: {engine.gas_off: [2]}}\n"))
+        again = tn.loads(rig.to_yaml())
+        assert again == rig
+        assert again.configured("idle").definition.excitations["engine"].gas_off == (2,)
+        assert rig.order_response("torque(crank)").rpm == pytest.approx(np.arange(600, 1201, 100))
+
+    @pytest.mark.parametrize(
+        ("old", "new", "where", "what"),
+        [
+            ("firing_order: [1, 2]", "firing_order: [1, 1]", "14:5", "firing_order misses cylinder 2"),
+            ("firing_order: [1, 2]", "firing_order: [1, 2, 3]", "14:5", "has a cylinder that the engine lacks: 3"),
+            ("cycle: 4", "cycle: 3", "12:12", "a cycle has 2 or 4 strokes"),
+            ("rod_length: 240 mm", "rod_length: 24 mm", "17:17", "shorter than the crank radius"),
+            ("speed_of: c1", "speed_of: c7", "11:15", 'no node is named "c7"'),
+            ("2: c2}", "2: c9}", "13:27", 'no node is named "c9"'),
+            ("mass: 1 kg", "mass: 1 kg\n    orders: [0.5, 0.75]", "19:13", "multiples of 0.5, not 0.75"),
+            ("mass: 1 kg", "mass: 1 kg\n    misfire: [2]", "19:5", "give gas: {motored"),
+            ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engin.misfire: [2]}}", "19:22", 'did you mean "engine"'),
+            ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engine.misfir: [2]}}", "19:22", 'did you mean "misfire"'),
+            ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engine.gas_off: [7]}}", "19:38", "there is no cylinder 7"),
+            ("type: reciprocating_engine", "type: recipro_engine", "10:11", "known: harmonic, propeller"),
+            ("step: 100 rpm", "list: [600 rpm]", "7:", "a range with its step, or one by one"),
+            ("600..1200 rpm", "1200..600 rpm", "7:", "from a lower to a higher speed"),
+            ("mass: 1 kg", "mass: 1 kg\n    gas: {fired: [1, 2]}", "19:", "too few for a cycle"),
+        ],
+    )
+    def test_faults_have_their_place_and_say_what_would_be_right(self, old, new, where, what):
+        text = FILE.format(engine=ENGINE)
+        assert old in text
+        with pytest.raises(tn.ModelError) as caught:
+            tn.loads(text.replace(old, new, 1))
+        message = str(caught.value)
+        assert what in message
+        assert f"<text>:{where}" in message, message
+
+    def test_a_trace_that_does_not_close(self):
+        pressure = list(np.linspace(1e5, 9e6, 721))
+        with pytest.raises(tn.ModelError, match="the trace does not close: it begins with 100000 Pa and ends with 9e"):
+            engine_of(1, [1], gas={"fired": pressure})
+
+    def test_a_trace_with_both_ends_is_that_with_one(self):
+        pressure = 3e6 + 2e6 * np.cos(2 * np.pi * np.arange(721) / 720)
+        one, both = (engine_of(1, [1], gas={"fired": pressure[:count].tolist()}) for count in (720, 721))
+        assert one.torques(np.array([9.0])).amplitudes == pytest.approx(both.torques(np.array([9.0])).amplitudes)
+
+    def test_pressures_in_bar_without_unit_are_told(self):
+        with pytest.raises(tn.ModelError, match="write 98 bar"):
+            engine_of(1, [1], gas={"fired": (50 + 40 * np.cos(2 * np.pi * np.arange(72) / 72)).tolist()})
+
+    def test_without_excitations_or_speeds(self):
+        rig = tn.load("dmf_rig")
+        with pytest.raises(tn.UsageError, match="the model has no entry speeds"):
+            rig.order_response("theta_1")
+        with pytest.raises(tn.UsageError, match="the model has no excitations"):
+            rig.order_response("theta_1", speeds=[10.0], speed_of="motor")
+
+
+class TestPictures:
+    def test_axes_and_lines(self):
+        data = reference("forced_inline_six")
+        run = plant(data).order_response(["torque(crank3)", "angle(hub)"])
+        figure = drawn(run, conventions=tn.Conventions(angle="deg"))
+        assert [axes.get_ylabel() for axes in figure.axes] == ["torque(crank3) [N·m]", "angle(hub) [deg]"]
+        assert figure.axes[-1].get_xlabel() == "speed of cyl1 [r/min]"
+        total = figure.axes[0].lines[0]
+        assert total.get_ydata() == pytest.approx(run.half_range[:, 0])
+        assert all((line.get_ydata() <= 2 * total.get_ydata()).all() for line in figure.axes[0].lines)
+
+    def test_waveform_over_two_revolutions(self):
+        run = plant(reference("forced_inline_six")).order_response("torque(crank3)")
+        (axes,) = waveform(run, rpm=run.rpm[1]).axes
+        values = axes.lines[0].get_ydata()
+        assert axes.get_xlim() == pytest.approx((0, 720))
+        assert (values.max() - values.min()) / 2 == pytest.approx(run.half_range[1, 0], rel=1e-3)
+        with pytest.raises(tn.UsageError, match="outside the speeds calculated"):
+            waveform(run, rpm=1)

@@ -1,0 +1,64 @@
+"""Checks of excitations and speeds: do they fit the drivetrain, and does a configuration change what there is."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from torsionnet.core.errors import Fault, ModelError, Path, UsageError, unknown_name
+from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.parameters import resolve
+from torsionnet.model.speeds import total_ratio
+
+
+def unfit_excitations(definition: Definition) -> list[Fault]:
+    """Excitations and speeds on nodes that do not exist or have no ratio to the shaft whose speed is given."""
+    nodes = all_nodes(definition.elements.values())
+    faults: list[Fault] = []
+    places: list[tuple[str, Path]] = []
+    if definition.speeds is not None:
+        places.append((definition.speeds.of, ("speeds", "of")))
+    for name, excitation in definition.excitations.items():
+        places += [(node, ("excitations", name, *path)) for path, node in excitation.node_entries]
+        places.append((excitation.shaft, ("excitations", name, "speed_of")))
+    faults += [unknown_name("node", node, nodes, path) for node, path in dict.fromkeys(places) if node not in nodes]
+    faults += _overrides(definition)
+    return faults or [*_without_ratio(definition)]
+
+
+def _overrides(definition: Definition) -> Iterator[Fault]:
+    """Alternatives whose ``excitation.entry`` means nothing, or gives it a wrong value."""
+    for axis, alternatives in definition.configurations.items():
+        for label, overlay in alternatives.items():
+            for key in overlay.excitations:
+                path = ("configurations", axis, label, key)
+                name, _, entry = key.partition(".")
+                excitation = definition.excitations.get(name)
+                if excitation is None:
+                    yield unknown_name("excitation", name, definition.excitations, path, on_key=True)
+                elif entry not in dict(excitation.specs()):
+                    yield unknown_name(f"entry of {name}", entry, dict(excitation.specs()), path, on_key=True)
+                else:
+                    yield from _wrong_value(definition, overlay.excitations[key], key, path)
+
+
+def _wrong_value(definition: Definition, value: object, key: str, path: Path) -> Iterator[Fault]:
+    from torsionnet.model.configurations import Overlay
+
+    try:
+        definition.overlaid(Overlay(excitations={key: value}))
+    except ModelError as error:
+        for fault in error.faults:
+            yield Fault(fault.message, path)
+
+
+def _without_ratio(definition: Definition) -> Iterator[Fault]:
+    if definition.speeds is None or not definition.excitations:
+        return
+    known, faults = resolve(definition.parameters)
+    if faults:
+        return
+    for name, excitation in definition.excitations.items():
+        try:
+            total_ratio(definition, known, excitation.shaft, definition.speeds.of)
+        except UsageError as error:
+            yield Fault(str(error), ("excitations", name, "speed_of"))

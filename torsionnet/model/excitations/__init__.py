@@ -1,0 +1,11 @@
+"""What runs in the drivetrain and excites it by orders of its speed; every file of this package is imported here."""
+
+import importlib
+import pkgutil
+
+from torsionnet.model.excitations.order_excitation import OrderExcitation, OrderTorques, excitation_kinds
+
+for _name in sorted(module.name for module in pkgutil.iter_modules(__path__)):
+    importlib.import_module(f"{__name__}.{_name}")
+
+__all__ = ["OrderExcitation", "OrderTorques", "excitation_kinds"]

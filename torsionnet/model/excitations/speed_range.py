@@ -1,0 +1,90 @@
+"""The ``speeds:`` entry: at which speeds of which shaft running machinery is examined."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.composite import Listed
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
+from torsionnet.core.errors import Fault
+from torsionnet.model.elements.nodes import NodeName
+
+SPEED = Value("a speed", "speed", exclusive=True)
+FORMS = "300..788 rpm or [300 rpm, 788 rpm]"
+MOST_SPEEDS = 100_000
+_RANGE = re.compile(r"\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*\.\.\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SpeedBand(Spec):
+    """Two speeds, the lower one first; stored in rad/s."""
+
+    def coerce(self, raw: Any) -> tuple[float, float]:
+        low, high = (SPEED.coerce(edge) for edge in self._edges(raw))
+        if low >= high:
+            raise EntryError(f"a range goes from a lower to a higher speed, as in {FORMS}; got {raw!r}")
+        return low, high
+
+    @staticmethod
+    def _edges(raw: Any) -> tuple[Any, Any]:
+        if isinstance(raw, list | tuple) and len(raw) == 2:
+            return raw[0], raw[1]
+        match = _RANGE.fullmatch(raw) if isinstance(raw, str) else None
+        if match is None:
+            raise EntryError(f"expected a range such as {FORMS}, got {raw!r}")
+        return f"{match[1]} {match[2] or match[4]}", f"{match[3]} {match[4] or match[2]}"
+
+    def plain(self, value: Any) -> Any:
+        return list(value)
+
+    def schema(self) -> Schema:
+        pair = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
+        return {"description": f"{self.description}: {FORMS}", "anyOf": [{"type": "string"}, pair]}
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpeedRange(Declared):
+    """The speeds at which running machinery is examined.
+
+    Examples
+    --------
+    >>> speeds = SpeedRange(of="fly", range="300..320 rpm", step="10 rpm")
+    >>> [round(speed * 60 / 6.283185307179586, 6) for speed in speeds.values]
+    [300.0, 310.0, 320.0]
+    """
+
+    kind: ClassVar[str] = "speeds"
+    article: ClassVar[str] = "a range of speeds"
+    form: ClassVar[str] = "{of: fly, range: 300..788 rpm, step: 2 rpm}"
+
+    of: Any = entry(NodeName("the node whose speed is meant", allow_ground=False))
+    range: Any = entry(SpeedBand("lowest and highest speed"), None)
+    step: Any = entry(Value("from one speed to the next", "speed", exclusive=True), None)
+    list: Any = entry(Listed("the speeds one by one", SPEED, form="a list of speeds"), ())
+    rated: Any = entry(Value("speed to which rated torques belong", "speed", exclusive=True), None)
+
+    def contradictions(self) -> list[Fault]:
+        if bool(self.list) == bool(self.range):
+            text = "speeds are given by a range with its step, or one by one in a list"
+            return [Fault(f"{text}; here is {'both' if self.list else 'neither'}", ("range",), on_key=True)]
+        if self.list and self.step:
+            return [Fault("a list of speeds has no step", ("step",), on_key=True)]
+        if self.range and not self.step:
+            return [Fault(f"a range of speeds needs its step: {self.form}", on_key=True)]
+        if self.range and (self.range[1] - self.range[0]) / self.step > MOST_SPEEDS:
+            return [Fault(f"these are more than {MOST_SPEEDS} speeds; take a larger step", ("step",))]
+        return []
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The speeds in rad/s, rising."""
+        if self.list:
+            return tuple(sorted(set(self.list)))
+        low, high = self.range
+        count = int((high - low) / self.step * (1 + 1e-12) + 1e-9)
+        found = [low + number * self.step for number in range(count + 1)]
+        return (*found, high) if high - found[-1] > 1e-9 * high else tuple(found)

@@ -1,0 +1,119 @@
+"""Responses by order over speed, and the waveform they sum up to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import MultipleLocator
+
+import torsionnet.plot.style as style
+from torsionnet.core.errors import UsageError
+from torsionnet.core.number_text import typeset_unit
+from torsionnet.response import Conventions
+from torsionnet.response.conventions import SI
+from torsionnet.response.order_response import OrderResponse
+
+MOST_LINES = 6
+
+
+def order_response(
+    response: OrderResponse,
+    outputs: str | Sequence[str] | None = None,
+    *,
+    most: int = MOST_LINES,
+    conventions: Conventions = SI,
+    title: str | None = None,
+) -> Figure:
+    """Amplitudes over speed: the synthesised half range in black, the largest orders below it.
+
+    Parameters
+    ----------
+    response : OrderResponse
+    outputs : str or sequence of str, optional
+        By default all, one below the other.
+    most : int
+        Orders drawn.
+    conventions : Conventions, optional
+        Unit of angles.
+    title : str, optional
+        By default that of the response.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    UsageError
+        No such output.
+    """
+    names = [outputs] if isinstance(outputs, str) else list(outputs or [one.name for one in response.outputs])
+    figure = style.new_figure(style.WIDTH, 0.8 + 2.6 * len(names))
+    panels = figure.subplots(len(names), 1, sharex=True, squeeze=False)[:, 0]
+    total = response.half_range
+    for panel, name in zip(panels, names, strict=True):
+        place = response.output(name)
+        unit = response.outputs[place].unit
+        scale = conventions.scale(unit)
+        sizes = np.abs(response.values[:, :, place]) * scale
+        style.dress(panel)
+        exact = response.revolutions is not None
+        label = "all orders, half range" if exact else "sum of all magnitudes"
+        panel.plot(response.rpm, total[:, place] * scale, color=style.INK, linewidth=2.0, label=label)
+        for number, line in enumerate(np.argsort(-sizes.max(axis=0), kind="stable")[:most].tolist()):
+            panel.plot(response.rpm, sizes[:, line], label=str(response.lines[line]), **style.line_style(number))
+        panel.set_ylabel(f"{name} [{typeset_unit(conventions.unit(unit))}]")
+        panel.set_ylim(bottom=0)
+        panel.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+    panels[-1].set_xlabel(f"speed of {response.reference} [r/min]")
+    if len(response.rpm) > 1:
+        panels[-1].set_xlim(response.rpm[0], response.rpm[-1])
+    style.heading(figure, response.title if title is None else title)
+    return figure
+
+
+def waveform(
+    response: OrderResponse,
+    output: str | None = None,
+    *,
+    rpm: float,
+    conventions: Conventions = SI,
+    title: str | None = None,
+) -> Figure:
+    """The sum of all orders over the angle of the reference shaft at one speed, with their phases.
+
+    Parameters
+    ----------
+    response : OrderResponse
+    output : str, optional
+        Needed where there are several.
+    rpm : float
+        The calculated speed next to this one is drawn, r/min.
+    conventions : Conventions, optional
+        Unit of angles of the output.
+    title : str, optional
+
+    Raises
+    ------
+    UsageError
+        No such output, no common cycle, or a speed outside those calculated.
+    """
+    place = response.output(output)
+    low, high = response.rpm.min(), response.rpm.max()
+    if not low * (1 - 1e-9) <= rpm <= high * (1 + 1e-9):
+        raise UsageError(f"{rpm:g} r/min is outside the speeds calculated, {low:g} to {high:g} r/min")
+    at = int(np.argmin(np.abs(response.rpm - rpm)))
+    angle, waves = response.waveform(response.outputs[place].name)
+    channel = response.outputs[place]
+    figure = style.new_figure(style.WIDTH, 3.2)
+    axes = figure.subplots()
+    style.dress(axes)
+    axes.plot(np.degrees(angle), waves[at] * conventions.scale(channel.unit), color=style.INK, linewidth=1.4)
+    axes.set_xlabel(f"angle of {response.reference} [deg]")
+    axes.set_ylabel(f"{channel.name} [{typeset_unit(conventions.unit(channel.unit))}]")
+    axes.xaxis.set_major_locator(MultipleLocator(90 if angle[-1] < 15 else 360))
+    axes.set_xlim(0, np.degrees(angle[-1]) * len(angle) / (len(angle) - 1))
+    style.heading(figure, f"{response.title}, {response.rpm[at]:.5g} r/min" if title is None else title)
+    return figure

@@ -1,0 +1,231 @@
+"""What excitation by orders makes of a drivetrain over its speed: complex amplitudes, and what they sum up to."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.response.conventions import SI, Conventions
+from torsionnet.response.frequency_response import Channel, ComplexArray, FloatArray
+from torsionnet.response.table import Column, Table
+
+PER_PERIOD = 64
+"""Points on a waveform for each period of its highest order."""
+MOST_REVOLUTIONS, HIGHEST_LINE = 1000, 50_000
+"""A common cycle of more revolutions, or with more periods in it, is none that anybody waits for."""
+RPM = 60 / (2 * math.pi)
+PHASE_NOTE = "order h acts with cos(h phi + phase), phi the angle of the shaft of its excitation"
+
+
+@dataclass(frozen=True)
+class OrderLine:
+    """One order of one excitation.
+
+    Attributes
+    ----------
+    excitation : str
+    order : float
+        Of the shaft the excitation runs with.
+    relative : Fraction
+        Vibrations per revolution of the reference shaft.
+    """
+
+    excitation: str
+    order: float
+    relative: Fraction
+
+    def __str__(self) -> str:
+        return f"{self.excitation} {self.order:g}"
+
+
+@dataclass(frozen=True, eq=False)
+class OrderResponse:
+    """Complex amplitudes by speed, order and output.
+
+    Attributes
+    ----------
+    speeds : (n_speeds,) array
+        Of the reference shaft, rad/s.
+    reference : str
+        Its node.
+    lines : tuple of OrderLine
+    values : (n_speeds, n_lines, n_out) complex array
+        Peak amplitudes X_h of x(t) = Re sum_h X_h exp(j h phi), SI units.
+    outputs : tuple of Channel
+    title : str
+        The model with its configuration.
+    """
+
+    speeds: FloatArray
+    reference: str
+    lines: tuple[OrderLine, ...]
+    values: ComplexArray
+    outputs: tuple[Channel, ...]
+    title: str = ""
+
+    @property
+    def rpm(self) -> FloatArray:
+        """Speeds of the reference shaft, r/min."""
+        return np.asarray(self.speeds * RPM)
+
+    @property
+    def revolutions(self) -> int | None:
+        """Revolutions of the reference shaft after which everything repeats; None where that takes too long."""
+        cycle = math.lcm(*(line.relative.denominator for line in self.lines)) if self.lines else 1
+        highest = max((line.relative for line in self.lines), default=Fraction(0))
+        return cycle if cycle <= MOST_REVOLUTIONS and cycle * highest <= HIGHEST_LINE else None
+
+    def output(self, name: str | None = None) -> int:
+        """Place of an output by its name; of the only one without.
+
+        Raises
+        ------
+        UsageError
+            No such output, or several and no name.
+        """
+        names = [channel.name for channel in self.outputs]
+        if name is None and len(names) == 1:
+            return 0
+        if name not in names:
+            what = f'no output is named "{name}"{did_you_mean(str(name), names)}' if name else "say which output"
+            raise UsageError(f"{what}; there are {', '.join(names)}")
+        return names.index(name)
+
+    def of_order(self, order: float, output: str | None = None, excitation: str | None = None) -> ComplexArray:
+        """Amplitudes over speed, shape (n_speeds,), of an order of one excitation; without a name, the sum of all."""
+        found = [
+            place
+            for place, line in enumerate(self.lines)
+            if math.isclose(line.order, order) and excitation in (None, line.excitation)
+        ]
+        if not found:
+            raise UsageError(f"no order {order:g} acts; there are {', '.join(map(str, self.lines))}")
+        return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
+
+    def waveform(self, output: str | None = None, points: int | None = None) -> tuple[FloatArray, FloatArray]:
+        """The sum of all orders over the common cycle, with their phases.
+
+        Returns
+        -------
+        angle : (n,) array
+            Of the reference shaft, rad.
+        values : (n_speeds, n) array
+
+        Raises
+        ------
+        UsageError
+            There is no common cycle.
+        """
+        cycle = self._cycle()
+        place = self.output(output)
+        waves = _synthesised(self._spectrum(cycle)[:, :, place : place + 1], points)[:, :, 0]
+        return 2 * np.pi * cycle * np.arange(waves.shape[1]) / waves.shape[1], waves
+
+    @property
+    def half_range(self) -> FloatArray:
+        """(max - min)/2 of the sum of all orders over the common cycle, shape (n_speeds, n_out).
+
+        Where there is no common cycle, the sum of the magnitudes, which bounds it from above.
+        """
+        if self.revolutions is None:
+            return np.asarray(np.abs(self._by_frequency()).sum(axis=1))
+        waves = _synthesised(self._spectrum(self.revolutions))
+        return (_highest(waves) + _highest(-waves)) / 2
+
+    @property
+    def rms(self) -> FloatArray:
+        """Root mean square of the sum of all orders, shape (n_speeds, n_out)."""
+        return np.asarray(np.sqrt((np.abs(self._by_frequency()) ** 2).sum(axis=1) / 2))
+
+    def table(self, output: str | None = None, conventions: Conventions = SI, most: int = 6) -> Table:
+        """Worst speed of an output and the orders that make it, and the worst speed of each of these orders."""
+        place = self.output(output)
+        channel, total = self.outputs[place], self.half_range[:, place]
+        scale, worst = conventions.scale(channel.unit), int(np.argmax(total))
+        sizes = np.abs(self.values[:, :, place])
+        chosen = np.argsort(-sizes.max(axis=0), kind="stable")[:most]
+        exact = self.revolutions is not None
+        first = "synthesised, half range" if exact else "sum of magnitudes"
+        rows: list[tuple[object, ...]] = [(first, self.rpm[worst], total[worst] * scale, total[worst] * scale)]
+        for line in chosen.tolist():
+            at = int(np.argmax(sizes[:, line]))
+            rows.append((str(self.lines[line]), self.rpm[at], sizes[at, line] * scale, sizes[worst, line] * scale))
+        unit = conventions.unit(channel.unit)
+        columns = (
+            Column("order"),
+            Column("speed", "rpm"),
+            Column("largest", unit),
+            Column(f"at {self.rpm[worst]:.6g} rpm", unit),
+        )
+        notes = [f"speeds of {self.reference}; peak amplitudes; {PHASE_NOTE}"]
+        if exact:
+            notes.append(
+                f"common cycle: {self.revolutions} revolution{'s' * (self.revolutions != 1)} of {self.reference}"
+            )
+        else:
+            notes.append("the excitations have no common cycle: the sum of the magnitudes bounds the peak")
+        if len(chosen) < len(self.lines):
+            notes.append(f"{len(chosen)} of {len(self.lines)} orders, the largest")
+        return Table(f"{self.title}: {channel.name}", columns, tuple(rows), tuple(notes))
+
+    def long_table(self) -> Table:
+        """Every amplitude: speed, excitation, order, then real and imaginary part of each output; SI."""
+        names = [(channel.name, part) for channel in self.outputs for part in ("real", "imag")]
+        columns = [Column("speed", "rpm"), Column("excitation"), Column("order"), Column("frequency", "Hz")]
+        columns += [Column(f"{name} {part}", self.outputs[place // 2].unit) for place, (name, part) in enumerate(names)]
+        rows = []
+        for number, speed in enumerate(self.speeds.tolist()):
+            for place, line in enumerate(self.lines):
+                cells = self.values[number, place]
+                parts = [part for value in cells.tolist() for part in (value.real, value.imag)]
+                f = speed * float(line.relative) / (2 * math.pi)
+                rows.append((speed * RPM, line.excitation, line.order, f, *parts))
+        notes = (f"speeds of {self.reference}; {PHASE_NOTE}",)
+        return Table(f"{self.title}: order response", tuple(columns), tuple(rows), notes)
+
+    def _cycle(self) -> int:
+        if self.revolutions is None:
+            raise UsageError("the excitations have no common cycle; half_range is the sum of the magnitudes then")
+        return self.revolutions
+
+    def _by_frequency(self) -> ComplexArray:
+        """Lines of one frequency summed, shape (n_speeds, n_frequencies, n_out)."""
+        places = {
+            relative: number for number, relative in enumerate(dict.fromkeys(line.relative for line in self.lines))
+        }
+        found = np.zeros((len(self.speeds), len(places), len(self.outputs)), dtype=complex)
+        for number, line in enumerate(self.lines):
+            found[:, places[line.relative]] += self.values[:, number]
+        return found
+
+    def _spectrum(self, cycle: int) -> ComplexArray:
+        """Amplitudes by periods in the common cycle."""
+        counts = [int(line.relative * cycle) for line in self.lines]
+        found = np.zeros((len(self.speeds), max(counts, default=0) + 1, len(self.outputs)), dtype=complex)
+        for number, count in enumerate(counts):
+            found[:, count] += self.values[:, number]
+        return found
+
+
+def _synthesised(spectrum: ComplexArray, points: int | None = None) -> FloatArray:
+    """Re sum_k X_k exp(j k phi) at even steps, shape (n_speeds, n, n_out)."""
+    highest = spectrum.shape[1] - 1
+    n = points or 1 << math.ceil(math.log2(PER_PERIOD * max(highest, 1)))
+    if n <= 2 * highest:
+        raise UsageError(f"{n} points do not show {highest} periods; take more than {2 * highest}")
+    return np.asarray(np.fft.irfft(spectrum, n, axis=1) * n / 2)
+
+
+def _highest(waves: FloatArray) -> FloatArray:
+    """Largest value along the cycle, by the parabola through the largest point and its neighbours."""
+    at = np.argmax(waves, axis=1)[:, None]
+    n = waves.shape[1]
+    before, peak, after = (np.take_along_axis(waves, (at + step) % n, axis=1)[:, 0] for step in (-1, 0, 1))
+    curvature = before - 2 * peak + after
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rise = np.where(curvature < 0, (before - after) ** 2 / (-8 * curvature), 0)
+    return np.asarray(peak + rise)
