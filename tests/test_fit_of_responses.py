@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from campaigns import examples
 
 import torsionnet as tn
 from torsionnet.core.errors import UsageError
@@ -28,7 +29,8 @@ def record():
     bench = tn.load_bench("dmf_bench")
     meter = Transducer(range="230 N*m", noise="0.23 N*m")
     channels = {"T_T": meter, "theta_1": Encoder(lines=1024, quadrature=True)}
-    return replace(bench, plan=replace(bench.plan, channels=channels)).run(3)
+    sweep = replace(bench.plan.excitation, duration=examples(40.0, 100.0))
+    return replace(bench, plan=replace(bench.plan, channels=channels, excitation=sweep)).run(3)
 
 
 # How certain lines are

@@ -94,7 +94,9 @@ class TestKnownPoles:
         np.testing.assert_allclose(found.upper, 2e-3, rtol=1e-8)
         np.testing.assert_allclose(found.lower, -1.5, rtol=1e-8)
 
-    @pytest.mark.parametrize("residuals", ["none", "lower", "upper", "both"])
+    @pytest.mark.parametrize(
+        "residuals", [*(pytest.param(one, marks=pytest.mark.slow) for one in ("none", "both")), "lower", "upper"]
+    )
     def test_residual_terms_that_are_there_must_be_asked_for(self, residuals):
         poles = [pole(8, 0.05), pole(15, 0.02)]
         lower, upper = 1.5 * (residuals in ("lower", "both")), 2e-3 * (residuals in ("upper", "both"))
@@ -198,10 +200,15 @@ class TestNoise:
         assert sum(counts) == 0
 
 
+each_cut = pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=[pytest.mark.slow] * (case not in ("dmf", "V"))) for case in CUT]
+)
+
+
 class TestRigs:
     """The poles of theta_1/T_T are those of the rig cut at the torque meter."""
 
-    @pytest.mark.parametrize("case", CUT)
+    @each_cut
     def test_without_noise(self, case):
         model = rig(case)
         found = identify_modes(model.frequency_response("theta_1", "T_T", LINES))
@@ -213,9 +220,7 @@ class TestRigs:
         whole = model.modes().eigenvalues
         assert nearest(found.poles, whole[:1]).min() > 0.03
 
-    @pytest.mark.parametrize(
-        "case", [pytest.param(case, marks=[pytest.mark.slow] * (case not in ("dmf", "V"))) for case in CUT]
-    )
+    @each_cut
     @pytest.mark.parametrize("noise", [pytest.param(0.002, marks=pytest.mark.slow), 0.01])
     def test_with_noise(self, case, noise):
         model = rig(case)
@@ -300,7 +305,7 @@ class TestLscf:
         size = np.sqrt(np.mean(response.magnitude**2, axis=0))
         return poles, replace(response, values=response.values / size)
 
-    @pytest.mark.parametrize("order", [10, 20, 40])
+    @pytest.mark.parametrize("order", [10, *(pytest.param(order, marks=pytest.mark.slow) for order in (20, 40))])
     def test_poles_of_an_order_agree_with_sdypy(self, ema, order):
         """It counts the last line once and the others twice, which moves poles a little; the noise moves them more."""
         poles, response = self.noisy()
