@@ -30,7 +30,9 @@ def test_every_format_is_tested():
     """Here, in tests/test_foreign_files.py if a library reads it in a process of its own, and by fuzzing."""
     assert {LABELS[ending] for ending in ENDINGS} == set(LABELS.values()), "add an ending to ENDINGS in this file"
     own = {"text", "NPZ", "MDF"}  # asammdf is in no group of the tests
-    assert {LABELS[ending] for ending in CHILD_ENDINGS} == set(LABELS.values()) - own, "add it to CHILD_ENDINGS"
+    assert {LABELS[ending] for ending in CHILD_ENDINGS} == set(LABELS.values()) - own, (
+        "add it to CHILD_ENDINGS, or to `own` here if no library reads it"
+    )
     fuzzed = {LABELS[f".{name.removeprefix('record.')}"] for name in KINDS if name.startswith("record.")}
     assert fuzzed == set(LABELS.values()) - {"MDF"}, "add it to tests/fuzz/kinds.py"
 

@@ -1,12 +1,13 @@
 """Other words for the texts of a report: a company's own, or another language.
 
-The words that may be replaced are listed once, in ``texts.yaml`` beside this module; the sections know nothing of it.
+The words that may be replaced are listed once, in ``texts.yaml`` beside this module, those of elements by their types;
+the sections know nothing of it.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from importlib.resources import files
@@ -17,10 +18,14 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.spec import EntryError, entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, meant_or
+from torsionnet.model.elements import ELEMENT_TYPES
+from torsionnet.model.elements.nodes import NodeName, NodePair
 from torsionnet.model.files.located import compose
 
 PLACE = re.compile(r"\{(\w+)\}")
 """Where something is inserted."""
+COMMON = ("description", "enabled")
+"""Entries of every element that a report has no word for."""
 LISTED = 'the page "A report in your own words" lists them'
 
 
@@ -28,7 +33,18 @@ LISTED = 'the page "A report in your own words" lists them'
 def replaceable() -> Mapping[str, tuple[str, ...]]:
     """The texts of a report that may be replaced, by section."""
     listed = files("torsionnet.report").joinpath("texts.yaml").read_text(encoding="utf-8")
-    return {section: tuple(map(str, texts)) for section, texts in compose(listed, "texts.yaml").data.items()}
+    texts = {section: tuple(map(str, texts)) for section, texts in compose(listed, "texts.yaml").data.items()}
+    specs = {name: spec for cls in ELEMENT_TYPES.values() for name, spec in cls.specs() if name not in COMMON}
+    own = {name for name, spec in specs.items() if not isinstance(spec, NodeName | NodePair)} - set(ELEMENT_TYPES)
+    return {
+        **texts,
+        "types of elements": _words(ELEMENT_TYPES),
+        "properties of elements": _words(own),
+    }
+
+
+def _words(names: Iterable[str]) -> tuple[str, ...]:
+    return tuple(sorted(name.replace("_", " ") for name in names))
 
 
 @dataclass(frozen=True)
