@@ -58,6 +58,17 @@ class TestAgainstADenseSolve:
             assert {key: found[key] for key in case["half_range"]} == pytest.approx(case["half_range"], rel=1e-4)
 
 
+class TestManySpeeds:
+    def test_speeds_do_not_depend_on_those_solved_with_them(self, monkeypatch):
+        rig = plant(reference("forced_two_stroke_propulsion"))
+        whole = rig.order_response("twist(thrust)")
+        monkeypatch.setattr("torsionnet.solve.order_response.TOGETHER", 2)
+        monkeypatch.setattr("torsionnet.response.order_response.MOST_POINTS", 1)
+        parts = rig.order_response("twist(thrust)")
+        assert parts.values == pytest.approx(whole.values, rel=1e-13)
+        assert parts.half_range == pytest.approx(whole.half_range, rel=1e-12)
+
+
 class TestCylinders:
     def test_motion_of_the_piston_is_the_derivative_of_its_way(self):
         """x = 1 - cos phi + (1 - sqrt(1 - (ratio sin phi)^2))/ratio, differentiated by complex steps."""
@@ -124,9 +135,19 @@ class TestSumOverOrders:
         assert both.revolutions is None
         assert both.half_range[0, 0] == pytest.approx(7)
         assert both.rms[0, 0] == pytest.approx(np.sqrt(12.5))
-        assert "no common cycle" in both.table().to_text()
-        with pytest.raises(tn.UsageError, match="no common cycle"):
+        assert "no short common cycle" in both.table().to_text()
+        with pytest.raises(tn.UsageError, match="no short common cycle"):
             both.waveform()
+
+    def test_shafts_without_a_common_cycle_keep_the_phases_of_their_own_orders(self):
+        """Two orders of one shaft and one of another, against the sum over a long time."""
+        ratio = Fraction(1618033, 1000000)
+        lines = (OrderLine("a", 1, Fraction(1)), OrderLine("a", 3, Fraction(3)), OrderLine("b", 2, 2 * ratio))
+        both = response(lines, [[1, -1, 0.5]])
+        phi = np.linspace(0, 2 * np.pi * 400, 1_000_001)
+        total = np.cos(phi) - np.cos(3 * phi) + 0.5 * np.cos(2 * float(ratio) * phi)
+        assert both.revolutions is None
+        assert both.half_range[0, 0] == pytest.approx((total.max() - total.min()) / 2, rel=2e-4)
 
     def test_lines_of_one_frequency_add_up_with_their_phases(self):
         lines = (OrderLine("a", 2, Fraction("2")), OrderLine("b", 1, Fraction("2")))
@@ -280,6 +301,8 @@ class TestFiles:
             ("type: reciprocating_engine", "type: recipro_engine", "10:11", "known: harmonic, propeller"),
             ("step: 100 rpm", "list: [600 rpm]", "7:", "a range with its step, or one by one"),
             ("600..1200 rpm", "1200..600 rpm", "7:", "from a lower to a higher speed"),
+            ("cylinders: {1: c1", "cylinders: {front: c1", "13:17", 'cylinders have numbers from 1 to 99, not "front"'),
+            ("mass: 1 kg", "mass: 1 kg\n    orders: [1e9]", "19:14", "must be less than 10000"),
             ("mass: 1 kg", "mass: 1 kg\n    gas: {fired: [1, 2]}", "19:", "too few for a cycle"),
         ],
     )
@@ -291,6 +314,16 @@ class TestFiles:
         message = str(caught.value)
         assert what in message
         assert f"<text>:{where}" in message, message
+
+    def test_two_axes_may_not_change_one_entry(self):
+        text = FILE.format(engine=ENGINE + "configurations: {a: {x: {engine.bore: 0.1}}, b: {y: {engine.bore: 0.2}}}\n")
+        with pytest.raises(tn.ModelError, match=r"engine\.bore is set on axis a too"):
+            tn.loads(text)
+
+    def test_an_excitation_on_what_is_locked_is_refused(self):
+        text = FILE.format(engine=ENGINE).replace("speeds:", "  brake: {type: lock, node: c2}\nspeeds:")
+        with pytest.raises(tn.UsageError, match='engine acts on "c2", which is locked'):
+            tn.loads(text).order_response("c1")
 
     def test_a_trace_that_does_not_close(self):
         pressure = list(np.linspace(1e5, 9e6, 721))

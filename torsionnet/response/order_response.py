@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -15,8 +16,12 @@ from torsionnet.response.table import Column, Table
 
 PER_PERIOD = 64
 """Points on a waveform for each period of its highest order."""
-MOST_REVOLUTIONS, HIGHEST_LINE = 1000, 50_000
+MOST_REVOLUTIONS, HIGHEST_LINE = 1000, 5000
 """A common cycle of more revolutions, or with more periods in it, is none that anybody waits for."""
+FINEST = 10**6
+"""Largest denominator of an order."""
+MOST_POINTS = 4_000_000
+"""Points of waveforms that are held at a time."""
 RPM = 60 / (2 * math.pi)
 PHASE_NOTE = "order h acts with cos(h phi + phase), phi the angle of the shaft of its excitation"
 
@@ -75,9 +80,7 @@ class OrderResponse:
     @property
     def revolutions(self) -> int | None:
         """Revolutions of the reference shaft after which everything repeats; None where that takes too long."""
-        cycle = math.lcm(*(line.relative.denominator for line in self.lines)) if self.lines else 1
-        highest = max((line.relative for line in self.lines), default=Fraction(0))
-        return cycle if cycle <= MOST_REVOLUTIONS and cycle * highest <= HIGHEST_LINE else None
+        return _common_cycle([line.relative for line in self.lines])
 
     def output(self, name: str | None = None) -> int:
         """Place of an output by its name; of the only one without.
@@ -122,19 +125,42 @@ class OrderResponse:
         """
         cycle = self._cycle()
         place = self.output(output)
-        waves = _synthesised(self._spectrum(cycle)[:, :, place : place + 1], points)[:, :, 0]
+        waves = _synthesised(self._spectrum(range(len(self.lines)), cycle)[:, :, place : place + 1], points)[:, :, 0]
         return 2 * np.pi * cycle * np.arange(waves.shape[1]) / waves.shape[1], waves
 
     @property
     def half_range(self) -> FloatArray:
         """(max - min)/2 of the sum of all orders over the common cycle, shape (n_speeds, n_out).
 
-        Where there is no common cycle, the sum of the magnitudes, which bounds it from above.
+        Where there is none, shafts take every position to each other sooner or later: their half ranges add up. Of a
+        shaft without a cycle of its own it is the sum of the magnitudes.
         """
-        if self.revolutions is None:
-            return np.asarray(np.abs(self._by_frequency()).sum(axis=1))
-        waves = _synthesised(self._spectrum(self.revolutions))
-        return (_highest(waves) + _highest(-waves)) / 2
+        if self.revolutions is not None:
+            return self._half_range(range(len(self.lines)), self.revolutions)
+        total = np.zeros((len(self.speeds), len(self.outputs)))
+        for places in self._shafts():
+            orders = [self.lines[place].relative for place in places]
+            cycle = _common_cycle([order / orders[0] for order in orders])
+            total += (
+                self._half_range(places, cycle / orders[0]) if cycle else np.abs(self.values[:, places]).sum(axis=1)
+            )
+        return total
+
+    def _shafts(self) -> list[list[int]]:
+        """Places of the lines that belong to one shaft, by its speed."""
+        found: dict[Fraction, list[int]] = {}
+        for place, line in enumerate(self.lines):
+            found.setdefault(line.relative / Fraction(line.order).limit_denominator(FINEST), []).append(place)
+        return list(found.values())
+
+    def _half_range(self, places: Sequence[int], cycle: Fraction | int) -> FloatArray:
+        spectrum = self._spectrum(places, cycle)
+        together = max(1, MOST_POINTS // (PER_PERIOD * spectrum.shape[1] * spectrum.shape[2]))
+        found = []
+        for start in range(0, len(spectrum), together):
+            waves = _synthesised(spectrum[start : start + together])
+            found.append((_highest(waves) + _highest(-waves)) / 2)
+        return np.concatenate(found)
 
     @property
     def rms(self) -> FloatArray:
@@ -149,7 +175,7 @@ class OrderResponse:
         sizes = np.abs(self.values[:, :, place])
         chosen = np.argsort(-sizes.max(axis=0), kind="stable")[:most]
         exact = self.revolutions is not None
-        first = "synthesised, half range" if exact else "sum of magnitudes"
+        first = "synthesised, half range" if exact else "half ranges of the shafts, added"
         rows: list[tuple[object, ...]] = [(first, self.rpm[worst], total[worst] * scale, total[worst] * scale)]
         for line in chosen.tolist():
             at = int(np.argmax(sizes[:, line]))
@@ -167,7 +193,7 @@ class OrderResponse:
                 f"common cycle: {self.revolutions} revolution{'s' * (self.revolutions != 1)} of {self.reference}"
             )
         else:
-            notes.append("the excitations have no common cycle: the sum of the magnitudes bounds the peak")
+            notes.append("the shafts have no short common cycle: their half ranges add up sooner or later")
         if len(chosen) < len(self.lines):
             notes.append(f"{len(chosen)} of {len(self.lines)} orders, the largest")
         return Table(f"{self.title}: {channel.name}", columns, tuple(rows), tuple(notes))
@@ -189,7 +215,7 @@ class OrderResponse:
 
     def _cycle(self) -> int:
         if self.revolutions is None:
-            raise UsageError("the excitations have no common cycle; half_range is the sum of the magnitudes then")
+            raise UsageError("the shafts have no short common cycle; half_range adds up theirs")
         return self.revolutions
 
     def _by_frequency(self) -> ComplexArray:
@@ -202,13 +228,21 @@ class OrderResponse:
             found[:, places[line.relative]] += self.values[:, number]
         return found
 
-    def _spectrum(self, cycle: int) -> ComplexArray:
-        """Amplitudes by periods in the common cycle."""
-        counts = [int(line.relative * cycle) for line in self.lines]
-        found = np.zeros((len(self.speeds), max(counts, default=0) + 1, len(self.outputs)), dtype=complex)
-        for number, count in enumerate(counts):
-            found[:, count] += self.values[:, number]
+    def _spectrum(self, places: Sequence[int], cycle: Fraction | int) -> ComplexArray:
+        """Amplitudes of some lines by their periods in so many revolutions."""
+        counts = {place: int(self.lines[place].relative * cycle) for place in places}
+        shape = (len(self.speeds), max(counts.values(), default=0) + 1, len(self.outputs))
+        found = np.zeros(shape, dtype=complex)
+        for place, count in counts.items():
+            found[:, count] += self.values[:, place]
         return found
+
+
+def _common_cycle(relatives: Sequence[Fraction]) -> int | None:
+    """Revolutions that hold a whole number of periods of each; None where that is too many."""
+    cycle = math.lcm(*(relative.denominator for relative in relatives))
+    highest = max(relatives, default=Fraction(0))
+    return cycle if cycle <= MOST_REVOLUTIONS and cycle * highest <= HIGHEST_LINE else None
 
 
 def _synthesised(spectrum: ComplexArray, points: int | None = None) -> FloatArray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -15,10 +16,12 @@ from torsionnet.core.errors import UsageError, meant_or
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.excitations import OrderExcitation
 from torsionnet.model.speeds import total_ratio
-from torsionnet.response.frequency_response import ComplexArray, FloatArray
+from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderLine, OrderResponse
 from torsionnet.solve.transfer import frequency_response
 
+TOGETHER = 500
+"""Speeds that are solved together, which bounds the memory."""
 FINEST = 10**6
 """Orders are quotients of whole numbers with denominators up to this."""
 
@@ -34,7 +37,28 @@ def order_response(
     """See :meth:`torsionnet.Drivetrain.order_response`."""
     reference, at = _speeds(drivetrain, speeds, speed_of)
     acting = _acting(drivetrain.definition.excitations, excitations)
+    for name, one in acting.items():
+        _require_moving(drivetrain, name, one)
     ratios = {name: _ratio(drivetrain, one.shaft, reference) for name, one in acting.items()}
+    blocks = [_block(drivetrain, outputs, acting, ratios, reference, part) for part in _parts(at)]
+    values = np.concatenate([block.values for block in blocks])
+    return replace(blocks[0], speeds=at, values=values)
+
+
+def _parts(at: FloatArray) -> list[FloatArray]:
+    """Speeds that are solved together."""
+    return [at[start : start + TOGETHER] for start in range(0, len(at), TOGETHER)]
+
+
+def _block(
+    drivetrain: AssembledModel,
+    outputs: str | Sensor | Sequence[str | Sensor],
+    acting: Mapping[str, OrderExcitation],
+    ratios: Mapping[str, Fraction],
+    reference: str,
+    at: FloatArray,
+) -> OrderResponse:
+    """The responses at some speeds."""
     torques = {name: one.torques(at * abs(float(ratios[name]))) for name, one in acting.items()}
     nodes = tuple(dict.fromkeys(node for found in torques.values() for node in found.nodes))
     lines = [
@@ -44,26 +68,28 @@ def order_response(
     ]
     relative = np.array([float(line.relative) for line, _ in lines])
     frequencies, where = np.unique(at[:, None] * relative / (2 * math.pi), return_inverse=True)
-    held = drivetrain.assembly.kinematics.holds
-    driven = [node for node in nodes if not held(node)]
-    torques_on: list[Any] = [Input("torque", node) for node in driven]
+    torques_on: list[Any] = [Input("torque", node) for node in nodes]
     response = frequency_response(drivetrain, outputs, torques_on, frequencies)
-    loads = np.zeros((len(at), len(lines), len(driven)), dtype=complex)
+    # A torque drives the shaft it is on, whichever way that turns.
+    signs = {node: math.copysign(1, _ratio(drivetrain, node, reference)) for node in nodes}
+    loads = np.zeros((len(at), len(lines), len(nodes)), dtype=complex)
     for number, (line, place) in enumerate(lines):
         found = torques[line.excitation]
         for column, node in enumerate(found.nodes):
-            if node in driven:
-                # A torque drives the shaft it is on, whichever way that turns.
-                sign = math.copysign(1, _ratio(drivetrain, node, reference))
-                loads[:, number, driven.index(node)] += sign * found.amplitudes[:, place, column]
-    values = _summed(response.values, where.reshape(len(at), len(lines)), loads)
+            loads[:, number, nodes.index(node)] += signs[node] * found.amplitudes[:, place, column]
+    values = np.einsum("slon,sln->slo", response.values[where.reshape(len(at), len(lines))], loads)
     return OrderResponse(at, reference, tuple(line for line, _ in lines), values, response.outputs, drivetrain.title)
 
 
-def _summed(transfer: ComplexArray, where: np.ndarray[Any, Any], loads: ComplexArray) -> ComplexArray:
-    """Sum over the nodes of transfer functions (n_f, n_out, n_in) times loads (n_speeds, n_lines, n_in)."""
-    found = np.einsum("slon,sln->slo", transfer[where], loads, optimize=False)
-    return np.asarray(found)
+def _require_moving(drivetrain: AssembledModel, name: str, excitation: OrderExcitation) -> None:
+    """Refuse an excitation on what is locked or switched off in this configuration."""
+    for node in excitation.nodes:
+        if node not in drivetrain.nodes:
+            raise UsageError(f'{name} acts on "{node}", to which nothing is attached in this configuration')
+        if drivetrain.assembly.kinematics.holds(node):
+            raise UsageError(
+                f'{name} acts on "{node}", which is locked in this configuration; nothing would come of it'
+            )
 
 
 def _speeds(drivetrain: AssembledModel, speeds: ArrayLike | None, speed_of: str | None) -> tuple[str, FloatArray]:
@@ -90,7 +116,10 @@ def _acting(known: Mapping[str, OrderExcitation], names: Iterable[str] | None) -
 
 
 def _ratio(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
-    return total_ratio(drivetrain.definition, drivetrain.exact_values, node, reference)
+    ratio = total_ratio(drivetrain.definition, drivetrain.exact_values, node, reference)
+    if not ratio:
+        raise UsageError(f"{node} does not turn when {reference} does")
+    return ratio
 
 
 def _fraction(order: float) -> Fraction:

@@ -136,10 +136,10 @@ def competing_axes(definition: Definition) -> list[Fault]:
     homes: dict[str, str] = {}
     for axis, alternatives in definition.configurations.items():
         for label, overlay in alternatives.items():
-            for name in (*overlay.parameters, *overlay.on, *overlay.off):
+            for name in (*overlay.parameters, *overlay.on, *overlay.off, *overlay.excitations):
                 if homes.setdefault(name, axis) != axis:
                     text = f"{name} is set on axis {homes[name]} too; different axes must change different things"
-                    key = name if name in overlay.parameters else "on" if name in overlay.on else "off"
+                    key = "on" if name in overlay.on else "off" if name in overlay.off else name
                     faults.append(Fault(text, ("configurations", axis, label, key), on_key=True, about=name))
     return faults
 

@@ -14,7 +14,13 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.elements.nodes import NodeName
-from torsionnet.model.excitations.order_excitation import FloatArray, OrderExcitation, OrderTorques, register_excitation
+from torsionnet.model.excitations.order_excitation import (
+    ORDER,
+    FloatArray,
+    OrderExcitation,
+    OrderTorques,
+    register_excitation,
+)
 
 _ANGLE = Value("phase: the torque is amplitude * cos(order * phi + phase)", "angle", lower=None)
 
@@ -52,7 +58,7 @@ class ByOrder(Spec):
         faults: list[Fault] = []
         for key, value in raw.items():
             try:
-                order = Value("order", "1", exclusive=True).coerce(key)
+                order = ORDER.coerce(key)
             except EntryError as error:
                 faults.append(Fault(f"an order is a number: {error}", (key,), on_key=True))
                 continue

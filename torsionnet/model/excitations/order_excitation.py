@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import Value
 from torsionnet.core.errors import Path
 
+ORDER = Value("vibrations per revolution", "1", exclusive=True, below=10_000)
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 

@@ -18,6 +18,7 @@ from torsionnet.core.errors import Fault, Path
 from torsionnet.model.elements.nodes import NodeName
 from torsionnet.model.excitations.gas_torque import GAS, piston_area
 from torsionnet.model.excitations.order_excitation import (
+    ORDER,
     ComplexArray,
     FloatArray,
     OrderExcitation,
@@ -27,6 +28,13 @@ from torsionnet.model.excitations.order_excitation import (
 from torsionnet.model.excitations.slider_crank import harmonics, inertia_harmonics, piston_rate
 
 _CYLINDER = Count("number of a cylinder", 1, 99)
+
+
+def _number_fault(name: str) -> str | None:
+    """Why a cylinder cannot be called so."""
+    return None if name.isdecimal() and 0 < int(name) <= 99 else f'cylinders have numbers from 1 to 99, not "{name}"'
+
+
 _ANGLE = Value("angle at which a cylinder fires", "angle", lower=None)
 HIGHEST = {4: 12.0, 2: 15.0}
 """Orders unless others are given."""
@@ -60,6 +68,7 @@ class ReciprocatingEngine(OrderExcitation):
             NodeName("", allow_ground=False),
             form="{1: c1, 2: c2}",
             fewest=1,
+            refused=_number_fault,
         )
     )
     firing_order: Any = entry(
@@ -72,7 +81,10 @@ class ReciprocatingEngine(OrderExcitation):
     )
     firing_angles: Any = entry(
         Named(
-            "instead: cylinder -> crank angle after the first at which it fires", _ANGLE, form="{1: 0 deg, 2: 90 deg}"
+            "instead: cylinder -> crank angle after the first at which it fires",
+            _ANGLE,
+            refused=_number_fault,
+            form="{1: 0 deg, 2: 90 deg}",
         ),
         None,
     )
@@ -93,7 +105,7 @@ class ReciprocatingEngine(OrderExcitation):
     orders: Any = entry(
         Listed(
             "the orders that act; default: 0.5 to 12 of a four-stroke, 1 to 15 of a two-stroke engine",
-            Value("order", "1", exclusive=True),
+            ORDER,
             form="a list of orders",
         ),
         (),
@@ -124,7 +136,7 @@ class ReciprocatingEngine(OrderExcitation):
             yield Fault("an engine needs firing_order or firing_angles, one of the two", on_key=True)
             return
         key = "firing_order" if self.firing_order else "firing_angles"
-        given = list(self.firing_order) or [int(number) for number in self.firing_angles if number.isdigit()]
+        given = list(self.firing_order) or [int(number) for number in self.firing_angles]
         found = {
             "misses cylinder": [number for number in self.numbers if number not in given],
             "has twice cylinder": sorted({number for number in given if given.count(number) > 1}),

@@ -13,7 +13,7 @@ from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
 from torsionnet.core.errors import Fault
 from torsionnet.model.elements.nodes import NodeName
 
-SPEED = Value("a speed", "speed", exclusive=True)
+SPEED = Value("a speed", "speed", exclusive=True, below=1e6)
 FORMS = "300..788 rpm or [300 rpm, 788 rpm]"
 MOST_SPEEDS = 100_000
 _RANGE = re.compile(r"\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*\.\.\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*")
