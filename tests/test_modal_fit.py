@@ -201,7 +201,7 @@ class TestNoise:
 
 
 each_cut = pytest.mark.parametrize(
-    "case", [pytest.param(case, marks=[pytest.mark.slow] * (case not in ("dmf", "V"))) for case in CUT]
+    "case", [pytest.param(case, marks=[pytest.mark.slow] * (case not in ("dmf", "III", "V"))) for case in CUT]
 )
 
 
