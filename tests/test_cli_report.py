@@ -145,6 +145,7 @@ class TestCommand:
         assert "Test and model" in text
         assert "Fitted parameters" in text
 
+    @pytest.mark.slow
     def test_a_test_is_compared_in_its_band_with_segments_of_its_length(self, folder, record):
         names = ["--record", record, "--output", "theta_1", "--input", "T_T", "--section", "validity", *DATE]
         run("report", "dmf_rig", *names, "--seconds", "4", "--record-band", "2", "9", "-o", "r.md")

@@ -118,6 +118,7 @@ class TestHtml:
         short = [html_page(make_report("amt_rig", date=date, sections=["validity"])) for date in (DATE, "2025-04-01")]
         assert short[0] != short[1]
 
+    @pytest.mark.slow
     def test_bytes_do_not_depend_on_the_hash_seed(self, written, tmp_path):
         program = f"import sys, torsionnet as tn; tn.write_report('dmf_rig', sys.argv[1], date='{DATE}')"
         here, there = written("dmf_rig"), tmp_path / "there.html"

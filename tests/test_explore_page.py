@@ -345,6 +345,7 @@ def test_an_address_of_another_model_does_no_harm(chromium, amt):
 @pytest.mark.parametrize(
     ("scheme", "other"), [pytest.param("light", "dark", marks=pytest.mark.slow), ("dark", "light")]
 )
+@pytest.mark.slow
 def test_dark_and_light(chromium, amt, scheme, other):
     with visit(chromium, amt.address, viewport=WIDE, color_scheme=scheme) as found:
         theme = "document.documentElement.dataset.theme"
@@ -356,6 +357,7 @@ def test_dark_and_light(chromium, amt, scheme, other):
         assert found.page.evaluate(theme) == other
 
 
+@pytest.mark.slow
 def test_a_server_that_has_ended_is_told(chromium):
     with serving("dmf_rig") as server, visit(chromium, server.address, viewport=WIDE) as found:
         found.page.route("**/api/answer", lambda route: route.abort())

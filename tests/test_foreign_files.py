@@ -318,6 +318,7 @@ class TestClaims:
         path = mat_file(tmp_path / "r.mat", mat_variable("x", (1, 1)), mat_variable("y", (1, 1), length=10**9))
         assert "variable 2 says that it holds more than there is" in message(path)
 
+    @pytest.mark.slow
     def test_mat_bomb(self, tmp_path):
         from scipy.io import savemat
 

@@ -269,6 +269,7 @@ def test_nearly_indistinguishable_parameters_are_named_with_their_correlation():
 
 
 @ROUTES
+@pytest.mark.slow
 def test_fifth_gear_with_more_drag_is_found_and_named(route):
     rig = tn.load("amt_rig")
     odd = observed(route, rig.configured("V", c_O=360), "V")

@@ -281,6 +281,7 @@ def test_several_wrong_things_have_no_single_explanation(rig):
     assert not any(one.complete for one in fit.lack_of_fit.explanations)
 
 
+@pytest.mark.slow
 def test_only_the_gear_that_does_not_fit_is_named():
     rig = tn.load("amt_rig")
     tests = [measurement_of(bench(rig.configured(gear)).run(), configuration=gear) for gear in ("II", "III")]

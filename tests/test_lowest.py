@@ -79,7 +79,7 @@ def test_lowest_modes_are_the_dense_ones(case, seed, sparse_only):
     assert shapes.shape == (system.n_coordinates, 12)
 
 
-@settings(max_examples=campaigns.examples(8, 25), deadline=None)
+@settings(max_examples=campaigns.examples(5, 25), deadline=None)
 @given(seed=st.integers(0, 10**6), damped=st.booleans(), drag=st.booleans(), massless=st.integers(0, 15))
 def test_any_tree(seed, damped, drag, massless):
     system = tree(seed, 80, damped=damped, drag=drag, massless=massless, ground=seed % 2)

@@ -250,6 +250,7 @@ class TestChoiceOfTheMethod:
         np.testing.assert_allclose(found.natural_frequencies, [11.0, 11.165, 22.0], rtol=2e-3)
         assert found.notes[0].startswith("method: rational fraction")
 
+    @pytest.mark.slow
     def test_twelve_light_modes_are_taken_from_lscf(self):
         frequencies = 30 * 4 ** (np.arange(12) / 11)
         poles = [pole(f, 0.007) for f in frequencies]

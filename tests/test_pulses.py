@@ -187,6 +187,7 @@ class TestRepairs:
         with pytest.raises(SolveError, match=r"the speed changes too fast around 0\.5"):
             angle_from_pulses(np.delete(even, 50), 100, 100.0, fill=False)
 
+    @pytest.mark.slow
     def test_no_good_record_is_touched_at_random(self):
         """Pitch errors of 3 %, swings and run-ups: the repair finds back what was done to them, and nothing else."""
         rng = np.random.default_rng(4)

@@ -109,6 +109,7 @@ def test_parameters_are_fitted_along(of):
     assert "d" not in [one.unknown for one in ranking.causes]
 
 
+@pytest.mark.slow
 def test_a_fit_of_three_magnitudes_names_the_ratio(figure, fit):
     """By the error stated, which alone says what noise there is."""
     assert fit.lack_of_fit.rejected
@@ -143,6 +144,7 @@ def command_files(folder, monkeypatch):
     )
 
 
+@pytest.mark.slow
 def test_command(tmp_path, monkeypatch):
     """The model does not fit by the error stated; what would explain it is told with a table."""
     command_files(tmp_path, monkeypatch)
