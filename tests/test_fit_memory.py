@@ -198,6 +198,7 @@ def test_a_fit_file_decimates_as_the_bands_allow(folder, settings, factors):
     assert [one.settings.decimation for one in plan.measurements] == factors
 
 
+@pytest.mark.slow
 def test_the_command_tells_decimation_and_memory(folder, monkeypatch):
     monkeypatch.setattr("torsionnet.cli.memory_note.WORTH_TELLING", 1e6)
     (folder / "fit.yaml").write_text(FIT.replace(FREE, ""))

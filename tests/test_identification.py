@@ -344,6 +344,7 @@ def test_profile_is_lopsided_where_the_problem_is():
 
 
 @pytest.mark.parametrize("runs", [50, pytest.param(150, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_standard_errors_are_the_scatter(runs):
     rig = tn.load("dmf_rig")
     fits = [tn.identify(rig, measured(response(rig, noise=0.02, seed=seed)), ["c_2", "k_2"]) for seed in range(runs)]
@@ -390,6 +391,7 @@ def test_excluded_lines_and_bands_do_not_count():
     assert fit.comparisons[0].frequencies.max() < 8.9
 
 
+@pytest.mark.slow
 def test_several_starts_find_the_best_of_several_optima():
     rig = tn.load("amt_rig").configured("V")
     data = response(rig, f=np.linspace(3, 12, 60))

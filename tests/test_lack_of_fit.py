@@ -313,6 +313,7 @@ def test_viscous_model_of_a_hysteretic_response(rig):
     assert best.values["dmf.loss_factor"] == pytest.approx(0.4, rel=0.05)
 
 
+@pytest.mark.slow
 def test_candidates_of_a_choice_are_judged_too(rig):
     from torsionnet.identification import Candidate, choose_model
 

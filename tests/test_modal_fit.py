@@ -472,6 +472,7 @@ class TestWorth:
 
 class TestRefinement:
     @pytest.mark.parametrize("runs", [3, pytest.param(10, marks=pytest.mark.slow)])
+    @pytest.mark.slow
     def test_a_noisy_sensor_weighs_less(self, runs):
         """Against fitting the clean sensor alone: a second one with much noise must not spoil the poles."""
         poles = [pole(8, 0.1)]

@@ -326,7 +326,9 @@ def test_many_random_drivetrains_agree_with_exact_mechanics(part):
     agrees((f"tests-{i}" for i in range(25 * part, 25 * part + 25)), 8000)
 
 
-@pytest.mark.parametrize("seed", ["7-41", "7-100", pytest.param("8-8", marks=pytest.mark.slow), "9-64", "9-149", "9-190", "9-531", "10-15"])
+@pytest.mark.parametrize(
+    "seed", ["7-41", "7-100", pytest.param("8-8", marks=pytest.mark.slow), "9-64", "9-149", "9-190", "9-531", "10-15"]
+)
 def test_models_that_once_disagreed(seed):
     """Symbols that cancel, shares next to 1, direct shares of torques as floats, dependent inputs in many digits."""
     agrees([seed], 400)

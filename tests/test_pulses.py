@@ -306,6 +306,7 @@ class TestFiles:
         with pytest.raises(ModelError, match=message):
             read_recording(folder / "train.npz", pulses=pulses, quantities={"T": "torque"})
 
+    @pytest.mark.slow
     def test_the_commands_take_them(self, folder):
         arguments = ("--input", "T", "--output", "n1", "--detrend", "linear", "--seconds", "1", "--json")
         given = ("estimate", "stamps.npz", "--pulses", "n1=60", "--quantity", "T=torque", *arguments)

@@ -114,6 +114,7 @@ class TestEveryFormIsTheNumericResponse:
         drivetrain, question = a_drivetrain_and_a_question(source, planetary=True, count=3)
         assert_all_forms(drivetrain, *question)
 
+    @pytest.mark.slow
     def test_more_loops_than_deletion_and_contraction_takes(self):
         names = ["a", "b", "c", "d", "e"]
         elements = [tn.Inertia(f"J{n}", node=n, inertia=f"J_{n}") for n in names]
