@@ -343,6 +343,16 @@ def test_profile_is_lopsided_where_the_problem_is():
     assert high - fit.values["k_1"] > 1.2 * (fit.values["k_1"] - low)
 
 
+def test_profile_of_a_response_without_noise_is_a_point():
+    """Nothing may change then, so that rounding alone decides on which side of the limit the best values lie."""
+    rig = tn.load("dmf_rig")
+    fit = tn.identify(
+        rig.configured(k_2=430, c_2=3.7), measured(response(rig, f=np.linspace(1, 30, 40))), ["k_2", "c_2", "c_B"]
+    )
+    for name in ("c_2", "c_B"):
+        assert fit.profile(name) == pytest.approx((fit.values[name],) * 2, rel=1e-6)
+
+
 @pytest.mark.parametrize("runs", [50, pytest.param(150, marks=pytest.mark.slow)])
 @pytest.mark.slow
 def test_standard_errors_are_the_scatter(runs):

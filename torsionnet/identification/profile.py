@@ -60,6 +60,9 @@ class _Profile:
                 if self.rise(place, guess) < 0:
                     return bound
             if self.rise(place, guess) >= 0:
+                # Without noise no change is allowed, and rounding decides what the best values themselves make.
+                if self.rise(inside, guess) >= 0:
+                    return inside
                 low, high = sorted((inside, place))
                 return float(brentq(self.rise, low, high, args=(guess,), xtol=1e-3 * self.step))
             inside, reach = place, 2 * reach
