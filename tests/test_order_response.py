@@ -142,7 +142,7 @@ class TestSumOverOrders:
     def test_shafts_without_a_common_cycle_keep_the_phases_of_their_own_orders(self):
         """Two orders of one shaft and one of another, against the sum over a long time."""
         ratio = Fraction(1618033, 1000000)
-        lines = (OrderLine("a", 1, Fraction(1)), OrderLine("a", 3, Fraction(3)), OrderLine("b", 2, 2 * ratio))
+        lines = (OrderLine("a", 1, Fraction(1)), OrderLine("a", 3, Fraction(1)), OrderLine("b", 2, ratio))
         both = response(lines, [[1, -1, 0.5]])
         phi = np.linspace(0, 2 * np.pi * 400, 1_000_001)
         total = np.cos(phi) - np.cos(3 * phi) + 0.5 * np.cos(2 * float(ratio) * phi)
@@ -150,12 +150,19 @@ class TestSumOverOrders:
         assert both.half_range[0, 0] == pytest.approx((total.max() - total.min()) / 2, rel=2e-4)
 
     def test_lines_of_one_frequency_add_up_with_their_phases(self):
-        lines = (OrderLine("a", 2, Fraction("2")), OrderLine("b", 1, Fraction("2")))
+        lines = (OrderLine("a", 2, Fraction(1)), OrderLine("b", 1, Fraction(2)))
         assert response(lines, [[1, -1]]).half_range[0, 0] == pytest.approx(0, abs=1e-12)
+
+    def test_one_order_of_two_shafts_is_not_added(self):
+        """Order 4 of the engine and of the propeller are different frequencies: which is meant has to be said."""
+        run = response((OrderLine("engine", 4, Fraction(1)), OrderLine("screw", 4, Fraction(1, 5))), [[1, 2]])
+        with pytest.raises(tn.UsageError, match="order 4 of engine and screw is not one frequency"):
+            run.of_order(4)
+        assert run.of_order(4, excitation="screw") == pytest.approx([2])
 
 
 def two_lines():
-    return OrderLine("e", 1, Fraction(1)), OrderLine("e", 3, Fraction(3))
+    return OrderLine("e", 1, Fraction(1)), OrderLine("e", 3, Fraction(1))
 
 
 def response(lines, values):

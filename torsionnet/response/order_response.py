@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 
 import numpy as np
 
@@ -34,14 +35,23 @@ class OrderLine:
     ----------
     excitation : str
     order : float
-        Of the shaft the excitation runs with.
-    relative : Fraction
-        Vibrations per revolution of the reference shaft.
+        Vibrations per revolution of the shaft the excitation runs with.
+    ratio : Fraction
+        Revolutions of that shaft per revolution of the reference shaft, above 0.
     """
 
     excitation: str
     order: float
-    relative: Fraction
+    ratio: Fraction
+
+    @property
+    def exact_order(self) -> Fraction:
+        return Fraction(float(self.order)).limit_denominator(FINEST)
+
+    @property
+    def relative(self) -> Fraction:
+        """Vibrations per revolution of the reference shaft."""
+        return self.exact_order * self.ratio
 
     def __str__(self) -> str:
         return f"{self.excitation} {self.order:g}"
@@ -77,7 +87,7 @@ class OrderResponse:
         """Speeds of the reference shaft, r/min."""
         return np.asarray(self.speeds * RPM)
 
-    @property
+    @cached_property
     def revolutions(self) -> int | None:
         """Revolutions of the reference shaft after which everything repeats; None where that takes too long."""
         return _common_cycle([line.relative for line in self.lines])
@@ -99,7 +109,13 @@ class OrderResponse:
         return names.index(name)
 
     def of_order(self, order: float, output: str | None = None, excitation: str | None = None) -> ComplexArray:
-        """Amplitudes over speed, shape (n_speeds,), of an order of one excitation; without a name, the sum of all."""
+        """Amplitudes over speed, shape (n_speeds,), of an order; several excitations of one shaft are added.
+
+        Raises
+        ------
+        UsageError
+            Nothing has this order, or shafts of different speeds have it and no excitation is named.
+        """
         found = [
             place
             for place, line in enumerate(self.lines)
@@ -107,6 +123,9 @@ class OrderResponse:
         ]
         if not found:
             raise UsageError(f"no order {order:g} acts; there are {', '.join(map(str, self.lines))}")
+        if len({self.lines[place].relative for place in found}) > 1:
+            names = " and ".join(self.lines[place].excitation for place in found)
+            raise UsageError(f"order {order:g} of {names} is not one frequency; say which excitation")
         return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
 
     def waveform(self, output: str | None = None, points: int | None = None) -> tuple[FloatArray, FloatArray]:
@@ -128,7 +147,7 @@ class OrderResponse:
         waves = _synthesised(self._spectrum(range(len(self.lines)), cycle)[:, :, place : place + 1], points)[:, :, 0]
         return 2 * np.pi * cycle * np.arange(waves.shape[1]) / waves.shape[1], waves
 
-    @property
+    @cached_property
     def half_range(self) -> FloatArray:
         """(max - min)/2 of the sum of all orders over the common cycle, shape (n_speeds, n_out).
 
@@ -138,20 +157,12 @@ class OrderResponse:
         if self.revolutions is not None:
             return self._half_range(range(len(self.lines)), self.revolutions)
         total = np.zeros((len(self.speeds), len(self.outputs)))
-        for places in self._shafts():
-            orders = [self.lines[place].relative for place in places]
-            cycle = _common_cycle([order / orders[0] for order in orders])
-            total += (
-                self._half_range(places, cycle / orders[0]) if cycle else np.abs(self.values[:, places]).sum(axis=1)
-            )
+        for ratio in dict.fromkeys(line.ratio for line in self.lines):
+            places = [place for place, line in enumerate(self.lines) if line.ratio == ratio]
+            cycle = _common_cycle([self.lines[place].exact_order for place in places])
+            alone = np.abs(self.values[:, places]).sum(axis=1)
+            total += self._half_range(places, cycle / ratio) if cycle else alone
         return total
-
-    def _shafts(self) -> list[list[int]]:
-        """Places of the lines that belong to one shaft, by its speed."""
-        found: dict[Fraction, list[int]] = {}
-        for place, line in enumerate(self.lines):
-            found.setdefault(line.relative / Fraction(line.order).limit_denominator(FINEST), []).append(place)
-        return list(found.values())
 
     def _half_range(self, places: Sequence[int], cycle: Fraction | int) -> FloatArray:
         spectrum = self._spectrum(places, cycle)
@@ -162,7 +173,7 @@ class OrderResponse:
             found.append((_highest(waves) + _highest(-waves)) / 2)
         return np.concatenate(found)
 
-    @property
+    @cached_property
     def rms(self) -> FloatArray:
         """Root mean square of the sum of all orders, shape (n_speeds, n_out)."""
         return np.asarray(np.sqrt((np.abs(self._by_frequency()) ** 2).sum(axis=1) / 2))

@@ -22,8 +22,6 @@ from torsionnet.solve.transfer import frequency_response
 
 TOGETHER = 500
 """Speeds that are solved together, which bounds the memory."""
-FINEST = 10**6
-"""Orders are quotients of whole numbers with denominators up to this."""
 
 
 def order_response(
@@ -62,7 +60,7 @@ def _block(
     torques = {name: one.torques(at * abs(float(ratios[name]))) for name, one in acting.items()}
     nodes = tuple(dict.fromkeys(node for found in torques.values() for node in found.nodes))
     lines = [
-        (OrderLine(name, float(order), _fraction(order) * abs(ratios[name])), place)
+        (OrderLine(name, float(order), abs(ratios[name])), place)
         for name, found in torques.items()
         for place, order in enumerate(found.orders)
     ]
@@ -120,7 +118,3 @@ def _ratio(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
     if not ratio:
         raise UsageError(f"{node} does not turn when {reference} does")
     return ratio
-
-
-def _fraction(order: float) -> Fraction:
-    return Fraction(float(order)).limit_denominator(FINEST)
