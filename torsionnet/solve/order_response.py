@@ -18,7 +18,7 @@ from torsionnet.model.excitations import OrderExcitation
 from torsionnet.model.speeds import total_ratio
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderLine, OrderResponse
-from torsionnet.solve.transfer import frequency_response
+from torsionnet.solve.shared_response import shared_response
 
 TOGETHER = 500
 """Speeds that are solved together, which bounds the memory."""
@@ -67,7 +67,7 @@ def _block(
     relative = np.array([float(line.relative) for line, _ in lines])
     frequencies, where = np.unique(at[:, None] * relative / (2 * math.pi), return_inverse=True)
     torques_on: list[Any] = [Input("torque", node) for node in nodes]
-    response = frequency_response(drivetrain, outputs, torques_on, frequencies)
+    response = shared_response(drivetrain, outputs, torques_on, frequencies)
     # A torque drives the shaft it is on, whichever way that turns.
     signs = {node: math.copysign(1, _ratio(drivetrain, node, reference)) for node in nodes}
     loads = np.zeros((len(at), len(lines), len(nodes)), dtype=complex)
