@@ -114,7 +114,11 @@ def _acting(known: Mapping[str, OrderExcitation], names: Iterable[str] | None) -
 
 
 def _ratio(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
-    ratio = total_ratio(drivetrain.definition, drivetrain.exact_values, node, reference)
+    ratio = drivetrain.assembly.system.memo.once(
+        Fraction,
+        ("total ratio", node, reference),
+        lambda: total_ratio(drivetrain.definition, drivetrain.exact_values, node, reference),
+    )
     if not ratio:
         raise UsageError(f"{node} does not turn when {reference} does")
     return ratio
