@@ -43,6 +43,15 @@ def order_response(
     return replace(blocks[0], speeds=at, values=values)
 
 
+def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, float]:
+    """Rated speed, or the highest one examined, of the reference shaft and of the shaft of an excitation; rad/s."""
+    given = drivetrain.definition.speeds
+    reference, at = _speeds(drivetrain, None, None)
+    speed = float(given.rated) if given and given.rated else float(at[-1])
+    shaft = drivetrain.definition.excitations[excitation].shaft
+    return speed, speed * abs(float(_ratio(drivetrain, shaft, reference)))
+
+
 def _parts(at: FloatArray) -> list[FloatArray]:
     """Speeds that are solved together."""
     return [at[start : start + TOGETHER] for start in range(0, len(at), TOGETHER)]
