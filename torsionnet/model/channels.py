@@ -33,7 +33,7 @@ UNITS = {
 class Sensor:
     """A measured quantity: angle, velocity or acceleration of a node, twist, torque or shear stress of an element.
 
-    ``at`` is the port (or its node) where a torque or stress is taken; without it, the port that defines the element's sign.
+    ``at`` is the port (or its node) where a torque or stress is taken; without it, the port that defines the sign.
 
     Examples
     --------

@@ -3,8 +3,8 @@
 An angle, its rates and a twist are a motion of nodes. A torque is what the element's own laws and constraints do at one
 node: of every law its torque times the coefficient there, and so of every constraint. The torque of a constraint is its
 multiplier, which equilibrium gives: with a virtual motion z that violates this constraint alone by one,
-lambda = z^T (B u - D(s) theta), the work of all laws and of the torques applied. A nominal shear stress is the torque over
-the section modulus of a round shaft, pi (D^4 - d^4) / (16 D).
+lambda = z^T (B u - D(s) theta), the work of all laws and of the torques applied. A nominal shear stress is the torque
+over the section modulus of a round shaft, pi (D^4 - d^4) / (16 D).
 """
 
 from __future__ import annotations
