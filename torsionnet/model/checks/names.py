@@ -10,6 +10,7 @@ from torsionnet.model.channels import port_fault
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND
 from torsionnet.model.operating_point import OperatingPoint
+from torsionnet.model.readings import section_fault
 
 MOST_HINTS = 20
 """Dead ends for which a node is looked for that may have been meant: where there are more, they are no misspellings."""
@@ -98,10 +99,14 @@ def unknown_elements(definition: Definition) -> list[Fault]:
         element = definition.elements.get(sensor.of)
         if element is None:
             faults.append(_no_element(sensor.of, definition, path))
-        elif sensor.at is not None:
+            continue
+        if sensor.at is not None:
             reason = port_fault(element, sensor.at)
             if reason:
                 faults.append(Fault(reason, ("sensors", name, "at")))
+        reason = section_fault(element) if sensor.quantity == "stress" else None
+        if reason:
+            faults.append(Fault(reason, path))
     return faults
 
 
