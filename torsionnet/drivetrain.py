@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from torsionnet.model.channels import Sensor
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
+    from torsionnet.response.damper_optimum import DamperOptimum
     from torsionnet.response.mean_response import MeanResponse
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.response.recording import Recording
@@ -230,6 +231,62 @@ class Drivetrain(AssembledModel):
         from torsionnet.solve.mean_response import mean_response
 
         return mean_response(self, outputs, speeds)
+
+    def damper_design(
+        self,
+        output: str | Sensor,
+        parameters: str | Sequence[str] | Mapping[str, Sequence[float | str] | None],
+        *,
+        input: str | Sensor | None = None,
+        band: tuple[float, float] | None = None,
+        speeds: ArrayLike | None = None,
+        speed_of: str | None = None,
+        excitations: Iterable[str] | None = None,
+    ) -> DamperOptimum:
+        """The damping and stiffness of dampers with which the largest vibration is smallest.
+
+        Parameters
+        ----------
+        output : str or Sensor
+            What is to be small, as for :meth:`frequency_response`.
+        parameters : str, sequence of str, or mapping
+            Names of parameters or ``element.field``, with (lower, upper) bounds in SI or with units if a mapping. Bounds
+            not given are those of the model, else a tenth to ten times the value.
+        input : str or Sensor, optional
+            The largest magnitude of output over input within ``band`` is made small. Without it the largest half range
+            of all orders over ``speeds``, under the model's excitations.
+        band : (float, float), optional
+            Hz; default: around all natural frequencies.
+        speeds, speed_of, excitations
+            As for :meth:`order_response`.
+
+        Raises
+        ------
+        UsageError
+            Unknown names, no bounds, or what goes only with the other question.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> crank = tn.Drivetrain("crank", [tn.Inertia("mass", node="a", inertia=2),
+        ...     tn.Spring("shaft", nodes=("a", "ground"), stiffness=8e4),
+        ...     tn.ViscousDamper("damper", node="a", ring_inertia=1, damping=100)])
+        >>> found = crank.damper_design("a", {"damper.damping": (20, 2000)}, input="a")
+        >>> round(found.values["damper.damping"] / (2 * 1 * 200), 4)  # Den Hartog: 1/sqrt(2 (1 + mu) (2 + mu)), mu = 1/2
+        0.3651
+        """
+        from torsionnet.solve.design import damper_design
+
+        return damper_design(
+            self,
+            output,
+            parameters,
+            input=input,
+            band=band,
+            speeds=speeds,
+            speed_of=speed_of,
+            excitations=excitations,
+        )
 
     def simulate(self, outputs: Channels, inputs: Mapping[str, ArrayLike], sampling_rate: float) -> Recording:
         """Motion over time from rest, exact for torques that run straight from sample to sample.

@@ -4,6 +4,7 @@ from torsionnet.plot.bode import bode
 from torsionnet.plot.circle import circle
 from torsionnet.plot.coherence import coherence
 from torsionnet.plot.comparison import comparison
+from torsionnet.plot.damper_curves import damper_design
 from torsionnet.plot.fits import correlation, fit
 from torsionnet.plot.histories import time_histories
 from torsionnet.plot.mac import mac_matrix
@@ -21,6 +22,7 @@ __all__ = [
     "coherence",
     "comparison",
     "correlation",
+    "damper_design",
     "fit",
     "half_ranges",
     "mac_matrix",
