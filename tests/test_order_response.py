@@ -14,7 +14,8 @@ from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngin
 from torsionnet.model.excitations.slider_crank import piston_curvature, piston_rate
 from torsionnet.plot import order_response as drawn
 from torsionnet.plot import waveform
-from torsionnet.response.order_response import OrderLine, OrderResponse
+from torsionnet.response.order_line import OrderLine
+from torsionnet.response.order_response import OrderResponse
 
 CASES = {"normal": lambda data: data["normal"], "motored": lambda data: data["misfire"]["motored"],
          "gas_off": lambda data: data["misfire"]["gas_off"]}  # fmt: skip

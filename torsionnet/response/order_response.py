@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,59 +14,28 @@ from numpy.typing import ArrayLike
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import Channel, ComplexArray, FloatArray
+from torsionnet.response.order_line import OrderLine, near_fraction
+from torsionnet.response.synthesis import PER_PERIOD, common_cycle, highest, synthesised
 from torsionnet.response.table import Column, Table
 
-PER_PERIOD = 64
-"""Points on a waveform for each period of its highest order."""
-MOST_REVOLUTIONS, HIGHEST_LINE = 1000, 5000
-"""A common cycle of more revolutions, or with more periods in it, is none that anybody waits for."""
-FINEST = 10**6
-"""Largest denominator of an order."""
 MOST_POINTS = 4_000_000
 """Points of waveforms that are held at a time."""
 RPM = 60 / (2 * math.pi)
 PHASE_NOTE = "order h acts with cos(h phi + phase), phi the angle of the shaft of its excitation"
 
 
-@dataclass(frozen=True)
-class OrderLine:
-    """One order of one excitation, or a frequency of it that does not follow the speed.
-
-    Attributes
-    ----------
-    excitation : str
-    order : float
-        Vibrations per revolution of the shaft the excitation runs with.
-    ratio : Fraction
-        Revolutions of that shaft per revolution of the reference shaft, not negative.
-    fixed : float
-        Hz, added to what follows the speed: all of it where ``order`` is 0; with an order below 0 a slip.
-    """
-
-    excitation: str
-    order: float
-    ratio: Fraction
-    fixed: float = 0.0
+@runtime_checkable
+class MeanValues(Protocol):
+    """Mean values of outputs by speed; outputs and speeds as in an order response."""
 
     @property
-    def exact_order(self) -> Fraction:
-        return _fraction(float(self.order))
+    def speeds(self) -> FloatArray: ...
 
     @property
-    def relative(self) -> Fraction:
-        """Vibrations per revolution of the reference shaft."""
-        return self.exact_order * self.ratio
+    def values(self) -> FloatArray: ...
 
-    def frequency(self, speeds: FloatArray) -> FloatArray:
-        """Hz at speeds of the reference shaft in rad/s; below 0 where a slip has changed its sign."""
-        return np.asarray(float(self.relative) * speeds / (2 * math.pi) + self.fixed)
-
-    def __str__(self) -> str:
-        if not self.fixed:
-            return f"{self.excitation} {self.order:g}"
-        if not self.order:
-            return f"{self.excitation} {self.fixed:g} Hz"
-        return f"{self.excitation} {self.fixed:g} Hz {'-' if self.order < 0 else '+'} order {abs(self.order):g}"
+    @property
+    def outputs(self) -> tuple[Channel, ...]: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +73,7 @@ class OrderResponse:
         """Revolutions of the reference shaft after which everything repeats; None where nothing or too many do it."""
         if any(line.fixed for line in self.lines):
             return None
-        return _common_cycle([line.relative for line in self.lines])
+        return common_cycle([line.relative for line in self.lines])
 
     def output(self, name: str | None = None) -> int:
         """Place of an output by its name; of the only one without.
@@ -176,7 +145,7 @@ class OrderResponse:
         cycle = self._cycle()
         place = self.output(output)
         counts = [int(line.relative * cycle) for line in self.lines]
-        waves = _synthesised(self._spectrum(range(len(self.lines)), counts)[:, :, place : place + 1], points)[:, :, 0]
+        waves = synthesised(self._spectrum(range(len(self.lines)), counts)[:, :, place : place + 1], points)[:, :, 0]
         return 2 * np.pi * cycle * np.arange(waves.shape[1]) / waves.shape[1], waves
 
     @cached_property
@@ -209,23 +178,23 @@ class OrderResponse:
         for places in families.values():
             lines = [self.lines[place] for place in places]
             if lines[0].fixed and lines[0].order:
-                yield places, [1] * len(places)
+                yield places, None
                 continue
-            rates = [_fraction(line.fixed) if line.fixed else line.exact_order for line in lines]
-            highest = max(rates)
-            cycle = _common_cycle([rate / highest for rate in rates] if lines[0].fixed else rates)
+            rates = [near_fraction(line.fixed) if line.fixed else line.exact_order for line in lines]
+            top = max(rates)
+            cycle = common_cycle([rate / top for rate in rates] if lines[0].fixed else rates)
             if cycle is None:
                 yield places, None
             else:
-                yield places, [int(rate / highest * cycle if lines[0].fixed else rate * cycle) for rate in rates]
+                yield places, [int(rate / top * cycle if lines[0].fixed else rate * cycle) for rate in rates]
 
     def _bounds(self, places: Sequence[int], counts: Sequence[int]) -> FloatArray:
         spectrum = self._spectrum(places, counts)
         together = max(1, MOST_POINTS // (PER_PERIOD * spectrum.shape[1] * spectrum.shape[2]))
         found = []
         for start in range(0, len(spectrum), together):
-            waves = _synthesised(spectrum[start : start + together])
-            found.append(np.array([_highest(waves), -_highest(-waves)]))
+            waves = synthesised(spectrum[start : start + together])
+            found.append(np.array([highest(waves), -highest(-waves)]))
         return np.concatenate(found, axis=1)
 
     @property
@@ -243,20 +212,24 @@ class OrderResponse:
         """Largest distance from the mean to either side, shape (n_speeds, n_out)."""
         return np.asarray(np.abs(self.bounds).max(axis=0))
 
-    def extremes(self, mean: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    def extremes(self, mean: ArrayLike | MeanValues) -> tuple[FloatArray, FloatArray]:
         """Largest and smallest value with the mean, each of shape (n_speeds, n_out).
 
         Parameters
         ----------
-        mean : (n_speeds, n_out) or (n_out,) array
+        mean : MeanResponse, or (n_speeds, n_out) or (n_out,) array
             Of the outputs, SI units.
 
         Raises
         ------
         UsageError
-            Another shape.
+            Another shape, or a mean response of other speeds or outputs.
         """
-        given = np.asarray(mean, dtype=float)
+        if isinstance(mean, MeanValues):
+            same = len(mean.speeds) == len(self.speeds) and np.allclose(mean.speeds, self.speeds, rtol=1e-9)
+            if not same or [one.name for one in mean.outputs] != [one.name for one in self.outputs]:
+                raise UsageError("the mean values are of other speeds or outputs; ask for the same ones")
+        given = np.asarray(mean.values if isinstance(mean, MeanValues) else mean, dtype=float)
         if given.shape not in (self.bounds.shape[1:], self.bounds.shape[2:]):
             text = f"{len(self.speeds)} speeds and {len(self.outputs)} outputs, the mean has the shape {given.shape}"
             raise UsageError(f"the response has {text}")
@@ -346,34 +319,3 @@ class OrderResponse:
         for place, count in zip(places, counts, strict=True):
             found[:, count] += self.values[:, place]
         return found
-
-
-def _fraction(value: float) -> Fraction:
-    return Fraction(value).limit_denominator(FINEST)
-
-
-def _common_cycle(relatives: Sequence[Fraction]) -> int | None:
-    """Revolutions that hold a whole number of periods of each; None where that is too many."""
-    cycle = math.lcm(*(relative.denominator for relative in relatives))
-    highest = max(relatives, default=Fraction(0))
-    return cycle if cycle <= MOST_REVOLUTIONS and cycle * highest <= HIGHEST_LINE else None
-
-
-def _synthesised(spectrum: ComplexArray, points: int | None = None) -> FloatArray:
-    """Re sum_k X_k exp(j k phi) at even steps, shape (n_speeds, n, n_out)."""
-    highest = spectrum.shape[1] - 1
-    n = points or 1 << math.ceil(math.log2(PER_PERIOD * max(highest, 1)))
-    if n <= 2 * highest:
-        raise UsageError(f"{n} points do not show {highest} periods; take more than {2 * highest}")
-    return np.asarray(np.fft.irfft(spectrum, n, axis=1) * n / 2)
-
-
-def _highest(waves: FloatArray) -> FloatArray:
-    """Largest value along the cycle, by the parabola through the largest point and its neighbours."""
-    at = np.argmax(waves, axis=1)[:, None]
-    n = waves.shape[1]
-    before, peak, after = (np.take_along_axis(waves, (at + step) % n, axis=1)[:, 0] for step in (-1, 0, 1))
-    curvature = before - 2 * peak + after
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rise = np.where(curvature < 0, (before - after) ** 2 / (-8 * curvature), 0)
-    return np.asarray(peak + rise)

@@ -18,7 +18,8 @@ from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
 from torsionnet.model.speeds import total_ratio
 from torsionnet.response.frequency_response import Channel, FloatArray
-from torsionnet.response.order_response import OrderLine, OrderResponse
+from torsionnet.response.order_line import OrderLine
+from torsionnet.response.order_response import OrderResponse
 from torsionnet.solve.posed import twisted_law
 from torsionnet.solve.transfer import frequency_response
 

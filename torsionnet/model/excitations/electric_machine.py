@@ -153,20 +153,21 @@ class ElectricMachine(OrderExcitation):
                 if getattr(self, name):
                     yield Fault(f"{name} needs the pole pairs of the machine: pole_pairs: 2", (name,), on_key=True)
         if self.rated_torque is None:
-            for path, one in self._shares():
-                if one.share:
-                    yield Fault("a share needs the torque it is of: rated_torque: 12 kN*m", (*path, "share"))
+            for path, table in self._tables():
+                for key, one in table.items():
+                    if one.share:
+                        text = "a share needs the torque it is of: rated_torque: 12 kN*m"
+                        yield Fault(text, (*path, f"{key:g}", "share"))
             if self.torque:
                 yield Fault("shares of the rated torque need rated_torque: 12 kN*m", ("torque",), on_key=True)
         if self.stator == self.node:
             yield Fault("rotor and stator are on two nodes", ("stator",))
 
-    def _shares(self) -> Iterator[tuple[Path, AirGapTorque]]:
-        """Where pulsations stand, and what they are."""
-        for name in ("orders", "electrical_orders", "frequencies"):
-            yield from (((name, key), one) for key, one in getattr(self, name).items())
+    def _tables(self) -> Iterator[tuple[Path, Mapping[float, AirGapTorque]]]:
+        """Where tables of pulsations stand, and what they are."""
+        yield from (((name,), getattr(self, name)) for name in ("orders", "electrical_orders", "frequencies"))
         if self.line:
-            yield from ((("line", "multiples", key), one) for key, one in self.line.multiples.items())
+            yield ("line", "multiples"), self.line.multiples
 
     @property
     def shaft(self) -> str:
@@ -199,12 +200,14 @@ class ElectricMachine(OrderExcitation):
     def _pulsations(self, speeds: FloatArray) -> Iterator[_Pulsation]:
         rated = (self.rated_torque or 0.0) * np.ones(len(speeds))
         present = rated * over_speed(self.torque, speeds, "the torque") if self.torque else rated
-        for (name, *rest), one in self._shares():
-            key, size = float(rest[-1]), (one.amplitude + one.share * present) * np.exp(1j * one.phase)
-            if name in ("orders", "electrical_orders"):
-                yield _Pulsation(key * (self.pole_pairs if name == "electrical_orders" else 1), 0.0, size)
-            else:
-                yield _Pulsation(0.0, key * (self.line.frequency if name == "line" else 1), size)
+        per_revolution = {"orders": 1, "electrical_orders": self.pole_pairs}
+        for (name, *_), table in self._tables():
+            for key, one in table.items():
+                size = (one.amplitude + one.share * present) * np.exp(1j * one.phase)
+                if name in per_revolution:
+                    yield _Pulsation(key * per_revolution[name], 0.0, size)
+                else:
+                    yield _Pulsation(0.0, key * (self.line.frequency if name == "line" else 1), size)
 
     def _of_slip(self, speeds: FloatArray) -> Iterator[_Pulsation]:
         if self.slip:

@@ -102,7 +102,7 @@ class GearMesh(OrderExcitation):
     def _lines(self) -> Iterator[_Line]:
         """What acts; orders of the wheel, of the other one by the teeth of both."""
         for multiple, error in self.transmission_error.items():
-            yield _Line(("transmission_error", multiple), multiple * (self.teeth or 1), error)
+            yield _Line(("transmission_error", f"{multiple:g}"), multiple * (self.teeth or 1), error)
         if self.run_out:
             yield _Line(("run_out",), 1.0, self.run_out)
         if self.mate_run_out:

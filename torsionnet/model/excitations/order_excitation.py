@@ -21,6 +21,7 @@ FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 _KINDS: dict[str, type[OrderExcitation]] = {}
+"""Kind -> type, in the order of the kinds, whatever the order in which files were imported."""
 T = TypeVar("T", bound="type[OrderExcitation]")
 
 
@@ -123,7 +124,9 @@ class OrderExcitation(Declared):
 
 def register_excitation(cls: T) -> T:
     """Make a type known by its ``kind``."""
-    _KINDS[cls.kind] = cls
+    known: dict[str, type[OrderExcitation]] = {**_KINDS, cls.kind: cls}
+    _KINDS.clear()
+    _KINDS.update(sorted(known.items()))
     return cls
 
 

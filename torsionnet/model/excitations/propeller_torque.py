@@ -95,7 +95,7 @@ class PropellerTorque(OrderExcitation):
         return [*self._wrong_orders(), *self._wrong_conditions(), *self._wrong_zero()]
 
     def _wrong_orders(self) -> Iterator[Fault]:
-        tables = {("blade_orders",): self.blade_orders}
+        tables: dict[Path, Any] = {("blade_orders",): self.blade_orders}
         tables |= {("conditions", name, "blade_orders"): one.blade_orders for name, one in self.conditions.items()}
         for path, table in tables.items():
             for order in table:
