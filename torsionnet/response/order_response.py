@@ -261,7 +261,7 @@ class OrderResponse:
             Column("largest", unit),
             Column(f"at {self.rpm[worst]:.6g} rpm", unit),
         )
-        notes = [f"speeds of {self.reference}; peak amplitudes; {PHASE_NOTE}"]
+        notes = [f"speeds of {self.reference}; peak amplitudes; {self._phases}"]
         if exact:
             notes.append(
                 f"common cycle: {self.revolutions} revolution{'s' * (self.revolutions != 1)} of {self.reference}"
@@ -284,7 +284,7 @@ class OrderResponse:
                 parts = [part for value in cells.tolist() for part in (value.real, value.imag)]
                 f = abs(speed * float(line.relative) / (2 * math.pi) + line.fixed)
                 rows.append((speed * RPM, line.excitation, line.order, f, *parts))
-        notes = (f"speeds of {self.reference}; {PHASE_NOTE}",)
+        notes = (f"speeds of {self.reference}; {self._phases}",)
         return Table(f"{self.title}: order response", tuple(columns), tuple(rows), notes)
 
     @property
@@ -293,6 +293,12 @@ class OrderResponse:
         if any(line.fixed for line in self.lines):
             return "lines that do not follow the speed have no common cycle with it: half ranges add up sooner or later"
         return "the shafts have no short common cycle: their half ranges add up sooner or later"
+
+    @property
+    def _phases(self) -> str:
+        if not any(line.fixed for line in self.lines):
+            return PHASE_NOTE
+        return f"{PHASE_NOTE}; a frequency f beside it adds 2 pi f t"
 
     @property
     def _of_whom(self) -> str:

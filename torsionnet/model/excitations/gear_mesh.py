@@ -83,9 +83,9 @@ class GearMesh(OrderExcitation):
         ByOrder("multiple of the tooth frequency -> peak value and phase", _ERROR, fewest=0), None
     )
     run_out: Any = entry(
-        Nested("once per revolution of that wheel, half of the total run-out", lambda: MeshError, "mesh_error"), None
+        Nested("once per revolution of that wheel, half of the total run-out", lambda: MeshError, "run_out"), None
     )
-    mate_run_out: Any = entry(Nested("the same of the other wheel", lambda: MeshError, "mesh_error"), None)
+    mate_run_out: Any = entry(Nested("the same of the other wheel", lambda: MeshError, "mate_run_out"), None)
 
     def contradictions(self) -> list[Fault]:
         if not (self.transmission_error or self.run_out or self.mate_run_out):
