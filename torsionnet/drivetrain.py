@@ -263,6 +263,48 @@ class Drivetrain(AssembledModel):
             damper_names=damper_names,
         )
 
+    def holzer_table(
+        self,
+        mode: int | None = None,
+        *,
+        at: float | None = None,
+        first: str | None = None,
+        amplitude: float = 1.0,
+        referred_to: str | None = None,
+    ) -> HolzerTable:
+        """Amplitudes, inertia torques, sums of torque and twists station by station, without damping.
+
+        Parameters
+        ----------
+        mode : int, optional
+            Number of an undamped mode; 1 is the lowest vibration, rigid bodies do not count.
+        at : float, optional
+            Instead, a trial frequency in Hz: a torque remains at the last station.
+        first : str, optional
+            The station to begin with; default: the first free end of the model.
+        amplitude : float
+            rad at the first station.
+        referred_to : str, optional
+            Node of the shaft that referred quantities belong to; default: the first station.
+
+        Raises
+        ------
+        UsageError
+            No such mode or node, or not one of mode and trial frequency.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+        ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+        >>> fan = tn.Drivetrain("fan", elements)  # at 10 rad/s: 200 N m twist the shaft by 0.02 rad
+        >>> round(fan.holzer_table(at=10 / 6.283185307179586).remainder, 9)
+        298.0
+        """
+        from torsionnet.solve.holzer import holzer_table
+
+        return holzer_table(self, mode, at=at, first=first, amplitude=amplitude, referred_to=referred_to)
+
     def simulate(self, outputs: Channels, inputs: Mapping[str, ArrayLike], sampling_rate: float) -> Recording:
         """Motion over time from rest, exact for torques that run straight from sample to sample.
 
