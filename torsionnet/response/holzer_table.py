@@ -175,7 +175,8 @@ class HolzerTable:
         rows = tuple(_row(one, referred=referred) for one in branch.stations)
         name = f"branch {number}, " if len(self.branches) > 1 else ""
         last = number == len(self.branches)
-        return Table(f"{self.heading}\n{name}{branch.title}", columns, rows, self._notes() if last else ())
+        heading = f"{self.heading}\n" if number == 1 else ""
+        return Table(f"{heading}{name}{branch.title}", columns, rows, self._notes() if last else ())
 
     def _notes(self) -> tuple[str, ...]:
         share = self.relative_remainder
