@@ -85,12 +85,11 @@ class CriticalSpeedsCommand(ModelCommand):
 
     def _picture(self, plot: ModuleType, found: CriticalSpeeds) -> Figure:
         if self.stars is None:
-            figure: Figure = plot.interference_diagram(found)
-            return figure
+            return plot.interference_diagram(found)  # type: ignore[no-any-return]
         found.mode(self.stars)
         stars = [one.star for one in found.crossings if one.mode.number == self.stars and one.star is not None]
-        figure = plot.star_diagrams([star for star in stars if len(star.vectors) > 1] or stars)
-        return figure
+        several = [star for star in stars if len(star.vectors) > 1]
+        return plot.star_diagrams(several or stars)  # type: ignore[no-any-return]
 
 
 def _shown(found: CriticalSpeeds) -> Iterator[Table]:

@@ -273,7 +273,12 @@ class CriticalSpeeds:
             )
             for one in self.modes
         )
-        return Table(f"{self.title}: natural frequencies", columns, rows, ("mode 1 is the lowest vibration, rigid bodies do not count",))
+        return Table(
+            f"{self.title}: natural frequencies",
+            columns,
+            rows,
+            ("mode 1 is the lowest vibration, rigid bodies do not count",),
+        )
 
     def shape(self, mode: int) -> Mapping[str, complex]:
         """Angles of a mode by node."""

@@ -69,7 +69,7 @@ PRESETS: Mapping[str, MarginRule] = {
         MarginRule("api617", f"API 617, train torsional analysis of compressors: {_TEN}; {CITED}", _ANY, 0.10),
         MarginRule(
             "api618",
-            "API 618, reciprocating compressors: 10 % at 1x, 5 % at whole multiples of the speed up to 10x, 10 % from 1x "
+            "API 618, reciprocating compressors: 10 % at 1x, 5 % at its whole multiples up to 10x, 10 % from 1x "
             f"and 2x line frequency; half orders and orders above 10 are not covered; {CITED}",
             (MarginClause(1, 1, 0.10), MarginClause(2, 10, 0.05, whole=True)),
             0.10,

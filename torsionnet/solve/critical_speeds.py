@@ -153,10 +153,10 @@ class _Question:
         for number, one in enumerate(near):
             amplitudes = found.amplitudes[number, lines.index((one.order, one.fixed))]
             loads = dict(zip(found.nodes, amplitudes.tolist(), strict=True))
-            yield self._with_force(one, excitation, loads)
+            yield self._with_force(one, excitation, loads, float(np.abs(found.amplitudes[number]).max()))
 
     def _with_force(
-        self, one: CriticalSpeed, excitation: OrderExcitation, loads: Mapping[str, complex]
+        self, one: CriticalSpeed, excitation: OrderExcitation, loads: Mapping[str, complex], strongest: float
     ) -> CriticalSpeed:
         if getattr(excitation, "quantity", "torque") != "torque":
             return replace(one, excited=any(loads.values()))
@@ -165,7 +165,8 @@ class _Question:
             node: value * math.copysign(1, self.turning.get(node, 1.0))
             for node, value in zip(self.drivetrain.assembly.nodes, one.mode.shape.tolist(), strict=True)
         }
-        force = generalised_force(excitation, one.order, loads, shape, self._largest(shape, excitation.shaft))
+        largest = self._largest(shape, excitation.shaft)
+        force = generalised_force(excitation, one.order, loads, shape, largest, strongest)
         title = f"{self.drivetrain.title}, mode {one.mode.number}"
         return replace(
             one,

@@ -49,13 +49,15 @@ def generalised_force(
     torques: Mapping[str, complex],
     shape: Mapping[str, complex],
     largest: float,
+    strongest: float,
 ) -> GeneralisedForce:
     """Of complex torques by node in the sense of their nodes, N m.
 
-    ``largest`` is the largest angle of the shape, referred to the shaft of the excitation.
+    ``largest`` is the largest angle of the shape, referred to the shaft of the excitation; ``strongest`` the largest
+    torque of any order at this speed, of which what cancels leaves rounding.
     """
     value = sum((torque * shape[node] for node, torque in torques.items()), 0j)
-    single = _single(excitation, order, torques) * largest
+    single = max(_single(excitation, order, torques), CANCELLED * strongest) * largest
     return GeneralisedForce(complex(value), abs(value) / single if single > 0 else 0.0)
 
 
@@ -66,4 +68,3 @@ def _single(excitation: OrderExcitation, order: float, torques: Mapping[str, com
         units[node] = units.get(node, 0j) + vector
     each = [abs(torque) / abs(units[node]) for node, torque in torques.items() if abs(units[node]) > CANCELLED]
     return max(each or map(abs, torques.values()), default=0.0)
-

@@ -99,8 +99,8 @@ def balance_of(drivetrain: AssembledModel, omega: float, angles: FloatArray, las
         if stiffness:
             housing = _housing(drivetrain.elements[owner])
             loads.append(NodeLoad(owner, row, float(stiffness * motion), float(stiffness), housing))
-    for owner, row, torque in _of_constraints(assembly, rest, last):
-        loads.append(NodeLoad(owner, row, torque, math.inf, _housing(drivetrain.elements[owner])))
+    for owner, held, torque in _of_constraints(assembly, rest, last):
+        loads.append(NodeLoad(owner, held, torque, math.inf, _housing(drivetrain.elements[owner])))
     return HolzerBalance(angle, inertias, torques, tuple(loads))
 
 

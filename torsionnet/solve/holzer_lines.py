@@ -1,7 +1,7 @@
 """The order in which a Holzer table goes through a drivetrain: a main line, and branches that join it.
 
-Two nodes with a spring, a shaft, a gear or a rigid coupling between them follow each other. What closes a loop, and what
-ties three nodes, as planetary sets do, is not followed: its torque counts where it acts.
+Two nodes with a spring, a shaft, a gear or a rigid coupling between them follow each other. What closes a loop, and
+what ties three nodes, as planetary sets do, is not followed: its torque counts where it acts.
 """
 
 from __future__ import annotations

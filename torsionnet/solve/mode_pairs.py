@@ -36,7 +36,7 @@ def vibration_modes(drivetrain: AssembledModel, modes: Modes) -> tuple[Vibration
     alike = _similarity(assembly.system, rates, shapes, np.asarray(modes.shapes[np.ix_(places, vibrating)]))
     partners = dict(_assigned(alike))
     at_nodes = scaled(np.asarray(assembly.node_rows.dense @ shapes)).astype(complex)
-    found = []
+    found: list[VibrationMode] = []
     for number, rate in enumerate(rates):
         damped = None if number not in partners else vibrating[partners[number]]
         similarity = math.nan if damped is None else float(alike[number, partners[number]])
@@ -50,16 +50,18 @@ def vibration_modes(drivetrain: AssembledModel, modes: Modes) -> tuple[Vibration
 def _mode(
     number: int, undamped: float, modes: Modes, damped: int | None, similarity: float, shape: ComplexArray
 ) -> VibrationMode:
-    values = [math.nan] * 3
-    if damped is not None:
-        sources = (modes.natural_frequencies, modes.damped_frequencies, modes.damping_ratios)
-        values = [float(source[damped]) for source in sources]
-    return VibrationMode(number, float(undamped), *values, similarity, shape)
+    return VibrationMode(
+        number=number,
+        undamped_frequency=float(undamped),
+        natural_frequency=math.nan if damped is None else float(modes.natural_frequencies[damped]),
+        damped_frequency=math.nan if damped is None else float(modes.damped_frequencies[damped]),
+        damping_ratio=math.nan if damped is None else float(modes.damping_ratios[damped]),
+        similarity=similarity,
+        shape=shape,
+    )
 
 
-def _similarity(
-    system: RowSystem, rates: FloatArray, shapes: FloatArray, damped: ComplexArray
-) -> FloatArray:
+def _similarity(system: RowSystem, rates: FloatArray, shapes: FloatArray, damped: ComplexArray) -> FloatArray:
     """Share of the strain energy of each damped mode (columns) that lies in the shapes of an undamped one (rows)."""
     found = np.zeros((len(rates), damped.shape[1]))
     rows = system.rows

@@ -131,7 +131,7 @@ class _Search:
             rivals = [
                 other
                 for rival, other in enumerate(self.crossings)
-                if rival in peaks and (other.order, other.fixed) == (one.order, one.fixed) and abs(peaks[rival][0] / speed - 1) < SAME
+                if rival in peaks and other.line == one.line and abs(peaks[rival][0] / speed - 1) < SAME
             ]
             nearest = min(rivals, key=lambda other: abs(math.log(speed / other.speed("natural"))))
             if nearest is one:
