@@ -42,10 +42,12 @@ SAME_THING = {
     "a command, what it calls and what shows its result": {
         "bench",
         "comparison",
+        "critical_speeds",
         "equations",
         "excitations",
         "fit",
         "fits",
+        "holzer",
         "identify_modes",
         "kinematics",
         "library",
