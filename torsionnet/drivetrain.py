@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from torsionnet.model.channels import Sensor
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
+    from torsionnet.response.dissipated_power import DissipatedPower
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.response.recording import Recording
     from torsionnet.solve.grid import Adaptive
@@ -189,6 +190,43 @@ class Drivetrain(AssembledModel):
         from torsionnet.solve.order_response import order_response
 
         return order_response(self, outputs, speeds=speeds, speed_of=speed_of, excitations=excitations)
+
+    def dissipated_power(
+        self,
+        elements: str | Iterable[str],
+        *,
+        speeds: ArrayLike | None = None,
+        speed_of: str | None = None,
+        excitations: Iterable[str] | None = None,
+    ) -> DissipatedPower:
+        """Mean power that vibration turns into heat in elements, over speed.
+
+        P = sum over frequencies of Re(T conj(dgamma/dt))/2: orders of one frequency are added as complex amplitudes
+        first. T is the whole torque of the element, with its elastic and its damping part. Heat of a steady slip
+        (a damper to ground in a turning machine) is not in it.
+
+        Parameters
+        ----------
+        elements : str or iterable of str
+            Springs, dampers, shafts, viscous dampers, compliant gears, ...
+        speeds, speed_of, excitations
+            As for :meth:`order_response`.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2),
+        ...     tn.HystereticSpring("rubber", nodes=("a", "ground"), stiffness=1e4, loss_factor=0.2)]
+        >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["600 rpm"]},
+        ...     excitations={"blades": {"type": "harmonic", "node": "a", "orders": {1: {"amplitude": "10 N*m"}}}})
+        >>> twist = abs(fan.order_response("twist(rubber)").values[0, 0, 0])
+        >>> w = 600 * 6.283185307179586 / 60
+        >>> bool(abs(fan.dissipated_power("rubber").values[0, 0] - w * 0.2 * 1e4 * twist**2 / 2) < 1e-12)
+        True
+        """
+        from torsionnet.solve.dissipation import dissipated_power
+
+        return dissipated_power(self, elements, speeds=speeds, speed_of=speed_of, excitations=excitations)
 
     def simulate(self, outputs: Channels, inputs: Mapping[str, ArrayLike], sampling_rate: float) -> Recording:
         """Motion over time from rest, exact for torques that run straight from sample to sample.
