@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from torsionnet.model.bench import Plan
     from torsionnet.model.excitations import OrderExcitation
     from torsionnet.model.excitations.speed_range import SpeedRange
+    from torsionnet.model.limits import Limit
     from torsionnet.model.report import ReportPlan
 
 
@@ -43,6 +44,12 @@ def _excitation_kinds() -> Mapping[str, type[Declared]]:
     from torsionnet.model.excitations import excitation_kinds  # loads numpy, which most models can do without
 
     return excitation_kinds()
+
+
+def _limit_rules() -> Mapping[str, type[Declared]]:
+    from torsionnet.model.limits import limit_rules
+
+    return limit_rules()
 
 
 def _report() -> type[Declared]:
@@ -70,6 +77,12 @@ _EXCITATIONS = Named(
     refused=name_fault,
     names=NAME_SCHEMA,
 )
+_LIMITS = Named(
+    "what elements may bear while the machinery runs, by name",
+    Typed("which rule says so", _limit_rules, "limit", "limit", key="rule"),
+    refused=name_fault,
+    names=NAME_SCHEMA,
+)
 _BENCH = Nested("a virtual test: excitation, exciter, sensors, data acquisition", _plan, "bench", optional=True)
 _REPORT = Nested("what torsionnet report writes about the model", _report, "report", optional=True)
 
@@ -93,6 +106,7 @@ class Definition(Declared):
     operating_point: OperatingPoint = entry(OPERATING_POINT, OperatingPoint())
     speeds: SpeedRange | None = entry(_SPEEDS, None)
     excitations: Mapping[str, OrderExcitation] = entry(_EXCITATIONS, None)
+    limits: Mapping[str, Limit] = entry(_LIMITS, None)
     bench: Plan | None = entry(_BENCH, None)
     report: ReportPlan | None = entry(_REPORT, None)
 

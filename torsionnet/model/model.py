@@ -33,6 +33,7 @@ class Model:
         operating_point: Mapping[str, Any] | OperatingPoint | None = None,
         speeds: Mapping[str, Any] | None = None,
         excitations: Mapping[str, Any] | None = None,
+        limits: Mapping[str, Any] | None = None,
         source: str = "",
         description: str = "",
     ) -> None:
@@ -48,6 +49,7 @@ class Model:
                 "operating_point": operating_point,
                 "speeds": speeds,
                 "excitations": excitations,
+                "limits": limits,
                 "source": source,
                 "description": description,
             }
