@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from torsionnet.response.mean_response import MeanResponse
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.response.recording import Recording
+    from torsionnet.response.static_state import StaticState
     from torsionnet.solve.grid import Adaptive
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
@@ -230,6 +231,34 @@ class Drivetrain(AssembledModel):
         from torsionnet.solve.mean_response import mean_response
 
         return mean_response(self, outputs, speeds)
+
+    def static_state(self, speed: float | None = None) -> StaticState:
+        """Mean torque, twist, nominal shear stress and power of every element at one speed.
+
+        Parameters
+        ----------
+        speed : float, optional
+            rad/s, of the node of the model's ``speeds:``; default: that of the operating point, else the rated one.
+
+        Raises
+        ------
+        UsageError
+            As for :meth:`mean_response`.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("engine", node="e", inertia=2), tn.Inertia("screw", node="p", inertia=1),
+        ...     tn.Shaft("shaft", nodes=("e", "p"), outer_diameter="50 mm", length="2 m")]
+        >>> boat = tn.Drivetrain("boat", elements, speeds={"of": "e", "list": [100], "rated": 100},
+        ...     load={"absorbed_at": "p", "power": "100 kW", "torque_exponent": 2, "driven_by": {"e": 1}})
+        >>> shaft = boat.static_state().of("shaft")
+        >>> round(shaft.torque, 6), round(shaft.stress / 1e6, 3)
+        (1000.0, 40.744)
+        """
+        from torsionnet.solve.static_state import static_state
+
+        return static_state(self, speed)
 
     def simulate(self, outputs: Channels, inputs: Mapping[str, ArrayLike], sampling_rate: float) -> Recording:
         """Motion over time from rest, exact for torques that run straight from sample to sample.
