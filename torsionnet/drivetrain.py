@@ -19,8 +19,11 @@ if TYPE_CHECKING:
     from torsionnet.model.channels import Sensor
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
     from torsionnet.response.dissipated_power import DissipatedPower
+    from torsionnet.response.limit_check import LimitCheck
+    from torsionnet.response.mean_response import MeanResponse
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.response.recording import Recording
+    from torsionnet.response.static_state import StaticState
     from torsionnet.solve.grid import Adaptive
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
@@ -45,6 +48,8 @@ class Drivetrain(AssembledModel):
         Axis -> alternative -> ``{parameter: value, "on": [...], "off": [...]}``; one axis needs no name.
     operating_point : mapping, optional
         ``{"speed": {node: value}, "torque": {node: value}}``.
+    speeds, load, excitations : mapping, optional
+        At which speeds running machinery is examined, who absorbs its power and who drives, and what excites it.
     source, description : str, optional
         Where the numbers come from, and what the model is.
 
@@ -191,6 +196,72 @@ class Drivetrain(AssembledModel):
 
         return order_response(self, outputs, speeds=speeds, speed_of=speed_of, excitations=excitations)
 
+    def mean_response(self, outputs: Channels, speeds: ArrayLike | None = None) -> MeanResponse:
+        """Mean torques and twists of running machinery under its load.
+
+        Springs hand mean torques on; dampers stand for vibration and take none. Drivers act in the direction of
+        rotation, absorbers against it, and the reference node of the speeds turns in the positive sense.
+
+        Parameters
+        ----------
+        outputs : str, Sensor or sequence of these
+            As for :meth:`frequency_response`, but nothing that turns freely: a torque or a twist.
+        speeds : (n_speeds,) array, optional
+            rad/s, of the node of the model's ``speeds:``; default: those of the model.
+
+        Returns
+        -------
+        MeanResponse
+            ``values`` of shape (n_speeds, n_out).
+
+        Raises
+        ------
+        UsageError
+            Unknown names, no load and no torques at the operating point, torques that are not in balance, a speed
+            outside a table, or an output that mean torques do not determine.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("engine", node="e", inertia=2), tn.Inertia("screw", node="p", inertia=1),
+        ...     tn.Spring("shaft", nodes=("e", "p"), stiffness=1e6)]
+        >>> boat = tn.Drivetrain("boat", elements, speeds={"of": "e", "list": [50, 100], "rated": 100},
+        ...     load={"absorbed_at": "p", "power": "100 kW", "torque_exponent": 2, "driven_by": {"e": 1}})
+        >>> boat.mean_response("torque(shaft)").values.round(6).tolist()
+        [[250.0], [1000.0]]
+        """
+        from torsionnet.solve.mean_response import mean_response
+
+        return mean_response(self, outputs, speeds)
+
+    def static_state(self, speed: float | None = None) -> StaticState:
+        """Mean torque, twist, nominal shear stress and power of every element at one speed.
+
+        Parameters
+        ----------
+        speed : float, optional
+            rad/s, of the node of the model's ``speeds:``; default: that of the operating point, else the rated one.
+
+        Raises
+        ------
+        UsageError
+            As for :meth:`mean_response`.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("engine", node="e", inertia=2), tn.Inertia("screw", node="p", inertia=1),
+        ...     tn.Shaft("shaft", nodes=("e", "p"), outer_diameter="50 mm", length="2 m")]
+        >>> boat = tn.Drivetrain("boat", elements, speeds={"of": "e", "list": [100], "rated": 100},
+        ...     load={"absorbed_at": "p", "power": "100 kW", "torque_exponent": 2, "driven_by": {"e": 1}})
+        >>> shaft = boat.static_state().of("shaft")
+        >>> round(shaft.torque, 6), round(shaft.stress / 1e6, 3)
+        (1000.0, 40.744)
+        """
+        from torsionnet.solve.static_state import static_state
+
+        return static_state(self, speed)
+
     def dissipated_power(
         self,
         elements: str | Iterable[str],
@@ -227,6 +298,42 @@ class Drivetrain(AssembledModel):
         from torsionnet.solve.dissipation import dissipated_power
 
         return dissipated_power(self, elements, speeds=speeds, speed_of=speed_of, excitations=excitations)
+
+    def check_limits(
+        self,
+        limits: str | Iterable[str] | None = None,
+        *,
+        speeds: ArrayLike | None = None,
+        excitations: Iterable[str] | None = None,
+    ) -> LimitCheck:
+        """Whether elements bear what running machinery does to them: a verdict on every limit, and barred ranges.
+
+        Parameters
+        ----------
+        limits : str or iterable of str, optional
+            Names of limits of the model; default: all.
+        speeds, excitations
+            As for :meth:`order_response`.
+
+        Raises
+        ------
+        UsageError
+            The model has no limits, speeds or excitations, or unknown names.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+        ...     tn.Shaft("shaft", nodes=("a", "b"), outer_diameter="20 mm", length=1)]
+        >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["600 rpm"]},
+        ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}},
+        ...     limits={"shaft": {"rule": "curve", "output": "stress(shaft)", "value": "40 MPa", "source": "maker"}})
+        >>> fan.check_limits().of("shaft").verdict
+        'pass'
+        """
+        from torsionnet.solve.limit_check import check_limits
+
+        return check_limits(self, limits, speeds=speeds, excitations=excitations)
 
     def simulate(self, outputs: Channels, inputs: Mapping[str, ArrayLike], sampling_rate: float) -> Recording:
         """Motion over time from rest, exact for torques that run straight from sample to sample.

@@ -172,7 +172,7 @@ def changes_text(overlay: Overlay) -> str:
     changes += [
         f"{switch}: {', '.join(names)}" for switch, names in (("on", overlay.on), ("off", overlay.off)) if names
     ]
-    changes += [f"{name} = {value}" for name, value in overlay.excitations.items()]
+    changes += [f"{name} = {value}" for name, value in overlay.entries.items()]
     return "; ".join([*changes, *(["operating point"] if overlay.operating_point else [])]) or "as written"
 
 

@@ -242,7 +242,7 @@ def spans_above(speeds: FloatArray, values: FloatArray, allowed: FloatArray) -> 
     [(1.5, 3.5)]
     """
     over = values - allowed
-    above = np.where(np.isfinite(over), over > 0, False)  # noqa: FBT003
+    above = np.where(np.isfinite(over), over > 0, False)
     found: list[SpeedSpan] = []
     places = np.flatnonzero(above)
     for first, last in _runs(places):

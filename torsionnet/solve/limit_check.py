@@ -16,6 +16,7 @@ from torsionnet.model.power_flow import power_flows, power_sensors
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limit_check import LimitCheck
 from torsionnet.response.order_response import OrderResponse
+from torsionnet.solve.mean_response import mean_response
 from torsionnet.solve.order_response import order_response
 
 NO_CYCLE = "the shafts have no short common cycle: half ranges of the shafts are added"
@@ -72,8 +73,6 @@ def _means(
     drivetrain: AssembledModel, limits: Sequence[Limit], run: OrderResponse
 ) -> tuple[dict[Sensor, FloatArray], str]:
     """Mean values over speed of what the limits want averaged, and why some of them are not known."""
-    from torsionnet.solve.mean_response import mean_response
-
     found: dict[Sensor, FloatArray] = {}
     why = ""
     for sensor in dict.fromkeys(sensor for limit in limits for sensor in limit.averaged(drivetrain.definition)):

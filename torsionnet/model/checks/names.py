@@ -141,7 +141,7 @@ def competing_axes(definition: Definition) -> list[Fault]:
     homes: dict[str, str] = {}
     for axis, alternatives in definition.configurations.items():
         for label, overlay in alternatives.items():
-            for name in (*overlay.parameters, *overlay.on, *overlay.off, *overlay.excitations):
+            for name in (*overlay.parameters, *overlay.on, *overlay.off, *overlay.entries):
                 if homes.setdefault(name, axis) != axis:
                     text = f"{name} is set on axis {homes[name]} too; different axes must change different things"
                     key = "on" if name in overlay.on else "off" if name in overlay.off else name
@@ -175,6 +175,7 @@ def dead_ends(definition: Definition) -> list[Fault]:
             touching.setdefault(node, []).append(element.name)
     used = {channel.of for table in (definition.inputs, definition.sensors) for channel in table.values()}
     used |= {node for one in definition.excitations.values() for node in one.nodes}
+    used |= {*definition.load.by_node, *definition.load.driven_by} if definition.load else set()
     used |= {GROUND, *definition.operating_point.speed, *definition.operating_point.torque}
     faults: list[Fault] = []
     for node, names in touching.items():
@@ -196,16 +197,17 @@ def unfit_bench(definition: Definition) -> list[Fault]:
 
 
 def unfit_excitations(definition: Definition) -> list[Fault]:
-    """Excitations and speeds that name what the model does not have."""
-    if definition.speeds is None and not definition.excitations and not _overridden(definition):
+    """Excitations, speeds and a load that name what the model does not have."""
+    running = definition.speeds or definition.load or definition.excitations
+    if not running and not _overridden(definition):
         return []
-    import torsionnet.model.checks.running as running
+    import torsionnet.model.checks.running as checks
 
-    return running.unfit_excitations(definition)
+    return checks.unfit_excitations(definition)
 
 
 def _overridden(definition: Definition) -> bool:
-    return any(overlay.excitations for axis in definition.configurations.values() for overlay in axis.values())
+    return any(overlay.entries for axis in definition.configurations.values() for overlay in axis.values())
 
 
 def unfit_limits(definition: Definition) -> list[Fault]:

@@ -84,9 +84,7 @@ class CouplingLimit(ElementLimit):
             allowed = everywhere(self.T_KN / factor, evidence)
             yield from self.total(Line("T_KN", "mean torque", "N*m", nothing, allowed), self.torque, name, evidence)
         if self.T_Kmax is not None:
-            line = Line(
-                "T_Kmax", "mean torque and half range", "N*m", size, everywhere(self.T_Kmax / factor, evidence)
-            )
+            line = Line("T_Kmax", "mean torque and half range", "N*m", size, everywhere(self.T_Kmax / factor, evidence))
             yield from self.total(line, self.torque, name, evidence)
         if self.T_KW is not None:
             yield self.continuous(self._vibratory(evidence), name, evidence)

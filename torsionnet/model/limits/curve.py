@@ -155,7 +155,9 @@ class CurveLimit(Limit):
         allowed = self._allowed(evidence)
         quantity = "half range" if self.measure == "half_range" else "largest amplitude of an order"
         rpm = evidence.run.rpm[~np.isfinite(allowed)]
-        remarks = (f"{len(rpm)} speeds from {rpm[0]:g} to {rpm[-1]:g} rpm are outside of the table",) if len(rpm) else ()
+        remarks = (
+            (f"{len(rpm)} speeds from {rpm[0]:g} to {rpm[-1]:g} rpm are outside of the table",) if len(rpm) else ()
+        )
         unit = UNITS[sensor.quantity]
         yield self.continuous(
             Line("continuous", f"{self.output}, {quantity}", unit, values, allowed, remarks, orders), name, evidence

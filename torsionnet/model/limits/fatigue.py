@@ -85,7 +85,9 @@ class FatigueLimit(ShaftLimit):
         formula = f"K tau_a <= {terms[self.mean_stress]}; {numbers}"
         if self.yield_strength is not None:
             formula += f"; tau_m + tau_a <= tau_F/S_F, tau_F = {self.yield_strength / 1e6:g} N/mm^2"
-        missing = "bending and axial stress, size, surface and corrosion unless in the strengths, damage of load spectra"
+        missing = (
+            "bending and axial stress, size, surface and corrosion unless in the strengths, damage of load spectra"
+        )
         return RuleText(self.source, formula, missing)
 
     def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:

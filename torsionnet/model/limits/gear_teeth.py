@@ -39,7 +39,7 @@ class GearLimit(ElementLimit):
     vibratory_share: Any = entry(Value("vibratory torque over mean torque at rated speed", "1", exclusive=True), None)
     rated_torque: Any = entry(Value("that mean torque; default: of the load", "torque", exclusive=True), None)
     vibratory_torque: Any = entry(Value("vibratory torque allowed, instead of a share", "torque", exclusive=True), None)
-    hammer: Any = entry(Flag("whether torque must not reverse"), True)  # noqa: FBT003
+    hammer: Any = entry(Flag("whether torque must not reverse"), True)
 
     def contradictions(self) -> list[Fault]:
         if self.vibratory_share is not None and self.vibratory_torque is not None:

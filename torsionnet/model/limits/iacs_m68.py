@@ -244,9 +244,7 @@ class IacsM68(ShaftLimit):
         limit = NO_BARRED_ABOVE * rated
         if not evidence.misfiring and above.high * (1 + self.tachometer_tolerance) <= limit:
             # The rule of thumb must cover what exceeds tau_C; beyond that it may stop where ranges must.
-            return SpeedSpan(
-                low * (1 - self.tachometer_tolerance), min(high * (1 + self.tachometer_tolerance), limit)
-            )
+            return SpeedSpan(low * (1 - self.tachometer_tolerance), min(high * (1 + self.tachometer_tolerance), limit))
         return SpeedSpan(low * (1 - self.tachometer_tolerance), high * (1 + self.tachometer_tolerance))
 
     def _in_operation(
