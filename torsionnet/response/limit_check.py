@@ -1,4 +1,4 @@
-"""What a check of limits found: for every criterion its worst speed, utilisation and verdict, and speeds to be barred."""
+"""What a check of limits found: worst speed, utilisation and verdict of every criterion, speeds to be barred."""
 
 from __future__ import annotations
 

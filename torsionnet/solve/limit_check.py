@@ -53,7 +53,8 @@ def _chosen(known: Mapping[str, Limit], names: str | Iterable[str] | None) -> di
     wanted = list(known) if names is None else [names] if isinstance(names, str) else list(names)
     for name in wanted:
         if name not in known:
-            raise UsageError(f'no limit is named "{name}"{meant_or(name, known, f"there are {", ".join(known)}")}')
+            hint = meant_or(name, known, f"there are {', '.join(known)}")
+            raise UsageError(f'no limit is named "{name}"{hint}')
     return {name: known[name] for name in wanted}
 
 
