@@ -51,6 +51,7 @@ SAME_THING = {
         "identify_modes",
         "kinematics",
         "library",
+        "limit_check",
         "mean_response",
         "modes",
         "order_response",
@@ -61,6 +62,7 @@ SAME_THING = {
         "simplified",
         "spectrogram",
         "stabilisation",
+        "static_state",
     },
 }
 

@@ -20,11 +20,14 @@ if TYPE_CHECKING:
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
     from torsionnet.response.critical_speeds import CriticalSpeeds
     from torsionnet.response.damper_optimum import DamperOptimum
+    from torsionnet.response.dissipated_power import DissipatedPower
     from torsionnet.response.holzer_table import HolzerTable
+    from torsionnet.response.limit_check import LimitCheck
     from torsionnet.response.margin_rules import MarginRule
     from torsionnet.response.mean_response import MeanResponse
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.response.recording import Recording
+    from torsionnet.response.static_state import StaticState
     from torsionnet.solve.grid import Adaptive
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
@@ -402,6 +405,107 @@ class Drivetrain(AssembledModel):
         from torsionnet.solve.holzer import holzer_table
 
         return holzer_table(self, mode, at=at, first=first, amplitude=amplitude, referred_to=referred_to)
+
+    def static_state(self, speed: float | None = None) -> StaticState:
+        """Mean torque, twist, nominal shear stress and power of every element at one speed.
+
+        Parameters
+        ----------
+        speed : float, optional
+            rad/s, of the node of the model's ``speeds:``; default: that of the operating point, else the rated one.
+
+        Raises
+        ------
+        UsageError
+            As for :meth:`mean_response`.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("engine", node="e", inertia=2), tn.Inertia("screw", node="p", inertia=1),
+        ...     tn.Shaft("shaft", nodes=("e", "p"), outer_diameter="50 mm", length="2 m")]
+        >>> boat = tn.Drivetrain("boat", elements, speeds={"of": "e", "list": [100], "rated": 100},
+        ...     load={"absorbed_at": "p", "power": "100 kW", "torque_exponent": 2, "driven_by": {"e": 1}})
+        >>> shaft = boat.static_state().of("shaft")
+        >>> round(shaft.torque, 6), round(shaft.stress / 1e6, 3)
+        (1000.0, 40.744)
+        """
+        from torsionnet.solve.static_state import static_state
+
+        return static_state(self, speed)
+
+    def dissipated_power(
+        self,
+        elements: str | Iterable[str],
+        *,
+        speeds: ArrayLike | None = None,
+        speed_of: str | None = None,
+        excitations: Iterable[str] | None = None,
+    ) -> DissipatedPower:
+        """Mean power that vibration turns into heat in elements, over speed.
+
+        P = sum over frequencies of Re(T conj(dgamma/dt))/2: orders of one frequency are added as complex amplitudes
+        first. T is the whole torque of the element, with its elastic and its damping part. Heat of a steady slip
+        (a damper to ground in a turning machine) is not in it.
+
+        Parameters
+        ----------
+        elements : str or iterable of str
+            Springs, dampers, shafts, viscous dampers, compliant gears, ...
+        speeds, speed_of, excitations
+            As for :meth:`order_response`.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2),
+        ...     tn.HystereticSpring("rubber", nodes=("a", "ground"), stiffness=1e4, loss_factor=0.2)]
+        >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["600 rpm"]},
+        ...     excitations={"blades": {"type": "harmonic", "node": "a", "orders": {1: {"amplitude": "10 N*m"}}}})
+        >>> twist = abs(fan.order_response("twist(rubber)").values[0, 0, 0])
+        >>> w = 600 * 6.283185307179586 / 60
+        >>> bool(abs(fan.dissipated_power("rubber").values[0, 0] - w * 0.2 * 1e4 * twist**2 / 2) < 1e-12)
+        True
+        """
+        from torsionnet.solve.dissipation import dissipated_power
+
+        return dissipated_power(self, elements, speeds=speeds, speed_of=speed_of, excitations=excitations)
+
+    def check_limits(
+        self,
+        limits: str | Iterable[str] | None = None,
+        *,
+        speeds: ArrayLike | None = None,
+        excitations: Iterable[str] | None = None,
+    ) -> LimitCheck:
+        """Whether elements bear what running machinery does to them: a verdict on every limit, and barred ranges.
+
+        Parameters
+        ----------
+        limits : str or iterable of str, optional
+            Names of limits of the model; default: all.
+        speeds, excitations
+            As for :meth:`order_response`.
+
+        Raises
+        ------
+        UsageError
+            The model has no limits, speeds or excitations, or unknown names.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+        ...     tn.Shaft("shaft", nodes=("a", "b"), outer_diameter="20 mm", length=1)]
+        >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["600 rpm"]},
+        ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}},
+        ...     limits={"shaft": {"rule": "curve", "output": "stress(shaft)", "value": "40 MPa", "source": "maker"}})
+        >>> fan.check_limits().of("shaft").verdict
+        'pass'
+        """
+        from torsionnet.solve.limit_check import check_limits
+
+        return check_limits(self, limits, speeds=speeds, excitations=excitations)
 
     def simulate(self, outputs: Channels, inputs: Mapping[str, ArrayLike], sampling_rate: float) -> Recording:
         """Motion over time from rest, exact for torques that run straight from sample to sample.

@@ -279,6 +279,23 @@ OUTPUTS: dict[str, Schema] = {
             branches=listed(record(joins=text_or_nothing(), stations=listed(STATION))),
         )
     ),
+    "static": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            speed_of=TEXT,
+            speed_rpm=NUMBER,
+            external=listed(record(node=TEXT, torque=NUMBER)),
+            elements=listed(
+                record(
+                    element=TEXT,
+                    port=TEXT,
+                    **dict.fromkeys(("speed", "torque", "twist", "stress", "power"), or_null(NUMBER)),
+                )
+            ),
+            notes=TEXTS,
+        )
+    ),
     "estimate": ESTIMATE,
     "compare": record(
         test=ESTIMATE,

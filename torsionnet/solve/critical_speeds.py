@@ -18,7 +18,7 @@ from torsionnet.model.excitations import OrderExcitation
 from torsionnet.model.speeds import speeds_with
 from torsionnet.response.critical_speeds import FREQUENCIES, CriticalSpeed, CriticalSpeeds
 from torsionnet.response.margin_rules import MarginRule, margin_rule
-from torsionnet.response.order_response import OrderLine
+from torsionnet.response.order_line import OrderLine
 from torsionnet.response.vibration_mode import VibrationMode
 from torsionnet.solve.generalised_force import generalised_force, star_diagram
 from torsionnet.solve.mode_pairs import vibration_modes
