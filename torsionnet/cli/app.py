@@ -24,6 +24,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "sensitivity": "Which parameter moves which mode, and by how much.",
     "frf": "Frequency responses between sensors, inputs and nodes.",
     "orders": "What engines, propellers and the like do over speed, order by order.",
+    "damper": "The film or tuning of a damper with which the largest vibration is smallest.",
     "bench": "Run a test on a model instead of a rig, and write the record.",
     "estimate": "Frequency responses and coherence from a record of signals.",
     "compare": "A record against a model.",

@@ -128,6 +128,8 @@ RANKED = record(
 )
 COMPARED = record(name=TEXT, unit=TEXT, frequencies_Hz=NUMBERS, misfit=NUMBER, measured=ROWS, fitted=ROWS)
 
+AT_LEVEL = record(at=NUMBER, level=NUMBER)
+
 OUTPUTS: dict[str, Schema] = {
     "check": listed(record(model=TEXT, errors=COUNT, faults=listed(FAULT))),
     "library": listed(record(name=TEXT, what=TEXT, source=TEXT, file=TEXT)),
@@ -206,6 +208,33 @@ OUTPUTS: dict[str, Schema] = {
                     ),
                 )
             ),
+        )
+    ),
+    "damper": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            output=TEXT,
+            unit=TEXT,
+            over=TEXT,
+            parameters=listed(
+                record(
+                    name=TEXT,
+                    unit=TEXT,
+                    start=NUMBER,
+                    lower=NUMBER,
+                    upper=NUMBER,
+                    value=NUMBER,
+                    at_bound=text_or_nothing(),
+                    values=NUMBERS,
+                    largest=NUMBERS,
+                )
+            ),
+            before=AT_LEVEL,
+            after=AT_LEVEL,
+            peaks=listed(AT_LEVEL),
+            fixed_points=listed(record(at=NUMBER, level=NUMBER, spread=NUMBER)),
+            words=TEXTS,
         )
     ),
     "estimate": ESTIMATE,
