@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from torsionnet.model.channels import Sensor
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
     from torsionnet.response.damper_optimum import DamperOptimum
+    from torsionnet.response.mean_response import MeanResponse
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.response.recording import Recording
     from torsionnet.solve.grid import Adaptive
@@ -45,6 +46,8 @@ class Drivetrain(AssembledModel):
         Axis -> alternative -> ``{parameter: value, "on": [...], "off": [...]}``; one axis needs no name.
     operating_point : mapping, optional
         ``{"speed": {node: value}, "torque": {node: value}}``.
+    speeds, load, excitations : mapping, optional
+        At which speeds running machinery is examined, who absorbs its power and who drives, and what excites it.
     source, description : str, optional
         Where the numbers come from, and what the model is.
 
@@ -190,6 +193,44 @@ class Drivetrain(AssembledModel):
         from torsionnet.solve.order_response import order_response
 
         return order_response(self, outputs, speeds=speeds, speed_of=speed_of, excitations=excitations)
+
+    def mean_response(self, outputs: Channels, speeds: ArrayLike | None = None) -> MeanResponse:
+        """Mean torques and twists of running machinery under its load.
+
+        Springs hand mean torques on; dampers stand for vibration and take none. Drivers act in the direction of
+        rotation, absorbers against it, and the reference node of the speeds turns in the positive sense.
+
+        Parameters
+        ----------
+        outputs : str, Sensor or sequence of these
+            As for :meth:`frequency_response`, but nothing that turns freely: a torque or a twist.
+        speeds : (n_speeds,) array, optional
+            rad/s, of the node of the model's ``speeds:``; default: those of the model.
+
+        Returns
+        -------
+        MeanResponse
+            ``values`` of shape (n_speeds, n_out).
+
+        Raises
+        ------
+        UsageError
+            Unknown names, no load and no torques at the operating point, torques that are not in balance, a speed
+            outside a table, or an output that mean torques do not determine.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("engine", node="e", inertia=2), tn.Inertia("screw", node="p", inertia=1),
+        ...     tn.Spring("shaft", nodes=("e", "p"), stiffness=1e6)]
+        >>> boat = tn.Drivetrain("boat", elements, speeds={"of": "e", "list": [50, 100], "rated": 100},
+        ...     load={"absorbed_at": "p", "power": "100 kW", "torque_exponent": 2, "driven_by": {"e": 1}})
+        >>> boat.mean_response("torque(shaft)").values.round(6).tolist()
+        [[250.0], [1000.0]]
+        """
+        from torsionnet.solve.mean_response import mean_response
+
+        return mean_response(self, outputs, speeds)
 
     def damper_design(
         self,

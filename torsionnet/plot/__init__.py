@@ -8,7 +8,7 @@ from torsionnet.plot.damper_curves import damper_design
 from torsionnet.plot.fits import correlation, fit
 from torsionnet.plot.histories import time_histories
 from torsionnet.plot.mac import mac_matrix
-from torsionnet.plot.order_response import order_response, waveform
+from torsionnet.plot.order_response import half_ranges, order_response, waveform
 from torsionnet.plot.save import save
 from torsionnet.plot.schematic import schematic
 from torsionnet.plot.shapes import mode_shapes
@@ -24,6 +24,7 @@ __all__ = [
     "correlation",
     "damper_design",
     "fit",
+    "half_ranges",
     "mac_matrix",
     "mode_shapes",
     "order_map",

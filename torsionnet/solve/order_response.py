@@ -18,7 +18,7 @@ from torsionnet.model.excitations import OrderExcitation
 from torsionnet.model.speeds import total_ratio
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderLine, OrderResponse
-from torsionnet.solve.transfer import frequency_response
+from torsionnet.solve.shared_response import shared_response
 
 TOGETHER = 500
 """Speeds that are solved together, which bounds the memory."""
@@ -41,6 +41,15 @@ def order_response(
     blocks = [_block(drivetrain, outputs, acting, ratios, reference, part) for part in _parts(at)]
     values = np.concatenate([block.values for block in blocks])
     return replace(blocks[0], speeds=at, values=values)
+
+
+def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, float]:
+    """Rated speed, or the highest one examined, of the reference shaft and of the shaft of an excitation; rad/s."""
+    given = drivetrain.definition.speeds
+    reference, at = _speeds(drivetrain, None, None)
+    speed = float(given.rated) if given and given.rated else float(at[-1])
+    shaft = drivetrain.definition.excitations[excitation].shaft
+    return speed, speed * abs(float(_ratio(drivetrain, shaft, reference)))
 
 
 def _parts(at: FloatArray) -> list[FloatArray]:
@@ -67,7 +76,7 @@ def _block(
     relative = np.array([float(line.relative) for line, _ in lines])
     frequencies, where = np.unique(at[:, None] * relative / (2 * math.pi), return_inverse=True)
     torques_on: list[Any] = [Input("torque", node) for node in nodes]
-    response = frequency_response(drivetrain, outputs, torques_on, frequencies)
+    response = shared_response(drivetrain, outputs, torques_on, frequencies)
     # A torque drives the shaft it is on, whichever way that turns.
     signs = {node: math.copysign(1, _ratio(drivetrain, node, reference)) for node in nodes}
     loads = np.zeros((len(at), len(lines), len(nodes)), dtype=complex)
@@ -114,7 +123,11 @@ def _acting(known: Mapping[str, OrderExcitation], names: Iterable[str] | None) -
 
 
 def _ratio(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
-    ratio = total_ratio(drivetrain.definition, drivetrain.exact_values, node, reference)
+    ratio = drivetrain.assembly.system.memo.once(
+        Fraction,
+        ("total ratio", node, reference),
+        lambda: total_ratio(drivetrain.definition, drivetrain.exact_values, node, reference),
+    )
     if not ratio:
         raise UsageError(f"{node} does not turn when {reference} does")
     return ratio
