@@ -204,7 +204,14 @@ OUTPUTS: dict[str, Schema] = {
                     half_range=NUMBERS,
                     rms=NUMBERS,
                     orders=listed(
-                        record(excitation=TEXT, order=NUMBER, of_reference=NUMBER, real=NUMBERS, imag=NUMBERS)
+                        record(
+                            excitation=TEXT,
+                            order=NUMBER,
+                            fixed_Hz=NUMBER,
+                            of_reference=NUMBER,
+                            real=NUMBERS,
+                            imag=NUMBERS,
+                        )
                     ),
                 )
             ),

@@ -113,6 +113,9 @@ class Definition(Declared):
         for name, stored in self.defaults().items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, stored)
+        if self.excitations:
+            fitted = {name: one.fitted(self.elements) for name, one in self.excitations.items()}
+            object.__setattr__(self, "excitations", fitted)
 
     @property
     def active(self) -> tuple[Element, ...]:
