@@ -57,6 +57,10 @@ CALLS = {
     ],
     "holzer": ["holzer plant.yaml --mode 1", "holzer marine_steam_turbine --at 3"],
     "static": ["static driven.yaml", "static driven.yaml -c all --speed 300rpm"],
+    "damper": [
+        "damper plant.yaml --vary shaft.damping=0.01..10 --output f",
+        "damper dmf_rig --vary c_2 --output theta_1 --input T_T --from 1 --to 30",
+    ],
     "show": ["show dmf_rig", "show dmf_rig --equations --matrices"],
     "estimate": ["estimate run_soft.npz --output phi --input M"],
     "compare": ["compare run_soft.npz rig.yaml -c soft --output phi --input M"],

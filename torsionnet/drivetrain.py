@@ -256,8 +256,8 @@ class Drivetrain(AssembledModel):
         output : str or Sensor
             What is to be small, as for :meth:`frequency_response`.
         parameters : str, sequence of str, or mapping
-            Names of parameters or ``element.field``, with (lower, upper) bounds in SI or with units if a mapping. Bounds
-            not given are those of the model, else a tenth to ten times the value.
+            Names of parameters or ``element.field``; in a mapping with (lower, upper) bounds in SI or with units. Those
+            not given are the bounds in the model, else a tenth to ten times the value.
         input : str or Sensor, optional
             The largest magnitude of output over input within ``band`` is made small. Without it the largest half range
             of all orders over ``speeds``, under the model's excitations.
@@ -278,7 +278,7 @@ class Drivetrain(AssembledModel):
         ...     tn.Spring("shaft", nodes=("a", "ground"), stiffness=8e4),
         ...     tn.ViscousDamper("damper", node="a", ring_inertia=1, damping=100)])
         >>> found = crank.damper_design("a", {"damper.damping": (20, 2000)}, input="a")
-        >>> round(found.values["damper.damping"] / (2 * 1 * 200), 4)  # Den Hartog: 1/sqrt(2 (1 + mu) (2 + mu)), mu = 1/2
+        >>> round(found.values["damper.damping"] / (2 * 1 * 200), 4)  # Den Hartog: sqrt(2/15)
         0.3651
         """
         from torsionnet.solve.design import damper_design

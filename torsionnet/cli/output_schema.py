@@ -296,6 +296,33 @@ OUTPUTS: dict[str, Schema] = {
             notes=TEXTS,
         )
     ),
+    "damper": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            output=TEXT,
+            unit=TEXT,
+            over=TEXT,
+            parameters=listed(
+                record(
+                    name=TEXT,
+                    unit=TEXT,
+                    start=NUMBER,
+                    lower=NUMBER,
+                    upper=NUMBER,
+                    value=NUMBER,
+                    at_bound=text_or_nothing(),
+                    values=NUMBERS,
+                    largest=NUMBERS,
+                )
+            ),
+            before=AT_LEVEL,
+            after=AT_LEVEL,
+            peaks=listed(AT_LEVEL),
+            fixed_points=listed(record(at=NUMBER, level=NUMBER, spread=NUMBER)),
+            words=TEXTS,
+        )
+    ),
     "estimate": ESTIMATE,
     "compare": record(
         test=ESTIMATE,
