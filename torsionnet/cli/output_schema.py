@@ -157,6 +157,8 @@ STATION = record(
     link=or_null(record(elements=TEXTS, rigid=YES_OR_NO, stiffness=NUMBER, twist=NUMBER, stress=NUMBER)),
 )
 
+AT_LEVEL = record(at=NUMBER, level=NUMBER)
+
 OUTPUTS: dict[str, Schema] = {
     "check": listed(record(model=TEXT, errors=COUNT, faults=listed(FAULT))),
     "library": listed(record(name=TEXT, what=TEXT, source=TEXT, file=TEXT)),
