@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+import numpy as np
+
 from torsionnet.core.errors import Fault, ModelError, Path, UsageError, unknown_name
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.parameters import resolve
@@ -22,7 +24,7 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
         places.append((excitation.shaft, ("excitations", name, "speed_of")))
     faults += [unknown_name("node", node, nodes, path) for node, path in dict.fromkeys(places) if node not in nodes]
     faults += _overrides(definition)
-    return faults or [*_without_ratio(definition)]
+    return faults or [*_without_ratio(definition)] or [*_remarks(definition)]
 
 
 def _overrides(definition: Definition) -> Iterator[Fault]:
@@ -62,3 +64,15 @@ def _without_ratio(definition: Definition) -> Iterator[Fault]:
             total_ratio(definition, known, excitation.shaft, definition.speeds.of)
         except UsageError as error:
             yield Fault(str(error), ("excitations", name, "speed_of"))
+
+
+def _remarks(definition: Definition) -> Iterator[Fault]:
+    """What the excitations themselves have to say, at the speeds of their shafts where these are known."""
+    known, faults = resolve(definition.parameters)
+    for name, excitation in definition.excitations.items():
+        speeds = None
+        if definition.speeds is not None and not faults:
+            ratio = abs(float(total_ratio(definition, known, excitation.shaft, definition.speeds.of)))
+            speeds = np.array(definition.speeds.values) * ratio
+        for fault in excitation.remarks(speeds):
+            yield fault.under("excitations", name)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.errors import Path
+from torsionnet.core.errors import Fault, Path
 
 ORDER = Value("vibrations per revolution", "1", exclusive=True, below=10_000)
 FloatArray = NDArray[np.float64]
@@ -19,6 +19,32 @@ ComplexArray = NDArray[np.complex128]
 
 _KINDS: dict[str, type[OrderExcitation]] = {}
 T = TypeVar("T", bound="type[OrderExcitation]")
+
+
+@dataclass(frozen=True, eq=False)
+class TorqueShares:
+    """Torques that come on top, one or another: each acts on one node.
+
+    Attributes
+    ----------
+    labels : tuple of str
+    nodes : tuple of str
+        The node of each.
+    amplitudes : (n_shares, n_speeds, n_orders) complex array
+        N m, peak values.
+    """
+
+    labels: tuple[str, ...]
+    nodes: tuple[str, ...]
+    amplitudes: ComplexArray
+
+    @classmethod
+    def of(cls, shares: Mapping[str, tuple[str, ComplexArray]]) -> TorqueShares | None:
+        """From node and torque by label; None where there are none."""
+        if not shares:
+            return None
+        nodes = tuple(node for node, _ in shares.values())
+        return cls(tuple(shares), nodes, np.array([torque for _, torque in shares.values()]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,11 +58,17 @@ class OrderTorques:
     nodes : tuple of str
     amplitudes : (n_speeds, n_orders, n_nodes) complex array
         N m, peak values.
+    alternatives : TorqueShares, optional
+        One of these comes on top, whichever is worst.
+    scatter : TorqueShares, optional
+        All of these come on top with factors from -1 to 1, in the worst combination.
     """
 
     orders: FloatArray
     nodes: tuple[str, ...]
     amplitudes: ComplexArray
+    alternatives: TorqueShares | None = None
+    scatter: TorqueShares | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,6 +95,11 @@ class OrderExcitation(Declared):
     def torques(self, speeds: FloatArray) -> OrderTorques:
         """The torques at speeds of its shaft, rad/s."""
         raise NotImplementedError
+
+    def remarks(self, speeds: FloatArray | None) -> list[Fault]:
+        """What is wrong at speeds of its shaft in rad/s, where these are known, and what is worth a warning or note."""
+        del speeds
+        return []
 
 
 def register_excitation(cls: T) -> T:
