@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import Any
 
 from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.errors import did_you_mean
 
 _FOLDER: ContextVar[Path | None] = ContextVar("folder of the file that is being read", default=None)
 LARGEST = 8_000_000
+_SUFFIXED = re.compile(r"\.[A-Za-z]\w{0,4}$")
 
 
 @contextmanager
@@ -52,6 +55,15 @@ def nearby_file(name: str) -> Path:
     if size > LARGEST:
         raise EntryError(f'"{name}" is too large: more than {LARGEST // 1_000_000} MB')
     return path
+
+
+def names_a_file(raw: Any) -> bool:
+    """Whether the name of a file stands anywhere in what was written."""
+    if isinstance(raw, Mapping):
+        return any(names_a_file(part) for part in raw.values())
+    if isinstance(raw, list | tuple):
+        return any(names_a_file(part) for part in raw)
+    return isinstance(raw, Path) or (isinstance(raw, str) and _SUFFIXED.search(raw) is not None)
 
 
 def _others(path: Path) -> str:

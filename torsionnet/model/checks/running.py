@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -50,7 +51,7 @@ def _wrong_value(definition: Definition, value: object, key: str, path: Path) ->
         definition.overlaid(Overlay(excitations={key: value}))
     except ModelError as error:
         for fault in error.faults:
-            yield Fault(fault.message, path)
+            yield replace(fault, path=path)
 
 
 def _without_ratio(definition: Definition) -> Iterator[Fault]:

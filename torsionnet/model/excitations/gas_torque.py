@@ -83,7 +83,7 @@ class GasPressure(Declared):
         given = [key for key in ("fired", "traces", "harmonics") if getattr(self, key)]
         if len(given) != 1:
             text = "gas is given by fired, by traces or by harmonics, one of the three"
-            yield Fault(f"{text}; here are {' and '.join(given) or 'none'}", given[1:2] or (), on_key=True)
+            yield Fault(f"{text}; here are {' and '.join(given) or 'none'}", tuple(given[1:2]), on_key=True)
         if self.motored and self.motored_harmonics:
             text = "compression without injection is given by motored or by motored_harmonics, one of the two"
             yield Fault(text, ("motored_harmonics",), on_key=True)
@@ -119,10 +119,9 @@ class GasPressure(Declared):
     @property
     def own_orders(self) -> tuple[tuple[str, float], ...]:
         """Entry and order of everything given by order."""
-        tables = {key: getattr(self, key) or {} for key in ("harmonics", "motored_harmonics")}
-        return tuple(
-            (key, float(order)) for key, found in tables.items() for table in found.values() for order in table
-        )
+        keys = ("harmonics", "motored_harmonics")
+        tables = [(key, table) for key in keys for table in (getattr(self, key) or {}).values()]
+        return tuple((key, float(order)) for key, table in tables for order in table)
 
     def fired_harmonics(self, crank: Crank, orders: FloatArray, pressures: FloatArray | None) -> ComplexArray:
         """Torque of a firing cylinder in N m, (n_pressures or 1, n_orders), at mean indicated pressures in Pa."""

@@ -179,12 +179,14 @@ def _trace(rows: _Rows, revolutions: int) -> PressureTrace:
     """Even steps, the first of them at or after 0 degrees."""
     cycle, count = 360.0 * revolutions, len(rows.angles)
     step, note = cycle / count, ""
-    angles, pressures = rows.angles, rows.pressures
+    angles: FloatArray = rows.angles
+    pressures: FloatArray = rows.pressures
     if np.max(np.abs(angles - angles[0] - step * np.arange(count))) > EVEN * step:
         steps = min(MOST_STEPS, round(cycle / float(np.min(np.diff(angles)))))
         note = f"{rows.file} has uneven steps; it is interpolated linearly at {steps} steps of a cycle"
         step = cycle / steps
-        angles, pressures = step * np.arange(steps), np.interp(step * np.arange(steps), angles, pressures, period=cycle)
+        pressures = np.asarray(np.interp(step * np.arange(steps), angles, pressures, period=cycle))
+        angles = np.arange(float(steps)) * step
     begin = angles[0] % cycle
     passed = int(np.ceil((cycle - begin) / step - EVEN)) % len(angles)  # samples before 0 degrees
     start = begin + passed * step - (cycle if passed else 0)

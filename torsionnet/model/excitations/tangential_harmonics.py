@@ -56,12 +56,11 @@ _BY_PRESSURE = ByPressure("mean indicated pressure -> orders", _BY_ORDER)
 class HarmonicTables(Composite):
     """One table by order, or several by mean indicated pressure; stored by Pa, None for one that stands alone."""
 
-    def read(self, raw: Any) -> tuple[dict[float | None, Any], list[Fault]]:
+    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
         if isinstance(raw, Mapping) and (None in raw or any(_names_pressure(key) for key in raw)):
             if None in raw:
                 return dict(raw), []
-            tables, faults = _BY_PRESSURE.read(raw)
-            return dict(tables), faults
+            return _BY_PRESSURE.read(raw)
         table, faults = _BY_ORDER.read(raw)
         return {None: table}, faults
 

@@ -45,7 +45,7 @@ def read_text(text: str, file: str, folder: Path | None = None) -> tuple[Definit
         return None, [_no_model(document)]
     with files_beside(folder):
         definition, faults = read_definition(document.data)
-    faults = check_what_was_read(definition, document, faults)
+        faults = check_what_was_read(definition, document, faults)
     found = placed([*document.faults, *faults], document)
     return (None if has_errors(found) else definition), found
 
