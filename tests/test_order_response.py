@@ -1,6 +1,7 @@
 """Excitation by orders: against a dense solve made elsewhere, closed forms, and what a user may write wrong."""
 
 import csv
+import json
 import re
 from fractions import Fraction
 
@@ -15,6 +16,7 @@ from torsionnet.model.excitations.slider_crank import piston_curvature, piston_r
 from torsionnet.plot import order_response as drawn
 from torsionnet.plot import waveform
 from torsionnet.response.order_response import OrderLine, OrderResponse
+from torsionnet.solve import shared_response
 
 CASES = {"normal": lambda data: data["normal"], "motored": lambda data: data["misfire"]["motored"],
          "gas_off": lambda data: data["misfire"]["gas_off"]}  # fmt: skip
@@ -67,6 +69,51 @@ class TestManySpeeds:
         parts = rig.order_response("twist(thrust)")
         assert parts.values == pytest.approx(whole.values, rel=1e-13)
         assert parts.half_range == pytest.approx(whole.half_range, rel=1e-12)
+
+
+class TestConditionsOfOnePlant:
+    """They share one solution where nothing but torques differs, and only there."""
+
+    CHANGES = ("firing=normal", "coupling=soft", "firing=misfire,coupling=soft", "firing=misfire", "firing=normal")
+
+    @staticmethod
+    def model():
+        harmonic = {"type": "harmonic", "node": "a", "orders": {2: {"amplitude": "10 N*m"}}}
+        return {
+            "torsionnet": 1,
+            "parameters": {"k": "300 N*m/rad", "k_b": "900 N*m/rad"},
+            "elements": {
+                **{f"J_{node}": {"type": "inertia", "node": node, "inertia": "0.4 kg*m^2"} for node in "abc"},
+                "k_1": {"type": "spring", "nodes": ["a", "b"], "stiffness": "k", "damping": 2},
+                "k_2": {"type": "spring", "nodes": ["b", "c"], "stiffness": "k_b", "damping": 1},
+            },
+            "speeds": {"of": "a", "list": ["80 rpm", "200 rpm", "310 rpm"]},
+            "excitations": {"motor": harmonic},
+            "configurations": {
+                "firing": {"normal": {}, "misfire": {"motor.orders": {2: {"amplitude": "10 N*m"}, 0.5: {"amplitude": 4}}}},
+                "coupling": {"stiff": {}, "soft": {"k": "100 N*m/rad"}},
+            },
+        }  # fmt: skip
+
+    def test_each_has_its_own_values(self):
+        text = json.dumps(self.model())
+        shared = tn.loads(text)
+        for change in self.CHANGES:
+            fresh = tn.loads(text).configured(change)
+            found = shared.configured(change).order_response(["twist(k_1)", "a"])
+            expected = fresh.order_response(["twist(k_1)", "a"])
+            assert found.values == pytest.approx(expected.values, rel=1e-12)
+
+    def test_a_misfire_is_not_solved_again(self, monkeypatch):
+        solved = []
+        original = shared_response.frequency_response
+        monkeypatch.setattr(shared_response, "frequency_response", lambda *args: solved.append(args) or original(*args))
+        rig = tn.loads(json.dumps(self.model()))
+        for change in ("firing=normal", "firing=normal,coupling=stiff"):
+            rig.configured(change).order_response("a")
+        assert len(solved) == 1
+        rig.configured("coupling=soft").order_response("a")
+        assert len(solved) == 2
 
 
 class TestCylinders:

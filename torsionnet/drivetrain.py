@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from torsionnet.model.channels import Sensor
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
+    from torsionnet.response.damper_optimum import DamperOptimum
+    from torsionnet.response.mean_response import MeanResponse
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.response.recording import Recording
     from torsionnet.solve.grid import Adaptive
@@ -44,6 +46,8 @@ class Drivetrain(AssembledModel):
         Axis -> alternative -> ``{parameter: value, "on": [...], "off": [...]}``; one axis needs no name.
     operating_point : mapping, optional
         ``{"speed": {node: value}, "torque": {node: value}}``.
+    speeds, load, excitations : mapping, optional
+        At which speeds running machinery is examined, who absorbs its power and who drives, and what excites it.
     source, description : str, optional
         Where the numbers come from, and what the model is.
 
@@ -189,6 +193,100 @@ class Drivetrain(AssembledModel):
         from torsionnet.solve.order_response import order_response
 
         return order_response(self, outputs, speeds=speeds, speed_of=speed_of, excitations=excitations)
+
+    def mean_response(self, outputs: Channels, speeds: ArrayLike | None = None) -> MeanResponse:
+        """Mean torques and twists of running machinery under its load.
+
+        Springs hand mean torques on; dampers stand for vibration and take none. Drivers act in the direction of
+        rotation, absorbers against it, and the reference node of the speeds turns in the positive sense.
+
+        Parameters
+        ----------
+        outputs : str, Sensor or sequence of these
+            As for :meth:`frequency_response`, but nothing that turns freely: a torque or a twist.
+        speeds : (n_speeds,) array, optional
+            rad/s, of the node of the model's ``speeds:``; default: those of the model.
+
+        Returns
+        -------
+        MeanResponse
+            ``values`` of shape (n_speeds, n_out).
+
+        Raises
+        ------
+        UsageError
+            Unknown names, no load and no torques at the operating point, torques that are not in balance, a speed
+            outside a table, or an output that mean torques do not determine.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("engine", node="e", inertia=2), tn.Inertia("screw", node="p", inertia=1),
+        ...     tn.Spring("shaft", nodes=("e", "p"), stiffness=1e6)]
+        >>> boat = tn.Drivetrain("boat", elements, speeds={"of": "e", "list": [50, 100], "rated": 100},
+        ...     load={"absorbed_at": "p", "power": "100 kW", "torque_exponent": 2, "driven_by": {"e": 1}})
+        >>> boat.mean_response("torque(shaft)").values.round(6).tolist()
+        [[250.0], [1000.0]]
+        """
+        from torsionnet.solve.mean_response import mean_response
+
+        return mean_response(self, outputs, speeds)
+
+    def damper_design(
+        self,
+        output: str | Sensor,
+        parameters: str | Sequence[str] | Mapping[str, Sequence[float | str] | None],
+        *,
+        input: str | Sensor | None = None,
+        band: tuple[float, float] | None = None,
+        speeds: ArrayLike | None = None,
+        speed_of: str | None = None,
+        excitations: Iterable[str] | None = None,
+    ) -> DamperOptimum:
+        """The damping and stiffness of dampers with which the largest vibration is smallest.
+
+        Parameters
+        ----------
+        output : str or Sensor
+            What is to be small, as for :meth:`frequency_response`.
+        parameters : str, sequence of str, or mapping
+            Names of parameters or ``element.field``, with (lower, upper) bounds in SI or with units if a mapping. Bounds
+            not given are those of the model, else a tenth to ten times the value.
+        input : str or Sensor, optional
+            The largest magnitude of output over input within ``band`` is made small. Without it the largest half range
+            of all orders over ``speeds``, under the model's excitations.
+        band : (float, float), optional
+            Hz; default: around all natural frequencies.
+        speeds, speed_of, excitations
+            As for :meth:`order_response`.
+
+        Raises
+        ------
+        UsageError
+            Unknown names, no bounds, or what goes only with the other question.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> crank = tn.Drivetrain("crank", [tn.Inertia("mass", node="a", inertia=2),
+        ...     tn.Spring("shaft", nodes=("a", "ground"), stiffness=8e4),
+        ...     tn.ViscousDamper("damper", node="a", ring_inertia=1, damping=100)])
+        >>> found = crank.damper_design("a", {"damper.damping": (20, 2000)}, input="a")
+        >>> round(found.values["damper.damping"] / (2 * 1 * 200), 4)  # Den Hartog: 1/sqrt(2 (1 + mu) (2 + mu)), mu = 1/2
+        0.3651
+        """
+        from torsionnet.solve.design import damper_design
+
+        return damper_design(
+            self,
+            output,
+            parameters,
+            input=input,
+            band=band,
+            speeds=speeds,
+            speed_of=speed_of,
+            excitations=excitations,
+        )
 
     def simulate(self, outputs: Channels, inputs: Mapping[str, ArrayLike], sampling_rate: float) -> Recording:
         """Motion over time from rest, exact for torques that run straight from sample to sample.

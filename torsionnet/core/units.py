@@ -101,7 +101,7 @@ _BASE: dict[str, tuple[Real, Dimension, str]] = {
     "N": (Fraction(1), _FORCE, "GMkm"), "kgf": (_G0, _FORCE, ""), "lbf": (_LB * _G0, _FORCE, ""),
     "Pa": (Fraction(1), _PRESSURE, "GMk"), "psi": (_LB * _G0 / _INCH**2, _PRESSURE, ""),
     "ksi": (1000 * _LB * _G0 / _INCH**2, _PRESSURE, ""), "bar": (Fraction(10**5), _PRESSURE, ""),
-    "W": (Fraction(1), _POWER, "GMkm"),
+    "W": (Fraction(1), _POWER, "GMk"),
     "rad": (Fraction(1), _NUMBER, "mu"), "deg": (math.pi / 180, _NUMBER, ""), "rev": (2 * math.pi, _NUMBER, ""),
     "arcmin": (math.pi / 10800, _NUMBER, ""), "%": (Fraction(1, 100), _NUMBER, ""),
     "rpm": (math.pi / 30, _dimension(s=-1), ""), "Hz": (Fraction(1), _dimension(s=-1, cycle=1), "km"),

@@ -133,11 +133,6 @@ def _at_ease(definition: Definition, values: Mapping[str, Any]) -> Iterator[dict
             yield {left: Fraction(1), right: Fraction(-1)}
 
 
-def mean_torques(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:
-    """Mean external torque in N m on the nodes for which the operating point gives one."""
-    return {node: float(value.evaluate(values)) for node, value in definition.operating_point.torque.items()}
-
-
 def _numbers(point: OperatingPoint, values: Mapping[str, Any]) -> dict[str, Fraction]:
     return {node: exact(value.evaluate(values)) for node, value in point.speed.items()}
 

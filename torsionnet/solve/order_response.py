@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -14,11 +13,13 @@ from numpy.typing import ArrayLike
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError, meant_or
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.model.excitations import OrderExcitation
+from torsionnet.model.excitations import OrderExcitation, OrderTorques
 from torsionnet.model.speeds import total_ratio
-from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_response import OrderLine, OrderResponse
-from torsionnet.solve.transfer import frequency_response
+from torsionnet.response.worst_response import joined
+from torsionnet.solve.shared_response import shared_response
+from torsionnet.solve.worst_case import contributions, worst_case
 
 TOGETHER = 500
 """Speeds that are solved together, which bounds the memory."""
@@ -39,8 +40,16 @@ def order_response(
         _require_moving(drivetrain, name, one)
     ratios = {name: _ratio(drivetrain, one.shaft, reference) for name, one in acting.items()}
     blocks = [_block(drivetrain, outputs, acting, ratios, reference, part) for part in _parts(at)]
-    values = np.concatenate([block.values for block in blocks])
-    return replace(blocks[0], speeds=at, values=values)
+    return joined(blocks, at)
+
+
+def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, float]:
+    """Rated speed, or the highest one examined, of the reference shaft and of the shaft of an excitation; rad/s."""
+    given = drivetrain.definition.speeds
+    reference, at = _speeds(drivetrain, None, None)
+    speed = float(given.rated) if given and given.rated else float(at[-1])
+    shaft = drivetrain.definition.excitations[excitation].shaft
+    return speed, speed * abs(float(_ratio(drivetrain, shaft, reference)))
 
 
 def _parts(at: FloatArray) -> list[FloatArray]:
@@ -67,7 +76,7 @@ def _block(
     relative = np.array([float(line.relative) for line, _ in lines])
     frequencies, where = np.unique(at[:, None] * relative / (2 * math.pi), return_inverse=True)
     torques_on: list[Any] = [Input("torque", node) for node in nodes]
-    response = frequency_response(drivetrain, outputs, torques_on, frequencies)
+    response = shared_response(drivetrain, outputs, torques_on, frequencies)
     # A torque drives the shaft it is on, whichever way that turns.
     signs = {node: math.copysign(1, _ratio(drivetrain, node, reference)) for node in nodes}
     loads = np.zeros((len(at), len(lines), len(nodes)), dtype=complex)
@@ -75,8 +84,27 @@ def _block(
         found = torques[line.excitation]
         for column, node in enumerate(found.nodes):
             loads[:, number, nodes.index(node)] += signs[node] * found.amplitudes[:, place, column]
-    values = np.einsum("slon,sln->slo", response.values[where.reshape(len(at), len(lines))], loads)
-    return OrderResponse(at, reference, tuple(line for line, _ in lines), values, response.outputs, drivetrain.title)
+    gains = response.values[where.reshape(len(at), len(lines))]
+    values = np.einsum("slon,sln->slo", gains, loads)
+    nominal = OrderResponse(at, reference, tuple(line for line, _ in lines), values, response.outputs, drivetrain.title)
+    columns = {node: (place, signs[node]) for place, node in enumerate(nodes)}
+    return _worst(nominal, torques, gains, columns)
+
+
+def _worst(
+    nominal: OrderResponse,
+    torques: Mapping[str, OrderTorques],
+    gains: ComplexArray,
+    columns: Mapping[str, tuple[int, float]],
+) -> OrderResponse:
+    """The worst of what excitations offer besides; ``columns`` has place and sign of a node among the inputs."""
+    alternatives, scatter, first = [], [], 0
+    for name, found in torques.items():
+        lines = slice(first, first := first + len(found.orders))
+        for shares, those in ((found.alternatives, alternatives), (found.scatter, scatter)):
+            if shares is not None:
+                those.append(contributions(name, shares, gains, lines, columns))
+    return worst_case(nominal, alternatives, scatter)
 
 
 def _require_moving(drivetrain: AssembledModel, name: str, excitation: OrderExcitation) -> None:
@@ -114,7 +142,11 @@ def _acting(known: Mapping[str, OrderExcitation], names: Iterable[str] | None) -
 
 
 def _ratio(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
-    ratio = total_ratio(drivetrain.definition, drivetrain.exact_values, node, reference)
+    ratio = drivetrain.assembly.system.memo.once(
+        Fraction,
+        ("total ratio", node, reference),
+        lambda: total_ratio(drivetrain.definition, drivetrain.exact_values, node, reference),
+    )
     if not ratio:
         raise UsageError(f"{node} does not turn when {reference} does")
     return ratio

@@ -7,14 +7,16 @@ from dataclasses import replace
 
 import numpy as np
 
+from torsionnet.core.entries.declared import Declared
 from torsionnet.core.errors import Fault, ModelError, Path, UsageError, unknown_name
-from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.checks.load_fits import unknown_in_load
+from torsionnet.model.definition import LOAD, Definition, all_nodes
 from torsionnet.model.parameters import resolve
 from torsionnet.model.speeds import total_ratio
 
 
 def unfit_excitations(definition: Definition) -> list[Fault]:
-    """Excitations and speeds on nodes that do not exist or have no ratio to the shaft whose speed is given."""
+    """Excitations, speeds and a load on nodes that do not exist or have no ratio to the shaft whose speed is given."""
     nodes = all_nodes(definition.elements.values())
     faults: list[Fault] = []
     places: list[tuple[str, Path]] = []
@@ -24,31 +26,38 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
         places += [(node, ("excitations", name, *path)) for path, node in excitation.node_entries]
         places.append((excitation.shaft, ("excitations", name, "speed_of")))
     faults += [unknown_name("node", node, nodes, path) for node, path in dict.fromkeys(places) if node not in nodes]
+    if LOAD in definition.excitations:
+        text = f'"{LOAD}" is the entry on who drives and who absorbs; give the excitation another name'
+        faults.append(Fault(text, ("excitations", LOAD), on_key=True))
+    if definition.load is not None:
+        faults += unknown_in_load(definition, definition.load)
     faults += _overrides(definition)
     return faults or [*_without_ratio(definition)] or [*_remarks(definition)]
 
 
 def _overrides(definition: Definition) -> Iterator[Fault]:
-    """Alternatives whose ``excitation.entry`` means nothing, or gives it a wrong value."""
+    """Alternatives whose ``excitation.entry`` or ``load.entry`` means nothing, or gives it a wrong value."""
+    sections: dict[str, Declared] = dict(definition.excitations)
+    if definition.load is not None:
+        sections[LOAD] = definition.load
     for axis, alternatives in definition.configurations.items():
         for label, overlay in alternatives.items():
-            for key in overlay.excitations:
+            for key in overlay.entries:
                 path = ("configurations", axis, label, key)
                 name, _, entry = key.partition(".")
-                excitation = definition.excitations.get(name)
-                if excitation is None:
-                    yield unknown_name("excitation", name, definition.excitations, path, on_key=True)
-                elif entry not in dict(excitation.specs()):
-                    yield unknown_name(f"entry of {name}", entry, dict(excitation.specs()), path, on_key=True)
+                if name not in sections:
+                    yield unknown_name("excitation", name, sections, path, on_key=True)
+                elif entry not in dict(sections[name].specs()):
+                    yield unknown_name(f"entry of {name}", entry, dict(sections[name].specs()), path, on_key=True)
                 else:
-                    yield from _wrong_value(definition, overlay.excitations[key], key, path)
+                    yield from _wrong_value(definition, overlay.entries[key], key, path)
 
 
 def _wrong_value(definition: Definition, value: object, key: str, path: Path) -> Iterator[Fault]:
     from torsionnet.model.configurations import Overlay
 
     try:
-        definition.overlaid(Overlay(excitations={key: value}))
+        definition.overlaid(Overlay(entries={key: value}))
     except ModelError as error:
         for fault in error.faults:
             yield replace(fault, path=path)

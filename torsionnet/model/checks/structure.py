@@ -8,6 +8,7 @@ from typing import Any
 from torsionnet.core.errors import USELESS, Fault, ModelError, UsageError, did_you_mean
 from torsionnet.core.groups import Groups
 from torsionnet.model.checks.balance import unbalanced_torques
+from torsionnet.model.checks.load_fits import unfit_load
 from torsionnet.model.checks.motions import left_free
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND, Values
@@ -203,4 +204,5 @@ def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
         return faults
     faults = [fault for check in CHECKS for fault in check(definition, kinematics)]
     faults += inconsistent_speeds(definition, values)
-    return faults + unbalanced_torques(definition, kinematics, values)
+    unfit = unfit_load(definition, values) if all(fault.severity != "error" for fault in faults) else []
+    return faults + unfit if unfit else faults + unbalanced_torques(definition, kinematics, values)
