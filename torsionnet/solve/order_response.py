@@ -20,6 +20,7 @@ from torsionnet.response.order_response import OrderLine, OrderResponse
 from torsionnet.response.worst_response import joined
 from torsionnet.solve.shared_response import shared_response
 from torsionnet.solve.worst_case import contributions, worst_case
+from torsionnet.solve.worst_combination import Contributions
 
 TOGETHER = 500
 """Speeds that are solved together, which bounds the memory."""
@@ -98,7 +99,9 @@ def _worst(
     columns: Mapping[str, tuple[int, float]],
 ) -> OrderResponse:
     """The worst of what excitations offer besides; ``columns`` has place and sign of a node among the inputs."""
-    alternatives, scatter, first = [], [], 0
+    alternatives: list[Contributions] = []
+    scatter: list[Contributions] = []
+    first = 0
     for name, found in torques.items():
         lines = slice(first, first := first + len(found.orders))
         for shares, those in ((found.alternatives, alternatives), (found.scatter, scatter)):
