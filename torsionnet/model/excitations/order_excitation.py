@@ -36,19 +36,14 @@ class TorqueShares:
         The node of each.
     amplitudes : (n_shares, n_speeds, n_orders) complex array
         N m, peak values.
+    parts : tuple of str
+        The part of the machine that each is of: a part that misfires does not scatter.
     """
 
     labels: tuple[str, ...]
     nodes: tuple[str, ...]
     amplitudes: ComplexArray
-
-    @classmethod
-    def of(cls, shares: Mapping[str, tuple[str, ComplexArray]]) -> TorqueShares | None:
-        """From node and torque by label; None where there are none."""
-        if not shares:
-            return None
-        nodes = tuple(node for node, _ in shares.values())
-        return cls(tuple(shares), nodes, np.array([torque for _, torque in shares.values()]))
+    parts: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
