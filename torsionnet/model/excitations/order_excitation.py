@@ -51,15 +51,6 @@ class OrderTorques:
     fixed: FloatArray | None = None
 
 
-@dataclass(frozen=True)
-class CoveredSpeeds:
-    """What a table says about speeds: from ``low`` to ``high`` rad/s of the shaft of its excitation."""
-
-    path: Path
-    low: float
-    high: float
-
-
 @dataclass(frozen=True, kw_only=True)
 class OrderExcitation(Declared):
     """Base of the excitations; a class of its own for each ``type:``, registered by :func:`register_excitation`."""
@@ -102,11 +93,6 @@ class OrderExcitation(Declared):
         """Nodes that take the torque of another one, whose sense of turning counts for it then."""
         return {}
 
-    @property
-    def covered_speeds(self) -> tuple[CoveredSpeeds, ...]:
-        """Speeds that its tables cover."""
-        return ()
-
     def fitted(self, elements: Mapping[str, Element]) -> Self:
         """With what the elements it names know: a shaft, a number of teeth."""
         del elements
@@ -120,6 +106,11 @@ class OrderExcitation(Declared):
     def torques(self, speeds: FloatArray) -> OrderTorques:
         """What acts at speeds of its shaft, rad/s."""
         raise NotImplementedError
+
+    def remarks(self, speeds: FloatArray | None) -> list[Fault]:
+        """What is wrong at speeds of its shaft in rad/s, where these are known, and what is worth a warning or note."""
+        del speeds
+        return []
 
 
 def register_excitation(cls: T) -> T:
