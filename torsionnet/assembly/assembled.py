@@ -27,6 +27,12 @@ class AssembledModel(Model):
 
     def _changed(self, choice: Mapping[str, str], changes: Overlay) -> Self:
         """A changed copy, whose assembly may share what it has in common with this one."""
-        changed = super()._changed(choice, changes)
-        changed._like = self.__dict__.get("assembly", self._like)  # noqa: SLF001
+        return self._sharing(super()._changed(choice, changes))
+
+    def operated(self, values: Mapping[str, float]) -> Self:
+        """As for any model, with what both assemblies have in common."""
+        return self._sharing(super().operated(values))
+
+    def _sharing(self, changed: Self) -> Self:
+        changed._like = self.__dict__.get("assembly", self._like)
         return changed

@@ -16,8 +16,9 @@ from torsionnet.core.errors import UsageError, meant_or
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.excitations import OrderExcitation
 from torsionnet.model.speeds import total_ratio
-from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.frequency_response import ComplexArray, FloatArray
 from torsionnet.response.order_response import OrderLine, OrderResponse
+from torsionnet.solve.operating_groups import Places, over_operating_points
 from torsionnet.solve.transfer import frequency_response
 
 TOGETHER = 500
@@ -38,8 +39,13 @@ def order_response(
     for name, one in acting.items():
         _require_moving(drivetrain, name, one)
     ratios = {name: _ratio(drivetrain, one.shaft, reference) for name, one in acting.items()}
-    blocks = [_block(drivetrain, outputs, acting, ratios, reference, part) for part in _parts(at)]
-    values = np.concatenate([block.values for block in blocks])
+    blocks: list[OrderResponse] = []
+
+    def amplitudes(rig: AssembledModel, places: Places) -> ComplexArray:
+        blocks[:] = [_block(rig, outputs, acting, ratios, reference, part) for part in _parts(at[places])]
+        return np.concatenate([block.values for block in blocks])
+
+    values = over_operating_points(drivetrain, reference, at, amplitudes)
     return replace(blocks[0], speeds=at, values=values)
 
 

@@ -13,27 +13,27 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import GROUND, Constraint, Element, Law, Values
 from torsionnet.model.elements.shaft import Shaft
-from torsionnet.model.load.external_torques import operating_speed, speed_ratios
+from torsionnet.model.load.external_torques import ExternalTorques
 from torsionnet.response.static_state import ElementLoad, StaticState
 from torsionnet.solve.mean_response import external_torques, mean_response, undetermined
 
 
 def static_state(drivetrain: AssembledModel, speed: float | None = None) -> StaticState:
     """See :meth:`torsionnet.Drivetrain.static_state`."""
-    definition, values = drivetrain.definition, drivetrain.exact_values
-    if speed is None and definition.load is not None:
-        speed = abs(operating_speed(definition, values))
+    values = drivetrain.exact_values
+    external = ExternalTorques(drivetrain.definition, values)
+    if speed is None and drivetrain.definition.load is not None:
+        speed = external.operating_speed
     asked = None if speed is None else [speed]
     reference, at, torques = external_torques(drivetrain, asked)
     ports = [(element, node) for element in drivetrain.elements.values() for node in _ports(element, values)]
     sensors, notes = _readable(drivetrain, ports)
     found = mean_response(drivetrain, sensors, asked)
     known = dict(zip(map(str, sensors), found.values[0].tolist(), strict=True))
-    ratios = speed_ratios(definition, values, reference)
-    loads = [_load(element, node, known, ratios.get(node), float(at[0]), values) for element, node in ports]
-    external = {node: float(one[0]) for node, one in torques.items()}
+    loads = [_load(element, node, known, external.ratios.get(node), float(at[0]), values) for element, node in ports]
+    acting = {node: float(one[0]) for node, one in torques.items()}
     return StaticState(
-        reference, float(at[0]), external, tuple(loads), drivetrain.title, (*found.notes, *dict.fromkeys(notes))
+        reference, float(at[0]), acting, tuple(loads), drivetrain.title, (*found.notes, *dict.fromkeys(notes))
     )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.errors import Fault, ModelError, Path, UsageError, unknown_name
+from torsionnet.core.expressions import ExpressionError
 from torsionnet.model.checks.load_fits import unknown_in_load
 from torsionnet.model.definition import LOAD, Definition, all_nodes
 from torsionnet.model.parameters import resolve
@@ -71,3 +72,5 @@ def _without_ratio(definition: Definition) -> Iterator[Fault]:
             total_ratio(definition, known, excitation.shaft, definition.speeds.of)
         except UsageError as error:
             yield Fault(str(error), ("excitations", name, "speed_of"))
+        except ExpressionError:  # a ratio without a value, which has been said
+            return

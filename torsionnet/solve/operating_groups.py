@@ -1,0 +1,60 @@
+"""Running machinery whose parameters follow the operating point: every speed is solved with its own values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeAlias, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.model.load.external_torques import reference_node
+from torsionnet.model.operating_values import OperatingPoints, following
+from torsionnet.model.speeds import total_ratio
+
+Places: TypeAlias = NDArray[np.intp]
+Model = TypeVar("Model", bound=AssembledModel)
+
+
+def over_operating_points(
+    drivetrain: Model, reference: str, speeds: FloatArray, solve: Callable[[Model, Places], Any]
+) -> Any:
+    """What ``solve`` gives at each speed with the parameters of that speed, shape (n_speeds, ...).
+
+    Speeds with the same values are solved together; all of them where no parameter follows the operating point.
+
+    Parameters
+    ----------
+    drivetrain : AssembledModel
+    reference : str
+        The node whose speeds are meant.
+    speeds : (n_speeds,) array
+        rad/s.
+    solve : callable
+        (drivetrain, places of some speeds) -> array whose first axis is these speeds.
+
+    Raises
+    ------
+    UsageError
+        A speed outside a table.
+    """
+    if not following(drivetrain.definition):
+        return solve(drivetrain, np.arange(len(speeds)))
+    groups: dict[tuple[tuple[str, float], ...], list[int]] = {}
+    points = OperatingPoints(drivetrain.definition, drivetrain.exact_values)
+    for place, speed in enumerate((speeds * _ratio(drivetrain, reference)).tolist()):
+        groups.setdefault(tuple(points.at(speed).items()), []).append(place)
+    found: Any = None
+    for values, places in groups.items():
+        part = solve(drivetrain.operated(dict(values)), np.array(places))
+        found = np.empty((len(speeds), *part.shape[1:]), dtype=part.dtype) if found is None else found
+        found[places] = part
+    return found
+
+
+def _ratio(drivetrain: AssembledModel, reference: str) -> float:
+    """Speed of the model's own reference node over that of another one."""
+    own = reference_node(drivetrain.definition) or reference
+    return abs(float(total_ratio(drivetrain.definition, drivetrain.exact_values, own, reference)))
