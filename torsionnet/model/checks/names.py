@@ -11,6 +11,7 @@ from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND
 from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.operating_values import unknown_in_parameters
+from torsionnet.model.readings import section_fault
 
 MOST_HINTS = 20
 """Dead ends for which a node is looked for that may have been meant: where there are more, they are no misspellings."""
@@ -104,10 +105,14 @@ def unknown_elements(definition: Definition) -> list[Fault]:
         element = definition.elements.get(sensor.of)
         if element is None:
             faults.append(_no_element(sensor.of, definition, path))
-        elif sensor.at is not None:
+            continue
+        if sensor.at is not None:
             reason = port_fault(element, sensor.at)
             if reason:
                 faults.append(Fault(reason, ("sensors", name, "at")))
+        reason = section_fault(element) if sensor.quantity == "stress" else None
+        if reason:
+            faults.append(Fault(reason, path))
     return faults
 
 
@@ -211,6 +216,15 @@ def _overridden(definition: Definition) -> bool:
     return any(overlay.entries for axis in definition.configurations.values() for overlay in axis.values())
 
 
+def unfit_limits(definition: Definition) -> list[Fault]:
+    """Limits that name what the model does not have, or that lack something of it."""
+    if not definition.limits:
+        return []
+    import torsionnet.model.checks.limits_fit as limits_fit
+
+    return limits_fit.unfit_limits(definition)
+
+
 def unfit_report(definition: Definition) -> list[Fault]:
     """A report that names what the model does not have."""
     if definition.report is None:
@@ -231,6 +245,7 @@ CHECKS = (
     hidden_names,
     dead_ends,
     unfit_excitations,
+    unfit_limits,
     unfit_bench,
     unfit_report,
 )
