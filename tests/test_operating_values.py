@@ -148,3 +148,54 @@ class TestWhatIsWrong:
             "load: {absorbed_at: prop, power: 3000 kW, torque_exponent: 2, driven_by: {fly: 1}}\n", "")  # fmt: skip
         with pytest.raises(tn.ModelError, match="needs the rated speed"):
             tn.loads(text)
+
+
+def by_vibration(stop="400 kN*m", last="0.5 MN*m/rad"):
+    return f"{{by: vibratory_torque, of: coupling, table: {{0 kN*m: 0.3 MN*m/rad, {stop}: {last}}}}}"
+
+
+class TestVibration:
+    def test_value_and_vibration_agree(self):
+        """At every speed a model with the settled stiffness vibrates as much as that stiffness belongs to."""
+        rig = ship(by_vibration("20 kN*m", "0.2 MN*m/rad"))
+        run = rig.order_response("torque(coupling)")
+        for place, rpm in enumerate(run.rpm):
+            stiffness = 0.3e6 - 0.1e6 * run.half_range[place, 0] / 20e3
+            fixed = ship().configured(k_cpl=float(stiffness)).order_response("torque(coupling)", speeds=[rpm * RPM])
+            assert run.values[place] == pytest.approx(fixed.values[0], rel=1e-6)
+        assert np.ptp(run.half_range) > 100  # or nothing would depend on it
+
+    def test_one_mass_in_closed_form(self):
+        """A mass driven above resonance, k = k0 - b T: T = k A/(J w^2 - k) solved by hand, a quadratic."""
+        J, w, A, k0, b = 2.0, 100.0, 500.0, 5e3, 2.0
+        rig = tn.Drivetrain(
+            "mass", [tn.Inertia("J", node="a", inertia=J), tn.Spring("s", nodes=("a", "ground"), stiffness="k")],
+            parameters={"k": {"by": "vibratory_torque", "of": "s", "table": {"0 N*m": k0, "1000 N*m": k0 - 1000 * b}}},
+            speeds={"of": "a", "list": [w], "rated": w},
+            excitations={"e": {"type": "harmonic", "node": "a", "orders": {1: {"amplitude": A}}}},
+        )  # fmt: skip
+        run = rig.order_response("torque(s)")
+        # T (J w^2 - k0 + b T) = (k0 - b T) A
+        p, q = J * w**2 - k0 + b * A, -k0 * A
+        torque = (-p + np.sqrt(p**2 - 4 * b * q)) / (2 * b)
+        assert run.half_range[0, 0] == pytest.approx(torque, rel=1e-6)
+        assert rig.parameters["k"] == k0  # modes have the value of the smallest vibration
+
+    def test_beyond_the_table(self):
+        with pytest.raises(
+            tn.UsageError, match=r"the vibratory torque of coupling is .* rpm; the table goes from 0 kN\*m to 1 N\*m"
+        ):
+            ship(by_vibration("1 N*m")).order_response("torque(coupling)")
+
+    def test_what_does_not_settle_is_said(self):
+        """A stiffness that jumps across the resonance with the vibration has no value that fits in double precision."""
+        J, w = 2.0, 100.0
+        rows = {"0 N*m": J * w**2 * 1.02, "1000 N*m": J * w**2 * 1.02, "1000.0000000001 N*m": 100.0, "1e6 N*m": 100.0}
+        rig = tn.Drivetrain(
+            "mass", [tn.Inertia("J", node="a", inertia=J), tn.Spring("s", nodes=("a", "ground"), stiffness="k", damping=1)],
+            parameters={"k": {"by": "vibratory_torque", "of": "s", "table": rows}},
+            speeds={"of": "a", "list": [w], "rated": w},
+            excitations={"e": {"type": "harmonic", "node": "a", "orders": {1: {"amplitude": 500.0}}}},
+        )  # fmt: skip
+        with pytest.raises(tn.UsageError, match=r"k and the vibration do not settle .* the first 954.93 rpm"):
+            rig.order_response("torque(s)")

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
@@ -14,12 +15,17 @@ from torsionnet.model.load.external_torques import reference_node
 from torsionnet.model.operating_values import OperatingPoints, following
 from torsionnet.model.speeds import total_ratio
 
+Settled: TypeAlias = Mapping[str, FloatArray]
 Places: TypeAlias = NDArray[np.intp]
 Model = TypeVar("Model", bound=AssembledModel)
 
 
 def over_operating_points(
-    drivetrain: Model, reference: str, speeds: FloatArray, solve: Callable[[Model, Places], Any]
+    drivetrain: Model,
+    reference: str,
+    speeds: FloatArray,
+    solve: Callable[[Model, Places], Any],
+    settled: Settled = MappingProxyType({}),
 ) -> Any:
     """What ``solve`` gives at each speed with the parameters of that speed, shape (n_speeds, ...).
 
@@ -34,6 +40,8 @@ def over_operating_points(
         rad/s.
     solve : callable
         (drivetrain, places of some speeds) -> array whose first axis is these speeds.
+    settled : mapping
+        Parameter -> (n_speeds,) values found otherwise.
 
     Raises
     ------
@@ -45,10 +53,11 @@ def over_operating_points(
     groups: dict[tuple[tuple[str, float], ...], list[int]] = {}
     points = OperatingPoints(drivetrain.definition, drivetrain.exact_values)
     for place, speed in enumerate((speeds * _ratio(drivetrain, reference)).tolist()):
-        groups.setdefault(tuple(points.at(speed).items()), []).append(place)
+        values = points.at(speed) | {name: float(found[place]) for name, found in settled.items()}
+        groups.setdefault(tuple(values.items()), []).append(place)
     found: Any = None
-    for values, places in groups.items():
-        part = solve(drivetrain.operated(dict(values)), np.array(places))
+    for group, places in groups.items():
+        part = solve(drivetrain.operated(dict(group)), np.array(places))
         found = np.empty((len(speeds), *part.shape[1:]), dtype=part.dtype) if found is None else found
         found[places] = part
     return found

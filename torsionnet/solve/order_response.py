@@ -20,8 +20,9 @@ from torsionnet.model.speeds import total_ratio
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.solve.operating_groups import Places, over_operating_points
+from torsionnet.solve.operating_groups import Places, Settled, over_operating_points
 from torsionnet.solve.posed import twisted_law
+from torsionnet.solve.settling import settled_by_vibration
 from torsionnet.solve.shared_response import shared_response
 
 TOGETHER = 500
@@ -46,14 +47,21 @@ def order_response(
     held = _held(drivetrain, acting)
     ratios = {name: _turning(drivetrain, one.shaft, reference) for name, one in acting.items()}
     senses = {name: _senses(held, one, reference) for name, one in acting.items()}
-    blocks: list[OrderResponse] = []
 
-    def amplitudes(rig: AssembledModel, places: Places) -> ComplexArray:
-        blocks[:] = [_block(rig, outputs, acting, ratios, senses, reference, part) for part in _parts(at[places])]
-        return np.concatenate([block.values for block in blocks])
+    def run(wanted: Any, settled: Settled) -> OrderResponse:
+        blocks: list[OrderResponse] = []
 
-    values = over_operating_points(held, reference, at, amplitudes)
-    return replace(blocks[0], speeds=at, values=values, title=drivetrain.title)
+        def amplitudes(rig: AssembledModel, places: Places) -> ComplexArray:
+            blocks[:] = [_block(rig, wanted, acting, ratios, senses, reference, part) for part in _parts(at[places])]
+            return np.concatenate([block.values for block in blocks])
+
+        values = over_operating_points(held, reference, at, amplitudes, settled)
+        return replace(blocks[0], speeds=at, values=values, title=drivetrain.title)
+
+    def vibration(elements: Sequence[str], settled: Settled) -> FloatArray:
+        return run([Sensor("torque", name) for name in elements], settled).half_range
+
+    return run(outputs, settled_by_vibration(drivetrain.definition, at, vibration))
 
 
 def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, float]:
