@@ -77,7 +77,6 @@ def _require_inside(name: str, element: str, table: Rows, sizes: FloatArray, spe
     outside = (sizes < low * (1 - TOLERANCE)) | (sizes > high * (1 + TOLERANCE))
     if outside.any():
         worst = int(np.argmax(np.where(outside, np.abs(sizes - low), -1)))
+        ends = f"the table goes from {table[0][0]} to {table[-1][0]}"
         where = f"{sizes[worst]:.6g} N*m at {speeds[worst] * 30 / np.pi:.6g} rpm"
-        raise UsageError(
-            f"{name}: the vibratory torque of {element} is {where}; the table goes from {table[0][0]} to {table[-1][0]}"
-        )
+        raise UsageError(f"{name}: the vibratory torque of {element} is {where}; {ends}")
