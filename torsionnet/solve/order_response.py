@@ -21,7 +21,9 @@ from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.worst_response import joined
+from torsionnet.solve.operating_groups import Places, Settled, at_operating_points
 from torsionnet.solve.posed import twisted_law
+from torsionnet.solve.settling import settled_by_vibration
 from torsionnet.solve.shared_response import shared_response
 from torsionnet.solve.worst_case import contributions, worst_case
 from torsionnet.solve.worst_combination import Contributions
@@ -48,8 +50,19 @@ def order_response(
     held = _held(drivetrain, acting)
     ratios = {name: _turning(drivetrain, one.shaft, reference) for name, one in acting.items()}
     senses = {name: _senses(held, one, reference) for name, one in acting.items()}
-    blocks = [_block(held, outputs, acting, ratios, senses, reference, part) for part in _parts(at)]
-    return joined(blocks, at, drivetrain.title)
+
+    def run(wanted: Any, settled: Settled) -> OrderResponse:
+        found = [
+            (_block(rig, wanted, acting, ratios, senses, reference, at[part]), part)
+            for rig, places in at_operating_points(held, reference, at, settled)
+            for part in _parts(places)
+        ]
+        return joined(found, at, drivetrain.title)
+
+    def vibration(elements: Sequence[str], settled: Settled) -> FloatArray:
+        return run([Sensor("torque", name) for name in elements], settled).half_range
+
+    return run(outputs, settled_by_vibration(drivetrain.definition, at, vibration))
 
 
 def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, float]:
@@ -61,9 +74,9 @@ def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, fl
     return speed, speed * abs(float(_turning(drivetrain, shaft, reference)))
 
 
-def _parts(at: FloatArray) -> list[FloatArray]:
+def _parts(places: Places) -> list[Places]:
     """Speeds that are solved together."""
-    return [at[start : start + TOGETHER] for start in range(0, len(at), TOGETHER)]
+    return [places[start : start + TOGETHER] for start in range(0, len(places), TOGETHER)]
 
 
 def _held(drivetrain: AssembledModel, acting: Mapping[str, OrderExcitation]) -> AssembledModel:

@@ -9,6 +9,7 @@ import numpy as np
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.errors import Fault, ModelError, Path, UsageError, unknown_name
+from torsionnet.core.expressions import ExpressionError
 from torsionnet.model.checks.load_fits import unknown_in_load
 from torsionnet.model.definition import LOAD, Definition, all_nodes
 from torsionnet.model.elements import Values
@@ -104,6 +105,8 @@ def _without_ratio(definition: Definition) -> Iterator[Fault]:
             total_ratio(definition, known, excitation.shaft, definition.speeds.of)
         except UsageError as error:
             yield Fault(str(error), ("excitations", name, "speed_of"))
+        except ExpressionError:  # a ratio without a value, which has been said
+            return
 
 
 def _remarks(definition: Definition) -> Iterator[Fault]:
@@ -112,7 +115,10 @@ def _remarks(definition: Definition) -> Iterator[Fault]:
     for name, excitation in definition.excitations.items():
         speeds = None
         if definition.speeds is not None and not faults:
-            ratio = abs(float(total_ratio(definition, known, excitation.shaft, definition.speeds.of)))
+            try:
+                ratio = abs(float(total_ratio(definition, known, excitation.shaft, definition.speeds.of)))
+            except ExpressionError:  # a ratio without a value, which has been said
+                return
             speeds = np.array(definition.speeds.values) * ratio
         for fault in excitation.remarks(speeds):
             yield fault.under("excitations", name)
