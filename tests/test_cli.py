@@ -646,7 +646,12 @@ def test_documented_output_is_real_output(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     blocks = documented()
     # A server does not end; no library model has excitations, the page on orders runs its own.
-    assert {command.split()[0] for command, _ in blocks} == set(COMMANDS) - {"schema", "explore", "orders", "critical-speeds"}
+    assert {command.split()[0] for command, _ in blocks} == set(COMMANDS) - {
+        "schema",
+        "explore",
+        "orders",
+        "critical-speeds",
+    }
     for command, output in blocks:
         # A short report is told in the same words as a long one.
         shorter = ["--section", "validity"] if campaigns.quick and command.startswith("report") else []
