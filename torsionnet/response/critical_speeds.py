@@ -34,6 +34,23 @@ class SpeedPeak:
 
 
 @dataclass(frozen=True)
+class ExcitationLine:
+    """One order of an excitation, or one frequency: ``order * ratio * n + fixed`` Hz at n revolutions per second.
+
+    ``ratio`` are the revolutions of its own shaft per revolution of the reference shaft; order 0 is a fixed frequency.
+    """
+
+    excitation: str
+    order: float
+    ratio: Fraction = Fraction(1)
+    fixed: float = 0.0
+
+    def frequency(self, speed: float) -> float:
+        """Hz, at a speed of the reference shaft in rad/s."""
+        return abs(self.order * float(self.ratio) * speed / (2 * math.pi) + self.fixed)
+
+
+@dataclass(frozen=True)
 class CriticalSpeed:
     """One order, or one fixed frequency, and one mode.
 
@@ -130,6 +147,8 @@ class CriticalSpeeds:
     modes : tuple of VibrationMode
     crossings : tuple of CriticalSpeed
         By mode, then by excitation and order.
+    lines : tuple of ExcitationLine
+        All orders and fixed frequencies that were looked at.
     nodes : tuple of str
         Names to the shapes of the modes.
     outputs : tuple of Channel
@@ -154,6 +173,7 @@ class CriticalSpeeds:
     speed_range: tuple[float, float]
     modes: tuple[VibrationMode, ...]
     crossings: tuple[CriticalSpeed, ...]
+    lines: tuple[ExcitationLine, ...]
     nodes: tuple[str, ...]
     outputs: tuple[Channel, ...] = ()
     rule: MarginRule | None = None

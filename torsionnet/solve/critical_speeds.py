@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from fractions import Fraction
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,9 +15,8 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.damper_states import AS_MODELLED, with_dampers
 from torsionnet.model.excitations import OrderExcitation
 from torsionnet.model.speeds import speeds_with
-from torsionnet.response.critical_speeds import FREQUENCIES, CriticalSpeed, CriticalSpeeds
+from torsionnet.response.critical_speeds import FREQUENCIES, CriticalSpeed, CriticalSpeeds, ExcitationLine
 from torsionnet.response.margin_rules import MarginRule, margin_rule
-from torsionnet.response.order_response import OrderLine
 from torsionnet.response.vibration_mode import VibrationMode
 from torsionnet.solve.generalised_force import generalised_force, star_diagram
 from torsionnet.solve.mode_pairs import vibration_modes
@@ -53,14 +51,16 @@ def critical_speeds(
     changed = _with_dampers(drivetrain, dampers, damper_names)
     lines, reference, speed_range = _lines(changed, speeds, speed_of, excitations)
     question = _Question(changed, reference, speed_range, rule, reach, lowest)
-    crossings = [one for name, group in lines.items() for one in question.of_excitation(name, group)]
-    crossings += question.of_line(line_frequency) if line_frequency else []
+    if line_frequency:
+        lines[LINE] = [ExcitationLine(LINE, 0.0, fixed=times * line_frequency) for times in (1, 2)]
+    crossings = [one for name, group in lines.items() for one in question.crossings(name, group)]
     crossings.sort(key=lambda one: (one.mode.number, one.excitation, one.order, one.fixed))
     found = CriticalSpeeds(
         reference=reference,
         speed_range=question.speed_range,
         modes=question.modes,
         crossings=tuple(crossings),
+        lines=tuple(line for group in lines.values() for line in group),
         nodes=changed.assembly.nodes,
         rule=question.rule,
         title=drivetrain.title + ("" if dampers == AS_MODELLED else f", damper ring {dampers}"),
@@ -74,7 +74,7 @@ def critical_speeds(
 
 def _lines(
     drivetrain: AssembledModel, speeds: ArrayLike | None, speed_of: str | None, excitations: Iterable[str] | None
-) -> tuple[dict[str, list[OrderLine]], str, tuple[float, float]]:
+) -> tuple[dict[str, list[ExcitationLine]], str, tuple[float, float]]:
     """Every line by its excitation, the reference node and the operating range.
 
     An order response at the ends of the range has them all, and refuses what cannot be answered.
@@ -84,9 +84,10 @@ def _lines(
     ends = np.array([at.min(), at.max()]) if at.size else None if speeds is None else at
     reference = speed_of or (given and given.of) or drivetrain.nodes[0]
     run = order_response(drivetrain, reference, speeds=ends, speed_of=speed_of, excitations=excitations)
-    lines: dict[str, list[OrderLine]] = {}
-    for line in run.lines:
-        lines.setdefault(line.excitation, []).append(line)
+    lines: dict[str, list[ExcitationLine]] = {}
+    for one in run.lines:
+        line = ExcitationLine(one.excitation, float(one.order), one.ratio, float(getattr(one, "fixed", 0.0)))
+        lines.setdefault(one.excitation, []).append(line)
     return lines, run.reference, (float(run.speeds[0]), float(run.speeds[-1]))
 
 
@@ -116,26 +117,19 @@ class _Question:
             if speed
         }
 
-    def of_excitation(self, name: str, lines: Sequence[OrderLine]) -> list[CriticalSpeed]:
-        """Its lines against every mode."""
-        blank = [self._crossing(mode, name, line) for mode in self.modes for line in lines]
+    def crossings(self, name: str, lines: Sequence[ExcitationLine]) -> list[CriticalSpeed]:
+        """The lines of one excitation against every mode."""
+        blank = [self._crossing(mode, line) for mode in self.modes for line in lines]
         near = [one for one in blank if self._is_near(one)]
-        return list(self._with_forces(near, self.drivetrain.definition.excitations[name]))
+        excitation = self.drivetrain.definition.excitations.get(name)
+        return near if excitation is None else list(self._with_forces(near, excitation))
 
-    def of_line(self, line_frequency: float) -> list[CriticalSpeed]:
-        """Once and twice the line frequency against every mode."""
-        multiples = [_Fixed(times * line_frequency) for times in (1, 2)]
-        blank = [self._crossing(mode, LINE, line) for mode in self.modes for line in multiples]
-        return [one for one in blank if self._is_near(one)]
-
-    def _crossing(self, mode: VibrationMode, name: str, line: OrderLine | _Fixed) -> CriticalSpeed:
-        fixed = float(getattr(line, "fixed", 0.0))
-        relative = line.order * float(line.ratio) / (2 * math.pi)
-        ends = sorted(abs(relative * speed + fixed) for speed in self.speed_range)
+    def _crossing(self, mode: VibrationMode, line: ExcitationLine) -> CriticalSpeed:
+        ends = sorted(line.frequency(speed) for speed in self.speed_range)
         natural = [value for value in (mode.undamped_frequency, mode.natural_frequency) if not math.isnan(value)]
         margin = min(_distance(value, *ends) for value in natural)
         required = self.rule.required(line.order) if self.rule else None
-        return CriticalSpeed(mode, name, line.order, line.ratio, fixed, margin, required)
+        return CriticalSpeed(mode, line.excitation, line.order, line.ratio, line.fixed, margin, required)
 
     def _is_near(self, one: CriticalSpeed) -> bool:
         if not one.order:
@@ -188,15 +182,6 @@ class _Question:
         if own is None:
             return abs(shape[shaft])
         return max(abs(shape[node] * own / speed) for node, speed in self.turning.items() if node in shape)
-
-
-@dataclass(frozen=True)
-class _Fixed:
-    """A line that does not follow the speed."""
-
-    fixed: float
-    order: float = 0.0
-    ratio: Fraction = Fraction(1)
 
 
 def _distance(natural: float, low: float, high: float) -> float:
