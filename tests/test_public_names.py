@@ -23,7 +23,7 @@ PLOTS = [
     "tornado",
 ]
 
-LATER = {"interference_diagram", "order_response", "star_diagrams", "waveform"}
+LATER = {"damper_design", "half_ranges", "interference_diagram", "order_response", "star_diagrams", "waveform"}
 
 
 @pytest.mark.parametrize(("old", "new"), [("document", "report"), ("interchange", "io")])

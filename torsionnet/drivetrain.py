@@ -19,10 +19,15 @@ if TYPE_CHECKING:
     from torsionnet.model.channels import Sensor
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
     from torsionnet.response.critical_speeds import CriticalSpeeds
+    from torsionnet.response.damper_optimum import DamperOptimum
+    from torsionnet.response.dissipated_power import DissipatedPower
     from torsionnet.response.holzer_table import HolzerTable
+    from torsionnet.response.limit_check import LimitCheck
     from torsionnet.response.margin_rules import MarginRule
+    from torsionnet.response.mean_response import MeanResponse
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.response.recording import Recording
+    from torsionnet.response.static_state import StaticState
     from torsionnet.solve.grid import Adaptive
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
@@ -47,6 +52,8 @@ class Drivetrain(AssembledModel):
         Axis -> alternative -> ``{parameter: value, "on": [...], "off": [...]}``; one axis needs no name.
     operating_point : mapping, optional
         ``{"speed": {node: value}, "torque": {node: value}}``.
+    speeds, load, excitations : mapping, optional
+        At which speeds running machinery is examined, who absorbs its power and who drives, and what excites it.
     source, description : str, optional
         Where the numbers come from, and what the model is.
 
@@ -193,6 +200,100 @@ class Drivetrain(AssembledModel):
 
         return order_response(self, outputs, speeds=speeds, speed_of=speed_of, excitations=excitations)
 
+    def mean_response(self, outputs: Channels, speeds: ArrayLike | None = None) -> MeanResponse:
+        """Mean torques and twists of running machinery under its load.
+
+        Springs hand mean torques on; dampers stand for vibration and take none. Drivers act in the direction of
+        rotation, absorbers against it, and the reference node of the speeds turns in the positive sense.
+
+        Parameters
+        ----------
+        outputs : str, Sensor or sequence of these
+            As for :meth:`frequency_response`, but nothing that turns freely: a torque or a twist.
+        speeds : (n_speeds,) array, optional
+            rad/s, of the node of the model's ``speeds:``; default: those of the model.
+
+        Returns
+        -------
+        MeanResponse
+            ``values`` of shape (n_speeds, n_out).
+
+        Raises
+        ------
+        UsageError
+            Unknown names, no load and no torques at the operating point, torques that are not in balance, a speed
+            outside a table, or an output that mean torques do not determine.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("engine", node="e", inertia=2), tn.Inertia("screw", node="p", inertia=1),
+        ...     tn.Spring("shaft", nodes=("e", "p"), stiffness=1e6)]
+        >>> boat = tn.Drivetrain("boat", elements, speeds={"of": "e", "list": [50, 100], "rated": 100},
+        ...     load={"absorbed_at": "p", "power": "100 kW", "torque_exponent": 2, "driven_by": {"e": 1}})
+        >>> boat.mean_response("torque(shaft)").values.round(6).tolist()
+        [[250.0], [1000.0]]
+        """
+        from torsionnet.solve.mean_response import mean_response
+
+        return mean_response(self, outputs, speeds)
+
+    def damper_design(
+        self,
+        output: str | Sensor,
+        parameters: str | Sequence[str] | Mapping[str, Sequence[float | str] | None],
+        *,
+        input: str | Sensor | None = None,
+        band: tuple[float, float] | None = None,
+        speeds: ArrayLike | None = None,
+        speed_of: str | None = None,
+        excitations: Iterable[str] | None = None,
+    ) -> DamperOptimum:
+        """The damping and stiffness of dampers with which the largest vibration is smallest.
+
+        Parameters
+        ----------
+        output : str or Sensor
+            What is to be small, as for :meth:`frequency_response`.
+        parameters : str, sequence of str, or mapping
+            Names of parameters or ``element.field``; in a mapping with (lower, upper) bounds in SI or with units. Those
+            not given are the bounds in the model, else a tenth to ten times the value.
+        input : str or Sensor, optional
+            The largest magnitude of output over input within ``band`` is made small. Without it the largest half range
+            of all orders over ``speeds``, under the model's excitations.
+        band : (float, float), optional
+            Hz; default: around all natural frequencies.
+        speeds, speed_of, excitations
+            As for :meth:`order_response`.
+
+        Raises
+        ------
+        UsageError
+            Unknown names, no bounds, or what goes only with the other question.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> crank = tn.Drivetrain("crank", [tn.Inertia("mass", node="a", inertia=2),
+        ...     tn.Spring("shaft", nodes=("a", "ground"), stiffness=8e4),
+        ...     tn.ViscousDamper("damper", node="a", ring_inertia=1, damping=100)])
+        >>> found = crank.damper_design("a", {"damper.damping": (20, 2000)}, input="a")
+        >>> round(found.values["damper.damping"] / (2 * 1 * 200), 4)  # Den Hartog: sqrt(2/15)
+        0.3651
+        """
+        from torsionnet.solve.design import damper_design
+
+        return damper_design(
+            self,
+            output,
+            parameters,
+            input=input,
+            band=band,
+            speeds=speeds,
+            speed_of=speed_of,
+            excitations=excitations,
+        )
+
     def critical_speeds(
         self,
         outputs: Channels = (),
@@ -304,6 +405,107 @@ class Drivetrain(AssembledModel):
         from torsionnet.solve.holzer import holzer_table
 
         return holzer_table(self, mode, at=at, first=first, amplitude=amplitude, referred_to=referred_to)
+
+    def static_state(self, speed: float | None = None) -> StaticState:
+        """Mean torque, twist, nominal shear stress and power of every element at one speed.
+
+        Parameters
+        ----------
+        speed : float, optional
+            rad/s, of the node of the model's ``speeds:``; default: that of the operating point, else the rated one.
+
+        Raises
+        ------
+        UsageError
+            As for :meth:`mean_response`.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("engine", node="e", inertia=2), tn.Inertia("screw", node="p", inertia=1),
+        ...     tn.Shaft("shaft", nodes=("e", "p"), outer_diameter="50 mm", length="2 m")]
+        >>> boat = tn.Drivetrain("boat", elements, speeds={"of": "e", "list": [100], "rated": 100},
+        ...     load={"absorbed_at": "p", "power": "100 kW", "torque_exponent": 2, "driven_by": {"e": 1}})
+        >>> shaft = boat.static_state().of("shaft")
+        >>> round(shaft.torque, 6), round(shaft.stress / 1e6, 3)
+        (1000.0, 40.744)
+        """
+        from torsionnet.solve.static_state import static_state
+
+        return static_state(self, speed)
+
+    def dissipated_power(
+        self,
+        elements: str | Iterable[str],
+        *,
+        speeds: ArrayLike | None = None,
+        speed_of: str | None = None,
+        excitations: Iterable[str] | None = None,
+    ) -> DissipatedPower:
+        """Mean power that vibration turns into heat in elements, over speed.
+
+        P = sum over frequencies of Re(T conj(dgamma/dt))/2: orders of one frequency are added as complex amplitudes
+        first. T is the whole torque of the element, with its elastic and its damping part. Heat of a steady slip
+        (a damper to ground in a turning machine) is not in it.
+
+        Parameters
+        ----------
+        elements : str or iterable of str
+            Springs, dampers, shafts, viscous dampers, compliant gears, ...
+        speeds, speed_of, excitations
+            As for :meth:`order_response`.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2),
+        ...     tn.HystereticSpring("rubber", nodes=("a", "ground"), stiffness=1e4, loss_factor=0.2)]
+        >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["600 rpm"]},
+        ...     excitations={"blades": {"type": "harmonic", "node": "a", "orders": {1: {"amplitude": "10 N*m"}}}})
+        >>> twist = abs(fan.order_response("twist(rubber)").values[0, 0, 0])
+        >>> w = 600 * 6.283185307179586 / 60
+        >>> bool(abs(fan.dissipated_power("rubber").values[0, 0] - w * 0.2 * 1e4 * twist**2 / 2) < 1e-12)
+        True
+        """
+        from torsionnet.solve.dissipation import dissipated_power
+
+        return dissipated_power(self, elements, speeds=speeds, speed_of=speed_of, excitations=excitations)
+
+    def check_limits(
+        self,
+        limits: str | Iterable[str] | None = None,
+        *,
+        speeds: ArrayLike | None = None,
+        excitations: Iterable[str] | None = None,
+    ) -> LimitCheck:
+        """Whether elements bear what running machinery does to them: a verdict on every limit, and barred ranges.
+
+        Parameters
+        ----------
+        limits : str or iterable of str, optional
+            Names of limits of the model; default: all.
+        speeds, excitations
+            As for :meth:`order_response`.
+
+        Raises
+        ------
+        UsageError
+            The model has no limits, speeds or excitations, or unknown names.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+        ...     tn.Shaft("shaft", nodes=("a", "b"), outer_diameter="20 mm", length=1)]
+        >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["600 rpm"]},
+        ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}},
+        ...     limits={"shaft": {"rule": "curve", "output": "stress(shaft)", "value": "40 MPa", "source": "maker"}})
+        >>> fan.check_limits().of("shaft").verdict
+        'pass'
+        """
+        from torsionnet.solve.limit_check import check_limits
+
+        return check_limits(self, limits, speeds=speeds, excitations=excitations)
 
     def simulate(self, outputs: Channels, inputs: Mapping[str, ArrayLike], sampling_rate: float) -> Recording:
         """Motion over time from rest, exact for torques that run straight from sample to sample.

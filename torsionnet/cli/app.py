@@ -26,6 +26,8 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "orders": "What engines, propellers and the like do over speed, order by order.",
     "critical-speeds": "Where orders meet natural frequencies, with margins and excitation.",
     "holzer": "Holzer table of a mode or of a trial frequency.",
+    "static": "Mean torque, twist, stress and power of every element under the load.",
+    "damper": "The film or tuning of a damper with which the largest vibration is smallest.",
     "bench": "Run a test on a model instead of a rig, and write the record.",
     "estimate": "Frequency responses and coherence from a record of signals.",
     "compare": "A record against a model.",

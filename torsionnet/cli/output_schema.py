@@ -157,6 +157,8 @@ STATION = record(
     link=or_null(record(elements=TEXTS, rigid=YES_OR_NO, stiffness=NUMBER, twist=NUMBER, stress=NUMBER)),
 )
 
+AT_LEVEL = record(at=NUMBER, level=NUMBER)
+
 OUTPUTS: dict[str, Schema] = {
     "check": listed(record(model=TEXT, errors=COUNT, faults=listed(FAULT))),
     "library": listed(record(name=TEXT, what=TEXT, source=TEXT, file=TEXT)),
@@ -231,7 +233,14 @@ OUTPUTS: dict[str, Schema] = {
                     half_range=NUMBERS,
                     rms=NUMBERS,
                     orders=listed(
-                        record(excitation=TEXT, order=NUMBER, of_reference=NUMBER, real=NUMBERS, imag=NUMBERS)
+                        record(
+                            excitation=TEXT,
+                            order=NUMBER,
+                            fixed_Hz=NUMBER,
+                            of_reference=NUMBER,
+                            real=NUMBERS,
+                            imag=NUMBERS,
+                        )
                     ),
                 )
             ),
@@ -270,6 +279,50 @@ OUTPUTS: dict[str, Schema] = {
             relative_remainder=NUMBER,
             notes=TEXTS,
             branches=listed(record(joins=text_or_nothing(), stations=listed(STATION))),
+        )
+    ),
+    "static": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            speed_of=TEXT,
+            speed_rpm=NUMBER,
+            external=listed(record(node=TEXT, torque=NUMBER)),
+            elements=listed(
+                record(
+                    element=TEXT,
+                    port=TEXT,
+                    **dict.fromkeys(("speed", "torque", "twist", "stress", "power"), or_null(NUMBER)),
+                )
+            ),
+            notes=TEXTS,
+        )
+    ),
+    "damper": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            output=TEXT,
+            unit=TEXT,
+            over=TEXT,
+            parameters=listed(
+                record(
+                    name=TEXT,
+                    unit=TEXT,
+                    start=NUMBER,
+                    lower=NUMBER,
+                    upper=NUMBER,
+                    value=NUMBER,
+                    at_bound=text_or_nothing(),
+                    values=NUMBERS,
+                    largest=NUMBERS,
+                )
+            ),
+            before=AT_LEVEL,
+            after=AT_LEVEL,
+            peaks=listed(AT_LEVEL),
+            fixed_points=listed(record(at=NUMBER, level=NUMBER, spread=NUMBER)),
+            words=TEXTS,
         )
     ),
     "estimate": ESTIMATE,

@@ -4,11 +4,12 @@ from torsionnet.plot.bode import bode
 from torsionnet.plot.circle import circle
 from torsionnet.plot.coherence import coherence
 from torsionnet.plot.comparison import comparison
+from torsionnet.plot.damper_curves import damper_design
 from torsionnet.plot.fits import correlation, fit
 from torsionnet.plot.histories import time_histories
 from torsionnet.plot.interference_diagram import interference_diagram
 from torsionnet.plot.mac import mac_matrix
-from torsionnet.plot.order_response import order_response, waveform
+from torsionnet.plot.order_response import half_ranges, order_response, waveform
 from torsionnet.plot.save import save
 from torsionnet.plot.schematic import schematic
 from torsionnet.plot.shapes import mode_shapes
@@ -23,7 +24,9 @@ __all__ = [
     "coherence",
     "comparison",
     "correlation",
+    "damper_design",
     "fit",
+    "half_ranges",
     "interference_diagram",
     "mac_matrix",
     "mode_shapes",

@@ -17,6 +17,8 @@ from torsionnet.response.vibration_mode import VibrationMode
 SMALLEST_DOT, LARGEST_DOT = 14.0, 150.0
 """Areas of marks in points squared."""
 HALO = withStroke(linewidth=2.5, foreground=style.PAPER)
+ALONG = 601
+"""Points on a line over speed."""
 HEADROOM, NEAREST = 1.12, 0.028
 """Room above the highest frequency shown; least distance of two labels over the height."""
 
@@ -105,25 +107,26 @@ def _modes(axes: Axes, found: CriticalSpeeds, top: float, end: float) -> None:
 
 
 def _orders(axes: Axes, found: CriticalSpeeds, top: float, end: float) -> None:
-    """Rays in the colour of their excitation, each with its order where it leaves the picture."""
+    """Each line in the colour of its excitation, with its order where it leaves the picture."""
     names = _names(found)
-    lines = dict.fromkeys((one.excitation, one.order, one.fixed, one.ratio) for one in found.lines)
     labelled: list[tuple[float, float]] = []
-    by_weight = sorted(lines, key=lambda line: (line[1] == 0, line[1] != round(line[1]), line[1]))
-    for name, order, fixed, ratio in by_weight:
-        slope = order * float(ratio) / 60
-        if fixed > top:
+    speeds = np.linspace(0, end, ALONG)
+    for line in sorted(found.lines, key=lambda one: (one.order <= 0, one.order != round(one.order), one.order)):
+        frequencies = np.abs(line.frequency(speeds / RPM))
+        seen = np.flatnonzero(frequencies <= top)
+        if not len(seen):
             continue
-        color = style.PALETTE[names.index(name) % len(style.PALETTE)]
-        last = end if slope * end + fixed <= top else (top - fixed) / slope
-        axes.plot([0, last], [fixed, slope * last + fixed], color=color, linewidth=0.7, alpha=0.75, zorder=1.4)
-        at = (last / end, (slope * last + fixed) / top)
+        color = style.PALETTE[names.index(line.excitation) % len(style.PALETTE)]
+        shown = np.where(frequencies <= top, frequencies, np.nan)
+        axes.plot(speeds, shown, color=color, linewidth=0.7, alpha=0.75, zorder=1.4)
+        last = (float(speeds[seen[-1]]), float(frequencies[seen[-1]]))
+        at = (last[0] / end, last[1] / top)
         if all(math.dist(at, other) > NEAREST for other in labelled):
             labelled.append(at)
-            above = last < end
-            text = f"{order:g}" if order else f"{fixed:g} Hz"
-            axes.annotate(text, (last, slope * last + fixed), xytext=(0, 2) if above else (2, 0),
-                          textcoords="offset points", fontsize=style.SMALL - 1, color=color, clip_on=False,
+            above = last[0] < end
+            text = str(line).removeprefix(f"{line.excitation} ")
+            axes.annotate(text, last, xytext=(0, 2) if above else (2, 0), textcoords="offset points",
+                          fontsize=style.SMALL - 1, color=color, clip_on=False,
                           ha="center" if above else "left", va="bottom" if above else "center")  # fmt: skip
     for number, name in enumerate(names):
         axes.plot([], [], color=style.PALETTE[number % len(style.PALETTE)], linewidth=1.2, label=_label(found, name))

@@ -11,6 +11,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.number_text import on_screen
 from torsionnet.response.frequency_response import Channel
 from torsionnet.response.margin_rules import MarginRule
+from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import RPM
 from torsionnet.response.star_diagram import StarDiagram
 from torsionnet.response.table import Column, Table
@@ -31,23 +32,6 @@ class SpeedPeak:
     output: str
     speed: float
     amplitude: float
-
-
-@dataclass(frozen=True)
-class ExcitationLine:
-    """One order of an excitation, or one frequency: ``order * ratio * n + fixed`` Hz at n revolutions per second.
-
-    ``ratio`` are the revolutions of its own shaft per revolution of the reference shaft; order 0 is a fixed frequency.
-    """
-
-    excitation: str
-    order: float
-    ratio: Fraction = Fraction(1)
-    fixed: float = 0.0
-
-    def frequency(self, speed: float) -> float:
-        """Hz, at a speed of the reference shaft in rad/s."""
-        return abs(self.order * float(self.ratio) * speed / (2 * math.pi) + self.fixed)
 
 
 @dataclass(frozen=True)
@@ -104,9 +88,12 @@ class CriticalSpeed:
         if which not in FREQUENCIES:
             raise UsageError(f'"{which}" is no frequency of a mode; choose {", ".join(FREQUENCIES)}')
         natural = float(getattr(self.mode, FREQUENCIES[which]))
-        relative = self.order * float(self.ratio)
-        found = (natural - self.fixed) * 2 * math.pi / relative if relative else math.nan
-        return found if found > 0 else math.nan
+        relative = self.order * float(self.ratio) / (2 * math.pi)
+        if not relative:
+            return math.nan
+        # The frequency of a slip falls with speed and changes its sign: it may meet a mode behind that only.
+        found = ((frequency - self.fixed) / relative for frequency in (natural, -natural))
+        return next((speed for speed in found if speed > 0), math.nan)
 
     def own_speed(self, which: str = "undamped") -> float:
         """The same of the shaft of the excitation."""
@@ -147,7 +134,7 @@ class CriticalSpeeds:
     modes : tuple of VibrationMode
     crossings : tuple of CriticalSpeed
         By mode, then by excitation and order.
-    lines : tuple of ExcitationLine
+    lines : tuple of OrderLine
         All orders and fixed frequencies that were looked at.
     nodes : tuple of str
         Names to the shapes of the modes.
@@ -173,7 +160,7 @@ class CriticalSpeeds:
     speed_range: tuple[float, float]
     modes: tuple[VibrationMode, ...]
     crossings: tuple[CriticalSpeed, ...]
-    lines: tuple[ExcitationLine, ...]
+    lines: tuple[OrderLine, ...]
     nodes: tuple[str, ...]
     outputs: tuple[Channel, ...] = ()
     rule: MarginRule | None = None

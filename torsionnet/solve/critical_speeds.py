@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -15,8 +16,9 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.damper_states import AS_MODELLED, with_dampers
 from torsionnet.model.excitations import OrderExcitation
 from torsionnet.model.speeds import speeds_with
-from torsionnet.response.critical_speeds import FREQUENCIES, CriticalSpeed, CriticalSpeeds, ExcitationLine
+from torsionnet.response.critical_speeds import FREQUENCIES, CriticalSpeed, CriticalSpeeds
 from torsionnet.response.margin_rules import MarginRule, margin_rule
+from torsionnet.response.order_line import OrderLine
 from torsionnet.response.vibration_mode import VibrationMode
 from torsionnet.solve.generalised_force import generalised_force, star_diagram
 from torsionnet.solve.mode_pairs import vibration_modes
@@ -52,7 +54,7 @@ def critical_speeds(
     lines, reference, speed_range = _lines(changed, speeds, speed_of, excitations)
     question = _Question(changed, reference, speed_range, rule, reach, lowest)
     if line_frequency:
-        lines[LINE] = [ExcitationLine(LINE, 0.0, fixed=times * line_frequency) for times in (1, 2)]
+        lines[LINE] = [OrderLine(LINE, 0.0, Fraction(1), times * line_frequency) for times in (1, 2)]
     crossings = [one for name, group in lines.items() for one in question.crossings(name, group)]
     crossings.sort(key=lambda one: (one.mode.number, one.excitation, one.order, one.fixed))
     found = CriticalSpeeds(
@@ -74,7 +76,7 @@ def critical_speeds(
 
 def _lines(
     drivetrain: AssembledModel, speeds: ArrayLike | None, speed_of: str | None, excitations: Iterable[str] | None
-) -> tuple[dict[str, list[ExcitationLine]], str, tuple[float, float]]:
+) -> tuple[dict[str, list[OrderLine]], str, tuple[float, float]]:
     """Every line by its excitation, the reference node and the operating range.
 
     An order response at the ends of the range has them all, and refuses what cannot be answered.
@@ -84,10 +86,9 @@ def _lines(
     ends = np.array([at.min(), at.max()]) if at.size else None if speeds is None else at
     reference = speed_of or (given and given.of) or drivetrain.nodes[0]
     run = order_response(drivetrain, reference, speeds=ends, speed_of=speed_of, excitations=excitations)
-    lines: dict[str, list[ExcitationLine]] = {}
-    for one in run.lines:
-        line = ExcitationLine(one.excitation, float(one.order), one.ratio, float(getattr(one, "fixed", 0.0)))
-        lines.setdefault(one.excitation, []).append(line)
+    lines: dict[str, list[OrderLine]] = {}
+    for line in run.lines:
+        lines.setdefault(line.excitation, []).append(line)
     return lines, run.reference, (float(run.speeds[0]), float(run.speeds[-1]))
 
 
@@ -117,17 +118,18 @@ class _Question:
             if speed
         }
 
-    def crossings(self, name: str, lines: Sequence[ExcitationLine]) -> list[CriticalSpeed]:
+    def crossings(self, name: str, lines: Sequence[OrderLine]) -> list[CriticalSpeed]:
         """The lines of one excitation against every mode."""
         blank = [self._crossing(mode, line) for mode in self.modes for line in lines]
         near = [one for one in blank if self._is_near(one)]
         excitation = self.drivetrain.definition.excitations.get(name)
         return near if excitation is None else list(self._with_forces(near, excitation))
 
-    def _crossing(self, mode: VibrationMode, line: ExcitationLine) -> CriticalSpeed:
-        ends = sorted(line.frequency(speed) for speed in self.speed_range)
+    def _crossing(self, mode: VibrationMode, line: OrderLine) -> CriticalSpeed:
+        ends = line.frequency(np.array(self.speed_range))
+        low, high = (0.0 if ends[0] * ends[1] < 0 else np.abs(ends).min()), np.abs(ends).max()
         natural = [value for value in (mode.undamped_frequency, mode.natural_frequency) if not math.isnan(value)]
-        margin = min(_distance(value, *ends) for value in natural)
+        margin = min(_distance(value, float(low), float(high)) for value in natural)
         required = self.rule.required(line.order) if self.rule else None
         return CriticalSpeed(mode, line.excitation, line.order, line.ratio, line.fixed, margin, required)
 
@@ -141,8 +143,7 @@ class _Question:
         if not near:
             return
         found = excitation.torques(np.array([self._acting_speed(one) for one in near]) * float(near[0].ratio))
-        fixed = getattr(found, "fixed", None)
-        frequencies = np.zeros(len(found.orders)) if fixed is None else fixed
+        frequencies = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
         lines = list(zip(found.orders.tolist(), frequencies.tolist(), strict=True))
         for number, one in enumerate(near):
             amplitudes = found.amplitudes[number, lines.index((one.order, one.fixed))]
@@ -152,7 +153,7 @@ class _Question:
     def _with_force(
         self, one: CriticalSpeed, excitation: OrderExcitation, loads: Mapping[str, complex], strongest: float
     ) -> CriticalSpeed:
-        if getattr(excitation, "quantity", "torque") != "torque":
+        if excitation.quantity != "torque":
             return replace(one, excited=any(loads.values()))
         # A torque drives the shaft it is on, whichever way that turns.
         shape = {

@@ -13,6 +13,8 @@ SECTIONS = {
     "formulas": "transfer functions in symbols with their limits",
     "simplified": "the same without elements that hardly matter, with the error, if asked for or `simplify` is given",
     "responses": "transfer functions over frequency, overlaid by configuration",
+    "excitations": "what runs, at which speeds, and the torques it excites with by order",
+    "orders": "amplitudes over speed by order, and all orders together, in every configuration",
     "test": "tests over the model",
     "fit": "fitted parameters with intervals",
     "checks": "findings of the checks, and how well the numbers agree with a second way to them",
