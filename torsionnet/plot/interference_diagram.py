@@ -134,7 +134,7 @@ def _orders(axes: Axes, found: CriticalSpeeds, top: float, end: float) -> None:
 
 def _label(found: CriticalSpeeds, name: str) -> str:
     ordered = any(one.order for one in found.lines if one.excitation == name)
-    return f"orders of {name}" if ordered else f"frequencies of {name}"
+    return f"orders of {name}" if ordered else name
 
 
 def _marks(axes: Axes, crossings: list[CriticalSpeed], names: list[str]) -> None:

@@ -17,6 +17,8 @@ from torsionnet.response.star_diagram import StarDiagram
 from torsionnet.response.table import Column, Table
 from torsionnet.response.vibration_mode import VibrationMode
 
+ROUNDING = 1e-9
+"""Relative force that is shown as none."""
 SAME_MODE = 0.02
 """Relative distance of natural frequencies of one mode in two conditions."""
 FREQUENCIES = {"undamped": "undamped_frequency", "natural": "natural_frequency", "damped": "damped_frequency"}
@@ -246,7 +248,8 @@ class CriticalSpeeds:
         cells.append(100 * one.margin)
         if self.rule:
             cells.append(None if one.required is None else "kept" if one.passes else f"under {100 * one.required:g} %")
-        return (*cells, one.generalised_force, one.mode.amplification, one.remark)
+        force = 0.0 if one.relative_force < ROUNDING else one.generalised_force
+        return (*cells, force, one.mode.amplification, one.remark)
 
     def _notes(self) -> tuple[str, ...]:
         low, high = (speed * RPM for speed in self.speed_range)

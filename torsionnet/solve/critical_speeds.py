@@ -23,10 +23,10 @@ from torsionnet.response.vibration_mode import VibrationMode
 from torsionnet.solve.generalised_force import generalised_force, star_diagram
 from torsionnet.solve.mode_pairs import vibration_modes
 from torsionnet.solve.modes import modes
-from torsionnet.solve.order_response import order_response
+from torsionnet.solve.order_response import order_response, with_motions_held
 from torsionnet.solve.speed_peaks import with_peaks
 
-LINE = "line"
+LINE = "line frequency"
 """What lines at multiples of the line frequency are called."""
 
 
@@ -52,7 +52,10 @@ def critical_speeds(
     rule = margin_rule(margin)
     changed = _with_dampers(drivetrain, dampers, damper_names)
     lines, reference, speed_range = _lines(changed, speeds, speed_of, excitations)
-    question = _Question(changed, reference, speed_range, rule, reach, lowest)
+    # The vibrations are those with imposed motions held, as in the order response.
+    held = with_motions_held(changed, {name: changed.definition.excitations[name] for name in lines})
+    title = drivetrain.title + ("" if dampers == AS_MODELLED else f", damper ring {dampers}")
+    question = _Question(held, title, reference, speed_range, rule, reach, lowest)
     if line_frequency:
         lines[LINE] = [OrderLine(LINE, 0.0, Fraction(1), times * line_frequency) for times in (1, 2)]
     crossings = [one for name, group in lines.items() for one in question.crossings(name, group)]
@@ -63,9 +66,9 @@ def critical_speeds(
         modes=question.modes,
         crossings=tuple(crossings),
         lines=tuple(line for group in lines.values() for line in group),
-        nodes=changed.assembly.nodes,
+        nodes=held.assembly.nodes,
         rule=question.rule,
-        title=drivetrain.title + ("" if dampers == AS_MODELLED else f", damper ring {dampers}"),
+        title=title,
         condition=drivetrain.configuration,
     )
     if isinstance(outputs, (list, tuple)) and not outputs:
@@ -103,13 +106,15 @@ class _Question:
     def __init__(
         self,
         drivetrain: AssembledModel,
+        title: str,
         reference: str,
         speed_range: tuple[float, float],
         rule: MarginRule | None,
         reach: float,
         lowest: int | None,
     ) -> None:
-        self.drivetrain, self.speed_range, self.rule, self.reach = drivetrain, speed_range, rule, reach
+        self.drivetrain, self.title, self.speed_range = drivetrain, title, speed_range
+        self.rule, self.reach = rule, reach
         self.limits = (speed_range[0] * (1 - reach), speed_range[1] * (1 + reach))
         self.modes = vibration_modes(drivetrain, modes(drivetrain))[:lowest]
         self.turning = {
@@ -162,7 +167,7 @@ class _Question:
         }
         largest = self._largest(shape, excitation.shaft)
         force = generalised_force(excitation, one.order, loads, shape, largest, strongest)
-        title = f"{self.drivetrain.title}, mode {one.mode.number}"
+        title = f"{self.title}, mode {one.mode.number}"
         return replace(
             one,
             generalised_force=abs(force.value),

@@ -42,7 +42,7 @@ def order_response(
     acting = _acting(drivetrain.definition.excitations, excitations)
     for name, one in acting.items():
         _require_moving(drivetrain, name, one)
-    held = _held(drivetrain, acting)
+    held = with_motions_held(drivetrain, acting)
     ratios = {name: _turning(drivetrain, one.shaft, reference) for name, one in acting.items()}
     senses = {name: _senses(held, one, reference) for name, one in acting.items()}
     blocks = [_block(held, outputs, acting, ratios, senses, reference, part) for part in _parts(at)]
@@ -64,7 +64,7 @@ def _parts(at: FloatArray) -> list[FloatArray]:
     return [at[start : start + TOGETHER] for start in range(0, len(at), TOGETHER)]
 
 
-def _held(drivetrain: AssembledModel, acting: Mapping[str, OrderExcitation]) -> AssembledModel:
+def with_motions_held(drivetrain: AssembledModel, acting: Mapping[str, OrderExcitation]) -> AssembledModel:
     """The drivetrain whose imposed motions are inputs, all of them held while one moves: so they may be added up."""
     inputs = dict(drivetrain.inputs)
     known = {channel.of for channel in inputs.values() if channel.quantity == "angle"}
