@@ -171,6 +171,38 @@ class TestTwoMasses:
             natural / (100 - 4 * 1300 / 60) - 1
         )
 
+    def test_cranks_that_turn_against_each_other_add_up(self):
+        """Both cylinders fire at once and drive their own crank: twice the torque, although one angle is negative."""
+        twin = {**INLINE_SIX, "speed_of": "left", "cylinders": {1: "left", 2: "right"},
+                "firing_angles": {1: "0 deg", 2: "0 deg"}, "orders": [2]}  # fmt: skip
+        del twin["firing_order"]
+        elements = [
+            tn.Inertia("J_l", node="left", inertia=20), tn.Gear("timing", nodes=("left", "right"), ratio=-1),
+            tn.Inertia("J_r", node="right", inertia=20), tn.Spring("k", nodes=("left", "load"), stiffness=1e5),
+            tn.Inertia("J", node="load", inertia=9),
+        ]  # fmt: skip
+        plant = tn.Drivetrain("twin", elements, speeds={"of": "left", "list": [40, 80]}, excitations={"engine": twin})
+        found = plant.critical_speeds(reach=0.5).of(1, 2)
+        assert found.star.sum == pytest.approx(-2, abs=1e-12) or found.star.sum == pytest.approx(2, abs=1e-12)
+        assert found.excited
+
+    def test_stator_takes_the_opposite_torque_whichever_way_the_rotor_turns(self):
+        """The rotor turns against the reference shaft: what acts is the torque times the angle between the two."""
+        elements = [
+            tn.Inertia("J_r", node="rotor", inertia=1), tn.Spring("k", nodes=("rotor", "pinion"), stiffness=5e3),
+            tn.Gear("stage", nodes=("pinion", "wheel"), ratio=-1), tn.Inertia("J_w", node="wheel", inertia=2),
+            tn.Inertia("J_s", node="stator", inertia=3), tn.Spring("feet", nodes=("stator", "ground"), stiffness=9e3),
+            tn.Spring("field", nodes=("rotor", "stator"), stiffness=2e3),
+        ]  # fmt: skip
+        machine = {"type": "electric_machine", "node": "rotor", "stator": "stator", "orders": {6: {"amplitude": 7}}}
+        plant = tn.Drivetrain("motor on feet", elements, speeds={"of": "wheel", "list": [5, 20]},
+                              excitations={"motor": machine})  # fmt: skip
+        found = plant.critical_speeds(reach=0.5)
+        assert found.crossings
+        for one in found.crossings:
+            shape = found.shape(one.mode.number)
+            assert one.generalised_force == pytest.approx(7 * abs(shape["rotor"] - shape["stator"]))
+
     def test_an_imposed_motion_has_no_generalised_force_but_a_peak(self):
         wobble = {"type": "harmonic", "node": "a", "orders": {2: {"angle": 0.01}}}
         plant = two_mass(damping=4.0)

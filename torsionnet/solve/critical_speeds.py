@@ -23,7 +23,7 @@ from torsionnet.response.vibration_mode import VibrationMode
 from torsionnet.solve.generalised_force import generalised_force, star_diagram
 from torsionnet.solve.mode_pairs import vibration_modes
 from torsionnet.solve.modes import modes
-from torsionnet.solve.order_response import order_response, with_motions_held
+from torsionnet.solve.order_response import input_senses, order_response, with_motions_held
 from torsionnet.solve.speed_peaks import with_peaks
 
 LINE = "line frequency"
@@ -114,7 +114,7 @@ class _Question:
         lowest: int | None,
     ) -> None:
         self.drivetrain, self.title, self.speed_range = drivetrain, title, speed_range
-        self.rule, self.reach = rule, reach
+        self.rule, self.reach, self.reference = rule, reach, reference
         self.limits = (speed_range[0] * (1 - reach), speed_range[1] * (1 + reach))
         self.modes = vibration_modes(drivetrain, modes(drivetrain))[:lowest]
         self.turning = {
@@ -150,21 +150,25 @@ class _Question:
         found = excitation.torques(np.array([self._acting_speed(one) for one in near]) * float(near[0].ratio))
         frequencies = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
         lines = list(zip(found.orders.tolist(), frequencies.tolist(), strict=True))
+        # A torque drives the shaft it is on, whichever way that turns.
+        senses = input_senses(self.drivetrain, excitation, self.reference)
         for number, one in enumerate(near):
             amplitudes = found.amplitudes[number, lines.index((one.order, one.fixed))]
             loads = dict(zip(found.nodes, amplitudes.tolist(), strict=True))
-            yield self._with_force(one, excitation, loads, float(np.abs(found.amplitudes[number]).max()))
+            shape = dict(zip(self.drivetrain.assembly.nodes, one.mode.shape.tolist(), strict=True))
+            shape |= {node: sense * shape[node] for node, sense in senses.items() if node in shape}
+            yield self._with_force(one, excitation, loads, shape, float(np.abs(found.amplitudes[number]).max()))
 
     def _with_force(
-        self, one: CriticalSpeed, excitation: OrderExcitation, loads: Mapping[str, complex], strongest: float
+        self,
+        one: CriticalSpeed,
+        excitation: OrderExcitation,
+        loads: Mapping[str, complex],
+        shape: Mapping[str, complex],
+        strongest: float,
     ) -> CriticalSpeed:
         if excitation.quantity != "torque":
             return replace(one, excited=any(loads.values()))
-        # A torque drives the shaft it is on, whichever way that turns.
-        shape = {
-            node: value * math.copysign(1, self.turning.get(node, 1.0))
-            for node, value in zip(self.drivetrain.assembly.nodes, one.mode.shape.tolist(), strict=True)
-        }
         largest = self._largest(shape, excitation.shaft)
         force = generalised_force(excitation, one.order, loads, shape, largest, strongest)
         title = f"{self.title}, mode {one.mode.number}"

@@ -44,7 +44,7 @@ def order_response(
         _require_moving(drivetrain, name, one)
     held = with_motions_held(drivetrain, acting)
     ratios = {name: _turning(drivetrain, one.shaft, reference) for name, one in acting.items()}
-    senses = {name: _senses(held, one, reference) for name, one in acting.items()}
+    senses = {name: input_senses(held, one, reference) for name, one in acting.items()}
     blocks = [_block(held, outputs, acting, ratios, senses, reference, part) for part in _parts(at)]
     values = np.concatenate([block.values for block in blocks])
     return replace(blocks[0], speeds=at, values=values, title=drivetrain.title)
@@ -89,7 +89,7 @@ Senses = Mapping[str, float]
 """What a unit of an excitation is as an input, by the node or element it acts on."""
 
 
-def _senses(drivetrain: AssembledModel, one: OrderExcitation, reference: str) -> Senses:
+def input_senses(drivetrain: AssembledModel, one: OrderExcitation, reference: str) -> Senses:
     """A torque or angle is positive in the sense in which its shaft turns; what is held feels none."""
     if one.element_entry is not None:
         name = one.element_entry[1]
