@@ -47,9 +47,9 @@ def order_response(
     acting = _acting(drivetrain.definition.excitations, excitations)
     for name, one in acting.items():
         _require_moving(drivetrain, name, one)
-    held = _held(drivetrain, acting)
+    held = with_motions_held(drivetrain, acting)
     ratios = {name: _turning(drivetrain, one.shaft, reference) for name, one in acting.items()}
-    senses = {name: _senses(held, one, reference) for name, one in acting.items()}
+    senses = {name: input_senses(held, one, reference) for name, one in acting.items()}
 
     def run(wanted: Any, settled: Settled) -> OrderResponse:
         found = [
@@ -79,7 +79,7 @@ def _parts(places: Places) -> list[Places]:
     return [places[start : start + TOGETHER] for start in range(0, len(places), TOGETHER)]
 
 
-def _held(drivetrain: AssembledModel, acting: Mapping[str, OrderExcitation]) -> AssembledModel:
+def with_motions_held(drivetrain: AssembledModel, acting: Mapping[str, OrderExcitation]) -> AssembledModel:
     """The drivetrain whose imposed motions are inputs, all of them held while one moves: so they may be added up."""
     inputs = dict(drivetrain.inputs)
     known = {channel.of for channel in inputs.values() if channel.quantity == "angle"}
@@ -104,7 +104,7 @@ Senses = Mapping[str, float]
 """What a unit of an excitation is as an input, by the node or element it acts on."""
 
 
-def _senses(drivetrain: AssembledModel, one: OrderExcitation, reference: str) -> Senses:
+def input_senses(drivetrain: AssembledModel, one: OrderExcitation, reference: str) -> Senses:
     """A torque or angle is positive in the sense in which its shaft turns; what is held feels none."""
     if one.element_entry is not None:
         name = one.element_entry[1]
