@@ -6,6 +6,7 @@ from torsionnet.plot.coherence import coherence
 from torsionnet.plot.comparison import comparison
 from torsionnet.plot.fits import correlation, fit
 from torsionnet.plot.histories import time_histories
+from torsionnet.plot.limit_check import limit_check
 from torsionnet.plot.mac import mac_matrix
 from torsionnet.plot.order_response import order_response, waveform
 from torsionnet.plot.save import save
@@ -22,6 +23,7 @@ __all__ = [
     "comparison",
     "correlation",
     "fit",
+    "limit_check",
     "mac_matrix",
     "mode_shapes",
     "order_map",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
@@ -74,9 +75,23 @@ def _means(
     drivetrain: AssembledModel, limits: Sequence[Limit], run: OrderResponse
 ) -> tuple[dict[Sensor, FloatArray], str]:
     """Mean values over speed of what the limits want averaged, and why some of them are not known."""
+    sensors = list(dict.fromkeys(sensor for limit in limits for sensor in limit.averaged(drivetrain.definition)))
+    try:
+        values = mean_response(drivetrain, sensors, run.speeds).values if sensors else np.empty((0, 0))
+    except UsageError as error:
+        if len(sensors) == 1:
+            return {}, str(error)
+        return _one_by_one(drivetrain, sensors, run)
+    return dict(zip(sensors, values.T, strict=False)), ""
+
+
+def _one_by_one(
+    drivetrain: AssembledModel, sensors: Sequence[Sensor], run: OrderResponse
+) -> tuple[dict[Sensor, FloatArray], str]:
+    """As some of them are not determined."""
     found: dict[Sensor, FloatArray] = {}
     why = ""
-    for sensor in dict.fromkeys(sensor for limit in limits for sensor in limit.averaged(drivetrain.definition)):
+    for sensor in sensors:
         try:
             found[sensor] = mean_response(drivetrain, sensor, run.speeds).values[:, 0]
         except UsageError as error:

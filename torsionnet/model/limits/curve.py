@@ -159,12 +159,10 @@ class CurveLimit(Limit):
             (f"{len(rpm)} speeds from {rpm[0]:g} to {rpm[-1]:g} rpm are outside of the table",) if len(rpm) else ()
         )
         unit = UNITS[sensor.quantity]
-        yield self.continuous(
-            Line("continuous", f"{self.output}, {quantity}", unit, values, allowed, remarks, orders), name, evidence
-        )
+        yield self.continuous(Line("continuous", quantity, unit, values, allowed, remarks, orders), name, evidence)
         if self.transient_factor:
             passing = self.transient_factor * allowed
-            yield self.peak(Line("in passing", f"{self.output}, {quantity}", unit, values, passing, (), orders),
+            yield self.peak(Line("in passing", quantity, unit, values, passing, (), orders),
                             name, evidence)  # fmt: skip
 
     def _largest(self, orders: FloatArray, evidence: Evidence) -> FloatArray:
