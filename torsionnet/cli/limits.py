@@ -21,7 +21,7 @@ EXCEEDED = 5
 
 
 class LimitsCommand(ModelCommand):
-    """Do shafts, couplings, gears and dampers bear what the engine does to them? Which speeds are barred?
+    """Whether shafts, couplings, gears and dampers bear what an engine does to them, and which speeds are barred.
 
     The model says what they bear in its entry limits: and what runs in excitations: and speeds:. Every limit is judged
     at its worst speed: "pass", "barred range" (it holds outside of the speeds given), "fail", or "not judged". Exit

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response.conventions import SI, Conventions
@@ -252,7 +254,7 @@ def spans_above(speeds: FloatArray, values: FloatArray, allowed: FloatArray) -> 
     return tuple(found)
 
 
-def _runs(places: FloatArray) -> list[tuple[int, int]]:
+def _runs(places: NDArray[np.integer[Any]]) -> list[tuple[int, int]]:
     """First and last of places without a gap."""
     pieces = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
     return [(int(piece[0]), int(piece[-1])) for piece in pieces if len(piece)]

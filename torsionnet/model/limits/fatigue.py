@@ -96,10 +96,12 @@ class FatigueLimit(ShaftLimit):
         if mean is None:
             yield self.open(name, evidence, "tau_W", f"the mean stress is not known: {evidence.why_no_mean}")
             return
-        if self.mean_stress == "goodman":
-            strength = self.strength * np.maximum(1 - mean / self.ultimate_strength, 0)
-        else:
-            strength = np.maximum(self.strength - (self.mean_sensitivity or 0) * mean, 0)
+        lost = {
+            "goodman": lambda: self.strength * mean / self.ultimate_strength,
+            "haigh": lambda: self.mean_sensitivity * mean,
+            "none": lambda: 0.0 * mean,
+        }
+        strength = np.maximum(self.strength - lost[self.mean_stress](), 0)
         allowed = strength / (self.safety * self.stress_concentration)
         quantity = "nominal shear stress, half range"
         least = float(np.min(strength / (self.stress_concentration * amplitude)))
