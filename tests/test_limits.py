@@ -12,6 +12,7 @@ from test_cli import run
 
 import torsionnet as tn
 from torsionnet.model.channels import Sensor
+from torsionnet.model.checks.limits_fit import limit_subject
 from torsionnet.model.elements.shaft import Shaft
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.iacs_m68 import IacsM68, permissible, size_factor, usual_range
@@ -51,7 +52,7 @@ def stressed(stress, limit, rpm=None, diameter=0.4, misfire=False, rated=100.0):
         np.stack([torque, 0.9 * torque], axis=1)[:, None, :].astype(complex),
         tuple(Channel(str(one), "N*m") for one in sensors),
     )  # fmt: skip
-    evidence = Evidence(response, {}, "no load", rig.definition, rig.exact_values)
+    evidence = Evidence(response, {}, "no load", limit_subject(rig.definition, rig.exact_values))
     return {one.criterion: one for one in rig.definition.limits["shaft"].verdicts("shaft", evidence)}
 
 
@@ -381,7 +382,7 @@ class TestOtherRules:
         rig = two_masses({"part": entry})
         found = rig.check_limits().of("part")
         assert np.isfinite(found.allowed).sum() == 61
-        assert any("outside of the table" in remark for remark in found.remarks)
+        assert "judged from 900 to 1200 rpm; the rest is outside of the table" in found.remarks
         assert any("covers 900 to 1200 rpm, the speeds go from 300 to 1500 rpm" in str(fault) for fault in rig.check())
 
     def test_what_is_switched_off_is_not_judged(self):
@@ -473,11 +474,26 @@ def test_lambda_needs_a_rated_speed():
         ("feature: radial_hole, hole_diameter: 31 mm", "up to 0.3 d"),
     ],
 )
-def test_holes_and_slots_beyond_the_footnotes_are_not_judged(more, message):
+def test_holes_and_slots_beyond_the_footnotes_have_another_factor(more, message):
     text = M68.replace("feature: integral_flange", more)
-    found = tn.loads(f"{BASE}  slot: {{rule: iacs_m68, element: shaft, {text}}}\n").check_limits().of("slot")
+    with pytest.raises(tn.ModelError, match="<text>:11:") as caught:
+        tn.loads(f"{BASE}  slot: {{rule: iacs_m68, element: shaft, {text}}}\n")
+    assert message in str(caught.value)
+    if "slot" in more:
+        text = text.replace("slot_", "stress_concentration: 4.8, slot_")
+        tn.loads(f"{BASE}  slot: {{rule: iacs_m68, element: shaft, {text}}}\n")
+
+
+def test_a_slot_that_becomes_too_long_in_a_configuration_is_not_judged():
+    text = BASE.replace("100 mm", "d").replace("elements:", "parameters: {d: 120 mm}\nelements:")
+    limit = M68.replace("integral_flange", "longitudinal_slot, slot_length: 85 mm, slot_width: 20 mm")
+    rig = tn.loads(
+        f"{text}  slot: {{rule: iacs_m68, element: shaft, {limit}}}\nconfigurations: {{thin: {{d: 100 mm}}}}\n"
+    )
+    assert rig.check_limits().of("slot", "tau_C").verdict == "pass"
+    found = rig.configured("thin").check_limits().of("slot")
     assert found.verdict == "not judged"
-    assert message in found.remarks[0]
+    assert "length/d < 0.8" in found.remarks[0]
 
 
 def test_limits_are_written_as_they_were_read():
