@@ -15,7 +15,8 @@ from torsionnet.model.channels import Sensor
 from torsionnet.model.checks.limits_fit import limit_subject
 from torsionnet.model.elements.shaft import Shaft
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.iacs_m68 import IacsM68, permissible, size_factor, usual_range
+from torsionnet.model.limits.iacs_m68 import IacsM68
+from torsionnet.model.limits.m68_stress import permissible, size_factor, usual_range
 from torsionnet.plot import limit_check as drawn
 from torsionnet.response import Channel
 from torsionnet.response.order_response import OrderLine, OrderResponse

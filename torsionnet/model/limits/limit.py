@@ -14,16 +14,8 @@ from torsionnet.model.channels import Sensor
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.limit_check import (
-    BARRED,
-    FAIL,
-    OPEN,
-    PASS,
-    LimitVerdict,
-    RuleText,
-    SpeedSpan,
-    spans_above,
-)
+from torsionnet.response.limit_check import BARRED, FAIL, OPEN, PASS, LimitVerdict, RuleText
+from torsionnet.response.speed_spans import SpeedSpan, spans_above
 
 _RULES: dict[str, type[Limit]] = {}
 L = TypeVar("L", bound="type[Limit]")
