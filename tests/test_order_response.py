@@ -1,6 +1,7 @@
 """Excitation by orders: against a dense solve made elsewhere, closed forms, and what a user may write wrong."""
 
 import csv
+import json
 import re
 from fractions import Fraction
 
@@ -14,7 +15,9 @@ from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngin
 from torsionnet.model.excitations.slider_crank import piston_curvature, piston_rate
 from torsionnet.plot import order_response as drawn
 from torsionnet.plot import waveform
-from torsionnet.response.order_response import OrderLine, OrderResponse
+from torsionnet.response.order_line import OrderLine
+from torsionnet.response.order_response import OrderResponse
+from torsionnet.solve import shared_response
 
 CASES = {"normal": lambda data: data["normal"], "motored": lambda data: data["misfire"]["motored"],
          "gas_off": lambda data: data["misfire"]["gas_off"]}  # fmt: skip
@@ -67,6 +70,51 @@ class TestManySpeeds:
         parts = rig.order_response("twist(thrust)")
         assert parts.values == pytest.approx(whole.values, rel=1e-13)
         assert parts.half_range == pytest.approx(whole.half_range, rel=1e-12)
+
+
+class TestConditionsOfOnePlant:
+    """They share one solution where nothing but torques differs, and only there."""
+
+    CHANGES = ("firing=normal", "coupling=soft", "firing=misfire,coupling=soft", "firing=misfire", "firing=normal")
+
+    @staticmethod
+    def model():
+        harmonic = {"type": "harmonic", "node": "a", "orders": {2: {"amplitude": "10 N*m"}}}
+        return {
+            "torsionnet": 1,
+            "parameters": {"k": "300 N*m/rad", "k_b": "900 N*m/rad"},
+            "elements": {
+                **{f"J_{node}": {"type": "inertia", "node": node, "inertia": "0.4 kg*m^2"} for node in "abc"},
+                "k_1": {"type": "spring", "nodes": ["a", "b"], "stiffness": "k", "damping": 2},
+                "k_2": {"type": "spring", "nodes": ["b", "c"], "stiffness": "k_b", "damping": 1},
+            },
+            "speeds": {"of": "a", "list": ["80 rpm", "200 rpm", "310 rpm"]},
+            "excitations": {"motor": harmonic},
+            "configurations": {
+                "firing": {"normal": {}, "misfire": {"motor.orders": {2: {"amplitude": "10 N*m"}, 0.5: {"amplitude": 4}}}},
+                "coupling": {"stiff": {}, "soft": {"k": "100 N*m/rad"}},
+            },
+        }  # fmt: skip
+
+    def test_each_has_its_own_values(self):
+        text = json.dumps(self.model())
+        shared = tn.loads(text)
+        for change in self.CHANGES:
+            fresh = tn.loads(text).configured(change)
+            found = shared.configured(change).order_response(["twist(k_1)", "a"])
+            expected = fresh.order_response(["twist(k_1)", "a"])
+            assert found.values == pytest.approx(expected.values, rel=1e-12)
+
+    def test_a_misfire_is_not_solved_again(self, monkeypatch):
+        solved = []
+        original = shared_response.frequency_response
+        monkeypatch.setattr(shared_response, "frequency_response", lambda *args: solved.append(args) or original(*args))
+        rig = tn.loads(json.dumps(self.model()))
+        for change in ("firing=normal", "firing=normal,coupling=stiff"):
+            rig.configured(change).order_response("a")
+        assert len(solved) == 1
+        rig.configured("coupling=soft").order_response("a")
+        assert len(solved) == 2
 
 
 class TestCylinders:
@@ -305,7 +353,7 @@ class TestFiles:
             ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engin.misfire: [2]}}", "19:22", 'did you mean "engine"'),
             ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engine.misfir: [2]}}", "19:22", 'did you mean "misfire"'),
             ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engine.gas_off: [7]}}", "19:38", "there is no cylinder 7"),
-            ("type: reciprocating_engine", "type: recipro_engine", "10:11", "known: harmonic, propeller"),
+            ("type: reciprocating_engine", "type: recipro_engine", "10:11", "known: electric_machine, gear_mesh"),
             ("step: 100 rpm", "list: [600 rpm]", "7:", "a range with its step, or one by one"),
             ("600..1200 rpm", "1200..600 rpm", "7:", "from a lower to a higher speed"),
             ("cylinders: {1: c1", "cylinders: {front: c1", "13:17", 'cylinders have numbers from 1 to 99, not "front"'),
@@ -329,8 +377,12 @@ class TestFiles:
 
     def test_an_excitation_on_what_is_locked_is_refused(self):
         text = FILE.format(engine=ENGINE).replace("speeds:", "  brake: {type: lock, node: c2}\nspeeds:")
+        with pytest.raises(tn.ModelError, match=r'<text>:14:27: error: engine acts on "c2", which is locked'):
+            tn.loads(text)
+        either = tn.loads(text + "configurations: {free: {off: [brake]}, held: {}}\n")
+        assert either.configured("free").order_response("c1").values.any()
         with pytest.raises(tn.UsageError, match='engine acts on "c2", which is locked'):
-            tn.loads(text).order_response("c1")
+            either.configured("held").order_response("c1")
 
     def test_a_trace_that_does_not_close(self):
         pressure = list(np.linspace(1e5, 9e6, 721))

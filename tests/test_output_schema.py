@@ -54,7 +54,16 @@ CALLS = {
     "equations": ["equations dmf_rig", "equations dmf_rig --tf theta_1/T_M --simplify 1% --band 0.5 20"],
     "limits": ["limits ship.yaml -c all", "limits ship.yaml -c normal --limit crank"],
     "orders": ["orders plant.yaml --output f", "orders plant.yaml -c all --output m"],
+    "critical-speeds": [
+        "critical-speeds plant.yaml",
+        "critical-speeds plant.yaml -c all --margin api618 --output f --line-frequency 50",
+    ],
+    "holzer": ["holzer plant.yaml --mode 1", "holzer marine_steam_turbine --at 3"],
     "static": ["static driven.yaml", "static driven.yaml -c all --speed 300rpm"],
+    "damper": [
+        "damper plant.yaml --vary shaft.damping=0.01..10 --output f",
+        "damper dmf_rig --vary c_2 --output theta_1 --input T_T --from 1 --to 30",
+    ],
     "show": ["show dmf_rig", "show dmf_rig --equations --matrices"],
     "estimate": ["estimate run_soft.npz --output phi --input M"],
     "compare": ["compare run_soft.npz rig.yaml -c soft --output phi --input M"],

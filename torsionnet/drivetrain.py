@@ -18,8 +18,12 @@ if TYPE_CHECKING:
 
     from torsionnet.model.channels import Sensor
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
+    from torsionnet.response.critical_speeds import CriticalSpeeds
+    from torsionnet.response.damper_optimum import DamperOptimum
     from torsionnet.response.dissipated_power import DissipatedPower
+    from torsionnet.response.holzer_table import HolzerTable
     from torsionnet.response.limit_check import LimitCheck
+    from torsionnet.response.margin_rules import MarginRule
     from torsionnet.response.mean_response import MeanResponse
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.response.recording import Recording
@@ -233,6 +237,174 @@ class Drivetrain(AssembledModel):
         from torsionnet.solve.mean_response import mean_response
 
         return mean_response(self, outputs, speeds)
+
+    def damper_design(
+        self,
+        output: str | Sensor,
+        parameters: str | Sequence[str] | Mapping[str, Sequence[float | str] | None],
+        *,
+        input: str | Sensor | None = None,
+        band: tuple[float, float] | None = None,
+        speeds: ArrayLike | None = None,
+        speed_of: str | None = None,
+        excitations: Iterable[str] | None = None,
+    ) -> DamperOptimum:
+        """The damping and stiffness of dampers with which the largest vibration is smallest.
+
+        Parameters
+        ----------
+        output : str or Sensor
+            What is to be small, as for :meth:`frequency_response`.
+        parameters : str, sequence of str, or mapping
+            Names of parameters or ``element.field``; in a mapping with (lower, upper) bounds in SI or with units. Those
+            not given are the bounds in the model, else a tenth to ten times the value.
+        input : str or Sensor, optional
+            The largest magnitude of output over input within ``band`` is made small. Without it the largest half range
+            of all orders over ``speeds``, under the model's excitations.
+        band : (float, float), optional
+            Hz; default: around all natural frequencies.
+        speeds, speed_of, excitations
+            As for :meth:`order_response`.
+
+        Raises
+        ------
+        UsageError
+            Unknown names, no bounds, or what goes only with the other question.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> crank = tn.Drivetrain("crank", [tn.Inertia("mass", node="a", inertia=2),
+        ...     tn.Spring("shaft", nodes=("a", "ground"), stiffness=8e4),
+        ...     tn.ViscousDamper("damper", node="a", ring_inertia=1, damping=100)])
+        >>> found = crank.damper_design("a", {"damper.damping": (20, 2000)}, input="a")
+        >>> round(found.values["damper.damping"] / (2 * 1 * 200), 4)  # Den Hartog: sqrt(2/15)
+        0.3651
+        """
+        from torsionnet.solve.design import damper_design
+
+        return damper_design(
+            self,
+            output,
+            parameters,
+            input=input,
+            band=band,
+            speeds=speeds,
+            speed_of=speed_of,
+            excitations=excitations,
+        )
+
+    def critical_speeds(
+        self,
+        outputs: Channels = (),
+        *,
+        speeds: ArrayLike | None = None,
+        speed_of: str | None = None,
+        excitations: Iterable[str] | None = None,
+        margin: str | float | MarginRule | None = None,
+        reach: float = 0.25,
+        lowest: int | None = None,
+        line_frequency: float | None = None,
+        dampers: str = "as_modelled",
+        damper_names: Iterable[str] | None = None,
+    ) -> CriticalSpeeds:
+        """Where orders of what runs meet natural frequencies, with and without damping, and what is excited there.
+
+        Parameters
+        ----------
+        outputs : str, Sensor or sequence of these, optional
+            Also the speeds at which the orders of these are largest.
+        speeds : array, optional
+            rad/s; the lowest and the highest bound the operating range. Default: those of the model.
+        speed_of : str, optional
+            The node they belong to; default: that of the model.
+        excitations : iterable of str, optional
+            Which of the model's excitations count; default: all.
+        margin : str, float or MarginRule, optional
+            A preset (``"api610"``, ``"api617"``, ``"api618"``, ``"api684"``, ``"line_frequency"``), or a share as 0.1.
+        reach : float
+            Critical speeds are listed up to this share outside the operating range.
+        lowest : int, optional
+            Only the lowest so many modes.
+        line_frequency : float, optional
+            Hz; once and twice of it are compared with the natural frequencies, too.
+        dampers : str
+            ``"as_modelled"``, or the rings of viscous dampers ``"free"``, ``"locked"``, or by ``"half"``.
+        damper_names : iterable of str, optional
+            Which dampers, or films between a hub and a ring; default: all elements of type viscous_damper.
+
+        Raises
+        ------
+        UsageError
+            Unknown names, no excitations or speeds, or a shaft without a fixed ratio to the reference.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+        ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+        >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["500 rpm", "700 rpm"]},
+        ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
+        >>> [(one.mode.number, one.order, one.generalised_force) for one in fan.critical_speeds().crossings]
+        [(1, 2.0, 10.0)]
+        """
+        from torsionnet.solve.critical_speeds import critical_speeds
+
+        return critical_speeds(
+            self,
+            outputs,
+            speeds=speeds,
+            speed_of=speed_of,
+            excitations=excitations,
+            margin=margin,
+            reach=reach,
+            lowest=lowest,
+            line_frequency=line_frequency,
+            dampers=dampers,
+            damper_names=damper_names,
+        )
+
+    def holzer_table(
+        self,
+        mode: int | None = None,
+        *,
+        at: float | None = None,
+        first: str | None = None,
+        amplitude: float = 1.0,
+        referred_to: str | None = None,
+    ) -> HolzerTable:
+        """Amplitudes, inertia torques, sums of torque and twists station by station, without damping.
+
+        Parameters
+        ----------
+        mode : int, optional
+            Number of an undamped mode; 1 is the lowest vibration, rigid bodies do not count.
+        at : float, optional
+            Instead, a trial frequency in Hz: a torque remains at the last station.
+        first : str, optional
+            The station to begin with; default: the first free end of the model.
+        amplitude : float
+            rad at the first station.
+        referred_to : str, optional
+            Node of the shaft that referred quantities belong to; default: the first station.
+
+        Raises
+        ------
+        UsageError
+            No such mode or node, or not one of mode and trial frequency.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+        ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+        >>> fan = tn.Drivetrain("fan", elements)  # at 10 rad/s: 200 N m twist the shaft by 0.02 rad
+        >>> round(fan.holzer_table(at=10 / 6.283185307179586).remainder, 9)
+        298.0
+        """
+        from torsionnet.solve.holzer import holzer_table
+
+        return holzer_table(self, mode, at=at, first=first, amplitude=amplitude, referred_to=referred_to)
 
     def static_state(self, speed: float | None = None) -> StaticState:
         """Mean torque, twist, nominal shear stress and power of every element at one speed.

@@ -13,20 +13,30 @@ if TYPE_CHECKING:
     from torsionnet.assembly.system import Assembly
 
 
+class Siblings:
+    """What a model and its changed copies have in common: the assembly that one of them made last."""
+
+    latest: Assembly | None = None
+
+
 class AssembledModel(Model):
     """A model whose coordinates, rows and coefficients are there when asked for."""
-
-    _like: Assembly | None = None
 
     @cached_property
     def assembly(self) -> Assembly:
         """The drivetrain in numbers: coordinates, rows and coefficients."""
         from torsionnet.assembly.system import assemble  # numpy, which checking a file does without
 
-        return assemble(self.definition, self.exact_values, like=self._like)
+        found = assemble(self.definition, self.exact_values, like=self._siblings.latest)
+        self._siblings.latest = found
+        return found
+
+    @cached_property
+    def _siblings(self) -> Siblings:
+        return Siblings()
 
     def _changed(self, choice: Mapping[str, str], changes: Overlay) -> Self:
-        """A changed copy, whose assembly may share what it has in common with this one."""
+        """A changed copy, whose assembly may share what it has in common with those of this one and its like."""
         changed = super()._changed(choice, changes)
-        changed._like = self.__dict__.get("assembly", self._like)  # noqa: SLF001
+        changed.__dict__["_siblings"] = self._siblings
         return changed

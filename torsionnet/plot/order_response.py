@@ -16,6 +16,8 @@ from torsionnet.response.conventions import SI
 from torsionnet.response.order_response import OrderResponse
 
 MOST_LINES = 6
+HALF_WIDTH = 45
+"""Letters of a label that fit beside another one."""
 
 
 def order_response(
@@ -60,7 +62,7 @@ def order_response(
         sizes = np.abs(response.values[:, :, place]) * scale
         style.dress(panel)
         exact = response.revolutions is not None
-        label = "all orders, half range" if exact else "half ranges of shafts, added"
+        label = "all orders, half range" if exact else "half ranges, added"
         panel.plot(response.rpm, total[:, place] * scale, color=style.INK, linewidth=2.0, label=label)
         for number, line in enumerate(np.argsort(-sizes.max(axis=0), kind="stable")[:most].tolist()):
             panel.plot(response.rpm, sizes[:, line], label=str(response.lines[line]), **style.line_style(number))
@@ -71,6 +73,56 @@ def order_response(
     if len(response.rpm) > 1:
         panels[-1].set_xlim(response.rpm[0], response.rpm[-1])
     style.heading(figure, response.title if title is None else title)
+    return figure
+
+
+def half_ranges(
+    responses: Sequence[OrderResponse],
+    output: str | None = None,
+    *,
+    labels: Sequence[str] | None = None,
+    conventions: Conventions = SI,
+    title: str | None = None,
+) -> Figure:
+    """All orders of one output together, over speed, in several configurations.
+
+    Parameters
+    ----------
+    responses : sequence of OrderResponse
+    output : str, optional
+        Needed where there are several.
+    labels : sequence of str, optional
+        By default the titles.
+    conventions : Conventions, optional
+        Unit of angles of the output.
+    title : str, optional
+        By default the output.
+
+    Raises
+    ------
+    UsageError
+        No such output.
+    """
+    place = responses[0].output(output)
+    channel = responses[0].outputs[place]
+    unit = conventions.unit(channel.unit)
+    figure = style.new_figure(style.WIDTH, 3.4)
+    axes = figure.subplots()
+    style.dress(axes)
+    for number, response in enumerate(responses):
+        label = labels[number] if labels else response.title
+        size = response.half_range[:, response.output(channel.name)] * conventions.scale(channel.unit)
+        axes.plot(response.rpm, size, label=label, **style.line_style(number))
+    axes.set_xlabel(f"speed of {responses[0].reference} [r/min]")
+    axes.set_ylabel(f"{channel.name}, half range [{typeset_unit(unit)}]")
+    axes.set_ylim(bottom=0)
+    if len(responses[0].rpm) > 1:
+        axes.set_xlim(responses[0].rpm[0], responses[0].rpm[-1])
+    if len(responses) > 1 or labels:
+        # Names of configurations are long: below, they leave the curves their width.
+        columns = 1 if max(len(str(line.get_label())) for line in axes.lines) > HALF_WIDTH else 2
+        figure.legend(fontsize=style.SMALL, frameon=False, loc="outside lower center", ncols=columns)
+    style.heading(figure, channel.name if title is None else title)
     return figure
 
 

@@ -21,6 +21,7 @@ from torsionnet.solve.transfer_request import usable
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.response.frequency_response import FloatArray
+    from torsionnet.response.order_response import OrderResponse
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
 MOST_CASES = 12
@@ -31,6 +32,8 @@ LARGE = 40
 MOST_SYMBOLIC = 12
 """Coordinates of a system whose equations are written out."""
 DEFAULT_PAIRS = 3
+MOST_OUTPUTS = 6
+"""Outputs shown over speed unless others are asked for."""
 FEW_CASES = 3
 """Configurations whose modes and peaks are all listed one below the other; of more, a page folds them away."""
 
@@ -128,6 +131,37 @@ class ReportData:
             return self.request.pairs
         inputs, sensors = usable(self.cases[0].drivetrain)
         return tuple(Pair(sensor, driven) for driven in inputs[:1] for sensor in sensors[:DEFAULT_PAIRS])
+
+    @cached_property
+    def running(self) -> bool:
+        """Whether machinery runs in the model, over speeds that it names."""
+        definition = self.model.definition
+        return definition.speeds is not None and bool(definition.excitations)
+
+    @cached_property
+    def order_outputs(self) -> tuple[str, ...]:
+        """What is shown over speed: as asked for, else the sensors of torque."""
+        sensors = self.model.sensors
+        torques = [name for name, sensor in sensors.items() if sensor.quantity == "torque"]
+        return self.request.plan.orders or tuple(torques or sensors)[:MOST_OUTPUTS]
+
+    @cached_property
+    def order_responses(self) -> tuple[OrderResponse, ...]:
+        """Of every case."""
+        return tuple(case.drivetrain.order_response(list(self.order_outputs)) for case in self.cases)
+
+    @cached_property
+    def different(self) -> tuple[tuple[Case, ...], ...]:
+        """Cases by what vibrates: those that differ by nothing but what runs are one."""
+        found: list[list[Case]] = []
+        for case in self.cases:
+            laws = case.drivetrain.assembly.laws
+            alike = next((cases for cases in found if cases[0].drivetrain.assembly.laws == laws), None)
+            if alike is None:
+                found.append([case])
+            else:
+                alike.append(case)
+        return tuple(map(tuple, found))
 
     @cached_property
     def band(self) -> tuple[float, float]:

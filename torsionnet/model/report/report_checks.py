@@ -21,6 +21,7 @@ def check_report(plan: ReportPlan, definition: Definition, path: Path = ("report
         for index, pair in enumerate(plan.transfer_functions)
         for fault in _pair(pair, definition)
     ]
+    faults += _orders(plan, definition)
     faults += _configurations(plan, definition)
     return [fault.under(*path) for fault in faults]
 
@@ -37,6 +38,18 @@ def _pair(pair: Pair, definition: Definition) -> Iterator[Fault]:
         if name and name not in names and not is_written_out:
             text = f'no {what} is named "{name}"{meant_or(name, names, _declared(definition, what))}'
             yield Fault(text, kind="unknown name", about=name)
+
+
+def _orders(plan: ReportPlan, definition: Definition) -> Iterator[Fault]:
+    if plan.orders and (definition.speeds is None or not definition.excitations):
+        text = "orders over speed need the entries speeds: and excitations: of the model"
+        yield Fault(text, ("orders",), on_key=True)
+    nodes = {node for element in definition.elements.values() for node in element.ports.values()}
+    for index, name in enumerate(plan.orders):
+        if name not in definition.sensors and name not in nodes and parse_sensor(name) is None:
+            names = [*definition.sensors, *nodes]
+            text = f'no sensor or node is named "{name}"{meant_or(name, names, _declared(definition, "sensor"))}'
+            yield Fault(text, ("orders", index), kind="unknown name", about=name)
 
 
 def _declared(definition: Definition, what: str) -> str:

@@ -137,6 +137,11 @@ SIMPLIFY = Value("how far leaving elements out may move the modes in the band, a
 PAIR = PairEntry("OUTPUT/INPUT, as theta_1/T_T")
 _SECTIONS = Listed("sections of the report; default: all that apply", SectionName(""), form="a list of names")
 _PAIRS = Listed("OUTPUT/INPUT, in this order", PAIR, form="a list such as [theta_1/T_T]")
+_ORDERS = Listed(
+    "sensors or nodes shown over speed; default: the sensors of torque",
+    Text("sensor or node"),
+    form="a list such as [T_C]",
+)
 _NAMES = Listed("configurations to report; default: all", ConfigurationName(""), form="a list of names")
 
 
@@ -150,6 +155,8 @@ class ReportPlan(Declared):
     sections : tuple of str
         Names out of :data:`torsionnet.model.report.SECTIONS`.
     transfer_functions : tuple of Pair
+    orders : tuple of str
+        Outputs whose response to the model's excitations is shown over speed.
     configurations : tuple of str
     band : (float, float), optional
         Hz; frequencies of the Bode plots.
@@ -163,14 +170,15 @@ class ReportPlan(Declared):
     kind: ClassVar[str] = "report"
     article: ClassVar[str] = "a report"
     form: ClassVar[str] = (
-        "the entries title, author, sections, transfer_functions, configurations, band, angle, simplify, notes, "
-        "template"
+        "the entries title, author, sections, transfer_functions, orders, configurations, band, angle, simplify, "
+        "notes, template"
     )
 
     title: str = entry(Text("title of the report; default: name of the model"), "")
     author: str = entry(Text("who signs it"), "")
     sections: tuple[str, ...] = entry(_SECTIONS, ())
     transfer_functions: tuple[Pair, ...] = entry(_PAIRS, ())
+    orders: tuple[str, ...] = entry(_ORDERS, ())
     configurations: tuple[str, ...] = entry(_NAMES, ())
     band: tuple[float, float] | None = entry(Band("frequencies of the plots"), None)
     angle: str = entry(OneOf("unit of angles", ANGLES), "rad")

@@ -1,0 +1,131 @@
+"""What runs: the speeds, the entries of every excitation, and the torques that come of them by order."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from torsionnet.core.entries.composite import Nested
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import Spec
+from torsionnet.core.number_text import aligned
+from torsionnet.core.units import expected_unit
+from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Section, TableBlock
+from torsionnet.report.report_data import Case, ReportData
+from torsionnet.report.report_tables import table
+from torsionnet.report.report_words import plain, unit
+from torsionnet.solve.order_response import shaft_speeds
+
+if TYPE_CHECKING:
+    from torsionnet.model.excitations import OrderExcitation
+    from torsionnet.model.excitations.speed_range import SpeedRange
+
+RPM = 60 / (2 * math.pi)
+LONG = 12
+"""Numbers of a list that are written out."""
+MOST_ORDERS = 30
+Row = tuple[Cell, ...]
+
+
+def excitations_section(subject: ReportData) -> Section | None:
+    if not subject.running:
+        return None
+    definition = subject.model.definition
+    blocks: list[Block] = [Paragraph((_speeds(definition.speeds),))] if definition.speeds else []
+    for name, excitation in definition.excitations.items():
+        blocks.append(_entries(name, excitation))
+        blocks.append(_torques(subject.cases[0], name, excitation))
+    changed = [*_changes(subject)]
+    if changed:
+        columns = (Heading("Configuration"), Heading("Excitation"), Heading("Entry"), Heading("Value", wide=True))
+        blocks.append(table("What configurations change of the excitations", columns, changed))
+    return Section("excitations", ("Excitations",), tuple(blocks))
+
+
+def _speeds(speeds: SpeedRange) -> str:
+    low, high = speeds.values[0] * RPM, speeds.values[-1] * RPM
+    rated = f"; rated speed {speeds.rated * RPM:.6g} r/min" if speeds.rated else ""
+    return (
+        f"The speed of {plain(speeds.of)} runs from {low:.6g} to {high:.6g} r/min, {len(speeds.values)} values{rated}. "
+        "Every excitation acts at multiples of the speed of its own shaft."
+    )
+
+
+def _entries(name: str, excitation: OrderExcitation) -> TableBlock:
+    columns = (Heading("Property"), Heading("Value", wide=True), Heading("Unit"))
+    rows = [*_properties(excitation)]
+    return table(f"Excitation {plain(name)}: {plain(excitation.kind)}", columns, rows)
+
+
+def _properties(entry: Declared, over: str = "") -> Iterator[Row]:
+    """Property, value and unit of everything that was given."""
+    absent = dict(entry.defaults())
+    for name, spec in entry.specs():
+        value = getattr(entry, name)
+        if value is None or value == absent.get(name, ()) or (isinstance(value, tuple) and not value):
+            continue
+        if isinstance(spec, Nested) and isinstance(value, Declared):
+            yield from _properties(value, f"{over}{plain(name)}: ")
+        else:
+            yield f"{over}{plain(name)}", *_shown(spec, value)
+
+
+def _shown(spec: Spec, value: Any) -> tuple[Cell, Cell]:
+    """The value, and its unit."""
+    if isinstance(spec, Value) and spec.dimension == "speed":
+        return NumberText(value * RPM, 6), "r/min"
+    if isinstance(spec, Value):
+        return NumberText(float(value), 6), unit(expected_unit(spec.dimension))
+    if isinstance(value, tuple) and len(value) > LONG:
+        return f"{len(value)} values between {min(value):.6g} and {max(value):.6g}", "SI"
+    return _text(spec.plain(value)), "–"
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return "; ".join(f"{key}: {_text(one)}" for key, one in value.items())
+    if isinstance(value, list | tuple):
+        return ", ".join(map(_text, value))
+    return f"{value:.6g}" if isinstance(value, float) else plain(str(value))
+
+
+def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
+    """The largest amplitude of every order, on the node where it acts."""
+    speed, own = shaft_speeds(case.drivetrain, name)
+    torques = excitation.torques(np.array([own]))
+    sizes = np.abs(torques.amplitudes[0])
+    where = np.argmax(sizes, axis=1)
+    largest = sizes[np.arange(len(where)), where]
+    phases = np.degrees(np.angle(torques.amplitudes[0][np.arange(len(where)), where]))
+    columns = (
+        Heading("Order", numeric=True),
+        Heading("Amplitude", unit("N m"), numeric=True),
+        Heading("Phase", "deg", numeric=True),
+        Heading("Node"),
+    )
+    rows = zip(
+        [NumberText(float(order), 6) for order in torques.orders],
+        aligned(largest.tolist()),
+        [NumberText(float(phase), 4, 1) for phase in phases],
+        [plain(torques.nodes[place]) for place in where],
+        strict=True,
+    )
+    other = "" if math.isclose(own, speed) else f", where the reference shaft has {speed * RPM:.6g} r/min"
+    caption = f"Torques of {plain(name)} by order of its shaft at {own * RPM:.6g} r/min{other}"
+    notes = ["Of several nodes the one with the largest amplitude; cylinders differ in phase."]
+    return table(caption, columns, list(rows), notes if len(torques.nodes) > 1 else [], most=MOST_ORDERS)
+
+
+def _changes(subject: ReportData) -> Iterator[Row]:
+    """Entries that a configuration has otherwise than the model as written."""
+    written = subject.model.definition.excitations
+    for case in subject.cases:
+        for name, excitation in case.drivetrain.definition.excitations.items():
+            for entry, spec in excitation.specs():
+                value = getattr(excitation, entry)
+                if name in written and value != getattr(written[name], entry, None):
+                    yield case.configuration, plain(name), plain(entry), _shown(spec, value)[0]

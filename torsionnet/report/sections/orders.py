@@ -1,0 +1,85 @@
+"""The response to everything that runs, over speed: each order, and all orders together."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from torsionnet.core.number_text import aligned
+from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Paragraph, Picture, Section, TableBlock
+from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_tables import table
+from torsionnet.report.report_words import named, plain, unit
+
+MOST_CURVES = 7
+"""Configurations that can be told apart in one plot."""
+
+
+def orders_section(subject: ReportData) -> Section | None:
+    if not subject.running or not subject.order_outputs:
+        return None
+    blocks: list[Block] = [Paragraph(_introduction(subject))]
+    for number, name in enumerate(subject.order_outputs, 1):
+        blocks += _output(subject, name, number)
+    return Section("orders", ("Response by order",), tuple(blocks))
+
+
+def _introduction(subject: ReportData) -> tuple[Inline, ...]:
+    text = (
+        "All orders act at once. The half range is (max − min)/2 of their sum with the phases they have, not the sum "
+        "of their magnitudes; amplitudes of single orders are peak values."
+    )
+    if any(run.revolutions is None for run in subject.order_responses):
+        text += (
+            " Shafts that have no short common cycle take every position to each other: their half ranges are added."
+        )
+    return (text,)
+
+
+def _output(subject: ReportData, name: str, number: int) -> list[Block]:
+    """Half ranges of all configurations, the orders of the worst one, and where each is largest."""
+    from torsionnet.plot.order_response import half_ranges, order_response
+
+    runs = subject.order_responses
+    place = runs[0].output(name)
+    worst = int(np.argmax([run.half_range[:, place].max() for run in runs]))
+    shown = name if not runs[worst].title else f"{name}, {subject.cases[worst].configuration}".rstrip(", ")
+    blocks: list[Block] = []
+    if len(runs) > 1:
+        chosen = runs[:MOST_CURVES]
+        labels = [case.configuration for case in subject.cases[:MOST_CURVES]]
+        drawn = half_ranges(chosen, name, labels=labels, conventions=subject.conventions, title="")
+        rest = f"; the first {len(chosen)} of {len(runs)} configurations" if len(runs) > len(chosen) else ""
+        caption = (named(name), f": half range of all orders over speed, by configuration{rest}.")
+        blocks.append(Picture(f"half_range_{number}", drawn, caption, f"Half range of {plain(name)} over speed"))
+    drawn = order_response(runs[worst], name, conventions=subject.conventions, title="")
+    where = f" in configuration {subject.cases[worst].configuration}" if len(runs) > 1 else ""
+    caption = (named(name), f": largest orders over speed{where}.")
+    blocks.append(Picture(f"orders_{number}", drawn, caption, f"Orders of {shown} over speed"))
+    blocks.append(_worst(subject, name))
+    return blocks
+
+
+def _worst(subject: ReportData, name: str) -> TableBlock:
+    """The largest half range of every configuration, and the largest order there."""
+    runs, place = subject.order_responses, subject.order_responses[0].output(name)
+    scale = subject.conventions.scale(runs[0].outputs[place].unit)
+    shown = unit(subject.conventions.unit(runs[0].outputs[place].unit))
+    worst = [(run, int(np.argmax(run.half_range[:, place]))) for run in runs]
+    sizes = [np.abs(run.values[index, :, place]) for run, index in worst]
+    columns = (
+        Heading("Configuration"),
+        Heading("Speed", "r/min", numeric=True),
+        Heading("Half range", shown, numeric=True),
+        Heading("RMS", shown, numeric=True),
+        Heading("Largest order there"),
+        Heading("its amplitude", shown, numeric=True),
+    )
+    cells: list[list[Cell]] = [
+        [case.configuration for case in subject.cases],
+        list(aligned([float(run.rpm[index]) for run, index in worst])),
+        list(aligned([float(run.half_range[index, place]) * scale for run, index in worst])),
+        list(aligned([float(run.rms[index, place]) * scale for run, index in worst])),
+        [plain(str(run.lines[np.argmax(size)])) for run, size in zip(runs, sizes, strict=True)],
+        list(aligned([float(size.max()) * scale for size in sizes])),
+    ]
+    return table((named(name), ": largest over the speeds"), columns, list(zip(*cells, strict=True)))
