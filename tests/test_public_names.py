@@ -42,7 +42,7 @@ LATER = {
     "damper_design",
     "half_ranges",
     "interference_diagram",
-    "limit_lines",
+    "limit_check",
     "order_overlay",
     "order_response",
     "star_diagrams",
