@@ -68,6 +68,13 @@ class OrderResponse:
         """Speeds of the reference shaft, r/min."""
         return np.asarray(self.speeds * RPM)
 
+    @property
+    def frequencies(self) -> FloatArray:
+        """Hz, shape (n_speeds, n_lines); below 0 where a line turns backwards, as that of a slip above synchronism."""
+        relative = np.array([float(line.relative) for line in self.lines])
+        fixed = np.array([line.fixed for line in self.lines])
+        return np.asarray(self.speeds[:, None] * relative / (2 * math.pi) + fixed)
+
     @cached_property
     def revolutions(self) -> int | None:
         """Revolutions of the reference shaft after which everything repeats; None where nothing or too many do it."""
@@ -239,7 +246,7 @@ class OrderResponse:
     @cached_property
     def rms(self) -> FloatArray:
         """Root mean square of the sum of all orders, shape (n_speeds, n_out)."""
-        return np.asarray(np.sqrt((np.abs(self._by_frequency()) ** 2).sum(axis=1) / 2))
+        return np.asarray(np.sqrt((np.abs(self.by_frequency()) ** 2).sum(axis=1) / 2))
 
     def table(self, output: str | None = None, conventions: Conventions = SI, most: int = 6) -> Table:
         """Worst speed of an output and the orders that make it, and the worst speed of each of these orders."""
@@ -309,8 +316,8 @@ class OrderResponse:
             raise UsageError(f"{self.no_cycle}; half_range does so")
         return self.revolutions
 
-    def _by_frequency(self) -> ComplexArray:
-        """Lines of one frequency summed, shape (n_speeds, n_frequencies, n_out)."""
+    def by_frequency(self) -> ComplexArray:
+        """Amplitudes with the lines of one frequency summed, shape (n_speeds, n_frequencies, n_out)."""
         frequencies = [(line.relative, line.fixed) for line in self.lines]
         places = {one: number for number, one in enumerate(dict.fromkeys(frequencies))}
         found = np.zeros((len(self.speeds), len(places), len(self.outputs)), dtype=complex)

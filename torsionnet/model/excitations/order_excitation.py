@@ -121,6 +121,11 @@ class OrderExcitation(Declared):
         """What acts at speeds of its shaft, rad/s."""
         raise NotImplementedError
 
+    def phase_vectors(self, order: float) -> dict[str, tuple[str, complex]]:
+        """What acts with a phase of its own: its node and ``exp(-j order alpha)``, or 0 where it is out of action."""
+        del order
+        return {node: (node, 1.0 + 0j) for node in self.nodes}
+
 
 def register_excitation(cls: T) -> T:
     """Make a type known by its ``kind``."""
