@@ -298,7 +298,10 @@ class TestPairsOfModes:
         ]  # fmt: skip
         fan = {"fan": {"type": "harmonic", "node": "hub", "orders": {3: {"amplitude": 1}}}}
         plant = tn.Drivetrain(
-            "fan", [*blades, tn.Inertia("hub", node="hub", inertia=2)], excitations=fan, speeds={"of": "hub", "list": [10]}
+            "fan",
+            [*blades, tn.Inertia("hub", node="hub", inertia=2)],
+            excitations=fan,
+            speeds={"of": "hub", "list": [10]},
         )
         found = plant.critical_speeds(reach=0.9)
         assert [round(mode.similarity, 6) for mode in found.modes] == [1, 1, 1]
@@ -331,7 +334,10 @@ class TestQuestions:
 
     @pytest.mark.parametrize(
         ("mode", "order", "text"),
-        [(7, 2, "there is no mode 7; there are 1"), (1, 3, "meets no order 3 in or near the operating range; it meets 2")],
+        [
+            (7, 2, "there is no mode 7; there are 1"),
+            (1, 3, "meets no order 3 in or near the operating range; it meets 2"),
+        ],
     )
     def test_unknown_mode_or_order(self, mode, order, text):
         with pytest.raises(tn.UsageError, match=text):
@@ -419,8 +425,12 @@ class TestPictures:
         assert axes.get_ylabel() == "frequency [Hz]"
         texts = [text.get_text() for text in axes.texts]
         assert {"3", "0.5", "mode 4: 26.49 Hz"} <= set(texts)
-        marks = np.concatenate([np.asarray(one.get_offsets()) for one in axes.collections if len(one.get_offsets()) > 1])
-        assert [529.88, 26.494] == pytest.approx(marks[np.argmin(abs(marks[:, 0] - 529.88) + abs(marks[:, 1] - 26.494))], 1e-4)
+        marks = np.concatenate(
+            [np.asarray(one.get_offsets()) for one in axes.collections if len(one.get_offsets()) > 1]
+        )
+        assert [529.88, 26.494] == pytest.approx(
+            marks[np.argmin(abs(marks[:, 0] - 529.88) + abs(marks[:, 1] - 26.494))], 1e-4
+        )
 
     def test_stars_of_one_diagram_share_a_panel(self):
         found = marine({"engine": INLINE_SIX}).critical_speeds(lowest=4)
