@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.errors import Fault, ModelError, Path, UsageError, unknown_name
@@ -33,7 +36,7 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
     if definition.load is not None:
         faults += unknown_in_load(definition, definition.load)
     faults += _overrides(definition)
-    return faults or [*_against_the_drivetrain(definition), *_on_imposed(definition)]
+    return faults or [*_against_the_drivetrain(definition), *_on_imposed(definition)] or [*_remarks(definition)]
 
 
 def _overrides(definition: Definition) -> Iterator[Fault]:
@@ -61,7 +64,7 @@ def _wrong_value(definition: Definition, value: object, key: str, path: Path) ->
         definition.overlaid(Overlay(entries={key: value}))
     except ModelError as error:
         for fault in error.faults:
-            yield Fault(fault.message, path)
+            yield replace(fault, path=path)
 
 
 def _unfit_elements(definition: Definition) -> Iterator[Fault]:
@@ -110,3 +113,15 @@ def _on_imposed(definition: Definition) -> Iterator[Fault]:
             if node in imposed and node not in one.reactions:
                 text = f'the motion of "{node}" is imposed by {imposed[node]}; a torque there does nothing'
                 yield Fault(text, ("excitations", name, *path))
+
+
+def _remarks(definition: Definition) -> Iterator[Fault]:
+    """What the excitations themselves have to say, at the speeds of their shafts where these are known."""
+    known, faults = resolve(definition.parameters)
+    for name, excitation in definition.excitations.items():
+        speeds = None
+        if definition.speeds is not None and not faults and excitation.shaft:
+            ratio = abs(float(total_ratio(definition, known, excitation.shaft, definition.speeds.of)))
+            speeds = np.array(definition.speeds.values) * ratio
+        for fault in excitation.remarks(speeds):
+            yield fault.under("excitations", name)

@@ -16,8 +16,11 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.core.expressions import ExpressionError
 from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.elements import Values
+from torsionnet.model.readings import section_modulus
 from torsionnet.solve.sensitivity.arranged import Arranged, law_stiffness_of
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
+from torsionnet.solve.sensitivity.dual import DUALS, value_of
 from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
 from torsionnet.solve.starmesh import respond
 from torsionnet.solve.transfer import frequency_response
@@ -98,14 +101,16 @@ class ParametricResponse:
         return found
 
     def _arranged(self, system: Augmented, numbers: Sequence[float]) -> Arranged:
-        """The problem for these rows; one for all values where no parameter moves a row."""
+        """The problem for these rows; one for all values where no parameter moves a row or changes a section."""
         slopes = (system.law_slopes, system.condition_slopes)
-        key = (system.exact_laws, system.exact_conditions, *(part.tobytes() for part in slopes))
+        elements, names = dict(self.unknowns.definition.elements), self.drivetrain.inputs.items()
+        values = self.unknowns.values(numbers)
+        stressed = [elements[sensor.of] for sensor in self.sensors if sensor.quantity == "stress"]
+        sections = tuple(value_of(section_modulus(element, Values(values, DUALS))) for element in stressed)
+        key = (system.exact_laws, system.exact_conditions, *(part.tobytes() for part in slopes), sections)
         if self._known and self._known[0][0] == key:
             return self._known[0][1]
-        elements, names = dict(self.unknowns.definition.elements), self.drivetrain.inputs.items()
         channels = {channel: name for name, channel in names}
-        values = self.unknowns.values(numbers)
         arranged = Arranged(system, self.sensors, elements, values, self.loads, channels, self._nodes)
         self._known[:] = [(key, arranged)]
         return arranged
