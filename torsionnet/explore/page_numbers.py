@@ -1,0 +1,17 @@
+"""Numbers as the page takes them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.response import Conventions
+
+DEGREES = Conventions(angle="deg")
+
+
+def numbers(values: NDArray[np.float64]) -> list[float | None]:
+    """A list for JSON, which has neither nan nor inf."""
+    if np.isfinite(values).all():
+        return list(values.tolist())
+    return [float(value) if np.isfinite(value) else None for value in values]
