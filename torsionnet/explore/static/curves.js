@@ -14,7 +14,7 @@ export function curve(answer, state, index, more = {}) {
   const scale = state.angle === "deg" ? response.scale : 1;
   return {
     kind: "line",
-    frequencies: response.frequencies,
+    x: response.frequencies,
     magnitude: response.magnitude.map((value) => shown(value, scale, state)),
     phase: response.phase,
     colour: curveColour(index),
@@ -30,7 +30,7 @@ export function dots(test, answer, state, doubtful) {
   const lines = test.trusted.flatMap((good, k) => (good === doubtful ? [] : [k]));
   return {
     kind: "dots",
-    frequencies: lines.map((k) => test.frequencies[k]),
+    x: lines.map((k) => test.frequencies[k]),
     magnitude: lines.map((k) => shown(test.magnitude[k], scale, state)),
     phase: lines.map((k) => beside(test.phase[k], at(answer.response, test.frequencies[k]))),
     colour: colour("test"),
