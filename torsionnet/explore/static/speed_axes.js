@@ -8,7 +8,7 @@ const TEXT = 12; // pixels
 const DASH = [6, 4];
 
 export function speedPanels(form) {
-  const x = axis((plot, __, low, high) => linearTicks(low, high, plot.width / 90), labelled(`Speed of ${form.reference} [r/min]`));
+  const x = axis((plot, __, low, high) => linearTicks(low, high, plot.width / 60), labelled(`Speed of ${form.reference} [r/min]`));
   const y = axis((_, __, low, high) => linearTicks(low, high), { size: AXIS_WIDTH });
   const scales = {
     x: { time: false, range: () => form.range },
