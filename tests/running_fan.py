@@ -23,7 +23,7 @@ MODEL = {
     "speeds": {"of": "motor", "range": "300..1500 rpm", "step": "3 rpm", "rated": "1200 rpm"},
     "excitations": {
         "blades": {"type": "harmonic", "node": "fan", "orders": {order: {"amplitude": 12 / order} for order in range(1, 6)}},
-        "poles": {"type": "harmonic", "node": "motor", "orders": {3: {"amplitude": "10 N*m", "phase": "40 deg"}}},
+        "poles": {"type": "harmonic", "node": "motor", "orders": {3: {"amplitude": "0.1 N*m", "phase": "40 deg"}}},
     },
     "configurations": {
         "supply": {"mains": {}, "rough": {"poles.orders": {3: {"amplitude": "40 N*m"}}}},
