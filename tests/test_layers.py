@@ -40,10 +40,31 @@ MAX_MEDIAN_LINES = 150
 
 SAME_THING = {
     "a command, what it calls and what shows its result": {
-        "bench", "comparison", "equations", "fit", "fits", "identify_modes", "kinematics", "library", "modes",
-        "order_response", "parameters", "report", "schematic", "simplified", "spectrogram", "stabilisation",
+        "bench",
+        "comparison",
+        "critical_speeds",
+        "equations",
+        "excitations",
+        "fit",
+        "fits",
+        "holzer",
+        "identify_modes",
+        "kinematics",
+        "library",
+        "limit_check",
+        "mean_response",
+        "modes",
+        "order_response",
+        "orders",
+        "parameters",
+        "report",
+        "schematic",
+        "simplified",
+        "spectrogram",
+        "stabilisation",
+        "static_state",
     },
-}  # fmt: skip
+}
 
 
 def height(name: str) -> int:

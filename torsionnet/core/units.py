@@ -87,7 +87,7 @@ def _dimension(kg: int = 0, m: int = 0, s: int = 0, cycle: int = 0) -> Dimension
 
 _Atom = tuple[Real, Dimension]
 _NUMBER, _MASS, _LENGTH, _TIME = _dimension(), _dimension(kg=1), _dimension(m=1), _dimension(s=1)
-_FORCE, _PRESSURE = _dimension(1, 1, -2), _dimension(1, -1, -2)
+_FORCE, _PRESSURE, _POWER = _dimension(1, 1, -2), _dimension(1, -1, -2), _dimension(1, 2, -3)
 _LB, _G0, _INCH = Fraction("0.45359237"), Fraction("9.80665"), Fraction("0.0254")
 _PREFIXES = {"G": Fraction(10**9), "M": Fraction(10**6), "k": Fraction(1000), "": Fraction(1),
              "c": Fraction(1, 100), "m": Fraction(1, 1000), "u": Fraction(1, 10**6)}  # fmt: skip
@@ -101,6 +101,7 @@ _BASE: dict[str, tuple[Real, Dimension, str]] = {
     "N": (Fraction(1), _FORCE, "GMkm"), "kgf": (_G0, _FORCE, ""), "lbf": (_LB * _G0, _FORCE, ""),
     "Pa": (Fraction(1), _PRESSURE, "GMk"), "psi": (_LB * _G0 / _INCH**2, _PRESSURE, ""),
     "ksi": (1000 * _LB * _G0 / _INCH**2, _PRESSURE, ""), "bar": (Fraction(10**5), _PRESSURE, ""),
+    "W": (Fraction(1), _POWER, "GMk"),
     "rad": (Fraction(1), _NUMBER, "mu"), "deg": (math.pi / 180, _NUMBER, ""), "rev": (2 * math.pi, _NUMBER, ""),
     "arcmin": (math.pi / 10800, _NUMBER, ""), "%": (Fraction(1, 100), _NUMBER, ""),
     "rpm": (math.pi / 30, _dimension(s=-1), ""), "Hz": (Fraction(1), _dimension(s=-1, cycle=1), "km"),
@@ -406,7 +407,7 @@ def _read_given(quantity: Any) -> Quantity:
 _EXPECTED = {"inertia": "kg*m^2", "stiffness": "N*m/rad", "torque": "N*m", "damping": "N*m*s/rad",
              "compliance": "rad/(N*m)", "angle": "rad", "speed": "rad/s", "acceleration": "rad/s^2", "length": "m",
              "mass": "kg", "density": "kg/m^3", "pressure": "Pa", "shear modulus": "Pa", "frequency": "Hz", "time": "s",
-             "1": "1"}  # fmt: skip
+             "power": "W", "heat flux": "W/m^2", "area": "m^2", "1": "1"}  # fmt: skip
 _SI_TEXT: dict[Dimension, str] = {}
 DIMENSIONS: dict[str, Dimension] = {"inertia": _dimension(1, 2)}
 DIMENSIONS |= {name: parse_unit(text).dimension for name, text in _EXPECTED.items()}

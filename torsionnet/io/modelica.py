@@ -97,6 +97,8 @@ class _Model:
         }
         meters: dict[tuple[str, int], list[str]] = {}
         for name, sensor in channels.sensors.items():
+            if sensor.quantity == "stress":
+                raise UsageError(f"{name} is a stress, which is not written to Modelica; measure torque({sensor.of})")
             if sensor.quantity == "torque":
                 element = drivetrain.elements[sensor.of]
                 meters.setdefault((sensor.of, element.place_of(sensor.at)), []).append(read[name])

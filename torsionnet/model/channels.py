@@ -5,26 +5,36 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
 from torsionnet.core.errors import UsageError, did_you_mean, unknown_key
 from torsionnet.model.elements import Element
 
-SENSOR_QUANTITIES = ("angle", "velocity", "acceleration", "twist", "torque")
-"""angle, velocity, acceleration of a node; twist of an element; torque through an element at one of its ports."""
+SENSOR_QUANTITIES = ("angle", "velocity", "acceleration", "twist", "torque", "stress")
+"""angle, velocity, acceleration of a node; twist of an element; torque through an element at one of its ports, and the
+nominal shear stress it makes there in a round shaft."""
 
-ELEMENT_QUANTITIES = ("twist", "torque")
+ELEMENT_QUANTITIES = ("twist", "torque", "stress")
+PORT_QUANTITIES = ("torque", "stress")
 INPUT_QUANTITIES = ("torque", "angle")
+"""Of the inputs of a model; a solver may also be asked for the response to an imposed twist."""
 
-UNITS = {"angle": "rad", "velocity": "rad/s", "acceleration": "rad/s^2", "twist": "rad", "torque": "N*m"}
+UNITS = {
+    "angle": "rad",
+    "velocity": "rad/s",
+    "acceleration": "rad/s^2",
+    "twist": "rad",
+    "torque": "N*m",
+    "stress": "Pa",
+}
 
 
 @dataclass(frozen=True)
 class Sensor:
-    """A measured quantity: angle, velocity or acceleration of a node, twist or torque of an element.
+    """A measured quantity: angle, velocity or acceleration of a node, twist, torque or shear stress of an element.
 
-    ``at`` is the port (or its node) where a torque is taken; without it, the port that defines the element's sign.
+    ``at`` is the port (or its node) where a torque or stress is taken; without it, the port that defines the sign.
 
     Examples
     --------
@@ -41,7 +51,7 @@ class Sensor:
             raise UsageError(_wrong_quantity("a sensor measures", self.quantity, SENSOR_QUANTITIES))
         if not isinstance(self.of, str) or not isinstance(self.at, str | None):
             raise UsageError(f"a sensor is on a node or element given by its name, got {self.of!r}, {self.at!r}")
-        if self.at is not None and self.quantity != "torque":
+        if self.at is not None and self.quantity not in PORT_QUANTITIES:
             raise UsageError(f"only a torque is taken at a port; leave out at={self.at!r}, or measure a torque instead")
 
     @property
@@ -58,18 +68,24 @@ class Sensor:
 
 @dataclass(frozen=True)
 class Input:
-    """An excitation: a ``torque`` on a node, or an imposed ``angle`` of a node."""
+    """An excitation: a ``torque`` on a node, an imposed ``angle`` of a node, or an imposed ``twist`` of an element.
 
-    is_on_element: ClassVar[bool] = False
+    An imposed twist e is what the springs of the element take for no twist: their torque is kappa(s) (gamma - e).
+    """
 
     quantity: str
     of: str
 
     def __post_init__(self) -> None:
-        if self.quantity not in INPUT_QUANTITIES:
+        if self.quantity not in (*INPUT_QUANTITIES, "twist"):
             raise UsageError(_wrong_quantity("an input drives", self.quantity, INPUT_QUANTITIES))
         if not isinstance(self.of, str):
             raise UsageError(f"an input is on a node given by its name, got {self.of!r}")
+
+    @property
+    def is_on_element(self) -> bool:
+        """Whether ``of`` is an element; else it is a node."""
+        return self.quantity == "twist"
 
     def __str__(self) -> str:
         return f"{self.quantity} on {self.of}"
@@ -92,7 +108,7 @@ def parse_sensor(text: str) -> Sensor | None:
     Sensor(quantity='twist', of='dmf', at=None)
     """
     match = _CALL.fullmatch(text)
-    if match is None or match[1] not in SENSOR_QUANTITIES or (match[3] and match[1] != "torque"):
+    if match is None or match[1] not in SENSOR_QUANTITIES or (match[3] and match[1] not in PORT_QUANTITIES):
         return None
     return Sensor(match[1], match[2], match[3])
 
@@ -114,15 +130,17 @@ class ChannelEntry(Spec):
     """Of its definition in the schema."""
 
     def coerce(self, raw: Any) -> Input | Sensor:
-        if isinstance(raw, self.made):
+        if isinstance(raw, self.made) and raw.quantity in self.quantities:
             return raw
         quantity, of = self._one_quantity(raw)
         if self.made is Input:
             return Input(quantity, of)
         at = raw.get("at")
-        if at is not None and (quantity != "torque" or not isinstance(at, str)):
+        if at is not None and (quantity not in PORT_QUANTITIES or not isinstance(at, str)):
             only = f"only a torque is taken at a port; leave out at:, or measure a torque instead of the {quantity}"
-            raise EntryError(only if quantity != "torque" else f"expected the name of a node, got {at!r}", ("at",))
+            raise EntryError(
+                only if quantity not in PORT_QUANTITIES else f"expected the name of a node, got {at!r}", ("at",)
+            )
         return Sensor(quantity, of, at)
 
     @property
@@ -161,7 +179,14 @@ class ChannelEntry(Spec):
             "oneOf": [{"required": [quantity]} for quantity in self.quantities],
             "additionalProperties": False,
         }
-        return {self.name: schema | ({"dependentRequired": {"at": ["torque"]}} if self._extra else {})}
+        return {
+            self.name: schema
+            | (
+                {"dependentSchemas": {"at": {"anyOf": [{"required": [one]} for one in PORT_QUANTITIES]}}}
+                if self._extra
+                else {}
+            )
+        }
 
 
 INPUT = ChannelEntry("{torque: node} or {angle: node}", Input, INPUT_QUANTITIES, "input")

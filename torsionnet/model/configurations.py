@@ -30,13 +30,13 @@ class Overlay:
     on: tuple[str, ...] = ()
     off: tuple[str, ...] = ()
     operating_point: OperatingPoint | None = None
-    excitations: Mapping[str, Any] = field(default_factory=dict)
-    """Entries of excitations as they are written, by ``excitation.entry``."""
+    entries: Mapping[str, Any] = field(default_factory=dict)
+    """Entries of excitations and of the load as they are written, by ``excitation.entry`` and ``load.entry``."""
 
     def to_data(self) -> dict[str, Any]:
         data: dict[str, Any] = {name: plain_scalar(value) for name, value in self.parameters.items()}
         data |= {key: list(getattr(self, key)) for key in ("on", "off") if getattr(self, key)}
-        data |= self.excitations
+        data |= self.entries
         return data | ({"operating_point": self.operating_point.to_data()} if self.operating_point else {})
 
 
@@ -57,11 +57,11 @@ class AlternativeEntry(Spec):
             return Overlay(), [Fault(f"expected {{parameter: value}}, got {raw!r}")]
         known: dict[str, Any] = {}
         parameters: dict[str, Expression] = {}
-        excitations: dict[str, Any] = {}
+        entries: dict[str, Any] = {}
         faults: list[Fault] = []
         for key, value in raw.items():
             if isinstance(key, str) and "." in key:
-                excitations[key] = value
+                entries[key] = value
                 continue
             found, wrong = _KNOWN.get(key, _VALUE).read(value)
             faults += [fault.under(key) for fault in wrong]
@@ -69,7 +69,7 @@ class AlternativeEntry(Spec):
                 known[key] = found
             elif not wrong:
                 parameters[key] = found
-        return Overlay(parameters, **known, excitations=excitations), faults
+        return Overlay(parameters, **known, entries=entries), faults
 
     def plain(self, value: Any) -> Any:
         return value.to_data()
@@ -82,7 +82,7 @@ class AlternativeEntry(Spec):
             "type": ["object", "null"],
             "description": self.description,
             "properties": {key: spec.schema() for key, spec in _KNOWN.items()},
-            "patternProperties": {r"\.": {"description": "entry of an excitation, as engine.misfire"}},
+            "patternProperties": {r"\.": {"description": "of an excitation or the load: engine.misfire, load.power"}},
             "additionalProperties": reference("scalar"),
         }
         return {"alternative": alternative, **OPERATING_POINT.definitions()}

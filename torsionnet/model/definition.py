@@ -24,7 +24,12 @@ if TYPE_CHECKING:
     from torsionnet.model.bench import Plan
     from torsionnet.model.excitations import OrderExcitation
     from torsionnet.model.excitations.speed_range import SpeedRange
+    from torsionnet.model.limits import Limit
+    from torsionnet.model.load.load_section import Load
     from torsionnet.model.report import ReportPlan
+
+LOAD = "load"
+"""What ``load.entry`` in a configuration means; no excitation can have this name."""
 
 
 def _plan() -> type[Declared]:
@@ -39,10 +44,22 @@ def _speeds() -> type[Declared]:
     return SpeedRange
 
 
+def _load() -> type[Declared]:
+    from torsionnet.model.load.load_section import Load
+
+    return Load
+
+
 def _excitation_kinds() -> Mapping[str, type[Declared]]:
     from torsionnet.model.excitations import excitation_kinds  # loads numpy, which most models can do without
 
     return excitation_kinds()
+
+
+def _limit_rules() -> Mapping[str, type[Declared]]:
+    from torsionnet.model.limits import limit_rules
+
+    return limit_rules()
 
 
 def _report() -> type[Declared]:
@@ -64,9 +81,16 @@ _INPUTS = Named("excitations by name", INPUT, refused=name_fault, names=NAME_SCH
 _SENSORS = Named("measured quantities by name", SENSOR, refused=name_fault, names=NAME_SCHEMA)
 _CONFIGURATIONS = AxesEntry("axes of alternatives, gear: {II: {tau: 7.96}}; the name of a single axis may be left out")
 _SPEEDS = Nested("at which speeds running machinery is examined", _speeds, "speeds", optional=True)
+_LOAD = Nested("who absorbs the power, how that follows the speed, and who drives", _load, "load", optional=True)
 _EXCITATIONS = Named(
     "what runs and excites the drivetrain by orders of its speed, by name",
     Typed("what kind of excitation this is", _excitation_kinds, "excitation", "order_excitation"),
+    refused=name_fault,
+    names=NAME_SCHEMA,
+)
+_LIMITS = Named(
+    "what elements may bear while the machinery runs, by name",
+    Typed("which rule says so", _limit_rules, "limit", "limit", key="rule"),
     refused=name_fault,
     names=NAME_SCHEMA,
 )
@@ -92,7 +116,9 @@ class Definition(Declared):
     configurations: Mapping[str, Mapping[str, Overlay]] = entry(_CONFIGURATIONS, None)
     operating_point: OperatingPoint = entry(OPERATING_POINT, OperatingPoint())
     speeds: SpeedRange | None = entry(_SPEEDS, None)
+    load: Load | None = entry(_LOAD, None)
     excitations: Mapping[str, OrderExcitation] = entry(_EXCITATIONS, None)
+    limits: Mapping[str, Limit] = entry(_LIMITS, None)
     bench: Plan | None = entry(_BENCH, None)
     report: ReportPlan | None = entry(_REPORT, None)
 
@@ -101,6 +127,9 @@ class Definition(Declared):
         for name, stored in self.defaults().items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, stored)
+        if self.excitations:
+            fitted = {name: one.fitted(self.elements) for name, one in self.excitations.items()}
+            object.__setattr__(self, "excitations", fitted)
 
     @property
     def active(self) -> tuple[Element, ...]:
@@ -123,23 +152,23 @@ class Definition(Declared):
             parameters=parameters,
             elements=elements,
             operating_point=point,
-            excitations=_overridden(self.excitations, overlay.excitations),
+            **self._overridden(overlay.entries),
         )
+
+    def _overridden(self, changes: Mapping[str, Any]) -> dict[str, Any]:
+        """The sections with ``engine.misfire: [3]``, ``load.power: 1 MW`` and the like put in."""
+        found, load = dict(self.excitations), self.load
+        for key, value in changes.items():
+            name, _, field = key.partition(".")
+            if name == LOAD and load is not None:
+                load = replace(load, **{field: value})
+            else:
+                found[name] = replace(found[name], **{field: value})
+        return {"excitations": found, LOAD: load}
 
     def to_data(self) -> dict[str, Any]:
         """The entries of a model file; reading them again gives an equal definition."""
         return {KEY: VERSION, "name": self.name, **super().to_data()}
-
-
-def _overridden(
-    excitations: Mapping[str, OrderExcitation], changes: Mapping[str, Any]
-) -> Mapping[str, OrderExcitation]:
-    """The excitations with ``engine.misfire: [3]`` and the like put in."""
-    found = dict(excitations)
-    for key, value in changes.items():
-        name, _, field = key.partition(".")
-        found[name] = replace(found[name], **{field: value})
-    return found
 
 
 def all_nodes(elements: Iterable[Element]) -> tuple[str, ...]:

@@ -14,9 +14,10 @@ from torsionnet.model.checks import check_definition, check_variant, has_errors
 from torsionnet.model.configurations import Overlay, combinations, known_elements, label, parse_choice, read_overrides
 from torsionnet.model.definition import Definition, all_nodes, collect_elements, define
 from torsionnet.model.elements import Element
+from torsionnet.model.load.external_torques import mean_torques
 from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.parameters import Parameter, resolve
-from torsionnet.model.speeds import mean_speeds, mean_torques, total_ratio
+from torsionnet.model.speeds import mean_speeds, total_ratio
 
 
 class Model:
@@ -32,7 +33,9 @@ class Model:
         configurations: Mapping[str, Any] | None = None,
         operating_point: Mapping[str, Any] | OperatingPoint | None = None,
         speeds: Mapping[str, Any] | None = None,
+        load: Mapping[str, Any] | None = None,
         excitations: Mapping[str, Any] | None = None,
+        limits: Mapping[str, Any] | None = None,
         source: str = "",
         description: str = "",
     ) -> None:
@@ -47,7 +50,9 @@ class Model:
                 "configurations": configurations,
                 "operating_point": operating_point,
                 "speeds": speeds,
+                "load": load,
                 "excitations": excitations,
+                "limits": limits,
                 "source": source,
                 "description": description,
             }
@@ -227,7 +232,7 @@ class Model:
 
     @cached_property
     def mean_torques(self) -> Mapping[str, float]:
-        """Mean external torque in N m by node, as given in the operating point."""
+        """Mean external torque in N m by node: of the load at the speed of the operating point, else as given there."""
         return MappingProxyType(mean_torques(self._definition, self.exact_values))
 
     _definition: Definition

@@ -14,7 +14,7 @@ from torsionnet.core.entries.words import Text
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.number_text import on_screen
 from torsionnet.core.units import expected_unit
-from torsionnet.model.channels import UNITS
+from torsionnet.model.channels import PORT_QUANTITIES, UNITS
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.model.elements import Element, Values
 from torsionnet.model.elements.laws import Law
@@ -150,7 +150,7 @@ def parameters_table(rig: Model) -> Table:
 def channels_table(rig: Model) -> Table:
     rows = [(name, "input", str(entry), UNITS[entry.quantity], "") for name, entry in rig.inputs.items()]
     for name, sensor in rig.sensors.items():
-        element = rig.elements.get(sensor.of) if sensor.quantity == "torque" else None
+        element = rig.elements.get(sensor.of) if sensor.quantity in PORT_QUANTITIES else None
         rows.append(
             (name, "sensor", str(sensor), UNITS[sensor.quantity], element.sign_at(sensor.at) if element else "")
         )
@@ -172,7 +172,7 @@ def changes_text(overlay: Overlay) -> str:
     changes += [
         f"{switch}: {', '.join(names)}" for switch, names in (("on", overlay.on), ("off", overlay.off)) if names
     ]
-    changes += [f"{name} = {value}" for name, value in overlay.excitations.items()]
+    changes += [f"{name} = {value}" for name, value in overlay.entries.items()]
     return "; ".join([*changes, *(["operating point"] if overlay.operating_point else [])]) or "as written"
 
 

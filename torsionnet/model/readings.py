@@ -3,7 +3,8 @@
 An angle, its rates and a twist are a motion of nodes. A torque is what the element's own laws and constraints do at one
 node: of every law its torque times the coefficient there, and so of every constraint. The torque of a constraint is its
 multiplier, which equilibrium gives: with a virtual motion z that violates this constraint alone by one,
-lambda = z^T (B u - D(s) theta), the work of all laws and of the torques applied.
+lambda = z^T (B u - D(s) theta), the work of all laws and of the torques applied. A nominal shear stress is the torque
+over the section modulus of a round shaft, pi (D^4 - d^4) / (16 D).
 """
 
 from __future__ import annotations
@@ -54,11 +55,33 @@ def reading(
     if sensor.quantity == "twist":
         return Reading(0, element.twist(value))
     node, sign = port_of(element, sensor.at)
+    share = sign if sensor.quantity == "torque" else sign / section_modulus(element, value)
     own, rigid = (
-        {number: sign * row[node] for number, (owner, row) in enumerate(rows) if owner == element.name and node in row}
+        {number: share * row[node] for number, (owner, row) in enumerate(rows) if owner == element.name and node in row}
         for rows in (laws, constraints)
     )
     return Reading(laws=own, constraints=rigid)
+
+
+def section_fault(element: Element) -> str | None:
+    """Why an element has no shear stress, or None."""
+    if element.diameters is not None:
+        return None
+    return f"{element.name}, a {element.kind}, has no diameter, and so no stress; a shaft has, or measure its torque"
+
+
+def section_modulus(element: Element, value: Values) -> Any:
+    """Polar section modulus in m^3 of a shaft, solid or hollow.
+
+    Raises
+    ------
+    UsageError
+        The element has no diameter.
+    """
+    if element.diameters is None:
+        raise UsageError(str(section_fault(element)))
+    outer, inner = map(value, element.diameters)
+    return value.algebra.pi * (outer**4 - inner**4) / (16 * outer)
 
 
 @dataclass(frozen=True)

@@ -50,12 +50,12 @@ class Conventions:
             raise UsageError(f"the dB reference must be a positive number, got {self.db_reference}")
 
     def scale(self, unit: str) -> float:
-        """Factor from an SI unit with rad in it to the unit shown."""
-        return ANGLES[self.angle] if "rad" in unit else 1.0
+        """Factor from the SI unit of a channel to the unit shown: of what has rad in it, and of stress."""
+        return ANGLES[self.angle] if "rad" in unit else 1e-6 if unit == "Pa" else 1.0
 
     def unit(self, unit: str) -> str:
         """The unit shown for an SI unit."""
-        return unit.replace("rad", self.angle)
+        return "N/mm^2" if unit == "Pa" else unit.replace("rad", self.angle)
 
     @property
     def frequency_scale(self) -> float:

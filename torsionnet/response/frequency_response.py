@@ -128,21 +128,15 @@ class FrequencyResponse:
     def decibels(self, conventions: Conventions = SI) -> FloatArray:
         """20 log10 of the magnitude in the unit shown over the dB reference."""
         scale = np.array(
-            [
-                [conventions.scale(self.unit(o, i)) ** self._power(o, i) for i in range(len(self.inputs))]
-                for o in range(len(self.outputs))
-            ]
+            [[self.scale(conventions, o, i) for i in range(len(self.inputs))] for o in range(len(self.outputs))]
         )
         with np.errstate(divide="ignore"):
             return np.asarray(20 * np.log10(self.magnitude * scale / conventions.db_reference))
 
-    def _power(self, output: int, input: int) -> int:
-        """+1 for an angle over something else, -1 for its inverse, 0 for a ratio of like signals."""
-        return int("rad" in self.outputs[output].unit) - int("rad" in self.inputs[input].unit)
-
     def scale(self, conventions: Conventions, output: int = 0, input: int = 0) -> float:
         """Factor from SI to the unit shown for one pair."""
-        return float(conventions.scale("rad") ** self._power(output, input))
+        above, below = self.outputs[output].unit, self.inputs[input].unit
+        return conventions.scale(above) / conventions.scale(below)
 
     def unit(self, output: int = 0, input: int = 0, conventions: Conventions = SI) -> str:
         """Unit of one pair, such as ``rad/(N*m)``; ``1`` for a ratio of like signals."""

@@ -13,7 +13,7 @@ from torsionnet.response.table import Column, Table
 
 FloatArray = NDArray[np.float64]
 
-QUANTITY_UNITS = {"torque": "N*m", "angle": "rad", "velocity": "rad/s", "acceleration": "rad/s^2"}
+QUANTITY_UNITS = {"torque": "N*m", "angle": "rad", "velocity": "rad/s", "acceleration": "rad/s^2", "stress": "Pa"}
 """What a signal may be, and the SI unit it is kept in."""
 
 

@@ -25,7 +25,7 @@ from torsionnet.solve.state_space import first_order, output_matrices
 from torsionnet.solve.transfer_request import TransferRequest, ask
 from torsionnet.solve.triangular import DiagonalBlock, blocks
 
-QUANTITIES = {"N*m": "torque", "rad": "angle", "rad/s": "velocity", "rad/s^2": "acceleration"}
+QUANTITIES = {"N*m": "torque", "rad": "angle", "rad/s": "velocity", "rad/s^2": "acceleration", "Pa": "stress"}
 
 
 def simulate(

@@ -8,6 +8,7 @@ from torsionnet.core.units import ANGLES, DIMENSIONS, Dimension, UnitError, pars
 from torsionnet.response.recording import QUANTITY_UNITS
 
 _DIMENSIONS = {"torque": "torque", "angle": "angle", "velocity": "speed", "acceleration": "acceleration"}
+"""A pressure may be that of a gas: only who measures stress can say so."""
 _ANGULAR = re.compile("|".join([*sorted(ANGLES), "°"]))
 _OTHER_WORDS = {
     "°/s": "deg/s",
@@ -48,7 +49,7 @@ def factor_to_si(unit: str, quantity: str) -> float:
     1000.0
     """
     read = parse_unit(plain_unit(unit))
-    if read.dimension != DIMENSIONS[_DIMENSIONS[quantity]]:
+    if read.dimension != DIMENSIONS[_DIMENSIONS.get(quantity, "pressure")]:
         raise UnitError(f'"{unit}" is no unit of {quantity}; expected one like {QUANTITY_UNITS[quantity]}')
     return float(read.factor)
 

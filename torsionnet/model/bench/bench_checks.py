@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 MOST_SAMPLES = 1e8
 """Of a channel: some gigabytes on the way."""
 FEWEST_SAMPLES = 10
-DIMENSION_OF = {"angle": "angle", "twist": "angle", "velocity": "speed"}
+DIMENSION_OF = {"angle": "angle", "twist": "angle", "velocity": "speed", "stress": "pressure"}
 """Dimension of what a sensor reads, where it is not named like its quantity."""
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 from torsionnet.core.errors import Fault
 from torsionnet.model.checks.motions import left_free
 from torsionnet.model.definition import Definition
 from torsionnet.model.kinematics import Kinematics
-from torsionnet.model.speeds import mean_torques
+from torsionnet.model.load.external_torques import mean_torques
 
 TOLERANCE = 0.05
 """Of the largest torque: what figures rounded for a data sheet, and drag in bearings, leave over."""
@@ -19,30 +20,34 @@ def unbalanced_torques(definition: Definition, kinematics: Kinematics, values: M
     """Mean torques on a part that turns freely, which would run away or stop: often a load with the sign of a drive.
 
     Springs hand mean torques on and dampers stand for vibration, so neither takes any. A single torque is half of what
-    acts there, and says nothing.
+    acts there, and says nothing. Those of a load are in balance as a whole: what is left on one part is an error.
     """
     given = {
         node: torque for node, torque in mean_torques(definition, values).items() if torque and node in kinematics.nodes
     }
     if len(given) < 2:
         return []
+    fewest = 2 if definition.load is None else 1
     left = left_free(kinematics, lambda law: law.is_elastic)
     work: dict[str, dict[str, float]] = {}
     for node, torque in given.items():
         for motion, ratio in left.in_floats({node: 1}).items():
             work.setdefault(motion, {})[node] = torque * ratio
-    return [fault for done in work.values() for fault in _unbalanced(given, done)]
+    faults = [fault for done in work.values() if len(done) >= fewest for fault in _unbalanced(given, done)]
+    if definition.load is None:
+        return faults
+    return [replace(fault, path=("load",), severity="error") for fault in faults]
 
 
 def _unbalanced(given: Mapping[str, float], done: Mapping[str, float]) -> list[Fault]:
     """``done`` is the work of every torque on one rigid motion."""
     rest, largest = sum(done.values()), max(map(abs, done.values()))
-    if len(done) < 2 or abs(rest) <= TOLERANCE * largest:
+    if abs(rest) <= TOLERANCE * largest:
         return []
     last = list(done)[-1]
     over = rest * given[last] / done[last]
     listed = ", ".join(f"{node} {given[node]:.6g} N*m" for node in done)
-    turned = [node for node in done if abs(rest - 2 * done[node]) <= TOLERANCE * largest]
+    turned = [node for node in done if len(done) > 1 and abs(rest - 2 * done[node]) <= TOLERANCE * largest]
     hint = f'; did you mean "{turned[-1]}: {-given[turned[-1]]:.6g} N*m"?' if turned else ""
     text = (
         f"the mean torques ({listed}) leave {over:.4g} N*m over at {last}, and a load acts against the rotation{hint}"

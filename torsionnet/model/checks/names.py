@@ -10,6 +10,7 @@ from torsionnet.model.channels import port_fault
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND
 from torsionnet.model.operating_point import OperatingPoint
+from torsionnet.model.readings import section_fault
 
 MOST_HINTS = 20
 """Dead ends for which a node is looked for that may have been meant: where there are more, they are no misspellings."""
@@ -98,10 +99,14 @@ def unknown_elements(definition: Definition) -> list[Fault]:
         element = definition.elements.get(sensor.of)
         if element is None:
             faults.append(_no_element(sensor.of, definition, path))
-        elif sensor.at is not None:
+            continue
+        if sensor.at is not None:
             reason = port_fault(element, sensor.at)
             if reason:
                 faults.append(Fault(reason, ("sensors", name, "at")))
+        reason = section_fault(element) if sensor.quantity == "stress" else None
+        if reason:
+            faults.append(Fault(reason, path))
     return faults
 
 
@@ -136,7 +141,7 @@ def competing_axes(definition: Definition) -> list[Fault]:
     homes: dict[str, str] = {}
     for axis, alternatives in definition.configurations.items():
         for label, overlay in alternatives.items():
-            for name in (*overlay.parameters, *overlay.on, *overlay.off, *overlay.excitations):
+            for name in (*overlay.parameters, *overlay.on, *overlay.off, *overlay.entries):
                 if homes.setdefault(name, axis) != axis:
                     text = f"{name} is set on axis {homes[name]} too; different axes must change different things"
                     key = "on" if name in overlay.on else "off" if name in overlay.off else name
@@ -170,6 +175,7 @@ def dead_ends(definition: Definition) -> list[Fault]:
             touching.setdefault(node, []).append(element.name)
     used = {channel.of for table in (definition.inputs, definition.sensors) for channel in table.values()}
     used |= {node for one in definition.excitations.values() for node in one.nodes}
+    used |= {*definition.load.by_node, *definition.load.driven_by} if definition.load else set()
     used |= {GROUND, *definition.operating_point.speed, *definition.operating_point.torque}
     faults: list[Fault] = []
     for node, names in touching.items():
@@ -191,16 +197,26 @@ def unfit_bench(definition: Definition) -> list[Fault]:
 
 
 def unfit_excitations(definition: Definition) -> list[Fault]:
-    """Excitations and speeds that name what the model does not have."""
-    if definition.speeds is None and not definition.excitations and not _overridden(definition):
+    """Excitations, speeds and a load that name what the model does not have."""
+    running = definition.speeds or definition.load or definition.excitations
+    if not running and not _overridden(definition):
         return []
-    import torsionnet.model.checks.running as running
+    import torsionnet.model.checks.running as checks
 
-    return running.unfit_excitations(definition)
+    return checks.unfit_excitations(definition)
 
 
 def _overridden(definition: Definition) -> bool:
-    return any(overlay.excitations for axis in definition.configurations.values() for overlay in axis.values())
+    return any(overlay.entries for axis in definition.configurations.values() for overlay in axis.values())
+
+
+def unfit_limits(definition: Definition) -> list[Fault]:
+    """Limits that name what the model does not have, or that lack something of it."""
+    if not definition.limits:
+        return []
+    import torsionnet.model.checks.limits_fit as limits_fit
+
+    return limits_fit.unfit_limits(definition)
 
 
 def unfit_report(definition: Definition) -> list[Fault]:
@@ -222,6 +238,7 @@ CHECKS = (
     hidden_names,
     dead_ends,
     unfit_excitations,
+    unfit_limits,
     unfit_bench,
     unfit_report,
 )

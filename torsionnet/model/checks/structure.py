@@ -8,6 +8,7 @@ from typing import Any
 from torsionnet.core.errors import USELESS, Fault, ModelError, UsageError, did_you_mean
 from torsionnet.core.groups import Groups
 from torsionnet.model.checks.balance import unbalanced_torques
+from torsionnet.model.checks.load_fits import unfit_load
 from torsionnet.model.checks.motions import left_free
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND, Values
@@ -94,12 +95,17 @@ def massless_without_hold(definition: Definition, kinematics: Kinematics) -> lis
 
 
 def locked_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]:
-    """Inputs and motion sensors on a node that cannot move: another configuration may set it free."""
+    """Inputs, excitations and motion sensors on a node that cannot move: another configuration may set it free."""
     faults = []
     for name, channel in definition.inputs.items():
         if channel.of in kinematics.nodes and kinematics.holds(channel.of):
             text = f'input {name} does nothing: "{channel.of}" is locked'
             faults.append(Fault(text, ("inputs", name, channel.quantity), "warning", kind=USELESS))
+    for name, excitation in definition.excitations.items():
+        for path, node in excitation.node_entries if excitation.enabled else ():
+            if node in kinematics.nodes and kinematics.holds(node) and node not in excitation.reactions:
+                text = f'{name} acts on "{node}", which is locked; nothing would come of it'
+                faults.append(Fault(text, ("excitations", name, *path), "warning", kind=USELESS))
     for name, sensor in definition.sensors.items():
         moves = not sensor.is_on_element and sensor.of in kinematics.nodes
         if moves and kinematics.holds(sensor.of):
@@ -203,4 +209,5 @@ def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
         return faults
     faults = [fault for check in CHECKS for fault in check(definition, kinematics)]
     faults += inconsistent_speeds(definition, values)
-    return faults + unbalanced_torques(definition, kinematics, values)
+    unfit = unfit_load(definition, values) if all(fault.severity != "error" for fault in faults) else []
+    return faults + unfit if unfit else faults + unbalanced_torques(definition, kinematics, values)

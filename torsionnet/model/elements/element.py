@@ -121,6 +121,11 @@ class Element(Declared):
         return f"positive when it drives out of the element into {node}" if place else self.sign
 
     @property
+    def diameters(self) -> tuple[Expression, Expression] | None:
+        """Outer and inner diameter of a round shaft; None of what has no section that could be stressed."""
+        return None
+
+    @property
     def internal_nodes(self) -> tuple[str, ...]:
         """Nodes the element brings along by itself."""
         return ()

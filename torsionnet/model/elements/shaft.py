@@ -11,7 +11,7 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import scalar
-from torsionnet.core.expressions import Number
+from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.elements.damping_entries import DampingQuantity
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
@@ -59,6 +59,10 @@ class Shaft(Element):
         if isinstance(inner, Number) and isinstance(outer, Number) and inner.value >= outer.value:
             return [Fault("the inner diameter must be smaller than the outer diameter", ("inner_diameter",))]
         return []
+
+    @property
+    def diameters(self) -> tuple[Expression, Expression]:
+        return self.outer_diameter, self.inner_diameter
 
     @property
     def internal_nodes(self) -> tuple[str, ...]:

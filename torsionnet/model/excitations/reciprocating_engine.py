@@ -179,6 +179,13 @@ class ReciprocatingEngine(OrderExcitation):
         step = 2 / self.cycle
         return np.array(sorted(self.orders)) if self.orders else np.arange(step, HIGHEST[self.cycle] + step / 2, step)
 
+    def phase_vectors(self, order: float) -> dict[str, tuple[str, complex]]:
+        silent = {*self.misfire, *self.gas_off}
+        return {
+            str(number): (node, 0j if number in silent else complex(np.exp(-1j * order * self.firing_phases[number])))
+            for number, node in self.numbers.items()
+        }
+
     def torques(self, speeds: FloatArray) -> OrderTorques:
         orders, ratio, radius = self.acting_orders, self.stroke / 2 / self.rod_length, self.stroke / 2
         inertia = self.reciprocating_mass * radius**2 * inertia_harmonics(ratio, orders)

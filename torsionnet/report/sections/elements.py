@@ -12,7 +12,7 @@ from torsionnet.core.entries.spec import Spec
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.expressions import Expression, Name, Number
 from torsionnet.core.units import expected_unit
-from torsionnet.model.channels import UNITS
+from torsionnet.model.channels import PORT_QUANTITIES, UNITS
 from torsionnet.model.elements import Values
 from torsionnet.model.elements.laws import Law
 from torsionnet.model.elements.stiffness_rows import TableEntry
@@ -134,7 +134,7 @@ def _channels(rig: Drivetrain) -> TableBlock:
         for name, entry in rig.inputs.items()
     ]
     for name, sensor in rig.sensors.items():
-        element = rig.elements.get(sensor.of) if sensor.quantity == "torque" else None
+        element = rig.elements.get(sensor.of) if sensor.quantity in PORT_QUANTITIES else None
         sign = element.sign_at(sensor.at) if element else ""
         at = f" at {plain(sensor.at)}" if sensor.at else ""
         link = "through" if sensor.quantity == "torque" else "of"

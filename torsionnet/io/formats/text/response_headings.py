@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from torsionnet.core.errors import Fault, ModelError, Position, did_you_mean
 from torsionnet.io.responses.matrix import UNKNOWN
-from torsionnet.response.conventions import ANGLES, FREQUENCIES
+from torsionnet.response.conventions import ANGLES, FREQUENCIES, Conventions
 
-UNITS = ("rad", "rad/s", "rad/s^2", "N*m")
+UNITS = ("rad", "rad/s", "rad/s^2", "N*m", "Pa")
 _UNIT = re.compile(r"(?P<what>.*?)\s*(?:\[(?P<unit>[^\]]*)\])?\s*")
 _KINDS = (
     ("magnitude", re.compile(r"\|(?P<pair>.+)\|")),
@@ -121,10 +121,10 @@ def _split(unit: str, label: str) -> tuple[str, str, float]:
         return UNKNOWN, UNKNOWN, 1.0
     for above in UNITS:
         for below in UNITS:
-            for angle, factor in ANGLES.items():
-                shown = [side.replace("rad", angle) for side in (above, below)]
+            for written in map(Conventions, ANGLES):
+                shown = [written.unit(side) for side in (above, below)]
                 bare = f"{shown[0]}/{shown[1]}"
                 if above != below and unit in (f"{shown[0]}/({shown[1]})", bare if "/" not in shown[1] else ""):
-                    return above, below, factor ** (int("rad" in above) - int("rad" in below))
+                    return above, below, written.scale(above) / written.scale(below)
     known = "rad/(N*m), deg/(N*m), (N*m)/rad, 1"
     raise _HeadingError(f'"{unit}" is no unit of {label} that is known here; expected one such as {known}')

@@ -20,7 +20,7 @@ WIDTH = 80
 """Characters of an ID line."""
 BETWEEN = " / "
 
-TYPES = {"rad": 8, "rad/s": 11, "rad/s^2": 12, "N*m": 13}
+TYPES = {"rad": 8, "rad/s": 11, "rad/s^2": 12, "N*m": 13, "Pa": 2}
 """Records 9 and 10, field 1: displacement, velocity, acceleration, excitation force, of a rotation."""
 UNITS = {code: unit for unit, code in TYPES.items()} | {9: "N*m"}
 """The SI unit behind a code where the file gives no label; 9 is a reaction."""

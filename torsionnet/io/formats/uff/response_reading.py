@@ -109,7 +109,8 @@ def _unit(item: dict[str, Any], axis: str, side: str) -> tuple[str, float]:
                 f"the {axis} has no unit and is no rotation of a known kind; only rotations and torques are read"
             )
         return UNITS[code], 1.0
-    quantity = of_dimension(parse_unit(plain_unit(label)).dimension)
+    stress = UNITS.get(int(item.get(f"{axis}_spec_data_type") or 0)) == "Pa"
+    quantity = "stress" if stress else of_dimension(parse_unit(plain_unit(label)).dimension)
     if quantity:
         return QUANTITY_UNITS[quantity], factor_to_si(label, quantity)
     raise UnitError(f'"{label}" is no unit of an angle, angular velocity, angular acceleration or torque')

@@ -1,0 +1,83 @@
+"""Sections of a report on running machinery: what stands in them, and that models without it have none."""
+
+import numpy as np
+import pytest
+from test_document import blocks, of, rows
+from test_order_response import PLANT
+
+import torsionnet as tn
+from torsionnet.report import make_report
+from torsionnet.report.document_tree import Paragraph, Picture, TableBlock
+
+SENSOR = "sensors: {T_s: {torque: shaft}, phi: {angle: f}}\n"
+
+
+@pytest.fixture(scope="module")
+def found():
+    return make_report(tn.loads(PLANT + SENSOR), sections=["excitations", "orders"])
+
+
+def table(report, section, caption):
+    return next(one for one in of(TableBlock, blocks(report, section)) if caption in str(one.caption))
+
+
+class TestExcitations:
+    def test_speeds_in_the_unit_of_a_tachometer(self, found):
+        text = str(of(Paragraph, blocks(found, "excitations"))[0].text)
+        assert "speed of m runs from 300 to 1500 r/min, 121 values" in text
+
+    def test_amplitude_and_phase_of_every_order(self, found):
+        assert rows(table(found, "excitations", "Torques of fan"))[0][:3] == ("5", "12.00", "20.0")
+
+    def test_what_a_configuration_changes(self, found):
+        changes = table(found, "excitations", "What configurations change")
+        assert [row[:3] for row in rows(changes)] == [("smooth", "motor", "orders")]
+        assert "amplitude: 5" in rows(changes)[0][3]
+
+
+class TestOrders:
+    def test_worst_speed_of_every_configuration(self, found):
+        """Against the sum over the common cycle, worked out from a dense solution of the two discs."""
+        worst = rows(table(found, "orders", "largest over the speeds"))
+        assert [row[0] for row in worst] == ["smooth", "rough"]
+        for row, amplitude in zip(worst, (5, 20), strict=True):
+            speed, half_range = dense_worst(amplitude)
+            assert float(row[1]) == pytest.approx(speed)
+            assert float(row[2]) == pytest.approx(half_range, rel=2e-3)
+
+    def test_only_torques_unless_others_are_asked_for(self, found):
+        assert len(of(Picture, blocks(found, "orders"))) == 2
+        angles = make_report(tn.loads(PLANT + SENSOR + "report: {orders: [phi], sections: [orders]}\n"))
+        assert "phi" in str(of(TableBlock, blocks(angles, "orders"))[0].caption)
+
+
+def dense_worst(amplitude):
+    """Speed in r/min and half range in N m of the torque in the shaft, largest over the speeds."""
+    M, C, K = np.diag([0.5, 2.0]), 20 * np.array([[1, -1], [-1, 1]]), 4e4 * np.array([[1, -1], [-1, 1]])
+    phi = np.linspace(0, 2 * np.pi, 20001)
+    best = (0.0, 0.0)
+    for rpm in np.arange(300, 1501, 10):
+        wave = np.zeros_like(phi)
+        for order, load in ((6, [amplitude, 0]), (5, [0, 12 * np.exp(1j * np.radians(20))])):
+            w = order * rpm * np.pi / 30
+            angles = np.linalg.solve(K + 1j * w * C - w**2 * M, load)
+            wave += ((4e4 + 20j * w) * (angles[0] - angles[1]) * np.exp(1j * order * phi)).real
+        best = max(best, ((wave.max() - wave.min()) / 2, rpm))
+    return best[1], best[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("report: {orders: [T_x]}", 'no sensor or node is named "T_x"'),
+        ("report: {order: [T_s]}", 'did you mean "orders"'),
+    ],
+)
+def test_wrong_outputs_are_told(text, told):
+    with pytest.raises(tn.ModelError, match=told):
+        tn.loads(f"{PLANT}{SENSOR}{text}\n")
+
+
+def test_orders_without_excitations_are_told():
+    with pytest.raises(tn.ModelError, match="need the entries speeds: and excitations:"):
+        tn.loads("torsionnet: 1\nelements: {J: {type: inertia, node: a, inertia: 1}}\nreport: {orders: [a]}\n")

@@ -1,0 +1,102 @@
+"""Nominal shear stress of a shaft as a sensor: torque over the section modulus by hand, and where there is none."""
+
+import math
+
+import numpy as np
+import pytest
+
+import torsionnet as tn
+from torsionnet.io import read_frequency_response, write_frequency_response, write_modelica
+
+OUTER, BORE = 0.1, 0.04
+MODULUS = math.pi * (OUTER**4 - BORE**4) / (16 * OUTER)
+FILE = """\
+torsionnet: 1
+name: shaft
+elements:
+  motor: {type: inertia, node: a, inertia: 2}
+  shaft: {type: shaft, nodes: [a, b], outer_diameter: 100 mm, inner_diameter: 40 mm, length: 1 m}
+  coupling: {type: spring, nodes: [b, c], stiffness: 1e5}
+  load: {type: inertia, node: c, inertia: 3}
+inputs: {T: {torque: a}}
+sensors: {tau: {stress: shaft}}
+"""
+
+
+def test_it_is_the_torque_over_the_section_modulus_at_either_end():
+    found = tn.loads(FILE).frequency_response(
+        ["tau", "torque(shaft)", "stress(shaft, b)", "torque(shaft, b)"], "T", [5, 20]
+    )
+    first, torque, second, handed_on = found.values[:, :, 0].T
+    assert first * MODULUS == pytest.approx(torque, rel=1e-14)
+    assert second * MODULUS == pytest.approx(handed_on, rel=1e-14)
+    assert abs(first - second).min() > 0  # the shaft has inertia
+    assert found.outputs[0].unit == "Pa"
+
+
+def test_a_static_torque_of_188_7_kNm_makes_23_4_N_per_mm2():
+    tail = tn.Drivetrain(
+        "tail",
+        [tn.Shaft("tail", nodes=("a", "ground"), outer_diameter="345 mm", length="7.2 m", inertia="none")],
+        inputs={"T": {"torque": "a"}},
+    )
+    assert abs(tail.frequency_response("stress(tail)", "T", [1]).values[0, 0, 0]) * 188.7e3 == pytest.approx(
+        23.4e6, rel=2e-3
+    )
+
+
+def test_symbols_say_the_same():
+    rig = tn.loads(FILE)
+    tau = rig.symbolic().transfer_function("tau", "T")
+    f = np.array([3.0, 40.0])
+    numbers = rig.frequency_response("tau", "T", f).values[:, 0, 0]
+    assert tau.evaluate(f).values[:, 0, 0] == pytest.approx(numbers, rel=1e-12)
+
+
+def test_sensitivities_know_that_a_diameter_changes_the_section():
+    elements = [
+        tn.Inertia("J", node="a", inertia=2),
+        tn.Shaft("shaft", nodes=("a", "ground"), outer_diameter="d", length=1, inertia="none"),
+    ]
+    rig = tn.Drivetrain("rig", elements, parameters={"d": 0.1}, inputs={"T": {"torque": "a"}})
+    step = 1e-6
+    values = [rig.configured(d=0.1 + s).frequency_response("stress(shaft)", "T", [0.0]).values[0, 0, 0].real
+              for s in (-step, step)]  # fmt: skip
+    assert (values[1] - values[0]) / (2 * step) == pytest.approx(-3 * 16 / (math.pi * 0.1**4), rel=1e-5)
+
+
+def test_tables_show_N_per_mm2_and_files_give_back_pascals(tmp_path):
+    found = tn.loads(FILE).frequency_response(["tau", "torque(shaft)"], "T", [5, 20])
+    assert found.unit(0, 0) == "N/mm^2/(N*m)"
+    for name in ("h.csv", "h.uff", "h.npz"):
+        write_frequency_response(found, tmp_path / name)
+        again = read_frequency_response(tmp_path / name)
+        assert [channel.unit for channel in again.outputs] == ["Pa", "N*m"]
+        assert again.values == pytest.approx(found.values, rel=1e-12)
+
+
+def test_a_simulation_has_it_too():
+    rig = tn.loads(FILE)
+    record = rig.simulate(["tau", "torque(shaft)"], {"T": [0.0, 1, 1, 0, 0]}, 1000.0)
+    assert record["tau"].unit == "Pa"
+    assert record["tau"].values * MODULUS == pytest.approx(record["torque(shaft)"].values)
+
+
+@pytest.mark.parametrize(
+    ("sensor", "message"),
+    [
+        ("{stress: coupling}", "coupling, a spring, has no diameter, and so no stress"),
+        ("{stress: shafft}", 'did you mean "shaft"'),
+        ("{stress: shaft, at: c}", 'shaft is not attached to "c"'),
+        ("{stres: shaft}", 'did you mean "stress"'),
+    ],
+)
+def test_what_has_none_is_named_with_its_place(sensor, message):
+    with pytest.raises(tn.ModelError, match="<text>:9:") as caught:
+        tn.loads(FILE.replace("{stress: shaft}", sensor))
+    assert message in str(caught.value)
+
+
+def test_modelica_is_told_to_measure_a_torque(tmp_path):
+    with pytest.raises(tn.UsageError, match=r"tau is a stress.*torque\(shaft\)"):
+        write_modelica(tn.loads(FILE), tmp_path / "rig.mo")

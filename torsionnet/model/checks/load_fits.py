@@ -1,0 +1,87 @@
+"""Checks of the load: does it fit the drivetrain, its speeds and its operating point."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from torsionnet.core.errors import Fault, Path, UsageError, unknown_name
+from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.load.external_torques import (
+    load_torques,
+    operating_speed,
+    reference_node,
+    speed_ratios,
+    stated_torques,
+    unknown_driver,
+)
+from torsionnet.model.load.load_section import Load
+from torsionnet.model.speeds import mean_speeds
+
+AGREE = 0.01
+"""Share by which torques of a load and those of an operating point, rounded for a data sheet, may differ."""
+
+
+def unknown_in_load(definition: Definition, load: Load) -> Iterator[Fault]:
+    """Names of nodes, and of nodes or excitations, that the model does not have."""
+    nodes = all_nodes(definition.elements.values())
+    single: Path = ("load", "absorbed_at")
+    for node in load.by_node:
+        if node not in nodes:
+            path = ("load", "absorbers", node) if load.absorbers else single
+            yield unknown_name("node", node, nodes, path, on_key=bool(load.absorbers))
+    for name in load.driven_by:
+        fault = unknown_driver(definition, name)
+        if fault:
+            yield Fault(fault, ("load", "driven_by", name), on_key=True)
+
+
+def unfit_load(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
+    """A load that does not turn with the drivetrain, has no rated speed, leaves its table or is contradicted."""
+    if definition.load is None:
+        return []
+    try:
+        at = operating_speed(definition, values)
+        torques = load_torques(definition, values, abs(at))
+        for speed in _extremes(definition):
+            load_torques(definition, values, speed)
+    except UsageError as error:
+        return [Fault(str(error), ("load",), on_key=True)]
+    if at < 0:
+        reference = reference_node(definition)
+        text = f"with a load, {reference} turns in the positive sense: its mean speed must not be negative"
+        return [Fault(text, ("operating_point", "speed"), on_key=True)]
+    return list(_contradicted(definition, values, torques, at))
+
+
+def _extremes(definition: Definition) -> tuple[float, ...]:
+    return (definition.speeds.values[0], definition.speeds.values[-1]) if definition.speeds else ()
+
+
+def _contradicted(
+    definition: Definition, values: Mapping[str, Any], torques: Mapping[str, float], at: float
+) -> Iterator[Fault]:
+    """Torques of the operating point that the load does not have there, node by node and as power driven in all."""
+    stated = stated_torques(definition, values)
+    apart = [node for node in stated if node in torques and not _agree(stated[node], torques[node])]
+    for node in apart:
+        text = f"the load makes it {torques[node]:.6g} N*m at this speed, not {stated[node]:.6g} N*m"
+        yield Fault(f"{text}; leave one of them out", ("operating_point", "torque", node))
+    if not stated or apart:
+        return
+    speeds = mean_speeds(definition, values)
+    reference = reference_node(definition)
+    if not speeds.get(reference):
+        speeds = {node: ratio * at for node, ratio in speed_ratios(definition, values, reference).items()}
+    driven, load = (
+        sum(max(0.0, one * speeds.get(node, 0.0)) for node, one in side.items()) for side in (stated, torques)
+    )
+    if driven and not _agree(driven, load):
+        text = (
+            f"these torques drive with {driven / 1e3:.6g} kW, the load takes {load / 1e3:.6g} kW; leave one of them out"
+        )
+        yield Fault(text, ("operating_point", "torque"), on_key=True)
+
+
+def _agree(first: float, second: float) -> bool:
+    return abs(first - second) <= AGREE * max(abs(first), abs(second))

@@ -1,0 +1,75 @@
+"""The ``load:`` entry: who absorbs, and who drives with which share."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.composite import Named, Nested
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.errors import Fault
+from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.load.absorber import Absorber
+
+_LAW = ("power", "torque", "torque_exponent", "rated", "over_speed")
+_ABSORBER = Nested(
+    "power or torque at rated speed with an exponent, or a table over speed", lambda: Absorber, "absorber"
+)
+_SHARE = Value("share of the power that this one gives, 1 or 100 % in all", "1", exclusive=True)
+ROUNDED = 1e-6
+"""What shares written with six digits may miss of 1."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Load(Absorber):
+    """Power through a drivetrain: absorbed at one node or several, given by one driver or several.
+
+    Examples
+    --------
+    >>> load = Load(absorbed_at="prop", power="3000 kW", torque_exponent=2, driven_by={"fly": 1})
+    >>> list(load.by_node), load.driven_by
+    (['prop'], {'fly': 1.0})
+    """
+
+    kind: ClassVar[str] = "load"
+    article: ClassVar[str] = "a load"
+    form: ClassVar[str] = "{absorbed_at: prop, power: 3000 kW, torque_exponent: 2, driven_by: {fly: 1}}"
+
+    absorbed_at: Any = entry(NodeName("the node that absorbs", allow_ground=False), None)
+    absorbers: Any = entry(
+        Named(
+            "instead: several nodes, each with what it absorbs",
+            _ABSORBER,
+            form="{prop: {power: 3 MW, torque_exponent: 2}}",
+        ),
+        None,
+    )
+    driven_by: Any = entry(
+        Named(
+            "node or excitation that drives -> share of the power; default: the only engine", _SHARE, form="{fly: 1}"
+        ),
+        None,
+    )
+
+    def contradictions(self) -> list[Fault]:
+        if bool(self.absorbed_at) == bool(self.absorbers):
+            text = "a load is absorbed_at one node, or has several absorbers"
+            return [Fault(f"{text}; here is {'both' if self.absorbers else 'neither'}", on_key=True)]
+        if self.absorbers:
+            given = [name for name in _LAW if getattr(self, name) not in (None, ())]
+            faults = [Fault(f"{given[0]} belongs into one of the absorbers", (given[0],), on_key=True)] if given else []
+        else:
+            faults = super().contradictions()
+        total = sum(self.driven_by.values()) if self.driven_by else 1.0
+        if abs(total - 1) > ROUNDED:
+            listed = ", ".join(f"{name} {share:g}" for name, share in self.driven_by.items())
+            text = f"the shares of the drivers ({listed}) sum to {total:g}; they have to sum to 1"
+            faults.append(Fault(text, ("driven_by",)))
+        return faults
+
+    @property
+    def by_node(self) -> Mapping[str, Absorber]:
+        """What each node absorbs."""
+        return dict(self.absorbers) if self.absorbers else {str(self.absorbed_at): self}

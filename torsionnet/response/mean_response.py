@@ -1,0 +1,68 @@
+"""What the mean torques of running machinery make of a drivetrain, over its speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.response.conventions import SI, Conventions
+from torsionnet.response.frequency_response import Channel, FloatArray
+from torsionnet.response.table import Column, Table
+
+
+@dataclass(frozen=True, eq=False)
+class MeanResponse:
+    """Mean values by speed and output.
+
+    Attributes
+    ----------
+    speeds : (n_speeds,) array
+        Of the reference shaft, rad/s.
+    reference : str
+        Its node.
+    values : (n_speeds, n_out) array
+        SI units.
+    outputs : tuple of Channel
+    title : str
+        The model with its configuration.
+    notes : tuple of str
+        What the values rest on.
+    """
+
+    speeds: FloatArray
+    reference: str
+    values: FloatArray
+    outputs: tuple[Channel, ...]
+    title: str = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def rpm(self) -> FloatArray:
+        """Speeds of the reference shaft, r/min."""
+        return np.asarray(self.speeds * 30 / np.pi)
+
+    def of(self, output: str) -> FloatArray:
+        """Values over speed, shape (n_speeds,), of an output by its name.
+
+        Raises
+        ------
+        UsageError
+            No such output.
+        """
+        names = [channel.name for channel in self.outputs]
+        if output not in names:
+            raise UsageError(
+                f'no output is named "{output}"{did_you_mean(output, names)}; there are {", ".join(names)}'
+            )
+        return np.asarray(self.values[:, names.index(output)])
+
+    def table(self, conventions: Conventions = SI) -> Table:
+        """One row a speed."""
+        columns = [Column("speed", "rpm")]
+        columns += [Column(channel.name, conventions.unit(channel.unit)) for channel in self.outputs]
+        scales = np.array([conventions.scale(channel.unit) for channel in self.outputs])
+        rows = zip(self.rpm.tolist(), (self.values * scales).tolist(), strict=True)
+        notes = (f"mean values; speeds of {self.reference}", *self.notes)
+        return Table(f"{self.title}: mean values", tuple(columns), tuple((rpm, *row) for rpm, row in rows), notes)

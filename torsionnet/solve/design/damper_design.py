@@ -1,0 +1,200 @@
+"""Damping and stiffness of dampers: the values within bounds whose largest vibration is smallest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.optimize import brentq
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.core.entries.scalars import read_value
+from torsionnet.core.entries.spec import EntryError
+from torsionnet.core.errors import UsageError
+from torsionnet.core.expressions import Number
+from torsionnet.core.units import parse_unit
+from torsionnet.model.channels import Sensor
+from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.response.damper_optimum import (
+    EQUAL,
+    DamperOptimum,
+    DesignParameter,
+    FixedPoint,
+    LevelCurve,
+    LevelPeak,
+)
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.solve.design.levels import Levels, OrderLevels, ReceptanceLevels
+from torsionnet.solve.design.minimax import Box, largest, smallest_maximum
+from torsionnet.solve.grid import vibration_range
+from torsionnet.solve.modes import modes
+from torsionnet.solve.order_response import order_response
+from torsionnet.solve.sensitivity.parametric import parametric_response
+from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
+
+DECADE = 10.0
+"""Bounds, where none are given: a tenth to ten times the value."""
+EFFECT_POINTS = 41
+FREE, LOCKED = 1e-6, 1e6
+"""Times the best film: as good as none, which would have infinite peaks, and one that lets nothing slip."""
+MEET = 0.02
+"""Spread of levels over films up to which a crossing counts as a fixed point."""
+
+Bounds = Mapping[str, Sequence[Any] | None]
+
+
+def damper_design(
+    drivetrain: AssembledModel,
+    output: str | Sensor,
+    parameters: str | Sequence[str] | Bounds,
+    *,
+    input: str | Sensor | None = None,
+    band: tuple[float, float] | None = None,
+    speeds: ArrayLike | None = None,
+    speed_of: str | None = None,
+    excitations: Iterable[str] | None = None,
+) -> DamperOptimum:
+    """See :meth:`torsionnet.Drivetrain.damper_design`."""
+    names = [parameters] if isinstance(parameters, str) else list(parameters)
+    if not names:
+        raise UsageError("say which parameter is sought, such as the damping of a film")
+    varied = unknowns(drivetrain, names)
+    given = parameters if isinstance(parameters, Mapping) else {}
+    units = _units(varied)
+    start = np.array(varied.start)
+    box = _box(varied, given, units)
+    levels = _levels(drivetrain, varied, output, input, band, speeds, speed_of, excitations)
+    best = smallest_maximum(levels, box, start)
+    sought = tuple(
+        DesignParameter(name, unit, *numbers)
+        for name, unit, *numbers in zip(names, units, start, box.lower, box.upper, best, strict=True)
+    )
+    damping = np.array([one.is_damping for one in sought])
+    free, locked = (np.where(damping, factor * np.maximum(best, FREE * box.upper), best) for factor in (FREE, LOCKED))
+    cases = {"as given": start, "optimum": best}
+    if damping.any():
+        cases |= {"free": free, "locked": locked}
+    films = [np.where(damping, values, best) for values in (box.lower, start, best, box.upper)]
+    return DamperOptimum(
+        levels.channel,
+        levels.of,
+        sought,
+        _peaks(levels, start)[0],
+        _peaks(levels, best)[0],
+        _peaks(levels, best),
+        {name: _effect(levels, box, best, place) for place, name in enumerate(names)},
+        tuple(_curve(levels, label, values) for label, values in cases.items()),
+        _fixed_points(levels, free, locked, films) if damping.any() and input is not None else (),
+        drivetrain.title,
+    )
+
+
+def _levels(
+    drivetrain: AssembledModel,
+    varied: Unknowns,
+    output: str | Sensor,
+    input: str | Sensor | None,
+    band: tuple[float, float] | None,
+    speeds: ArrayLike | None,
+    speed_of: str | None,
+    excitations: Iterable[str] | None,
+) -> Levels:
+    if input is None:
+        if band is not None:
+            raise UsageError("a band of frequencies needs the input whose response is meant; over speed give speeds")
+        chosen = None if excitations is None else [*excitations]
+        run = order_response(drivetrain, output, speeds=speeds, speed_of=speed_of, excitations=chosen)
+        return OrderLevels(varied, output, chosen, run)
+    if speeds is not None or excitations is not None:
+        raise UsageError("an input is asked for over frequencies; without it excitations act over speeds")
+    low, high = band or vibration_range(modes(drivetrain))
+    if not 0 < low < high < np.inf:
+        raise UsageError(f"a band goes from a frequency above 0 to a higher one, got {low:g} to {high:g} Hz")
+    response = parametric_response(drivetrain, output, input, [low, high], list(varied.names))
+    if len(response.request.outputs) * len(response.request.measured) != 1:
+        raise UsageError("one response is made small: name one output and one input")
+    return ReceptanceLevels(response, (low, high))
+
+
+def _units(varied: Unknowns) -> list[str]:
+    known = parameter_units(varied.definition)
+    return [known[name] for name in varied.parameters]
+
+
+def _box(varied: Unknowns, given: Bounds, units: Sequence[str]) -> Box:
+    """Bounds as given, else those of the model, else a decade to each side."""
+    ends = []
+    for name, parameter, start, unit in zip(varied.names, varied.parameters, varied.start, units, strict=True):
+        written = given.get(name) or varied.definition.parameters[parameter].bounds
+        if written is None and not start > 0:
+            raise UsageError(f"{name} is {start:g}: say between which bounds it is sought")
+        low, high = (start / DECADE, start * DECADE) if written is None else _pair(name, written, unit)
+        if not (np.isfinite([low, high]).all() and low < high):
+            raise UsageError(f"{name}: bounds are a lower and a higher value, got {low:g} and {high:g}")
+        if low < 0:
+            raise UsageError(f"{name}: a damper has no value below 0, got {low:g}")
+        ends.append((low, high))
+    lower, upper = np.array(ends, dtype=float).T
+    return Box(lower, upper)
+
+
+def _pair(name: str, written: Sequence[Any], unit: str) -> tuple[float, float]:
+    if isinstance(written, str) or len(written) != 2:
+        raise UsageError(f"{name}: bounds are two values, got {written!r}")
+    low, high = (_number(name, one, unit) for one in written)
+    return low, high
+
+
+def _number(name: str, written: Any, unit: str) -> float:
+    try:
+        value = read_value(written)
+    except EntryError as error:
+        raise UsageError(f"{name}: {error}") from None
+    if not isinstance(value, Number):
+        raise UsageError(f"{name}: a bound is a number, got {written!r}")
+    if value.unit_dimension is not None and value.unit_dimension != parse_unit(unit or "1").dimension:
+        raise UsageError(f'{name}: "{written}" is not in {unit or "a plain number"}')
+    return float(value.value)
+
+
+def _peaks(levels: Levels, values: FloatArray) -> tuple[LevelPeak, ...]:
+    """Maxima as high as the highest but for a thousandth."""
+    points = levels.maxima(values)
+    sizes = levels.at(values, points)
+    found = zip(levels.shown(points).tolist(), sizes.tolist(), strict=True)
+    return tuple(LevelPeak(point, level) for point, level in found if level >= sizes[0] * (1 - EQUAL))
+
+
+def _effect(levels: Levels, box: Box, best: FloatArray, place: int) -> FloatArray:
+    """The largest level over the range of one parameter, (n, 2)."""
+    own = box.place(best)
+    along = np.union1d(np.linspace(0.0, 1.0, EFFECT_POINTS), own[place])
+    every = [box.inside(np.where(np.arange(len(own)) == place, x, own)) for x in along]
+    return np.array([(values[place], largest(levels, values, refined=False)) for values in every])
+
+
+def _curve(levels: Levels, label: str, values: FloatArray) -> LevelCurve:
+    grid = levels.grid(values)
+    return LevelCurve(label, levels.shown(grid), levels.at(values, grid))
+
+
+def _fixed_points(
+    levels: Levels, free: FloatArray, locked: FloatArray, films: Sequence[FloatArray]
+) -> tuple[FixedPoint, ...]:
+    """Where no damping and endless damping give one level, and all films between them too, the highest first."""
+
+    def apart(points: FloatArray) -> FloatArray:
+        return np.log(levels.at(free, points) / levels.at(locked, points))
+
+    grid = np.union1d(levels.grid(free), levels.grid(locked))
+    gap = apart(grid)
+    found = []
+    for place in np.flatnonzero(np.diff(np.sign(gap)) != 0):
+        point = brentq(lambda f: float(apart(np.array([f]))[0]), grid[place], grid[place + 1], rtol=1e-12)
+        sizes = np.concatenate([levels.at(values, np.array([point])) for values in (free, *films)])
+        spread = float(sizes.max() / sizes.min() - 1)
+        if spread < MEET:
+            found.append(FixedPoint(float(point), float(sizes.max()), spread))
+    return tuple(sorted(found, key=lambda one: -one.level))

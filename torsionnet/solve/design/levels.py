@@ -1,0 +1,169 @@
+"""What a damper is to make small, over frequency or over speed, with its derivatives to the values sought."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.model.channels import Sensor
+from torsionnet.response import Channel
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.order_response import RPM, OrderResponse
+from torsionnet.solve.grid import Adaptive
+from torsionnet.solve.modes import modes
+from torsionnet.solve.order_response import order_response
+from torsionnet.solve.peaks import inner_maxima
+from torsionnet.solve.sensitivity.parametric import ParametricResponse
+from torsionnet.solve.sensitivity.unknowns import Unknowns
+
+ROUNDS, POINTS = 4, 21
+"""Refinement of a maximum: each round divides its interval by ten."""
+STEP = 1e-4
+"""Of a value: the difference from which the slope of a half range is taken."""
+
+
+class Levels(Protocol):
+    """Levels over points, which are frequencies in Hz or speeds in rad/s."""
+
+    def grid(self, values: FloatArray) -> FloatArray:
+        """Points (n,) that show every maximum, rising."""
+
+    def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        """Levels (n,)."""
+
+    def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        """Derivatives (n, n_p) of the levels."""
+
+    def maxima(self, values: FloatArray) -> FloatArray:
+        """Points of local maxima, the highest first; the ends of the range count."""
+
+    def shown(self, points: FloatArray) -> FloatArray:
+        """Points in the unit of ``of``."""
+
+    @property
+    def of(self) -> tuple[str, str]:
+        """What points are when shown, and their unit."""
+
+    @property
+    def channel(self) -> Channel:
+        """What the level is."""
+
+
+@dataclass(frozen=True, eq=False)
+class ReceptanceLevels:
+    """Magnitude of one transfer function over a band in Hz, with exact derivatives."""
+
+    response: ParametricResponse
+    band: tuple[float, float]
+
+    @property
+    def of(self) -> tuple[str, str]:
+        return "frequency", "Hz"
+
+    @property
+    def channel(self) -> Channel:
+        output = self.response.request.outputs[0].channel
+        measured = self.response.request.measured[0].channel
+        return Channel(f"{output.name}/{measured.name}", f"{output.unit}/({measured.unit})")
+
+    def grid(self, values: FloatArray) -> FloatArray:
+        return Adaptive(*self.band).frequencies(modes(_changed(self.response.unknowns, values)))
+
+    def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        found = replace(self.response, frequencies=points).at(values)
+        return np.abs(found.values[:, 0, 0])
+
+    def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        found = replace(self.response, frequencies=points).at(values)
+        y, dy = found.values[:, 0, 0], found.jacobian[:, 0, 0]
+        return np.asarray((np.conj(y)[:, None] * dy).real / np.abs(y)[:, None])
+
+    def maxima(self, values: FloatArray) -> FloatArray:
+        grid = self.grid(values)
+        levels = self.at(values, grid)
+        places = _with_ends(levels)
+        found = [
+            self._refined(values, grid[place - 1], grid[place + 1]) if 0 < place < len(grid) - 1 else float(grid[place])
+            for place in places
+        ]
+        return _highest_first(np.array(found), self.at(values, np.array(found)))
+
+    def _refined(self, values: FloatArray, low: float, high: float) -> float:
+        for _ in range(ROUNDS):
+            fine = np.linspace(low, high, POINTS)
+            best = int(np.argmax(self.at(values, fine)))
+            low, high = fine[max(best - 1, 0)], fine[min(best + 1, POINTS - 1)]
+        return float(fine[best])
+
+    def shown(self, points: FloatArray) -> FloatArray:
+        return points
+
+
+@dataclass(frozen=True, eq=False)
+class OrderLevels:
+    """Half range of all orders of one output at the speeds of a run, rad/s.
+
+    Every response is exact; slopes are central differences of it, so that whatever excites the model may depend on its
+    parameters in any way.
+    """
+
+    unknowns: Unknowns
+    output: str | Sensor
+    excitations: Sequence[str] | None
+    run: OrderResponse
+
+    @property
+    def of(self) -> tuple[str, str]:
+        return f"speed of {self.run.reference}", "r/min"
+
+    @property
+    def channel(self) -> Channel:
+        first = self.run.outputs[0]
+        return replace(first, name=f"half range of {first.name}")
+
+    def grid(self, values: FloatArray) -> FloatArray:
+        del values
+        return self.run.speeds
+
+    def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        changed, shaft = _changed(self.unknowns, values), self.run.reference
+        run = order_response(changed, self.output, speeds=points, speed_of=shaft, excitations=self.excitations)
+        return np.asarray(run.half_range[:, 0])
+
+    def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        found = np.empty((len(points), len(values)))
+        for place, value in enumerate(values):
+            step = STEP * (abs(value) or 1.0)
+            above, below = (np.where(np.arange(len(values)) == place, values + sign * step, values) for sign in (1, -1))
+            found[:, place] = (self.at(above, points) - self.at(below, points)) / (2 * step)
+        return found
+
+    def maxima(self, values: FloatArray) -> FloatArray:
+        levels = self.at(values, self.run.speeds)
+        places = _with_ends(levels)
+        return _highest_first(self.run.speeds[places], levels[places])
+
+    def shown(self, points: FloatArray) -> FloatArray:
+        return points * RPM
+
+
+def _changed(unknowns: Unknowns, values: Sequence[float] | FloatArray) -> AssembledModel:
+    numbers = dict(zip(unknowns.parameters, map(float, values), strict=True))
+    return AssembledModel.from_definition(unknowns.definition).configured(**numbers)
+
+
+def _with_ends(levels: FloatArray) -> list[int]:
+    """Places of local maxima and of ends that are higher than their neighbour."""
+    if len(levels) < 2:
+        return [0]
+    first = [0] if levels[0] >= levels[1] else []
+    last = [len(levels) - 1] if levels[-1] > levels[-2] else []
+    return [*first, *inner_maxima(levels), *last]
+
+
+def _highest_first(points: FloatArray, levels: FloatArray) -> FloatArray:
+    return points[np.argsort(-levels, kind="stable")]

@@ -1,0 +1,124 @@
+"""The values within bounds whose largest level is smallest.
+
+Levels at some points become constraints, log level <= t with t to be made small, which sequential quadratic programming
+solves; the maxima of the curve for its answer are new points, until none is higher than t.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+from scipy.stats import qmc
+
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.solve.design.levels import Levels
+
+ENOUGH = 1e-10
+"""By which the logarithm of the level may be above what the points say."""
+ROUNDS = 40
+SAMPLES, BEST = 16, 2
+"""Sets of values, times 2 for each after the first, from which the search may begin, and from how many it does."""
+SAMPLED = 40
+"""Points of the range that are constraints from the beginning."""
+WIDE = 3.0
+"""Bounds whose ratio is larger are searched by equal factors."""
+TINY = 1e-300
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """Bounds, and the unit cube in which is searched.
+
+    >>> Box(np.array([1.0, -1.0]), np.array([100.0, 1.0])).inside(np.array([0.5, 0.25])).tolist()
+    [10.0, -0.5]
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+
+    @property
+    def _by_factors(self) -> NDArray[np.bool_]:
+        return np.asarray((self.lower > 0) & (self.upper > WIDE * self.lower))
+
+    def inside(self, place: FloatArray) -> FloatArray:
+        """Values at a place in the cube."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            factors = self.lower * (self.upper / self.lower) ** place
+        found = np.where(self._by_factors, factors, self.lower + place * (self.upper - self.lower))
+        return np.clip(found, self.lower, self.upper)
+
+    def place(self, values: FloatArray) -> FloatArray:
+        """The place of values, of the nearest ones in the box."""
+        clipped = np.clip(values, self.lower, self.upper)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            factors = np.log(clipped / self.lower) / np.log(self.upper / self.lower)
+        return np.where(self._by_factors, factors, (clipped - self.lower) / (self.upper - self.lower))
+
+    def rates(self, place: FloatArray) -> FloatArray:
+        """Derivatives of the values to the place."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            factors = self.inside(place) * np.log(self.upper / self.lower)
+        return np.where(self._by_factors, factors, self.upper - self.lower)
+
+
+def smallest_maximum(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
+    """The values (n_p,), searched from the start and from samples of the box."""
+    places = [box.place(start), *qmc.Sobol(len(start), scramble=False).random(SAMPLES * 2 ** (len(start) - 1))]
+    rough = [largest(levels, box.inside(place), refined=False) for place in places]
+    found = [_searched(levels, box, places[index]) for index in np.argsort(rough, kind="stable")[:BEST]]
+    return box.inside(min(found, key=lambda place: largest(levels, box.inside(place))))
+
+
+def largest(levels: Levels, values: FloatArray, *, refined: bool = True) -> float:
+    """The largest level for these values."""
+    points = levels.maxima(values)[:1] if refined else levels.grid(values)
+    return float(levels.at(values, points).max())
+
+
+def _searched(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
+    """The best place that is found from one; maxima of every answer are points of the next question."""
+    grid = levels.grid(box.inside(place))
+    points = grid[:: max(len(grid) // SAMPLED, 1)]
+    best, least = place, np.inf
+    for _ in range(ROUNDS):
+        maxima = levels.maxima(box.inside(place))
+        level = float(np.log(levels.at(box.inside(place), maxima[:1])[0] + TINY))
+        if level < least:
+            best, least = place, level
+        points = np.union1d(points, maxima)
+        place, bound = _solved(levels, box, points, place)
+        top = float(np.log(largest(levels, box.inside(place)) + TINY))
+        if top < least:
+            best, least = place, top
+        if top <= bound + ENOUGH:
+            break
+    return best
+
+
+def _solved(levels: Levels, box: Box, points: FloatArray, start: FloatArray) -> tuple[FloatArray, float]:
+    """The place at which the largest of the levels at these points is smallest, and its logarithm."""
+
+    def logs(x: FloatArray) -> FloatArray:
+        return np.log(levels.at(box.inside(x[:-1]), points) + TINY)
+
+    def slopes(x: FloatArray) -> FloatArray:
+        values = box.inside(x[:-1])
+        by_value = levels.slopes(values, points) / (levels.at(values, points) + TINY)[:, None]
+        return np.column_stack([-by_value * box.rates(x[:-1]), np.ones(len(points))])
+
+    search: Any = minimize  # its published types know no constraints that are functions
+    found = search(
+        lambda x: float(x[-1]),
+        np.append(start, logs(np.append(start, 0.0)).max()),
+        jac=lambda x: np.append(np.zeros(len(x) - 1), 1.0),
+        method="SLSQP",
+        bounds=[*((0.0, 1.0) for _ in start), (None, None)],
+        constraints={"type": "ineq", "fun": lambda x: x[-1] - logs(x), "jac": slopes},
+        options={"ftol": 1e-13, "maxiter": 60},
+    )
+    place = np.clip(found.x[:-1], 0.0, 1.0)
+    return place, float(logs(np.append(place, 0.0)).max())

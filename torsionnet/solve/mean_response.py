@@ -1,0 +1,173 @@
+"""Mean torques and what they wind up: the static solution under the torques from outside.
+
+Springs hand mean torques on. Dampers stand for vibration, and inertias feel nothing at steady speed; so of all laws
+only stiffness is left, the real part at rest where it depends on frequency. Motions that no spring resists are held in
+one node each. What that node takes is what the torques leave over, which is nothing where they are in balance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.functionals import Functional, functional
+from torsionnet.assembly.law_stiffness import LawStiffness, law_stiffness
+from torsionnet.core.errors import UsageError
+from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.checks.balance import TOLERANCE
+from torsionnet.model.checks.motions import left_free
+from torsionnet.model.checks.structure import rigid_motions
+from torsionnet.model.elements import Constraint, Element, Part, Values
+from torsionnet.model.load.external_torques import load_torques, operating_speed, reference_node, stated_torques
+from torsionnet.model.speeds import mean_speeds
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.mean_response import MeanResponse
+from torsionnet.solve.quotient import transfer_functions
+from torsionnet.solve.transfer_request import TransferRequest, ask
+
+NOTHING = 1e-13
+"""What rounding leaves of a sum over its terms."""
+EXACT = 1e-9
+"""Share of the largest torque that rounding may leave over."""
+
+
+def mean_response(
+    drivetrain: AssembledModel, outputs: str | Sensor | Sequence[str | Sensor], speeds: ArrayLike | None = None
+) -> MeanResponse:
+    """See :meth:`torsionnet.Drivetrain.mean_response`."""
+    reference, at, torques = external_torques(drivetrain, speeds)
+    nodes = [node for node in torques if node in drivetrain.nodes]
+    if not nodes:
+        raise UsageError(f"{', '.join(torques)}: nothing is attached there in this configuration")
+    wanted = ask(drivetrain, outputs, nodes, None).outputs
+    _require_determined(drivetrain, wanted)
+    values, left_over = _solved(drivetrain, wanted, nodes)
+    acting = np.array([torques[node] for node in nodes]).T
+    notes = _balance(drivetrain, left_over, acting)
+    channels = tuple(one.channel for one in wanted)
+    found, sizes = acting @ values.T, np.abs(acting) @ np.abs(values.T)
+    return MeanResponse(
+        at, reference, np.where(np.abs(found) > NOTHING * sizes, found, 0.0), channels, drivetrain.title, notes
+    )
+
+
+def external_torques(
+    drivetrain: AssembledModel, speeds: ArrayLike | None
+) -> tuple[str, FloatArray, Mapping[str, FloatArray]]:
+    """Reference node, its speeds in rad/s, and torques from outside (n_speeds,) by node in N m."""
+    definition, values = drivetrain.definition, drivetrain.exact_values
+    reference = reference_node(definition)
+    if definition.load is None:
+        return _stated(drivetrain, speeds, reference)
+    if speeds is None:
+        own = definition.speeds.values if definition.speeds else (operating_speed(definition, values),)
+        at = np.array(own)
+    else:
+        at = np.atleast_1d(np.asarray(speeds, dtype=float))
+    if at.ndim != 1 or not len(at) or not np.isfinite(at).all() or (at <= 0).any():
+        raise UsageError("speeds are finite numbers above 0, in rad/s")
+    found = [load_torques(definition, values, speed) for speed in at.tolist()]
+    return reference, at, {node: np.array([torques[node] for torques in found]) for node in found[0]}
+
+
+def _stated(
+    drivetrain: AssembledModel, speeds: ArrayLike | None, reference: str
+) -> tuple[str, FloatArray, Mapping[str, FloatArray]]:
+    """The torques of the operating point, which hold at its speed alone."""
+    definition, values = drivetrain.definition, drivetrain.exact_values
+    torques = {node: torque for node, torque in stated_torques(definition, values).items() if torque}
+    if not torques:
+        raise UsageError(
+            "nothing says which mean torques act; give load: {absorbed_at: node, power: 3000 kW, torque_exponent: 2}"
+        )
+    if speeds is not None:
+        raise UsageError("without an entry load: mean torques are known at the operating point only; leave out speeds")
+    turning = mean_speeds(definition, values)
+    if not turning.get(reference):
+        reference = next(iter(definition.operating_point.speed), next(iter(torques)))
+    return reference, np.array([turning.get(reference, 0.0)]), {node: np.array([one]) for node, one in torques.items()}
+
+
+def _require_determined(drivetrain: AssembledModel, outputs: Sequence[Functional]) -> None:
+    """Refuse motions that mean torques do not determine."""
+    for output in outputs:
+        reason = undetermined(drivetrain, output)
+        if reason:
+            raise UsageError(f"{output.name} has no mean value: {reason}; ask for a torque or a twist")
+
+
+def undetermined(drivetrain: AssembledModel, output: Functional) -> str | None:
+    """Why mean torques say nothing about a reading, or None."""
+    motions = [term for term in output.terms if term.law is None]
+    if any(term.power for term in motions):
+        return "torques do not determine it"
+    left = left_free(drivetrain.assembly.kinematics, lambda law: law.holds_at_rest)
+    return "the drivetrain turns freely there" if any(left.reduced(dict(term.exact)) for term in motions) else None
+
+
+def _solved(
+    drivetrain: AssembledModel, outputs: Sequence[Functional], nodes: Sequence[str]
+) -> tuple[FloatArray, FloatArray]:
+    """Values (n_out, n_nodes) per torque on a node, and torques (n_held, n_nodes) left over in the nodes held."""
+    definition = drivetrain.definition
+    held = _holders(definition.elements, rigid_motions(drivetrain.assembly.kinematics))
+    elements = {**definition.elements, **{one.name: one for one in held}}
+    fixed = drivetrain.with_definition(replace(definition, elements=elements))
+    sensors = [*(one.sensor for one in outputs if one.sensor), *(Sensor("torque", one.name) for one in held)]
+    readings = tuple(functional(fixed, sensor) for sensor in sensors)
+    excitations = tuple(Input("torque", node) for node in nodes)
+    request = TransferRequest(readings, (), excitations, is_measured=False, assembly=fixed.assembly)
+    found = transfer_functions(request, _at_rest(law_stiffness([fixed.assembly.system], np.zeros(1))), "graph")
+    values = np.asarray(found.values[0].real)
+    return values[: len(outputs)], values[len(outputs) :]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class _Holder(Element):
+    """A clamp on any node, also on one inside of an element."""
+
+    held: str = field(kw_only=True)
+
+    @property
+    def ports(self) -> dict[str, str]:
+        return {"node": self.held}
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        del value
+        return (Constraint({self.held: 1}),)
+
+
+def _holders(elements: Mapping[str, Element], nodes: Sequence[str]) -> list[_Holder]:
+    """With names that no element has."""
+    word = "held"
+    while any(name.startswith(word) for name in elements):
+        word += "_"
+    return [_Holder(f"{word}{number}", held=node) for number, node in enumerate(nodes)]
+
+
+def _at_rest(kappa: LawStiffness) -> LawStiffness:
+    """The elastic part alone."""
+    stiffness = kappa.stiffness.copy()
+    for law, values in kappa.sampled:
+        stiffness[:, law] += values[:, 0].real
+    nothing = np.zeros_like(stiffness)
+    return LawStiffness(nothing, nothing, stiffness, kappa.omega)
+
+
+def _balance(drivetrain: AssembledModel, left_over: FloatArray, acting: FloatArray) -> tuple[str, ...]:
+    """A note on torques that rounded figures leave over; more than that is refused."""
+    if not len(left_over):
+        return ()
+    rest = np.abs(acting @ left_over.T).max()
+    largest = np.abs(left_over[:, None, :] * acting).max()
+    if rest <= EXACT * largest:
+        return ()
+    text = f"the mean torques leave {rest:.4g} N*m over"
+    if rest > TOLERANCE * largest:
+        raise UsageError(f"{text}; a drivetrain that turns freely needs torques in balance")
+    nodes = ", ".join(rigid_motions(drivetrain.assembly.kinematics))
+    return (f"{text}, taken at {nodes}",)
