@@ -67,13 +67,13 @@ class TestAnswers:
     def test_degrees(self, session):
         orders = answer(session, State(output="twist", axis="speed"))["orders"]
         assert orders["units"] == {"rad": "rad", "deg": "deg"}
-        assert orders["scale"] == pytest.approx(180 / np.pi)
+        assert orders["scales"] == pytest.approx({"rad": 1, "deg": 180 / np.pi})
 
     def test_shafts_without_a_common_cycle(self, path):
         model = json.loads(path.read_text(encoding="utf-8"))
         model["elements"]["belt"]["ratio"] = 2.7182818
         session = open_session(str(path), text=json.dumps(model))
-        assert answer(session, OVER_SPEED)["orders"]["total"] == "half ranges of shafts, added"
+        assert answer(session, OVER_SPEED)["orders"]["total"] == "half ranges, added"
 
     def test_the_rest_of_the_page_is_there(self, session):
         found = answer(session, OVER_SPEED)
@@ -145,6 +145,28 @@ class TestRefusals:
 
 
 class TestOutputs:
+    def test_stress_of_a_shaft_is_shown_in_newtons_per_square_millimetre(self):
+        session = open_session("marine_medium_speed")
+        groups = {one["label"]: one["entries"] for one in session.describe()["choices"]["outputs"]}
+        assert [one["name"] for one in groups["stresses in shafts"]] == [
+            "stress(quill)", "stress(int_shaft)", "stress(prop_shaft)",
+        ]  # fmt: skip
+        stress, torque = (
+            answer(session, State(output=f"{what}(int_shaft)", axis="speed"))["orders"] for what in ("stress", "torque")
+        )
+        assert stress["units"]["rad"] == "N/mm^2"
+        shown = np.multiply(stress["half_range"], stress["scales"]["rad"])
+        section = np.pi * 300**3 / 16  # mm^3
+        assert shown == pytest.approx(np.multiply(torque["half_range"], 1e3 / section), rel=1e-9)
+
+    def test_stress_over_frequency_has_the_same_unit(self):
+        session = open_session("marine_medium_speed")
+        found = answer(session, State(output="stress(int_shaft)", input="T1", band=(1.0, 20.0)))["response"]
+        torque = answer(session, State(output="torque(int_shaft)", input="T1", band=(1.0, 20.0)))["response"]
+        assert found["units"]["deg"] == "N/mm^2/(N*m)"
+        shown = np.multiply(found["magnitude"], found["scales"]["deg"])
+        assert shown == pytest.approx(np.multiply(torque["magnitude"], 1e3 / (np.pi * 300**3 / 16)), rel=1e-9)
+
     def test_torques_of_what_twists_are_offered_where_something_runs(self, session):
         groups = {
             one["label"]: [entry["name"] for entry in one["entries"]]

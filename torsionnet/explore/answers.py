@@ -15,7 +15,7 @@ from torsionnet.explore.command_text import command_text
 from torsionnet.explore.over_speed import over_speed
 from torsionnet.explore.overlay import misfit
 from torsionnet.explore.page_frequencies import NEAREST, lines, undamped
-from torsionnet.explore.page_numbers import DEGREES, numbers
+from torsionnet.explore.page_numbers import SHOWN, numbers
 from torsionnet.explore.session import Session
 from torsionnet.explore.sliders import sliders
 from torsionnet.explore.state import State
@@ -112,7 +112,7 @@ def respond(rig: Drivetrain, state: State, frequencies: FloatArray) -> Frequency
 
 
 def response_data(response: FrequencyResponse, unbounded: FloatArray) -> dict[str, Any]:
-    """Magnitude in SI and continuous phase in degrees, with what it takes to show them in degrees per unit.
+    """Magnitude in SI and continuous phase in degrees, with what it takes to show them in other units.
 
     ``unbounded`` are frequencies in Hz at which a peak has no height.
     """
@@ -122,8 +122,8 @@ def response_data(response: FrequencyResponse, unbounded: FloatArray) -> dict[st
         "label": f"{response.outputs[0].name}/{response.inputs[0].name}",
         "kind": response.kind(),
         "is_motion": response.outputs[0].unit in ORDERS,
-        "units": {"rad": response.unit(), "deg": response.unit(conventions=DEGREES)},
-        "scale": response.scale(DEGREES),
+        "units": {angle: response.unit(conventions=shown) for angle, shown in SHOWN.items()},
+        "scales": {angle: response.scale(shown) for angle, shown in SHOWN.items()},
         "frequencies": numbers(response.frequencies),
         "magnitude": numbers(magnitude),
         "phase": numbers(phase),

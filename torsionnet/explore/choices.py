@@ -11,6 +11,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.over_speed import runs
 from torsionnet.model.channels import UNITS, Sensor
 from torsionnet.model.elements import GROUND
+from torsionnet.model.readings import section_fault
 from torsionnet.response import FrequencyResponse
 from torsionnet.solve.transfer_request import usable
 
@@ -66,7 +67,7 @@ def choices(rig: Drivetrain, pairs: Sequence[ResponseChoice], over_speed: Sequen
     """Groups of outputs and of inputs for the page, and which inputs are measured.
 
     ``pairs`` and ``over_speed`` are the responses and the outputs asked for by name. Of a model that runs, torques in
-    shafts and springs are outputs, too: they are what is examined over speed.
+    shafts and springs and stresses in shafts are outputs, too: they are what is examined over speed.
     """
     sensors = [(name, _what(sensor)) for name, sensor in rig.sensors.items()]
     nodes = [(node, f"angle of {node}") for node in rig.nodes if node not in rig.sensors]
@@ -75,10 +76,14 @@ def choices(rig: Drivetrain, pairs: Sequence[ResponseChoice], over_speed: Sequen
     known = ({name for name, _ in (*sensors, *nodes)}, {name for name, _ in (*inputs, *sensors, *torques)})
     outputs = (*over_speed, *(pair.output for pair in pairs))
     asked = (_others(outputs, known[0]), _others((pair.input for pair in pairs), known[1]))
-    torsion = [(name, what) for name, what in _torsion(rig) if name not in outputs]
+    inside, sheared = ([one for one in group if one[0] not in outputs] for group in _in_elements(rig))
     return {
         "outputs": _groups(
-            ("sensors", sensors), ("asked for", asked[0]), ("torques in elements", torsion), ("angles of nodes", nodes)
+            ("sensors", sensors),
+            ("asked for", asked[0]),
+            ("torques in elements", inside),
+            ("stresses in shafts", sheared),
+            ("angles of nodes", nodes),
         ),
         "inputs": _groups(("inputs", inputs), ("measured", [*sensors, *asked[1]]), ("torques on nodes", torques)),
         "measured": [*rig.sensors, *(name for name, _ in asked[1])],
@@ -86,15 +91,14 @@ def choices(rig: Drivetrain, pairs: Sequence[ResponseChoice], over_speed: Sequen
     }
 
 
-def _torsion(rig: Drivetrain) -> list[tuple[str, str]]:
-    """Torques in what twists between two nodes of a model that runs."""
-    if not runs(rig):
-        return []
-    return [
-        (f"torque({name})", f"torque in {name}, {UNITS['torque']}")
-        for name, element in rig.elements.items()
-        if element.glyph in TWISTING and GROUND not in element.ports.values()
-    ]
+def _in_elements(rig: Drivetrain) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
+    """Torques in what twists between two nodes of a model that runs, and stresses where that is a shaft."""
+    every = rig.elements.values() if runs(rig) else ()
+    twisting = [one for one in every if one.glyph in TWISTING and GROUND not in one.ports.values()]
+    shafts = [one for one in twisting if not section_fault(one)]
+    torques = [Sensor("torque", one.name) for one in twisting]
+    stresses = [Sensor("stress", one.name) for one in shafts]
+    return [(str(one), _what(one)) for one in torques], [(str(one), _what(one)) for one in stresses]
 
 
 def _what(sensor: Sensor) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.explore.page_numbers import DEGREES, numbers
+from torsionnet.explore.page_numbers import SHOWN, numbers
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import RPM, OrderResponse
 
@@ -23,7 +23,7 @@ def runs(rig: Drivetrain) -> bool:
 
 
 def over_speed(rig: Drivetrain, output: str, *, rough: bool = False) -> dict[str, Any]:
-    """The half range of all orders and the amplitudes of the largest, in SI, with what it takes to show degrees.
+    """The half range of all orders and the amplitudes of the largest, in SI, with what it takes to show them.
 
     Parameters
     ----------
@@ -45,13 +45,13 @@ def over_speed(rig: Drivetrain, output: str, *, rough: bool = False) -> dict[str
     unit = run.outputs[0].unit
     return {
         "output": run.outputs[0].name,
-        "units": {"rad": unit, "deg": DEGREES.unit(unit)},
-        "scale": DEGREES.scale(unit),
+        "units": {angle: shown.unit(unit) for angle, shown in SHOWN.items()},
+        "scales": {angle: shown.scale(unit) for angle, shown in SHOWN.items()},
         "reference": run.reference,
         "rated": float(given.rated) * RPM if given.rated else None,
         "range": [min(given.values) * RPM, max(given.values) * RPM],
         "rpm": numbers(run.rpm),
-        "total": "all orders, half range" if run.revolutions is not None else "half ranges of shafts, added",
+        "total": "all orders, half range" if run.revolutions is not None else "half ranges, added",
         "half_range": numbers(run.half_range[:, 0]),
         "orders": _largest(run),
         "count": len(run.lines),

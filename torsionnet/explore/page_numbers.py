@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from torsionnet.response import Conventions
 
-DEGREES = Conventions(angle="deg")
+SHOWN = {angle: Conventions(angle=angle) for angle in ("rad", "deg")}
+"""Conventions by the unit of angles that is chosen on the page."""
 
 
 def numbers(values: NDArray[np.float64]) -> list[float | None]:

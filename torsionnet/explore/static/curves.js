@@ -11,7 +11,7 @@ export function shownUnit(response, state) {
 
 export function curve(answer, state, index, more = {}) {
   const { response } = answer;
-  const scale = state.angle === "deg" ? response.scale : 1;
+  const scale = response.scales[state.angle];
   return {
     kind: "line",
     x: response.frequencies,
@@ -26,7 +26,7 @@ export function curve(answer, state, index, more = {}) {
 // A test has phases between -180 and 180 degrees; each dot goes to the turn in which the model is at that frequency.
 // Lines that cannot be trusted (coherence, resolution) come apart, and faint.
 export function dots(test, answer, state, doubtful) {
-  const scale = state.angle === "deg" ? answer.response.scale : 1;
+  const scale = answer.response.scales[state.angle];
   const lines = test.trusted.flatMap((good, k) => (good === doubtful ? [] : [k]));
   return {
     kind: "dots",
@@ -46,7 +46,7 @@ export function shown(value, scale, state) {
 
 export function summary(answer, state) {
   const { response } = answer;
-  const scale = state.angle === "deg" ? response.scale : 1;
+  const scale = response.scales[state.angle];
   const words = shownUnit(response, state);
   const high = response.peaks.filter((peak) => peak[1] !== null);
   const said = high.map(

@@ -56,12 +56,8 @@ function half({ orders }, state, index) {
 }
 
 function line(orders, values, state) {
-  const scale = scaleOf(orders, state);
+  const scale = orders.scales[state.angle];
   return { kind: "line", x: orders.rpm, magnitude: values.map((value) => (value === null ? null : value * scale)) };
-}
-
-function scaleOf(orders, state) {
-  return state.angle === "deg" ? orders.scale : 1;
 }
 
 // In the order of their colours; an order that comes in takes the place of one that has gone.
@@ -81,7 +77,7 @@ function largest(rpm, values, [low, high] = [0, Infinity]) {
 
 function summary({ orders }, state) {
   const words = unitOf({ orders }, state);
-  const said = ([rpm, value]) => `${short(value * scaleOf(orders, state))} ${words} at ${short(rpm)} r/min`;
+  const said = ([rpm, value]) => `${short(value * orders.scales[state.angle])} ${words} at ${short(rpm)} r/min`;
   const parts = [`${orders.total}, at most ${said(largest(orders.rpm, orders.half_range))}`, ...atRated(orders, said)];
   for (const { name, magnitude } of orders.orders) parts.push(`${name}, at most ${said(largest(orders.rpm, magnitude))}`);
   return `${orders.output}: ${parts.join("; ")}.`;
