@@ -51,6 +51,8 @@ GENERATED = DOCS / "generated"
 STUB = DOCS.parent / "torsionnet" / "model" / "elements" / "element_types.pyi"
 
 SAMPLES = {
+    "torque": "180 kN*m",
+    "speed": "150 rpm",
     "inertia": "0.15 kg*m^2",
     "stiffness": "13.3 kN*m/rad",
     "damping": "4 N*m*s/rad",

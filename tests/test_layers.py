@@ -18,7 +18,7 @@ LAYERS = (  # top to bottom: first name below torsionnet
     {"plot"},
     {"bench", "identification"},
     {"io"},
-    {"loading", "drivetrain"},
+    {"loading", "drivetrain", "running_machinery"},
     {"symbolic"},
     {"solve"},
     {"assembly"},

@@ -2,6 +2,7 @@ from torsionnet.model.elements.gears import Differential as Differential
 from torsionnet.model.elements.gears import Gear as Gear
 from torsionnet.model.elements.gears import Planetary as Planetary
 from torsionnet.model.elements.inertia import Inertia as Inertia
+from torsionnet.model.elements.propeller import Propeller as Propeller
 from torsionnet.model.elements.rigid import Lock as Lock
 from torsionnet.model.elements.rigid import RigidCoupling as RigidCoupling
 from torsionnet.model.elements.shaft import Shaft as Shaft
