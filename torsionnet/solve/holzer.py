@@ -57,7 +57,7 @@ def holzer_table(
     own = ratios.get(shaft) or 1.0
     walk = _Walk(drivetrain, balance, tree, {node: speed / own for node, speed in ratios.items() if speed})
     branches = tuple(walk.branches(order))
-    return HolzerTable(omega / (2 * np.pi), mode, shaft, branches, drivetrain.title, notes)
+    return HolzerTable(omega / (2 * math.pi), mode, shaft, branches, drivetrain.title, notes)
 
 
 def _trial_rate(at: float | None) -> float:

@@ -88,7 +88,8 @@ def balance_of(drivetrain: AssembledModel, omega: float, angles: FloatArray, las
     inertias, torques = dict.fromkeys(angle, 0.0), dict.fromkeys(angle, 0.0)
     loads = []
     rest = dict.fromkeys(angle, 0.0)
-    numbers = zip(assembly.owners, assembly.laws, _stiffness(assembly, omega), assembly.system.inertia, strict=True)
+    stiffnesses, own = _stiffness(assembly, omega).tolist(), assembly.system.inertia.tolist()
+    numbers = zip(assembly.owners, assembly.laws, stiffnesses, own, strict=True)
     for owner, law, stiffness, inertia in numbers:
         row = {node: float(value) for node, value in law.row.items() if node in angle}
         motion = sum(value * angle[node] for node, value in row.items())
@@ -98,7 +99,7 @@ def balance_of(drivetrain: AssembledModel, omega: float, angles: FloatArray, las
             rest[node] += (omega**2 * inertia - stiffness) * motion * value
         if stiffness:
             housing = _housing(drivetrain.elements[owner])
-            loads.append(NodeLoad(owner, row, float(stiffness * motion), float(stiffness), housing))
+            loads.append(NodeLoad(owner, row, stiffness * motion, stiffness, housing))
     for owner, held, torque in _of_constraints(assembly, rest, last):
         loads.append(NodeLoad(owner, held, torque, math.inf, _housing(drivetrain.elements[owner])))
     return HolzerBalance(angle, inertias, torques, tuple(loads))
