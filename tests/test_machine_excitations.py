@@ -272,6 +272,14 @@ class TestElectricMachine:
         assert run.half_range[:, 0] == pytest.approx(abs(run.values[:, 0, 0]))
         assert "motor 100 Hz - order 4" in run.table("pinion").to_text()
 
+    @pytest.mark.parametrize("pairs", range(1, 20))
+    def test_at_synchronous_speed_nothing_vibrates(self, pairs):
+        """However the speed is rounded."""
+        slip = {"frequency": "60 Hz", "amplitude": [[0, 60], [400, 40]]}
+        rig = geared([100], motor={"type": "electric_machine", "node": "motor", "pole_pairs": pairs, "slip": slip})
+        speed = 3600 * RPM / pairs * 17 / 61
+        assert not rig.order_response("pinion", speeds=[speed], speed_of="wheel").values.any()
+
     @pytest.mark.parametrize(("phases", "twice", "lines"), [(3, {}, [50]), (2, {"twice": 45}, [50, 100])])
     def test_short_circuit(self, phases, twice, lines):
         fault = {"frequency": "50 Hz", "phases": phases, "once": 90, **twice}
@@ -358,6 +366,42 @@ class TestMeasured:
         for at, (rpm, size) in enumerate(((600, 20 * np.exp(1j * math.radians(160))), (750, -30))):
             receptance = np.linalg.solve(dynamic_stiffness(3 * rpm * RPM), [1, 0, 0])[2]
             assert found.of_order(3)[at] == pytest.approx(np.sqrt(2) * size * receptance, rel=1e-9)
+
+    @pytest.mark.parametrize(
+        "text",
+        [
+            "# recorder 7\norder;rms [N*m];phase [deg]\n2;30;90\n4;3;0\n",
+            "order\trms\tphase\n-\tN*m\tdeg\n2\t30,0\t90,0\n4\t3,0\t0,0\n",
+        ],
+    )
+    def test_a_table_in_a_file_beside_the_model(self, tmp_path, text):
+        (tmp_path / "orders.csv").write_text(text)
+        (tmp_path / "plant.yaml").write_text(FILE.replace("WHAT", "{type: measured, node: m, table: orders.csv}"))
+        rig = tn.load(tmp_path / "plant.yaml")
+        found = rig.definition.excitations["x"].torques(np.array([50.0]))
+        assert found.orders.tolist() == [2, 4]
+        assert found.amplitudes[0, :, 0] == pytest.approx(np.sqrt(2) * np.array([30j, 3]))
+        assert tn.loads(rig.to_yaml()) == rig
+
+    @pytest.mark.parametrize(
+        ("text", "where", "what"),
+        [
+            ("order;rms\n2;30\n4;3\n", "orders.csv:1:1", '"" is no unit of a torque'),
+            ("order;rmss [N*m]\n2;30\n4;3\n", "orders.csv:1:1", 'did you mean "rms"'),
+            ("2;30\n4;3\n", "orders.csv:1:1", "no heading"),
+            ("# nothing\n", "orders.csv:1:1", "found no rows of numbers"),
+            ("order;rms [N*m]\n2;30\n4;x\n5;1\n6;2\n", "orders.csv:3:", '"x" is not a number'),
+            (None, "plant.yaml:10:", 'there is no file "orders.csv" beside the model file'),
+        ],
+    )
+    def test_faults_of_a_file_have_their_line(self, tmp_path, text, where, what):
+        if text is not None:
+            (tmp_path / "orders.csv").write_text(text)
+        (tmp_path / "plant.yaml").write_text(FILE.replace("WHAT", "{type: measured, node: m, table: orders.csv}"))
+        with pytest.raises(tn.ModelError) as caught:
+            tn.load(tmp_path / "plant.yaml")
+        assert what in str(caught.value)
+        assert where in str(caught.value)
 
     def test_a_recorded_motion_is_imposed(self):
         table = {"columns": ["frequency [Hz]", "real [deg/s]", "imag [deg/s]"], "rows": [[17, 3, -4]]}

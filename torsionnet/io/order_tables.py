@@ -10,8 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from torsionnet.core.errors import Fault, ModelError, Position, UsageError
+from torsionnet.core.delimited.dialect import encoding_of
+from torsionnet.core.errors import UsageError
 from torsionnet.model.excitations.measured_columns import MeasuredLines, measured_lines
+from torsionnet.model.excitations.order_table_file import read_order_table
 from torsionnet.response.frequency_response import Channel
 from torsionnet.response.order_comparison import MeasuredOrder
 
@@ -37,16 +39,16 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
     Raises
     ------
     ModelError
-        A line that is no row of numbers.
+        A line that is no row of numbers, or headings that mean nothing.
     UsageError
         No such file or columns, or amplitudes in a unit of something else.
     """
     rows = _cells(Path(path))
-    heading = rows[0][1]
-    if all(name in heading for name in _WRITTEN):
+    if rows and all(name in rows[0] for name in _WRITTEN):
         lines = _of_this_package(Path(path).name, rows, output, configuration)
     else:
-        lines = measured_lines(heading, np.array([_numbers(Path(path).name, *row, len(heading)) for row in rows[1:]]))
+        columns, numbers = read_order_table(Path(path))
+        lines = measured_lines(columns, np.array(numbers))
     if not lines.speeds or lines.by_frequency:
         raise UsageError(f"{Path(path).name} has no amplitudes by speed and order; expected {FORM}")
     if UNITS[lines.quantity] != output.unit:
@@ -55,46 +57,18 @@ def read_orders(path: str | os.PathLike[str], output: Channel, configuration: st
     return tuple(MeasuredOrder(order, speeds, np.abs(values)) for order, speeds, values in groups)
 
 
-def _cells(path: Path) -> list[tuple[int, list[str]]]:
-    """Number and cells of every line that is neither empty nor a remark; the first is the heading."""
+def _cells(path: Path) -> list[list[str]]:
+    """Cells of every line that is neither empty nor a remark."""
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        text = path.read_text(encoding=encoding_of(path), errors="replace")
     except OSError as error:
         raise UsageError(f"cannot read {path}: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise UsageError(f"{path.name} is no text file; expected {FORM}") from None
-    lines = [(number, line) for number, line in enumerate(text.splitlines(), 1) if line.strip() and line[0] != "#"]
-    if len(lines) < 2:
-        raise UsageError(f"{path.name} has no rows below a heading; expected {FORM}")
-    separator = max(";\t,", key=lines[0][1].count)
-    cells = csv.reader([line for _, line in lines], delimiter=separator)
-    return [(number, [cell.strip() for cell in row]) for (number, _), row in zip(lines, cells, strict=True)]
+    return list(csv.reader(line for line in text.splitlines() if line.strip() and line[0] != "#"))
 
 
-def _numbers(file: str, number: int, cells: Sequence[str], width: int) -> list[float]:
-    place = Position(file, number, 1, 1, ", ".join(cells)[:200])
-    if len(cells) != width:
-        raise ModelError([Fault(f"the row has {len(cells)} cells, the heading has {width}", position=place)], file)
-    try:
-        return [float(cell) for cell in cells]
-    except ValueError:
-        wrong = next(cell for cell in cells if not _is_number(cell))
-        raise ModelError([Fault(f'"{wrong}" is not a number', position=place)], file) from None
-
-
-def _is_number(cell: str) -> bool:
-    try:
-        float(cell)
-    except ValueError:
-        return False
-    return True
-
-
-def _of_this_package(
-    file: str, rows: Sequence[tuple[int, list[str]]], output: Channel, configuration: str
-) -> MeasuredLines:
+def _of_this_package(file: str, rows: Sequence[list[str]], output: Channel, configuration: str) -> MeasuredLines:
     """Real and imaginary parts of the output, lines of one frequency added, by orders of the reference shaft."""
-    heading = rows[0][1]
+    heading, *chosen = rows
     parts = {}
     for place, name in enumerate(heading):
         match = _OF_OUTPUT.fullmatch(name)
@@ -102,15 +76,17 @@ def _of_this_package(
             parts[match["part"]] = (place, match["unit"])
     if len(parts) < 2:
         raise UsageError(f"{file} has no columns of {output.name}")
-    chosen = list(rows[1:])
     if "configuration" in heading:
         of = heading.index("configuration")
-        known = dict.fromkeys(cells[of] for _, cells in chosen)
+        known = dict.fromkeys(cells[of] for cells in chosen)
         if len(known) > 1 and configuration not in known:
             raise UsageError(f"{file} has the configurations {', '.join(known)}; choose one of them with -c")
-        chosen = [row for row in chosen if len(known) == 1 or row[1][of] == configuration]
+        chosen = [cells for cells in chosen if len(known) == 1 or cells[of] == configuration]
     places = [heading.index("speed [rpm]"), heading.index("frequency [Hz]"), parts["real"][0], parts["imag"][0]]
-    numbers = np.array([_numbers(file, number, [cells[place] for place in places], 4) for number, cells in chosen])
+    try:
+        numbers = np.array([[float(cells[place]) for place in places] for cells in chosen])
+    except (IndexError, ValueError):
+        raise UsageError(f"{file} is no whole file of torsionnet orders any more; write it again") from None
     sums: dict[tuple[float, float], complex] = {}
     for speed, frequency, real, imag in numbers.tolist():
         key = (speed, round(60 * frequency / speed, 9))

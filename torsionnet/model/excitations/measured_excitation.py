@@ -4,19 +4,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path as FilePath
 from typing import Any, ClassVar
 
 import numpy as np
 
 from torsionnet.core.entries.composite import Listed, Nested
 from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.nearby import nearby_file
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.spec import EntryError, Schema, entry
 from torsionnet.core.entries.words import Text
-from torsionnet.core.errors import Fault, Path, UsageError
+from torsionnet.core.errors import Fault, ModelError, Path, UsageError
 from torsionnet.model.elements.nodes import NodeName
 from torsionnet.model.excitations.measured_columns import FORM, POWERS, MeasuredLines, measured_lines
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderExcitation, OrderTorques, register_excitation
+from torsionnet.model.excitations.order_table_file import read_order_table
 from torsionnet.model.excitations.speed_table import not_covered
 
 _NUMBER = Value("a number in the unit of its column", "1", lower=None)
@@ -58,6 +61,27 @@ class OrderTable(Declared):
         return measured_lines(self.columns, np.array(self.rows, dtype=float))
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class OrderTableEntry(Nested):
+    """A table, or the name of a file that has it; what is written are the numbers."""
+
+    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+        if not isinstance(raw, str | FilePath):
+            return super().read(raw)
+        try:
+            columns, rows = read_order_table(raw if isinstance(raw, FilePath) else nearby_file(raw))
+        except EntryError as error:
+            return None, error.faults
+        except ModelError as error:
+            return None, list(error.faults)
+        return OrderTable(columns=columns, rows=rows), []
+
+    def definitions(self) -> Schema:
+        found = super().definitions()
+        table = found[self.name]
+        return {**found, self.name: {"description": table["description"], "anyOf": [{"type": "string"}, table]}}
+
+
 @register_excitation
 @dataclass(frozen=True, kw_only=True)
 class MeasuredExcitation(OrderExcitation):
@@ -79,7 +103,14 @@ class MeasuredExcitation(OrderExcitation):
 
     node: Any = entry(NodeName("the node it acts on", allow_ground=False))
     speed_of: Any = entry(NodeName("the shaft of the orders and speeds; default: node", allow_ground=False), None)
-    table: Any = entry(Nested("the recording", lambda: OrderTable, "order_table", shown=OrderTable.form))
+    table: Any = entry(
+        OrderTableEntry(
+            "the recording: a file such as orders.csv, or its numbers",
+            lambda: OrderTable,
+            "order_table",
+            shown="orders.csv",
+        )
+    )
 
     @property
     def shaft(self) -> str:

@@ -1,0 +1,56 @@
+"""Recorded orders or spectra in text files, as an order analysis delivers them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from torsionnet.core.delimited.dialect import data_start, encoding_of, sniffed
+from torsionnet.core.delimited.headings import headings
+from torsionnet.core.delimited.number_rows import NumberRows
+from torsionnet.core.errors import Fault, ModelError, Position, UsageError
+from torsionnet.model.excitations.measured_columns import FORM, measured_lines
+
+SAMPLE = 400
+
+
+def read_order_table(path: Path) -> tuple[tuple[str, ...], tuple[tuple[float, ...], ...]]:
+    """Headings with units, and rows of numbers.
+
+    Raises
+    ------
+    ModelError
+        With the line of the file.
+    """
+    with path.open(encoding=encoding_of(path), newline=None, errors="replace") as file:
+        lines = file.readlines()
+    above = next((at for at, line in enumerate(lines) if line.strip() and not line.startswith(("#", "%"))), 0)
+    body = lines[above:]
+    dialect = sniffed(body[:SAMPLE])
+    first = data_start(dialect, body[:SAMPLE])
+    if first == min(len(body), SAMPLE):
+        raise _fault(f"found no rows of numbers; expected {FORM} and rows below", path.name, above + 1, lines)
+    heading = headings(dialect, body[:first], len(dialect.cells(body[first])))
+    if not heading.lines:
+        raise _fault(f"no heading; the first line says what the columns are: {FORM}", path.name, above + 1, lines)
+    reader = NumberRows(iter(body[first:]), path.name, dialect, len(heading.names), above + first + 1, heading.names)
+    blocks = [np.column_stack(block) for block in reader.blocks(range(len(heading.names)), 0)]
+    columns = tuple(
+        f"{name} [{unit}]" if unit else name for name, unit in zip(heading.names, heading.units, strict=True)
+    )
+    rows = np.concatenate(blocks)
+    try:
+        if not np.isfinite(rows).all():
+            raise UsageError("a number is missing; every row has one in each column")
+        measured_lines(columns, rows)
+    except UsageError as error:
+        raise _fault(str(error), path.name, above + first, lines) from None
+    return columns, tuple(tuple(row) for row in rows.tolist())
+
+
+def _fault(text: str, file: str, number: int, lines: Sequence[str]) -> ModelError:
+    """A fault of a line, counted from 1."""
+    source = lines[number - 1].rstrip()[:200].replace("\t", " ") if 0 < number <= len(lines) else ""
+    return ModelError([Fault(text, position=Position(file, max(number, 1), 1, len(source) + 1, source))], file)
