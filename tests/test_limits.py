@@ -263,10 +263,16 @@ class TestOtherRules:
         assert check.barred == found.barred
 
     def test_the_rated_speed_cannot_be_barred(self):
-        found = (
-            two_masses({"rubber": {"rule": "coupling", "element": "rubber", "T_KW": 20}}).check_limits().of("rubber")
-        )
+        table = {"300 rpm": "100 kN*m", "1400 rpm": "100 kN*m", "1500 rpm": "10 N*m"}
+        limits = {"top": {"rule": "curve", "output": "torque(rubber)", "over_speed": table, "source": "maker"}}
+        found = two_masses(limits).check_limits().of("top")
         assert found.verdict == "fail"
+        assert "no range to be barred" in found.remarks[0]
+        assert not found.barred
+
+    def test_nor_can_all_speeds(self):
+        entry = {"rule": "coupling", "element": "rubber", "T_KW": 1}
+        assert two_masses({"rubber": entry}).check_limits().of("rubber").verdict == "fail"
 
     def test_factors_for_temperature(self):
         entry = {"rule": "coupling", "element": "rubber", "T_KW": 600, "P_KV": 1000, "torque_temperature_factor": 1.4,
