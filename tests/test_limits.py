@@ -176,7 +176,9 @@ class TestBarredRanges:
     def test_above_1_05_nothing_is_judged_and_that_is_said(self):
         found = stressed(hump(500, 110, width=0.5), m68(), rpm=np.arange(60.0, 115.01, 0.5))["tau_C"]
         assert found.verdict == "pass"
-        assert any("105.5 to 115 rpm are above lambda = 1.05 and not covered" in remark for remark in found.remarks)
+        assert any(
+            "speeds from 105.5 to 115 rpm: lambda above 1.05 is not covered" in remark for remark in found.remarks
+        )
 
     def test_keyways_and_weak_steel_are_remarked_on(self):
         found = stressed(hump(60, 50), m68(feature="tapered_keyway", material="carbon", tensile_strength="450 MPa"))
@@ -261,10 +263,16 @@ class TestOtherRules:
         assert check.barred == found.barred
 
     def test_the_rated_speed_cannot_be_barred(self):
-        found = (
-            two_masses({"rubber": {"rule": "coupling", "element": "rubber", "T_KW": 20}}).check_limits().of("rubber")
-        )
+        table = {"300 rpm": "100 kN*m", "1400 rpm": "100 kN*m", "1500 rpm": "10 N*m"}
+        limits = {"top": {"rule": "curve", "output": "torque(rubber)", "over_speed": table, "source": "maker"}}
+        found = two_masses(limits).check_limits().of("top")
         assert found.verdict == "fail"
+        assert "no range to be barred" in found.remarks[0]
+        assert not found.barred
+
+    def test_nor_can_all_speeds(self):
+        entry = {"rule": "coupling", "element": "rubber", "T_KW": 1}
+        assert two_masses({"rubber": entry}).check_limits().of("rubber").verdict == "fail"
 
     def test_factors_for_temperature(self):
         entry = {"rule": "coupling", "element": "rubber", "T_KW": 600, "P_KV": 1000, "torque_temperature_factor": 1.4,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -17,8 +18,9 @@ from torsionnet.response.limit_check import LimitCheck, LimitVerdict
 from torsionnet.response.order_response import RPM
 
 MOST_LINES = 4
+WIDEST = 80
+"""Characters of a title that stand on one line."""
 LIMIT_COLOR = "#B00020"
-BARRED_COLOR = "#B00020"
 LIMIT_DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)))
 
 
@@ -64,7 +66,7 @@ def limit_check(
     axes[-1].set_xlabel(f"speed of {check.reference} [r/min]")
     if len(check.rpm) > 1:
         axes[-1].set_xlim(check.rpm[0], check.rpm[-1])
-    style.heading(figure, check.title if title is None else title)
+    style.heading(figure, textwrap.fill(check.title, WIDEST) if title is None else title)
     return figure
 
 
@@ -91,8 +93,14 @@ def _draw(
     style.dress(panel)
     for number, span in enumerate(span for one in verdicts for span in one.barred):
         label = None if number else "to be barred"
-        panel.axvspan(span.low * RPM, span.high * RPM, color=BARRED_COLOR, alpha=0.12, linewidth=0, label=label)
-    panel.plot(check.rpm, first.values * scale, color=style.INK, linewidth=2.0, label="all orders")
+        panel.axvspan(span.low * RPM, span.high * RPM, color=LIMIT_COLOR, alpha=0.12, linewidth=0, label=label)
+    panel.plot(
+        check.rpm,
+        first.values * scale,
+        color=style.INK,
+        linewidth=2.0,
+        label=first.quantity if first.orders is None else "all orders",
+    )
     if first.orders is not None:
         for number, line in enumerate(np.argsort(-first.orders.max(axis=0), kind="stable")[:most].tolist()):
             panel.plot(check.rpm, first.orders[:, line] * scale, label=check.lines[line], **style.line_style(number))

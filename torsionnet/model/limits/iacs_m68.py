@@ -229,4 +229,4 @@ class IacsM68(ShaftLimit):
 def _beyond(evidence: Evidence, ratio: FloatArray) -> tuple[str, ...]:
     """A remark on speeds the rule does not cover."""
     rpm = evidence.run.rpm[ratio > HIGHEST * (1 + 1e-12)]
-    return (f"{rpm[0]:g} to {rpm[-1]:g} rpm are above lambda = 1.05 and not covered",) if len(rpm) else ()
+    return (f"speeds from {rpm[0]:g} to {rpm[-1]:g} rpm: lambda above 1.05 is not covered",) if len(rpm) else ()
