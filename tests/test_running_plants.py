@@ -17,7 +17,7 @@ def swept(engine):
 
 def mean_indicated_pressure(engine, kind):
     """In Pa by the work p dV of the trace, summed with trapezoids over the volume."""
-    p = np.array(getattr(engine.gas, kind))
+    p = np.array(getattr(engine.gas, kind).values)
     phi = np.linspace(0, engine.cycle * np.pi, len(p) + 1)
     r, rod = engine.stroke / 2, engine.rod_length
     volume = np.pi / 4 * engine.bore**2 * (r * (1 - np.cos(phi)) + rod - np.sqrt(rod**2 - (r * np.sin(phi)) ** 2))
