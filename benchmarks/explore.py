@@ -15,8 +15,13 @@ from explore_pages import chromium, serving, visit  # noqa: E402
 
 from benchmarks._sizes import sized  # noqa: E402
 
-MODELS = {"dmf_rig": 60, "amt_rig": 60, "six_cylinder_diesel": 60}
-"""Model -> goal in ms; the last one is the largest of the library."""
+MODELS = {
+    "dmf_rig": ("", 60),
+    "amt_rig": ("", 60),
+    "six_cylinder_diesel": ("", 60),
+    "marine_medium_speed": ("T_crank", 100),
+}
+"""Model -> output over speed (none: the page over frequency) and goal in ms."""
 READY, RUNS, STEPS = 1.0, sized(5, 1), sized(60, 3)
 SIZE = {"width": 1440, "height": 900}
 
@@ -35,9 +40,10 @@ def ready():
     return elapsed
 
 
-def updates(browser, model):
+def updates(browser, model, over_speed):
     """Time in ms of every update while a slider is dragged, as the page measures them."""
-    with serving(model) as server, visit(browser, server.address, viewport=SIZE) as found:
+    outputs = [over_speed] if over_speed else []
+    with serving(model, over_speed=outputs) as server, visit(browser, server.address, viewport=SIZE) as found:
         found.settle()
         box = found.page.locator(".parameter:not(.is-derived) .slider").nth(3).bounding_box()
         x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
@@ -67,11 +73,12 @@ def main():
         return
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
-        for model, goal in MODELS.items():
-            times = sorted(updates(browser, model))
+        for model, (over_speed, goal) in MODELS.items():
+            times = sorted(updates(browser, model, over_speed))
             median, late = statistics.median(times), times[int(0.9 * len(times))]
             verdict = "reached" if median <= goal else "missed"
-            print(f"{model}: median {median:.0f} ms, nine of ten within {late:.0f} ms (goal {goal}: {verdict})")
+            shown = f"{model} over speed" if over_speed else model
+            print(f"{shown}: median {median:.0f} ms, nine of ten within {late:.0f} ms (goal {goal}: {verdict})")
         browser.close()
 
 

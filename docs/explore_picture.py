@@ -1,4 +1,4 @@
-"""Draw docs/images/explore.png: the explore page over a virtual test, in headless Chromium.
+"""Draw docs/images/explore.png and explore_speed.png: the explore page in headless Chromium.
 
 ``python docs/explore_picture.py`` needs playwright (dependency group ``test``) and an installed Chromium.
 """
@@ -19,7 +19,7 @@ from explore_pages import chromium, serving, visit  # noqa: E402
 
 from torsionnet.explore.choices import ResponseChoice  # noqa: E402
 
-PICTURE = DOCS / "images" / "explore.png"
+PICTURE, OVER_SPEED = DOCS / "images" / "explore.png", DOCS / "images" / "explore_speed.png"
 SIZE = {"width": 1440, "height": 900}
 ESTIMATE = "--input T_T --output theta_1 --preset paper --from 0.5 --to 40"
 
@@ -46,6 +46,19 @@ def arranged(found: Any) -> None:
     page.wait_for_timeout(300)
 
 
+def softened(found: Any) -> None:
+    """The damper as written pinned, less damping in its film now, the cursor beside the peak."""
+    page = found.page
+    page.click("#pin")
+    with found.update():
+        page.fill("#parameter-c_dmp", "28")
+        page.keyboard.press("Enter")
+    box = page.locator("#magnitude .u-over").bounding_box()
+    page.mouse.move(box["x"] + 0.45 * box["width"], box["y"] + 0.6 * box["height"])
+    page.evaluate("document.activeElement.blur()")
+    page.wait_for_timeout(1500)
+
+
 def main() -> None:
     from playwright.sync_api import sync_playwright
 
@@ -58,6 +71,12 @@ def main() -> None:
         ):
             arranged(found)
             found.page.screenshot(path=str(PICTURE), full_page=True)
+        with (
+            serving("marine_medium_speed", over_speed=["T_crank"]) as server,
+            visit(browser, server.address, viewport=SIZE) as found,
+        ):
+            softened(found)
+            found.page.screenshot(path=str(OVER_SPEED))
         browser.close()
 
 

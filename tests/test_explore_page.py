@@ -21,7 +21,7 @@ SLOW = 500.0
 
 DRAWN = """() => {
   const data = globalThis.torsionnet.drawn();
-  return data.map(({ kind, frequencies, magnitude, phase }) => ({ kind, frequencies, magnitude, phase }));
+  return data.map(({ kind, x, magnitude, phase }) => ({ kind, frequencies: x, magnitude, phase }));
 }"""
 
 

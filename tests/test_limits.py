@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+import re
 from fractions import Fraction
 
 import numpy as np
@@ -502,6 +503,26 @@ def test_limits_are_written_as_they_were_read():
     again = tn.loads(json.dumps(rig.definition.to_data()))
     assert again.definition.limits == rig.definition.limits
     assert again.configured("normal").check_limits().barred == rig.configured("normal").check_limits().barred
+
+
+def test_a_misfire_of_each_cylinder_is_judged_by_the_worst_of_them():
+    """Torque, weighted torque and heat against every cylinder alone."""
+    more = """\
+  weighted: {rule: coupling, element: k6f, T_KW: 2 MN*m, P_KV: 20 kW, frequency_factor: din_740_2}
+  single: {rule: curve, output: torque(k6f), value: 2 MN*m, measure: each_order, source: maker}
+"""
+    text = SHIP.replace("engine.misfire: [2]", "engine.misfire: each").replace("limits:\n", f"limits:\n{more}")
+    text = text.replace("step: 0.25 rpm", "step: 2 rpm")
+    worst = tn.loads(text).configured("misfire").check_limits()
+    alone = [
+        tn.loads(text.replace("misfire: each", f"misfire: [{number}]")).configured("misfire").check_limits()
+        for number in range(1, 7)
+    ]
+    for place, one in enumerate(worst.verdicts):
+        expected = np.max([check.verdicts[place].values for check in alone], axis=0)
+        assert one.values == pytest.approx(expected, rel=1e-9), one.criterion
+    assert worst.misfiring
+    assert any(re.search(r"worst at [\d.]+ rpm: .*cylinder [1-6]", remark) for remark in worst.of("crank").remarks)
 
 
 class TestShip:

@@ -23,12 +23,18 @@ class ExploreCommand(ModelCommand):
     \b
     torsionnet explore amt_rig -c V --tf theta_1/T_T
     torsionnet explore amt_rig -c V --tf theta_1/T_T --overlay gear_V.csv --band 0.5 40
+    torsionnet explore plant.yaml --over-speed "torque(coupling)"
     """
 
     pairs: tuple[str, ...] = option(
         "--tf",
         metavar="OUTPUT/INPUT",
         help='A response to offer, as "theta_1/T_M"; the first one is shown. Repeatable.',
+    )
+    over_speed: tuple[str, ...] = option(
+        "--over-speed",
+        metavar="OUTPUT",
+        help='What excitations make of an output over speed, as "torque(coupling)"; shown at first. Repeatable.',
     )
     band: tuple[float, float] | None = option(
         "--band", nargs=2, type=float, metavar="LOW HIGH", help="Frequencies in Hz; default: from the modes."
@@ -57,6 +63,7 @@ class ExploreCommand(ModelCommand):
             self.band,
             self.overlay,
             piped() if self.model == STANDARD_INPUT else None,
+            self.over_speed,
         )
         tell(session.base.check())
         with ExploreServer(session, self.port) as server:

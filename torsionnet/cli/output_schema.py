@@ -229,6 +229,11 @@ OUTPUTS: dict[str, Schema] = {
             common_cycle_revolutions={"type": ["integer", "null"], "description": "null where there is none"},
             outputs=listed(
                 record(
+                    {
+                        "measured": listed(
+                            record(of_reference=NUMBER, speeds_rpm=NUMBERS, measured=NUMBERS, calculated=NUMBERS)
+                        )
+                    },
                     output=TEXT,
                     unit=TEXT,
                     half_range=NUMBERS,

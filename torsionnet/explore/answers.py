@@ -8,17 +8,18 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from torsionnet.core.errors import ModelError, TorsionnetError, TorsionnetWarning
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.command_text import command_text
+from torsionnet.explore.over_speed import over_speed
 from torsionnet.explore.overlay import misfit
 from torsionnet.explore.page_frequencies import NEAREST, lines, undamped
+from torsionnet.explore.page_numbers import SHOWN, numbers
 from torsionnet.explore.session import Session
 from torsionnet.explore.sliders import sliders
 from torsionnet.explore.state import State
-from torsionnet.response import Conventions, FrequencyResponse, Modes
+from torsionnet.response import FrequencyResponse, Modes
 from torsionnet.response.frequency_response import ORDERS, FloatArray
 from torsionnet.response.phase import unwrapped
 from torsionnet.solve.grid import vibration_range
@@ -26,7 +27,6 @@ from torsionnet.solve.grid import vibration_range
 MOST_MODES, LARGE = 40, 120
 """Of more nodes than ``LARGE`` only the lowest modes are looked for: all of them would take longer than a drag."""
 MOST_PEAKS = 6
-DEGREES = Conventions(angle="deg")
 
 
 def answer(session: Session, state: State) -> dict[str, Any]:
@@ -63,22 +63,33 @@ def _answer(session: Session, state: State) -> dict[str, Any]:
     plain, rig = session.chosen(state.choice), session.varied(state)
     shown = session.completed(state)
     modes = _modes(rig)
-    measured = _measured(rig, shown)
-    found = [modes, measured] if measured else [modes]
-    band = state.band if any(state.band) else vibration_range(*found)
-    response = respond(rig, shown, lines(band, *found))
     return {
         "title": rig.title,
-        "band": list(band),
         "excitation": shown.excitation,
         "parameters": [slider.to_data() for slider in sliders(plain, rig, state.values)],
-        "response": response_data(response, undamped(*found)),
         "modes": modes_data(modes),
-        "cut": modes_data(measured) if measured else None,
-        "misfit": misfit(session.overlay, shown, lambda f: respond(rig, shown, f), band),
+        "cut": None,
         "findings": [fault.text for fault in rig.check() if fault.severity == "warning"],
         "command": command_text(session, shown),
+        **(_over_speed(rig, shown) if state.axis == "speed" else _over_frequency(session, rig, shown, modes)),
     }
+
+
+def _over_frequency(session: Session, rig: Drivetrain, shown: State, modes: Modes) -> dict[str, Any]:
+    measured = _measured(rig, shown)
+    found = [modes, measured] if measured else [modes]
+    band = shown.band if any(shown.band) else vibration_range(*found)
+    response = respond(rig, shown, lines(band, *found))
+    return {
+        "band": list(band),
+        "response": response_data(response, undamped(*found)),
+        "cut": modes_data(measured) if measured else None,
+        "misfit": misfit(session.overlay, shown, lambda f: respond(rig, shown, f), band),
+    }
+
+
+def _over_speed(rig: Drivetrain, shown: State) -> dict[str, Any]:
+    return {"orders": over_speed(rig, shown.output, rough=shown.rough)}
 
 
 def _modes(rig: Drivetrain) -> Modes:
@@ -101,7 +112,7 @@ def respond(rig: Drivetrain, state: State, frequencies: FloatArray) -> Frequency
 
 
 def response_data(response: FrequencyResponse, unbounded: FloatArray) -> dict[str, Any]:
-    """Magnitude in SI and continuous phase in degrees, with what it takes to show them in degrees per unit.
+    """Magnitude in SI and continuous phase in degrees, with what it takes to show them in other units.
 
     ``unbounded`` are frequencies in Hz at which a peak has no height.
     """
@@ -111,8 +122,8 @@ def response_data(response: FrequencyResponse, unbounded: FloatArray) -> dict[st
         "label": f"{response.outputs[0].name}/{response.inputs[0].name}",
         "kind": response.kind(),
         "is_motion": response.outputs[0].unit in ORDERS,
-        "units": {"rad": response.unit(), "deg": response.unit(conventions=DEGREES)},
-        "scale": response.scale(DEGREES),
+        "units": {angle: response.unit(conventions=shown) for angle, shown in SHOWN.items()},
+        "scales": {angle: response.scale(shown) for angle, shown in SHOWN.items()},
         "frequencies": numbers(response.frequencies),
         "magnitude": numbers(magnitude),
         "phase": numbers(phase),
@@ -149,10 +160,3 @@ def modes_data(modes: Modes) -> dict[str, Any]:
         "descriptions": list(modes.descriptions),
         "notes": list(modes.notes),
     }
-
-
-def numbers(values: NDArray[np.float64]) -> list[float | None]:
-    """A list for JSON, which has neither nan nor inf."""
-    if np.isfinite(values).all():
-        return list(values.tolist())
-    return [float(value) if np.isfinite(value) else None for value in values]

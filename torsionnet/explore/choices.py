@@ -8,10 +8,14 @@ from typing import Any
 
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
+from torsionnet.explore.over_speed import runs
 from torsionnet.model.channels import UNITS, Sensor
+from torsionnet.model.elements import GROUND
+from torsionnet.model.readings import section_fault
 from torsionnet.response import FrequencyResponse
 from torsionnet.solve.transfer_request import usable
 
+TWISTING = ("shaft", "spring")
 MOTIONS = ("angle", "velocity", "acceleration", "twist")
 
 
@@ -59,20 +63,42 @@ def default_pair(rig: Drivetrain, overlay: FrequencyResponse | None = None) -> R
     return ResponseChoice([*motions, *sensors, *moving][0], [*inputs, *moving][0])
 
 
-def choices(rig: Drivetrain, pairs: Sequence[ResponseChoice]) -> dict[str, Any]:
-    """Groups of outputs and of inputs for the page, and which inputs are measured."""
+def choices(rig: Drivetrain, pairs: Sequence[ResponseChoice], over_speed: Sequence[str] = ()) -> dict[str, Any]:
+    """Groups of outputs and of inputs for the page, and which inputs are measured.
+
+    ``pairs`` and ``over_speed`` are the responses and the outputs asked for by name. Of a model that runs, torques in
+    shafts and springs and stresses in shafts are outputs, too: they are what is examined over speed.
+    """
     sensors = [(name, _what(sensor)) for name, sensor in rig.sensors.items()]
     nodes = [(node, f"angle of {node}") for node in rig.nodes if node not in rig.sensors]
     inputs = [(name, str(entry)) for name, entry in rig.inputs.items()]
     torques = [(node, f"torque on {node}") for node in rig.nodes if node not in {*rig.inputs, *rig.sensors}]
     known = ({name for name, _ in (*sensors, *nodes)}, {name for name, _ in (*inputs, *sensors, *torques)})
-    asked = (_others((pair.output for pair in pairs), known[0]), _others((pair.input for pair in pairs), known[1]))
+    outputs = (*over_speed, *(pair.output for pair in pairs))
+    asked = (_others(outputs, known[0]), _others((pair.input for pair in pairs), known[1]))
+    inside, sheared = ([one for one in group if one[0] not in outputs] for group in _in_elements(rig))
     return {
-        "outputs": _groups(("sensors", sensors), ("asked for", asked[0]), ("angles of nodes", nodes)),
+        "outputs": _groups(
+            ("sensors", sensors),
+            ("asked for", asked[0]),
+            ("torques in elements", inside),
+            ("stresses in shafts", sheared),
+            ("angles of nodes", nodes),
+        ),
         "inputs": _groups(("inputs", inputs), ("measured", [*sensors, *asked[1]]), ("torques on nodes", torques)),
         "measured": [*rig.sensors, *(name for name, _ in asked[1])],
         "excitations": [*rig.inputs, *(() if rig.inputs else rig.nodes)],
     }
+
+
+def _in_elements(rig: Drivetrain) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
+    """Torques in what twists between two nodes of a model that runs, and stresses where that is a shaft."""
+    every = rig.elements.values() if runs(rig) else ()
+    twisting = [one for one in every if one.glyph in TWISTING and GROUND not in one.ports.values()]
+    shafts = [one for one in twisting if not section_fault(one)]
+    torques = [Sensor("torque", one.name) for one in twisting]
+    stresses = [Sensor("stress", one.name) for one in shafts]
+    return [(str(one), _what(one)) for one in torques], [(str(one), _what(one)) for one in stresses]
 
 
 def _what(sensor: Sensor) -> str:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def command_text(session: Session, state: State) -> str:
-    """``torsionnet frf MODEL ...`` for a completed state, quoted for the shell of this system.
+    """``torsionnet frf MODEL ...``, or ``orders``, for a completed state, quoted for the shell of this system.
 
     Examples
     --------
@@ -24,19 +24,25 @@ def command_text(session: Session, state: State) -> str:
     >>> print(command_text(rig, rig.completed(State({"gear": "V"}, {"c_O": 360}, band=(1.0, 50.0)))))
     torsionnet frf amt_rig -c V --set c_O=360 --output theta_1 --input T_M --from 1 --to 50
     """
-    words = ["torsionnet", "frf", session.model]
+    words = ["torsionnet", "orders" if state.axis == "speed" else "frf", session.model]
     if state.choice:
         words += ["-c", label(dict(state.choice), session.base.definition.configurations)]
     for name, value in state.values.items():
         words += ["--set", f"{name}={value}"]
-    words += ["--output", state.output, "--input", state.input]
+    words += ["--output", state.output, *([] if state.axis == "speed" else _of_response(session, state))]
+    if state.angle != "rad":
+        words += ["--angle", state.angle]
+    words += ["--db"] * (state.decibels and state.axis == "frequency")
+    return subprocess.list2cmdline(words) if os.name == "nt" else shlex.join(words)
+
+
+def _of_response(session: Session, state: State) -> list[str]:
+    """What only a response has: an input, a band, a form."""
+    words = ["--input", state.input]
     if state.excitation and len(session.base.inputs) != 1:
         words += ["--excitation", state.excitation]
     if any(state.band):
         words += ["--from", f"{state.band[0]:g}", "--to", f"{state.band[1]:g}"]
     if state.quantity:
         words += ["--quantity", state.quantity]
-    if state.angle != "rad":
-        words += ["--angle", state.angle]
-    words += ["--db"] * state.decibels
-    return subprocess.list2cmdline(words) if os.name == "nt" else shlex.join(words)
+    return words

@@ -11,6 +11,7 @@ from typing import Any
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.choices import ResponseChoice, choices, default_pair
+from torsionnet.explore.over_speed import runs
 from torsionnet.explore.overlay import overlay_data
 from torsionnet.explore.state import State
 from torsionnet.loading import loads
@@ -41,6 +42,8 @@ class Session:
     start : State
     pairs : tuple of ResponseChoice
         Responses asked for by name.
+    over_speed : tuple of str
+        Outputs over speed asked for by name.
     overlay : FrequencyResponse, optional
         A test.
     overlay_name : str
@@ -54,6 +57,7 @@ class Session:
     base: Drivetrain
     start: State
     pairs: tuple[ResponseChoice, ...] = ()
+    over_speed: tuple[str, ...] = ()
     overlay: FrequencyResponse | None = None
     overlay_name: str = ""
     folder: Path | None = None
@@ -82,7 +86,7 @@ class Session:
         Of a state whose input is no sensor the excitation is empty.
         """
         output, into = state.output or self.start.output, state.input or self.start.input
-        offered = choices(self.base, self.pairs)
+        offered = choices(self.base, self.pairs, self.over_speed)
         if into not in offered["measured"]:
             return replace(state, output=output, input=into, excitation="")
         excitation = state.excitation or next(iter(offered["excitations"]))
@@ -99,7 +103,8 @@ class Session:
                 {"name": name, "description": own.description} for name, own in self.base.parameter_definitions.items()
             ],
             "axes": {axis: list(names) for axis, names in self.base.axes.items()},
-            "choices": choices(self.base, self.pairs),
+            "choices": choices(self.base, self.pairs, self.over_speed),
+            "runs": runs(self.base),
             "start": self.start.to_data(),
             "overlay": self.overlay_name,
         }
@@ -132,6 +137,7 @@ def open_session(
     band: tuple[float, float] | None = None,
     overlay: str | os.PathLike[str] | None = None,
     text: str | None = None,
+    over_speed: Sequence[str] = (),
 ) -> Session:
     """Read a model, and a test to lay over it.
 
@@ -150,6 +156,8 @@ def open_session(
         A file with a measured frequency response.
     text : str, optional
         The model itself, where no file holds it.
+    over_speed : sequence of str, optional
+        Outputs to offer over the speed of the running machinery; the page begins with the first one.
 
     Raises
     ------
@@ -172,8 +180,11 @@ def open_session(
     base.configured(configuration, **(settings or {}))  # refuses what is impossible before a page is opened
     first = pairs[0] if pairs else default_pair(base, test)
     start = State(choice, dict(settings or {}), first.output, first.input, band=band or _band(base))
+    if over_speed:
+        start = replace(start, axis="speed", output=over_speed[0])
+        base.order_response(list(over_speed))  # refuses a name that is none
     name = "" if overlay is None else Path(overlay).name
-    session = Session(str(model), path.name, text, base, start, tuple(pairs), test, name, folder)
+    session = Session(str(model), path.name, text, base, start, tuple(pairs), tuple(over_speed), test, name, folder)
     for pair in pairs:
         asked = session.completed(replace(start, output=pair.output, input=pair.input))
         base.frequency_response(asked.output, asked.input, [1.0], excitation=asked.excitation or None)

@@ -10,6 +10,7 @@ from typing import Any, TypeAlias
 from torsionnet.core.errors import did_you_mean
 from torsionnet.model.files.yaml_scalars import plain_value
 
+AXES = ("frequency", "speed")
 QUANTITIES = ("", "receptance", "mobility", "accelerance")
 ANGLES = ("rad", "deg")
 LONGEST = 200
@@ -43,6 +44,10 @@ class State:
         ``rad`` or ``deg``; only the command line takes it from here.
     decibels : bool
         Likewise.
+    axis : str
+        ``frequency``: a response; ``speed``: what running machinery does to the output, without an input.
+    rough : bool
+        Fewer speeds will do, as the next state is on its way.
     """
 
     choice: Mapping[str, str] = field(default_factory=dict)
@@ -54,6 +59,8 @@ class State:
     band: tuple[float, float] = (0.0, 0.0)
     angle: str = "rad"
     decibels: bool = False
+    axis: str = AXES[0]
+    rough: bool = False
 
     def to_data(self) -> dict[str, Any]:
         """The state as JSON holds it."""
@@ -80,15 +87,13 @@ def read_state(raw: Any) -> State:
         if key not in known:
             raise RequestError(f'"{str(key)[:LONGEST]}" is no part of a state{did_you_mean(str(key), known)}')
     given: dict[str, Any] = {
-        key: _text(raw, key) for key in ("output", "input", "excitation", "quantity", "angle") if key in raw
+        key: _text(raw, key) for key in ("axis", "output", "input", "excitation", "quantity", "angle") if key in raw
     }
     given |= {key: _table(raw, key) for key in ("choice", "values") if key in raw}
+    _known("axis", given.get("axis", AXES[0]), AXES)
     _known("quantity", given.get("quantity", ""), QUANTITIES)
     _known("angle", given.get("angle", ANGLES[0]), ANGLES)
-    if "decibels" in raw:
-        if not isinstance(raw["decibels"], bool):
-            raise RequestError("decibels is true or false")
-        given["decibels"] = raw["decibels"]
+    given |= {key: _flag(raw, key) for key in ("decibels", "rough") if key in raw}
     if "band" in raw:
         given["band"] = _band(raw["band"])
     return State(**given)
@@ -98,6 +103,12 @@ def _text(raw: Mapping[str, Any], key: str) -> str:
     if not isinstance(raw[key], str) or len(raw[key]) > LONGEST:
         raise RequestError(f"{key} is a text of at most {LONGEST} characters")
     return str(raw[key])
+
+
+def _flag(raw: Mapping[str, Any], key: str) -> bool:
+    if not isinstance(raw[key], bool):
+        raise RequestError(f"{key} is true or false")
+    return bool(raw[key])
 
 
 def _known(key: str, value: str, known: tuple[str, ...]) -> None:

@@ -12,6 +12,7 @@ from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import GROUND, Element, Law, Values
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
+from torsionnet.response.worst_response import WorstResponse
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,12 @@ def power_sensors(flows: Sequence[PowerFlow]) -> list[Sensor]:
 
 
 def mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
-    """W over speed, shape (n_speeds,), from a response that has these sensors among its outputs."""
+    """W over speed, shape (n_speeds,), from a response that has these sensors among its outputs.
+
+    Of several cases (a misfire of each cylinder) the largest; torque and motion have to be of one case.
+    """
+    if isinstance(run, WorstResponse) and run.alternatives:
+        return np.asarray(np.max([mean_power(case, flows) for case in run.alternatives.values()], axis=0))
     rates = replace(run, values=run.values * (2j * math.pi * run.frequencies)[:, :, None]).by_frequency()
     amplitudes = run.by_frequency()
     total = np.zeros(len(run.speeds))

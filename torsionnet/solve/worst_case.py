@@ -52,7 +52,7 @@ def contributions(
         if node in columns:
             column, sign = columns[node]
             values[number] = sign * gains[:, lines, :, column] * torque[:, :, None]
-    return Contributions(excitation, shares.labels, lines, values)
+    return Contributions(excitation, shares.labels, lines, values, shares.parts)
 
 
 def worst_case(
@@ -62,8 +62,12 @@ def worst_case(
     if not alternatives and not scatter:
         return nominal
     cases = _cases(nominal, alternatives)
-    largest = np.array([largest_amplitudes(case.values, scatter) for case in cases.values()]).max(axis=0)
-    found = {label: worst_combination(case, scatter) for label, case in cases.items()}
+    largest = np.zeros(nominal.values.shape)
+    found = {}
+    for label, (case, replaced) in cases.items():
+        free = [one.without(replaced) for one in scatter]
+        largest = np.maximum(largest, largest_amplitudes(case.values, free))
+        found[label] = worst_combination(case, free)
     chosen = np.argmax(np.array([case.half_range for case, _ in found.values()]), axis=0)
     values = _picked([case.values.swapaxes(1, 2) for case, _ in found.values()], chosen).swapaxes(1, 2)
     return WorstResponse(
@@ -87,8 +91,10 @@ def _named(one: Contributions, among: Sequence[Contributions]) -> list[str]:
     return [label if len(among) == 1 else f"{one.excitation}: {label}" for label in one.labels]
 
 
-def _cases(nominal: OrderResponse, alternatives: Sequence[Contributions]) -> dict[str, OrderResponse]:
-    """Every combination of one alternative of each excitation that has some."""
+def _cases(
+    nominal: OrderResponse, alternatives: Sequence[Contributions]
+) -> dict[str, tuple[OrderResponse, set[tuple[str, str]]]]:
+    """Every combination of one alternative of each excitation that has some, and the parts that these are of."""
     count = math.prod(len(one.labels) for one in alternatives)
     if count > MOST_CASES:
         names = " and ".join(one.excitation for one in alternatives)
@@ -99,7 +105,8 @@ def _cases(nominal: OrderResponse, alternatives: Sequence[Contributions]) -> dic
         values = nominal.values.copy()
         for one, (number, _) in zip(alternatives, choice, strict=True):
             values[:, one.lines] += one.values[number]
-        found[", ".join(label for _, label in choice)] = replace(nominal, values=values)
+        parts = {(one.excitation, one.parts[number]) for one, (number, _) in zip(alternatives, choice, strict=True)}
+        found[", ".join(label for _, label in choice)] = replace(nominal, values=values), parts
     return found
 
 

@@ -1,4 +1,4 @@
-// Ticks of frequency, magnitude and phase.
+// Ticks of frequency, speed, magnitude and phase.
 
 import { short } from "./numbers.js";
 
@@ -49,6 +49,11 @@ export function logRange(low, high) {
   };
   const range = [round(low, false), round(high, true)];
   return range[1] / range[0] < 10 ? [range[0] / 2, range[1] * 2] : range;
+}
+
+export function roundUp(value) {
+  const decade = 10 ** Math.floor(Math.log10(value));
+  return [1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10].map((factor) => factor * decade).find((one) => one >= value * 0.9999);
 }
 
 export function stepRange(low, high, step, least) {

@@ -1,4 +1,4 @@
-// Which response, in which form, over which frequencies.
+// What is shown, in which form, over which frequencies or speeds.
 
 import { plain } from "./numbers.js";
 
@@ -13,24 +13,32 @@ export function makeChooser(form, model, change) {
   );
   const angle = segments("Angle", [["deg", "deg"], ["rad", "rad"]], (value) => change({ angle: value }));
   const scale = segments("Magnitude", [["", "log"], ["db", "dB"]], (value) => change({ decibels: value === "db" }));
-  const band = makeBand(change);
+  const axis = segments("Over", [["frequency", "frequency"], ["speed", "speed"]], (value) => change({ axis: value }));
+  const band = makeEnds("Band", "frequency", "Hz", (ends) => change({ band: ends }));
+  const rpm = makeEnds("Speed", "speed", "r/min", (ends) => change({ rpm: ends }, { ask: false }));
   const over = document.createElement("span");
   over.className = "over";
   over.textContent = "over";
   over.setAttribute("aria-hidden", "true");
-  form.append(output.node, over, input.node, excitation.node, quantity.node, angle.node, scale.node, band.node);
+  if (model.runs) form.append(axis.node);
+  form.append(output.node, over, input.node, excitation.node, quantity.node, angle.node, scale.node, band.node, rpm.node);
   form.addEventListener("submit", (event) => event.preventDefault());
   return (state, answer) => {
+    const speed = state.axis === "speed";
+    for (const node of [over, input.node, scale.node, band.node]) node.hidden = speed;
+    rpm.node.hidden = !speed;
+    axis.fill(state.axis);
     output.control.value = state.output;
     input.control.value = state.input;
     const measured = model.choices.measured.includes(state.input);
-    excitation.node.hidden = !measured || model.choices.excitations.length < 2;
+    excitation.node.hidden = speed || !measured || model.choices.excitations.length < 2;
     if (answer) excitation.control.value = answer.excitation;
-    if (answer) quantity.node.hidden = !answer.response.is_motion;
+    if (speed || answer?.response) quantity.node.hidden = speed || !answer.response.is_motion;
     quantity.control.value = state.quantity;
     angle.fill(state.angle);
     scale.fill(state.decibels ? "db" : "");
     band.fill(state.band);
+    if (answer?.orders) rpm.fill(state.rpm ?? answer.orders.range);
   };
 }
 
@@ -86,31 +94,31 @@ export function segments(text, entries, choose) {
   };
 }
 
-function makeBand(change) {
-  const ends = ["Lowest frequency", "Highest frequency"].map((text) => {
+function makeEnds(title, what, unit, change) {
+  const ends = ["Lowest", "Highest"].map((text) => {
     const field = Object.assign(document.createElement("input"), { type: "text", inputMode: "decimal", className: "end" });
-    field.setAttribute("aria-label", `${text} in Hz`);
+    field.setAttribute("aria-label", `${text} ${what} in ${unit}`);
     return field;
   });
   const take = () => {
-    const band = ends.map((field) => Number(field.value));
-    const good = band[0] > 0 && band[1] > band[0] && Number.isFinite(band[1]);
+    const values = ends.map((field) => Number(field.value));
+    const good = values[0] > 0 && values[1] > values[0] && Number.isFinite(values[1]);
     ends.forEach((field) => field.toggleAttribute("aria-invalid", !good));
-    if (good) change({ band });
+    if (good) change(values);
   };
   ends.forEach((field) => field.addEventListener("change", take));
   const all = Object.assign(document.createElement("button"), { type: "button", className: "small", textContent: "fit" });
-  all.title = "The band of all modes; a double-click on a plot does the same, dragging in it zooms";
-  all.addEventListener("click", () => change({ band: null }));
+  all.title = `${what === "speed" ? "All speeds of the model" : "The band of all modes"}; a double-click on a plot does the same, dragging in it zooms`;
+  all.addEventListener("click", () => change(null));
   const node = document.createElement("fieldset");
   node.className = "band";
   const legend = document.createElement("legend");
-  legend.textContent = "Band [Hz]";
+  legend.textContent = `${title} [${unit}]`;
   const box = document.createElement("div");
   box.append(ends[0], "to", ends[1], all);
   node.append(legend, box);
-  const fill = (band) => ends.forEach((field, k) => {
-    if (document.activeElement !== field) field.value = plain(band[k], 4);
+  const fill = (values) => ends.forEach((field, k) => {
+    if (document.activeElement !== field) field.value = plain(values[k], 4);
   });
   return { node, fill };
 }

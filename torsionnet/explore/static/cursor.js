@@ -1,4 +1,4 @@
-// One cursor for both plots: by mouse through uPlot, by arrow keys here, and values of all curves where it stands.
+// One cursor for all plots: by mouse through uPlot, by arrow keys here, and values of all curves where it stands.
 
 const STEP = 4;
 const FAST = 10;
@@ -22,18 +22,17 @@ export function byKeys(place, plots, clear) {
   });
 }
 
-// [frequency, [[magnitude, phase], ...]] at the cursor, null where there is none.
+// [x, [[magnitude, phase], ...]] at the cursor, null where there is none; over speed there is no plot of a phase.
 export function valuesAt(plots) {
-  const [magnitude, phase] = plots;
+  const [magnitude] = plots;
   if (!magnitude || magnitude.cursor.left == null || magnitude.cursor.left < 0) return null;
-  const frequency = magnitude.posToVal(magnitude.cursor.left, "x");
-  const index = magnitude.posToIdx(magnitude.cursor.left);
-  return [frequency, valuesNear(magnitude, phase, index)];
+  const x = magnitude.posToVal(magnitude.cursor.left, "x");
+  return [x, valuesNear(plots, magnitude.posToIdx(magnitude.cursor.left))];
 }
 
-export function valuesNear(magnitude, phase, index) {
+export function valuesNear([magnitude, phase], index) {
   return magnitude.series.slice(1).map((_, k) => {
     const near = magnitude.cursor.dataIdx(magnitude, k + 1, index);
-    return [magnitude.data[k + 1][near], phase.data[k + 1][near]];
+    return [magnitude.data[k + 1][near], phase?.data[k + 1][near]];
   });
 }

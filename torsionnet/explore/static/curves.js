@@ -11,10 +11,10 @@ export function shownUnit(response, state) {
 
 export function curve(answer, state, index, more = {}) {
   const { response } = answer;
-  const scale = state.angle === "deg" ? response.scale : 1;
+  const scale = response.scales[state.angle];
   return {
     kind: "line",
-    frequencies: response.frequencies,
+    x: response.frequencies,
     magnitude: response.magnitude.map((value) => shown(value, scale, state)),
     phase: response.phase,
     colour: curveColour(index),
@@ -26,11 +26,11 @@ export function curve(answer, state, index, more = {}) {
 // A test has phases between -180 and 180 degrees; each dot goes to the turn in which the model is at that frequency.
 // Lines that cannot be trusted (coherence, resolution) come apart, and faint.
 export function dots(test, answer, state, doubtful) {
-  const scale = state.angle === "deg" ? answer.response.scale : 1;
+  const scale = answer.response.scales[state.angle];
   const lines = test.trusted.flatMap((good, k) => (good === doubtful ? [] : [k]));
   return {
     kind: "dots",
-    frequencies: lines.map((k) => test.frequencies[k]),
+    x: lines.map((k) => test.frequencies[k]),
     magnitude: lines.map((k) => shown(test.magnitude[k], scale, state)),
     phase: lines.map((k) => beside(test.phase[k], at(answer.response, test.frequencies[k]))),
     colour: colour("test"),
@@ -46,7 +46,7 @@ export function shown(value, scale, state) {
 
 export function summary(answer, state) {
   const { response } = answer;
-  const scale = state.angle === "deg" ? response.scale : 1;
+  const scale = response.scales[state.angle];
   const words = shownUnit(response, state);
   const high = response.peaks.filter((peak) => peak[1] !== null);
   const said = high.map(

@@ -1,20 +1,20 @@
 // The page: state in, question to the server, answer onto the screen.
 
 import { ask, newestOnly, underWay } from "./api.js";
-import { makeBode } from "./bode.js";
 import { makeChooser, segments } from "./chooser.js";
 import { byKeys, valuesAt, valuesNear } from "./cursor.js";
-import { curve, dots, shownUnit, summary } from "./curves.js";
 import { copy, save } from "./files.js";
+import { overFrequency } from "./frequency.js";
 import { drawModes } from "./modes.js";
-import { short, symbol } from "./numbers.js";
 import { makePins, pinned } from "./pins.js";
+import { makePlots } from "./plots.js";
 import { drawPoles } from "./poles.js";
 import { makeReadout } from "./readout.js";
 import { makeSliders } from "./sliders.js";
+import { overSpeed } from "./speed.js";
 import { canPin, fresh, question, read, write } from "./state.js";
 import { drawTabs } from "./tabs.js";
-import { apply, curveColour, DASHES, isDark, whenSystemChanges } from "./theme.js";
+import { apply, curveColour, isDark, whenSystemChanges } from "./theme.js";
 
 const QUIET = 500; // ms without change until the summary is read aloud and the address written
 const at = (id) => document.getElementById(id);
@@ -35,11 +35,10 @@ document.title = `${model.name} – torsionnet explore`;
 apply(state.theme);
 
 const pins = makePins(() => state, () => last && redraw());
-const bode = makeBode([at("magnitude"), at("phase")], {
+const plots = makePlots([at("magnitude"), at("phase")], {
   cursor: () => readValues(),
-  zoom: (band) => change({ band }),
-  widen: () => change({ band: null }),
-  drawn: () => {},
+  zoom: (ends) => zoom(ends),
+  widen: () => zoom(null),
 });
 const readout = makeReadout(at("curves").tBodies[0], at("at"), {
   remove: (pin) => change({ pins: state.pins.filter((one) => one !== pin) }, { ask: false }),
@@ -49,12 +48,12 @@ const readout = makeReadout(at("curves").tBodies[0], at("at"), {
   },
   toggleTest: () => change({ overlaid: !state.overlaid }, { ask: false }),
 });
-const fillChooser = makeChooser(at("chooser"), model, (part) => change(part));
+const fillChooser = makeChooser(at("chooser"), model, change);
 const which = segments("Modes of", [["drivetrain", "drivetrain"], ["cut", "cut"]], (of) => change({ of }, { ask: false }));
 at("which").append(which.node);
 const sliders = makeSliders(at("sliders"), model.parameters.map(bare), changeValue);
 const request = newestOnly("answer", show, (error) => refuse([error.message]));
-byKeys(at("magnitude"), bode.plots, () => bode.plots().forEach((plot) => plot.setCursor({ left: -10, top: -10 })));
+byKeys(at("magnitude"), plots.plots, () => plots.plots().forEach((plot) => plot.setCursor({ left: -10, top: -10 })));
 
 at("reset").addEventListener("click", () => change({ values: {} }));
 at("pin").addEventListener("click", pin);
@@ -82,6 +81,12 @@ function changeValue(name, value, time) {
   change({ values }, { time });
 }
 
+// All speeds have been calculated already, frequencies have not.
+function zoom(ends) {
+  if (state.axis === "speed") change({ rpm: ends }, { ask: false });
+  else change({ band: ends });
+}
+
 // Everything that happens comes through here. Without `ask` only the look changes.
 function change(part, { ask: asks = true, time = performance.now() } = {}) {
   const before = state.output + state.input + state.quantity;
@@ -93,7 +98,7 @@ function change(part, { ask: asks = true, time = performance.now() } = {}) {
   fillChooser(state, last?.answer);
   if (before !== state.output + state.input + state.quantity) test = null;
   if (last && (!asks || "angle" in part || "decibels" in part)) redraw(); // the numbers are here already
-  if (asks) request(question(state), time);
+  if (asks) request({ ...question(state), rough: true }, time);
   later();
 }
 
@@ -110,9 +115,11 @@ function show(answer, asked, time) {
   sliders.fault("");
   last = { answer, asked };
   sliders.fill(answer.parameters);
+  fillChooser(state, answer);
   redraw();
   finish(time);
-  if (model.overlay && !test) fetchTest();
+  if (!asked.rough) later();
+  if (model.overlay && answer.response && !test) fetchTest();
   pins.refresh();
 }
 
@@ -134,11 +141,14 @@ async function fetchTest() {
 
 function redraw(faint = false) {
   const { answer } = last;
-  const stale = faint || !at("refused").hidden;
-  const all = allCurves(answer, stale);
+  const all = allCurves(answer, faint || !at("refused").hidden);
+  const alone = Boolean(answer.orders);
   seen = all.filter((one) => !one.hidden);
-  const band = answer.band;
-  bode.draw(seen, { band, decibels: state.decibels, logFrequency: band[1] / band[0] >= 10, theme: isDark(state.theme) });
+  at("phase").hidden = at("phase-title").hidden = alone;
+  at("plots").classList.toggle("alone", alone);
+  at("curves").classList.toggle("no-phase", alone);
+  at("magnitude").setAttribute("aria-label", over(answer).cursor);
+  over(answer).draw(plots, seen, answer, state);
   readout.list([...seen, ...all.filter((one) => one.hidden)].filter((one) => !one.unlisted));
   readValues();
   words(answer);
@@ -147,32 +157,27 @@ function redraw(faint = false) {
   at("pin").disabled = !canPin(state);
 }
 
+function over(answer) {
+  return answer.orders ? overSpeed : overFrequency;
+}
+
 function allCurves(answer, faint) {
-  const now = { key: "now", name: "now", note: answer.title, faint };
-  const curves = [{ ...curve(answer, state, 0), ...now, dashes: [] }];
-  state.pins.forEach((one, k) => {
-    const found = pins.of(one, state);
-    const look = { key: `pin ${k} ${state.pins.length} ${one.name}`, name: one.name, pin: one, dashes: DASHES[(k + 1) % 7] };
-    if (found) curves.push({ ...curve(found, state, k + 1), ...look });
+  const now = { key: "now", note: answer.title, faint, dashes: [] };
+  const kept = state.pins.flatMap((pin, k) => {
+    const found = pins.of(pin, state);
+    const look = { key: `pin ${k} ${state.pins.length} ${pin.name}`, name: pin.name, pin };
+    return found && over(found) === over(answer) ? [{ answer: found, k: k + 1, ...look }] : [];
   });
-  if (test && test !== "none") {
-    const apart = answer.misfit;
-    const note = apart ? `apart by ${short(apart.decibels, 3)} dB, ${short(apart.degrees, 3)}° RMS; FRAC ${apart.frac.toFixed(4)}` : "";
-    const kind = { key: `test ${state.overlaid}`, name: model.overlay, note, hidden: !state.overlaid };
-    curves.push({ ...dots(test, answer, state, false), ...kind });
-    const rest = dots(test, answer, state, true);
-    if (rest.frequencies.length) curves.push({ ...rest, ...kind, key: `doubtful ${state.overlaid}`, name: "", unlisted: true });
-  }
-  return curves;
+  return over(answer).curves(answer, state, now, kept, test && test !== "none" ? { ...test, name: model.overlay } : null);
 }
 
 function words(answer) {
-  const words_ = shownUnit(answer.response, state);
-  title("magnitude-title", [`${answer.response.kind} `, symbol(state.output), " / ", symbol(state.input)], words_);
+  const view = over(answer);
+  title("magnitude-title", view.title(answer, state), view.unit(answer, state));
   title("phase-title", ["phase"], "deg");
-  at("summary").textContent = summary(answer, state);
-  const notes = [...answer.response.notes, ...answer.notes, ...answer.findings];
-  if (test === "none") notes.push(`${model.overlay} holds no ${answer.response.label}`);
+  at("summary").textContent = view.summary(answer, state);
+  const notes = [...view.notes(answer), ...answer.notes, ...answer.findings];
+  if (test === "none" && answer.response) notes.push(`${model.overlay} holds no ${answer.response.label}`);
   at("notes").textContent = notes.join(" · ");
   at("command").textContent = answer.command;
 }
@@ -201,21 +206,22 @@ function drawModal(answer) {
 // Without a cursor, the values at the largest peak.
 function readValues() {
   if (!last) return;
-  const plots = bode.plots();
-  if (plots.length < 2 || !plots[0].data[0]?.length) return;
-  const found = valuesAt(plots);
-  const peaks = last.answer.response.peaks;
-  const largest = peaks.reduce((best, one) => (best && (best[1] ?? Infinity) >= (one[1] ?? Infinity) ? best : one), null);
-  const frequency = found?.[0] ?? largest?.[0] ?? last.answer.band[0];
-  const values = found?.[1] ?? valuesNear(plots[0], plots[1], plots[0].valToIdx(frequency));
-  const shown = shownUnit(last.answer.response, state);
-  readout.values(frequency, shown, values, !found && Boolean(largest));
+  const drawn = plots.plots();
+  if (!drawn.length || !drawn[0].data[0]?.length) return;
+  const { answer } = last;
+  const view = over(answer);
+  const found = valuesAt(drawn);
+  const largest = view.start(answer, state);
+  const range = view.range(answer, state);
+  const x = found?.[0] ?? largest ?? range[0];
+  const values = found?.[1] ?? valuesNear(drawn, drawn[0].valToIdx(x));
+  const unit = view.unit(answer, state);
+  readout.values(`at ${view.text(x)}${!found && largest ? ` (${view.peak})` : ""} [${unit}]`, values);
   const slider = at("magnitude");
-  slider.setAttribute("aria-valuemin", last.answer.band[0]);
-  slider.setAttribute("aria-valuemax", last.answer.band[1]);
-  slider.setAttribute("aria-valuenow", frequency);
-  const [size, phase] = values[0] ?? [];
-  slider.setAttribute("aria-valuetext", `${short(frequency)} Hz: ${short(size)} ${shown}, ${short(phase, 3)} degrees`);
+  slider.setAttribute("aria-valuemin", range[0]);
+  slider.setAttribute("aria-valuemax", range[1]);
+  slider.setAttribute("aria-valuenow", x);
+  slider.setAttribute("aria-valuetext", `${view.text(x)}: ${view.said(values, unit, seen.map(({ name }) => name))}`);
 }
 
 function pin() {
@@ -239,6 +245,7 @@ function later() {
   clearTimeout(quiet);
   quiet = setTimeout(() => {
     write(state);
+    if (last?.answer.orders?.thinned) return request(question(state), performance.now()); // comes back here
     at("live").textContent = at("refused").hidden ? at("summary").textContent : "";
   }, QUIET);
 }

@@ -16,8 +16,9 @@ export function makePins(current, changed) {
   let running = false;
 
   function keyOf(pin, state) {
-    const { output, input, excitation, quantity, band } = state;
-    return JSON.stringify([pin.choice, pin.values, output, input, excitation, quantity, band]);
+    const { axis, output, input, excitation, quantity, band } = state;
+    const asked = axis === "speed" ? [] : [input, excitation, quantity, band];
+    return JSON.stringify([pin.choice, pin.values, axis, output, ...asked]);
   }
 
   // An answer that is out of date is still better than none until the new one is there.

@@ -1,7 +1,7 @@
 // Poles in the upper half plane, both axes in Hz, with rays of equal damping ratio. Real poles far to the left would
 // flatten everything: the map shows where vibrations are, and an arrow for what lies beyond.
 
-import { linearTicks } from "./axes.js";
+import { linearTicks, roundUp } from "./axes.js";
 import { short } from "./numbers.js";
 
 const WIDTH = 380;
@@ -36,13 +36,8 @@ function window_(poles) {
   const shown = vibrating.length ? vibrating : poles;
   const imag = Math.max(...shown.map((one) => one.imag), 0);
   const real = Math.min(...shown.map((one) => one.real), 0);
-  const high = round(1.12 * imag || 1);
-  return { imag: high, real: -round(1.2 * -real || 0.02 * high) };
-}
-
-function round(value) {
-  const decade = 10 ** Math.floor(Math.log10(value));
-  return [1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10].map((factor) => factor * decade).find((one) => one >= value * 0.9999);
+  const high = roundUp(1.12 * imag || 1);
+  return { imag: high, real: -roundUp(1.2 * -real || 0.02 * high) };
 }
 
 function grid(view, place) {

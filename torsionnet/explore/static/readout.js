@@ -14,8 +14,8 @@ export function makeReadout(body, head, actions) {
     rows.forEach((row, k) => fillRow(row, curves[k]));
   }
 
-  function values(frequency, unit, all, isPeak) {
-    head.textContent = `at ${short(frequency, 4)} Hz${isPeak ? " (peak)" : ""} [${unit}]`;
+  function values(where, all) {
+    head.textContent = where;
     rows.forEach((row, k) => {
       row.magnitude.textContent = short(all[k]?.[0]);
       row.phase.textContent = all[k]?.[1] == null ? "–" : `${all[k][1].toFixed(1).replace("-", "−")}°`;
@@ -57,7 +57,7 @@ function mark(curve) {
   const shape = document.createElementNS("http://www.w3.org/2000/svg", dotted ? "circle" : "line");
   const place = dotted ? { cx: 12, cy: 4, r: 3, fill: curve.colour } : { x1: 0, y1: 4, x2: 24, y2: 4, stroke: curve.colour };
   for (const [key, value] of Object.entries(place)) shape.setAttribute(key, value);
-  if (!dotted) shape.setAttribute("stroke-width", 2.5);
+  if (!dotted) shape.setAttribute("stroke-width", curve.width ?? 2.5);
   if (!dotted && curve.dashes?.length) shape.setAttribute("stroke-dasharray", curve.dashes.join(" "));
   return shape;
 }

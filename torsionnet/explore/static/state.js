@@ -1,17 +1,18 @@
 // What the page shows, as one object; the address carries it, so that reloading or sending it keeps everything.
 
-const TEXTS = { output: "out", input: "in", excitation: "by", quantity: "as", angle: "angle" };
+const TEXTS = { axis: "over", output: "out", input: "in", excitation: "by", quantity: "as", angle: "angle" };
+const AXES = ["frequency", "speed"];
 export const LOOKS = ["auto", "dark", "light"];
 const MOST_PINS = 6;
 
 export function fresh(model) {
-  return { ...structuredClone(model.start), pins: [], theme: "auto", overlaid: true, of: "drivetrain" };
+  return { ...structuredClone(model.start), rpm: null, pins: [], theme: "auto", overlaid: true, of: "drivetrain" };
 }
 
 // The part that the server is asked about.
 export function question(state) {
-  const { choice, values, output, input, excitation, quantity, band, angle, decibels } = state;
-  return { choice, values, output, input, excitation, quantity, band, angle, decibels };
+  const { choice, values, axis, output, input, excitation, quantity, band, angle, decibels } = state;
+  return { choice, values, axis, output, input, excitation, quantity, band, angle, decibels };
 }
 
 export function write(state) {
@@ -20,6 +21,7 @@ export function write(state) {
   for (const [name, value] of Object.entries(state.values)) words.append("set", `${name}=${value}`);
   for (const [key, word] of Object.entries(TEXTS)) if (state[key]) words.set(word, state[key]);
   words.set("band", state.band.join(" "));
+  if (state.rpm) words.set("rpm", state.rpm.join(" "));
   if (state.decibels) words.set("db", "1");
   if (state.theme !== "auto") words.set("theme", state.theme);
   if (!state.overlaid) words.set("test", "0");
@@ -36,6 +38,7 @@ export function read(model) {
   const chosen = pairs(words.getAll("c"));
   state.choice = known(chosen, (axis, name) => model.axes[axis]?.includes(name));
   state.values = known(pairs(words.getAll("set")), (name) => hasParameter(model, name));
+  if (model.runs && AXES.includes(words.get("over"))) state.axis = words.get("over");
   const outputs = names(model.choices.outputs);
   const inputs = names(model.choices.inputs);
   if (outputs.includes(words.get("out"))) state.output = words.get("out");
@@ -44,8 +47,8 @@ export function read(model) {
   if (["receptance", "mobility", "accelerance"].includes(words.get("as"))) state.quantity = words.get("as");
   if (words.get("angle") === "deg") state.angle = "deg";
   if (words.get("angle") === "rad") state.angle = "rad";
-  const band = (words.get("band") ?? "").split(" ").map(Number);
-  if (band.length === 2 && band[0] > 0 && band[1] > band[0]) state.band = band;
+  state.band = ends(words.get("band")) ?? state.band;
+  state.rpm = ends(words.get("rpm"));
   state.decibels = words.get("db") === "1";
   if (LOOKS.includes(words.get("theme"))) state.theme = words.get("theme");
   state.overlaid = words.get("test") !== "0";
@@ -81,6 +84,12 @@ function pairs(texts) {
 
 function known(table, test) {
   return Object.fromEntries(Object.entries(table).filter(([name, value]) => test(name, value)));
+}
+
+// Two numbers above 0, the lower one first, or null.
+function ends(text) {
+  const found = (text ?? "").split(" ").map(Number);
+  return found.length === 2 && found[0] > 0 && found[1] > found[0] && Number.isFinite(found[1]) ? found : null;
 }
 
 function names(groups) {

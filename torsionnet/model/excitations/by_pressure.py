@@ -67,7 +67,7 @@ def mean_pressure(raw: Any) -> float:
         raise EntryError(f"a mean indicated pressure has its unit, as 27 bar: {error}") from None
     if 0 < pressure < LEAST_PRESSURE:
         shown = f"{pressure:g} Pa ({pressure / 1e5:.2g} bar)"
-        raise EntryError(f"{shown} is no mean indicated pressure; a bare number is Pa, write {raw} bar")
+        raise EntryError(f"{shown} is no mean indicated pressure; a bare number is Pa, write {pressure:g} bar")
     return pressure
 
 

@@ -90,7 +90,8 @@ def _angles(engine: EngineEntries) -> Iterator[Fault]:
     phases, key = engine.firing_phases, "firing_angles" if engine.firing_angles else "firing_order"
     if not phases:
         text = "this order does not follow from banks that share crank pins, or follows in two ways"
-        yield Fault(f"{text}; give firing_angles", (key,), on_key=True)
+        hint = "do the banks stand in the direction of rotation? Else give firing_angles"
+        yield Fault(f"{text}; {hint}", (key,), on_key=True)
         return
     unlike = unlike_crank(phases, engine.numbers, engine.bank_places)
     if unlike:

@@ -24,9 +24,9 @@ def banked_phases(
 ) -> dict[int, float] | None:
     """The same for cylinders of several banks, of which those on one throw share its crank pin.
 
-    The cylinders of the bank at angle 0 fire evenly; one in another bank fires when the pin has turned to that bank, in
-    this revolution or the next, as the order says. Banks that do not share pins fire evenly all together. None where
-    the order cannot be had with these banks, or with either revolution.
+    All fire evenly if the pins allow that, as in a cross-plane V8. Else those of the bank at angle 0 do, and a cylinder
+    in another bank fires when its pin has turned to that bank, in this revolution or the next, as the order says. None
+    where the order cannot be had with these banks, or with either revolution.
 
     Parameters
     ----------
@@ -46,8 +46,9 @@ def banked_phases(
     >>> {one: round(math.degrees(at)) for one, at in banked_phases(order, 4 * math.pi, throws, places).items()}
     {1: 0, 4: 90, 2: 360, 3: 450}
     """
-    if not shares_pins(throws, places):
-        return even_phases(order, cycle)
+    evenly = even_phases(order, cycle)
+    if unlike_crank(evenly, throws, places) is None:
+        return evenly
     leading = even_phases([number for number in order if not places[number]], cycle)
     on_throw = {throws[number]: angle for number, angle in leading.items()}
     turns = [2 * math.pi * number for number in range(round(cycle / (2 * math.pi)))]

@@ -36,19 +36,14 @@ class TorqueShares:
         The node of each.
     amplitudes : (n_shares, n_speeds, n_orders) complex array
         N m, peak values.
+    parts : tuple of str
+        The part of the machine that each is of: a part that misfires does not scatter.
     """
 
     labels: tuple[str, ...]
     nodes: tuple[str, ...]
     amplitudes: ComplexArray
-
-    @classmethod
-    def of(cls, shares: Mapping[str, tuple[str, ComplexArray]]) -> TorqueShares | None:
-        """From node and torque by label; None where there are none."""
-        if not shares:
-            return None
-        nodes = tuple(node for node, _ in shares.values())
-        return cls(tuple(shares), nodes, np.array([torque for _, torque in shares.values()]))
+    parts: tuple[str, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,15 +76,6 @@ class OrderTorques:
     fixed: FloatArray | None = None
     alternatives: TorqueShares | None = None
     scatter: TorqueShares | None = None
-
-
-@dataclass(frozen=True)
-class CoveredSpeeds:
-    """What a table says about speeds: from ``low`` to ``high`` rad/s of the shaft of its excitation."""
-
-    path: Path
-    low: float
-    high: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,11 +119,6 @@ class OrderExcitation(Declared):
     def reactions(self) -> Mapping[str, str]:
         """Nodes that take the torque of another one, whose sense of turning counts for it then."""
         return {}
-
-    @property
-    def covered_speeds(self) -> tuple[CoveredSpeeds, ...]:
-        """Speeds that its tables cover."""
-        return ()
 
     def fitted(self, elements: Mapping[str, Element]) -> Self:
         """With what the elements it names know: a shaft, a number of teeth."""

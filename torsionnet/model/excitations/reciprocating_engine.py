@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -64,19 +65,28 @@ class ReciprocatingEngine(EngineEntries):
         found = np.zeros((len(speeds), len(orders), len(nodes)), dtype=complex)
         for number, node in self.numbers.items():
             found[:, :, nodes.index(node)] += moving * turned[number] + gas[number]
-        alternatives = {}
-        if self.misfire == EACH:
-            alternatives = {
-                f"misfire of cylinder {number}": (node, motored * turned[number] - gas[number])
-                for number, node in self.numbers.items()
-                if number not in self.gas_off
-            }
-        scatter = {}
-        if self.spread:
-            injected = [number for number in self.numbers if number not in (*self.gas_off, *self._without_injection)]
-            scatter = {f"cylinder {number}": (self.numbers[number], self.spread * gas[number]) for number in injected}
-        on_top, spread = TorqueShares.of(alternatives), TorqueShares.of(scatter)
-        return OrderTorques(orders, nodes, found, alternatives=on_top, scatter=spread)
+        without = {
+            number: motored * turned[number] - gas[number] for number in self.numbers if number not in self.gas_off
+        }
+        injected = [number for number in without if number not in self._without_injection]
+        return OrderTorques(
+            orders,
+            nodes,
+            found,
+            alternatives=self._shares("misfire of cylinder", without) if self.misfire == EACH else None,
+            scatter=self._shares("cylinder", {number: self.spread * gas[number] for number in injected})
+            if self.spread
+            else None,
+        )
+
+    def _shares(self, what: str, torques: Mapping[int, ComplexArray]) -> TorqueShares:
+        """Torques by cylinder that come on top."""
+        return TorqueShares(
+            tuple(f"{what} {number}" for number in torques),
+            tuple(self.numbers[number] for number in torques),
+            np.array(list(torques.values())).reshape(len(torques), -1, len(self.acting_orders)),
+            tuple(map(str, torques)),
+        )
 
     @property
     def _without_injection(self) -> tuple[int, ...]:

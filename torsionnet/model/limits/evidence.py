@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.model.power_flow import mean_power, power_flows
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import OrderResponse
+from torsionnet.response.worst_response import WorstResponse
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,14 +47,27 @@ class Evidence:
         return np.asarray(np.max([self.run.half_range[:, self._place(sensor)] for sensor in sensors], axis=0))
 
     def orders(self, sensors: Sequence[Sensor]) -> FloatArray:
-        """Amplitudes (n_speeds, n_lines), of every order the largest of the sensors."""
-        return np.asarray(np.max([np.abs(self.run.values[:, :, self._place(one)]) for one in sensors], axis=0))
+        """Amplitudes (n_speeds, n_lines), of every order the largest of the sensors and of all cases."""
+        sizes = self.run.largest if isinstance(self.run, WorstResponse) else np.abs(self.run.values)
+        return np.asarray(np.max([sizes[:, :, self._place(one)] for one in sensors], axis=0))
 
     def weighted_size(self, sensor: Sensor, weights: FloatArray) -> FloatArray:
-        """Half range of the sum with every line multiplied by a weight (n_speeds, n_lines)."""
-        place = self._place(sensor)
-        values = self.run.values[:, :, place : place + 1] * weights[:, :, None]
-        return replace(self.run, values=values, outputs=(self.run.outputs[place],)).half_range[:, 0]
+        """Half range of the sum of all lines times their weights (n_speeds, n_lines), the largest of all cases."""
+        place, found = self._place(sensor), []
+        for case in self._cases:
+            values = case.values[:, :, place : place + 1] * weights[:, :, None]
+            one = OrderResponse(case.speeds, case.reference, case.lines, values, (case.outputs[place],))
+            found.append(one.half_range[:, 0])
+        return np.asarray(np.max(found, axis=0))
+
+    @property
+    def _cases(self) -> tuple[OrderResponse, ...]:
+        several = self.run.alternatives if isinstance(self.run, WorstResponse) else {}
+        return tuple(several.values()) or (self.run,)
+
+    def worst_case(self, sensor: Sensor, at: int) -> str:
+        """Which case is worst for a sensor at a speed, by its place; empty where there is one case alone."""
+        return self.run.cases(str(sensor))[at] if isinstance(self.run, WorstResponse) else ""
 
     def mean(self, sensor: Sensor) -> FloatArray | None:
         """Mean value over speed; None where it is not known."""

@@ -125,10 +125,11 @@ class Limit(Declared):
         barred: tuple[SpeedSpan, ...],
         remarks: tuple[str, ...],
     ) -> LimitVerdict:
+        case = _worst_case(evidence, line, self.seen(evidence.subject)[0])
         return LimitVerdict(
             limit=name, of=self.of, criterion=line.criterion, quantity=line.quantity, unit=line.unit,
             values=line.values, allowed=line.allowed, verdict=verdict, text=self.text(evidence), barred=barred,
-            remarks=(*remarks, *line.remarks, *_coarse(evidence, line.values)), orders=line.orders,
+            remarks=(*remarks, *line.remarks, *case, *_coarse(evidence, line.values)), orders=line.orders,
         )  # fmt: skip
 
 
@@ -143,6 +144,14 @@ class LimitLine:
     allowed: FloatArray
     remarks: tuple[str, ...] = ()
     orders: FloatArray | None = None
+
+
+def _worst_case(evidence: Evidence, line: LimitLine, sensor: Sensor) -> tuple[str, ...]:
+    """A remark on the case, as the cylinder that misfires, which is worst at the worst speed."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = int(np.argmax(np.nan_to_num(line.values / line.allowed, nan=-1.0)))
+    case = evidence.worst_case(sensor, at)
+    return (f"worst at {evidence.run.rpm[at]:g} rpm: {case}",) if case else ()
 
 
 def _coarse(evidence: Evidence, values: FloatArray) -> tuple[str, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -20,7 +20,7 @@ from torsionnet.model.elements import Values
 from torsionnet.model.readings import section_modulus
 from torsionnet.solve.sensitivity.arranged import Arranged, law_stiffness_of
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
-from torsionnet.solve.sensitivity.dual import DUALS, value_of
+from torsionnet.solve.sensitivity.dual import DUALS, gradient_of
 from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
 from torsionnet.solve.starmesh import respond
 from torsionnet.solve.transfer import frequency_response
@@ -92,7 +92,8 @@ class ParametricResponse:
         kappa = law_stiffness_of(whole, omega)
         solved = respond(arranged.problem, kappa)
         y = arranged.values(solved.values, kappa.s)
-        found = self._quotient(y, arranged.slopes(solved.values, whole, kappa.by_law, kappa.s, omega))
+        dy = arranged.slopes(solved.values, whole, kappa.by_law, kappa.s, omega)
+        found = self._quotient(*self._stressed(y, dy, numbers))
         points = np.flatnonzero(solved.doubtful)
         if len(points) and np.isfinite(numbers).all():
             found.values[points] = self._settled(arranged, kappa.at(points), found.values[points], points, numbers)
@@ -101,19 +102,34 @@ class ParametricResponse:
         return found
 
     def _arranged(self, system: Augmented, numbers: Sequence[float]) -> Arranged:
-        """The problem for these rows; one for all values where no parameter moves a row or changes a section."""
+        """The problem for these rows; one for all values where no parameter moves a row."""
         slopes = (system.law_slopes, system.condition_slopes)
-        elements, names = dict(self.unknowns.definition.elements), self.drivetrain.inputs.items()
-        values = self.unknowns.values(numbers)
-        stressed = [elements[sensor.of] for sensor in self.sensors if sensor.quantity == "stress"]
-        sections = tuple(value_of(section_modulus(element, Values(values, DUALS))) for element in stressed)
-        key = (system.exact_laws, system.exact_conditions, *(part.tobytes() for part in slopes), sections)
+        key = (system.exact_laws, system.exact_conditions, *(part.tobytes() for part in slopes))
         if self._known and self._known[0][0] == key:
             return self._known[0][1]
+        elements, names = dict(self.unknowns.definition.elements), self.drivetrain.inputs.items()
         channels = {channel: name for name, channel in names}
-        arranged = Arranged(system, self.sensors, elements, values, self.loads, channels, self._nodes)
+        values = self.unknowns.values(numbers)
+        torques = [replace(one, quantity="torque") if one.quantity == "stress" else one for one in self.sensors]
+        arranged = Arranged(system, torques, elements, values, self.loads, channels, self._nodes)
         self._known[:] = [(key, arranged)]
         return arranged
+
+    def _stressed(
+        self, y: ComplexArray, dy: ComplexArray, numbers: Sequence[float]
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """Readings and their derivatives, with torques over section moduli where a stress is read.
+
+        The section is no law: it moves readings, and nothing in the equations.
+        """
+        values = Values(self.unknowns.values(numbers), DUALS)
+        for place, sensor in enumerate(self.sensors):
+            if sensor.quantity == "stress":
+                factor = 1 / section_modulus(self.unknowns.definition.elements[sensor.of], values)
+                moved = gradient_of(factor, dy.shape[-1])
+                dy[:, place] = float(factor) * dy[:, place] + y[:, place, :, None] * moved
+                y[:, place] *= float(factor)
+        return y, dy
 
     def _given(self, numbers: Sequence[float]) -> str:
         return ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.names, numbers, strict=True))
@@ -131,7 +147,7 @@ class ParametricResponse:
         def evaluate(some: LawStiffness, turned: bool) -> ComplexArray:
             problem = arranged.problem.otherwise if turned else arranged.problem
             y = arranged.values(respond(problem, some).values, kappa.s)
-            return self._quotient(y, np.zeros((*y.shape, 0))).values
+            return self._quotient(*self._stressed(y, np.zeros((*y.shape, len(numbers)), dtype=complex), numbers)).values
 
         poor = (expected_errors(evaluate, kappa, values) > ENOUGH).any(axis=(1, 2))
         if poor.any():

@@ -1,0 +1,91 @@
+// Over speed: the half range of all orders, thick, and the largest orders below it.
+
+import { short, symbol, unit } from "./numbers.js";
+import { speedPanels } from "./speed_axes.js";
+import { curveColour, DASHES, isDark } from "./theme.js";
+
+const THICK = 3.2;
+const THIN = 1.5;
+const COLOURS = [4, 3, 2, 6, 5]; // of the orders; pins take theirs from the other end
+const SINGLE = 0.05; // share of a single speed that is shown to either side of it
+
+let places = []; // which order has which colour, so that none changes it while a slider moves
+
+export const overSpeed = {
+  cursor: "Speed cursor",
+  peak: "largest",
+  text: (rpm) => `${short(rpm)} r/min`,
+  unit: unitOf,
+  summary,
+  range,
+  curves,
+  draw(plots, seen, answer, state) {
+    const { reference, rated } = answer.orders;
+    const form = { range: range(answer, state), reference, rated, theme: isDark(state.theme) };
+    plots.draw(seen, speedPanels(form), form);
+  },
+  title: ({ orders }) => [symbol(orders.output), orders.count > orders.orders.length ? ": all orders and the largest" : ": all orders"],
+  notes: () => [],
+  start: (answer, state) => largest(answer.orders.rpm, answer.orders.half_range, range(answer, state))[0],
+  said: (all, inUnit, names) => all.map(([size], k) => `${names[k]} ${short(size)} ${inUnit}`).join(", "),
+};
+
+function unitOf({ orders }, state) {
+  return unit(orders.units[state.angle]);
+}
+
+function range({ orders }, state) {
+  const [low, high] = state.rpm ?? orders.range;
+  return low < high ? [low, high] : [low * (1 - SINGLE), high * (1 + SINGLE)];
+}
+
+function curves(answer, state, now, pinned) {
+  const { orders } = answer;
+  const found = [{ ...half(answer, state, 0), ...now, name: orders.total }];
+  for (const { name, magnitude } of placed(orders.orders)) {
+    const look = { colour: curveColour(COLOURS[places.indexOf(name)]), dash: 0, width: THIN, faint: now.faint };
+    found.push({ ...line(orders, magnitude, state), ...look, key: `order ${name}`, name });
+  }
+  pinned.forEach(({ answer: other, k, ...look }) => found.push({ ...half(other, state, k), ...look, dashes: DASHES[k % 7] }));
+  return found;
+}
+
+function half({ orders }, state, index) {
+  const look = { colour: curveColour(index), dash: index % 7, width: index ? THICK * 0.7 : THICK };
+  return { ...line(orders, orders.half_range, state), ...look };
+}
+
+function line(orders, values, state) {
+  const scale = orders.scales[state.angle];
+  return { kind: "line", x: orders.rpm, magnitude: values.map((value) => (value === null ? null : value * scale)) };
+}
+
+// In the order of their colours; an order that comes in takes the place of one that has gone.
+function placed(orders) {
+  const names = orders.map(({ name }) => name);
+  places = COLOURS.map((_, k) => (names.includes(places[k]) ? places[k] : ""));
+  for (const name of names) if (!places.includes(name)) places[places.indexOf("")] = name;
+  return places.filter(Boolean).map((name) => orders.find((one) => one.name === name));
+}
+
+// [r/min, size] where a curve is largest, among the speeds in a range.
+function largest(rpm, values, [low, high] = [0, Infinity]) {
+  const inside = rpm.flatMap((one, k) => (one >= low && one <= high && values[k] !== null ? [k] : []));
+  const at = inside.reduce((best, k) => (values[k] > (values[best] ?? -1) ? k : best), -1);
+  return [rpm[at], values[at]];
+}
+
+function summary({ orders }, state) {
+  const words = unitOf({ orders }, state);
+  const said = ([rpm, value]) => `${short(value * orders.scales[state.angle])} ${words} at ${short(rpm)} r/min`;
+  const parts = [`${orders.total}, at most ${said(largest(orders.rpm, orders.half_range))}`, ...atRated(orders, said)];
+  for (const { name, magnitude } of orders.orders) parts.push(`${name}, at most ${said(largest(orders.rpm, magnitude))}`);
+  return `${orders.output}: ${parts.join("; ")}.`;
+}
+
+// At the calculated speed next to the rated one, if that is among them.
+function atRated({ rpm, range: [low, high], rated, half_range: values }, said) {
+  if (rated === null || rated < low || rated > high) return [];
+  const at = rpm.reduce((best, one, k) => (Math.abs(one - rated) < Math.abs(rpm[best] - rated) ? k : best), 0);
+  return [`${said([rpm[at], values[at]])}, rated speed`];
+}
