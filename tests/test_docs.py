@@ -27,6 +27,8 @@ PAGES = [DOCS / f"{name}.md" for name in OWN] + sorted((DOCS / "how_to").glob("*
 PRINTED = ["fit_speed", "trust_a_fit"]
 """Pages whose blocks of text are what their programs print."""
 LONG = {
+    "compressor",
+    "marine",
     "identify_parameters",
     "identify_modes",
     "report",

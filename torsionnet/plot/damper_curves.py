@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -16,6 +18,9 @@ HIGHEST, LOWEST = 3.0, 300.0
 """Of the largest level as given or best: curves leave the panel above and below."""
 WIDE = 3.0
 """Ranges whose ends have a larger ratio are logarithmic."""
+
+
+MARK: dict[str, Any] = {"markersize": 6, "zorder": 5, "clip_on": False}
 
 
 def damper_design(found: DamperOptimum, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
@@ -53,7 +58,7 @@ def _draw_levels(axes: Axes, found: DamperOptimum, scale: float, unit: str) -> N
     for label, mark, points in (("maximum", "o", found.peaks), ("all films meet", "x", found.fixed_points)):
         if points:
             sizes = [one.level * scale for one in points]
-            axes.plot([one.point for one in points], sizes, mark, color=style.INK, markersize=6, label=label, zorder=5)
+            axes.plot([one.point for one in points], sizes, mark, color=style.INK, label=label, **MARK)
     top = max(found.before.level, found.after.level) * scale
     lowest = min(curve.levels.min() for curve in found.curves[:2]) * scale
     low, high = max(0.8 * lowest, top / LOWEST), HIGHEST * top
@@ -77,7 +82,7 @@ def _draw_effect(axes: Axes, found: DamperOptimum, number: int, scale: float) ->
     one = found.parameters[number]
     values, sizes = found.effects[one.name].T
     axes.plot(values, sizes * scale, color=style.INK, linewidth=1.6)
-    axes.plot([one.value], [found.after.level * scale], "o", color=style.INK, markersize=6)
+    axes.plot([one.value], [found.after.level * scale], "o", color=style.INK, **MARK)
     if one.lower <= one.start <= one.upper:
         axes.axvline(one.start, label="as given", **style.line_style(0))
     if one.lower > 0 and one.upper > WIDE * one.lower:
