@@ -42,13 +42,16 @@ SAME_THING = {
     "a command, what it calls and what shows its result": {
         "bench",
         "comparison",
+        "critical_speeds",
         "equations",
         "excitations",
         "fit",
         "fits",
+        "holzer",
         "identify_modes",
         "kinematics",
         "library",
+        "limit_check",
         "mean_response",
         "modes",
         "order_response",
@@ -59,6 +62,7 @@ SAME_THING = {
         "simplified",
         "spectrogram",
         "stabilisation",
+        "static_state",
     },
 }
 

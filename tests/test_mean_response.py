@@ -1,7 +1,10 @@
 """Mean torques under a load: closed forms, and what a user may write wrong."""
 
+import re
+
 import numpy as np
 import pytest
+from test_cli import run
 
 import torsionnet as tn
 
@@ -120,6 +123,49 @@ class TestAgainstClosedForms:
     def test_the_operating_point_follows_the_load(self):
         rig = ship(LOAD + "\noperating_point: {speed: {fly: 375 rpm}}")
         assert rig.mean_torques["prop"] == pytest.approx(3e6 / (750 * RPM / 4.94) / 4)
+
+    def test_what_rounding_leaves_is_nothing(self):
+        assert ship().mean_response("torque(crank)", [750 * RPM]).values.tolist() == [[0.0]]
+
+
+class TestEveryElement:
+    def test_torque_stress_and_power(self):
+        state = ship().static_state()
+        torque = 3e6 / (750 * RPM / 4.94)
+        tail = state.of("prop_shaft")
+        assert (tail.torque, tail.power) == pytest.approx((-torque, 3e6))
+        assert abs(tail.stress) == pytest.approx(23.4e6, rel=1e-3)
+        assert tail.speed == pytest.approx(-750 * RPM / 4.94)
+        assert [one.port for one in state.loads if one.element == "mesh"] == ["pin", "wheel"]
+        assert {one.element for one in state.loads}.isdisjoint({"m1", "prop_damp"})
+
+    def test_what_is_statically_indeterminate_is_said(self):
+        """Two rigid paths side by side: nothing tells what each of them carries."""
+        elements = [
+            tn.Inertia("a", node="a", inertia=1), tn.Inertia("b", node="b", inertia=1),
+            tn.RigidCoupling("one", nodes=("a", "b")), tn.RigidCoupling("two", nodes=("a", "b")),
+        ]  # fmt: skip
+        load = {"absorbed_at": "b", "torque": 4, "torque_exponent": 0, "driven_by": {"a": 1}}
+        state = tn.Drivetrain(
+            "double", elements, speeds={"of": "a", "list": [10], "rated": 10}, load=load
+        ).static_state()
+        assert state.of("one").torque is None
+        assert "statically indeterminate" in state.table().to_text()
+
+    def test_command(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "ship.yaml").write_text(
+            MARINE.format(rest=LOAD + "\nconfigurations: {load: {half: {load.power: 1.5 MW}}}")
+        )
+        shown = run("static", "ship.yaml").stdout
+        assert re.search(r"^prop_shaft +wheel +-151.822 +-188694 +\S+ +-23.403 +3000$", shown, re.MULTILINE)
+        assert "fly at 750 rpm; from outside: prop 188694 N*m, fly 38197.2 N*m" in shown
+        run("static", "ship.yaml", "-c", "half", "--speed", "375 rpm", "--csv", "static.csv")
+        lines = [
+            line for line in (tmp_path / "static.csv").read_text().splitlines() if line.startswith("half,prop_shaft")
+        ]
+        assert float(lines[0].split(",")[4]) == pytest.approx(-188694 / 8, rel=1e-5)
+        assert "Hz counts cycles" in run("static", "ship.yaml", "--speed", "1 Hz", code=2).stderr
 
 
 class TestConfigurations:

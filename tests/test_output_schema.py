@@ -25,6 +25,7 @@ def folder(tmp_path_factory):
         patch.chdir(folder)
         Path("rig.yaml").write_text(RIG)
         Path("plant.yaml").write_text(PLANT)
+        Path("driven.yaml").write_text(PLANT + DRIVEN)
         Path("fit.yaml").write_text(FIT)
         test = FIT.replace("record: run_soft.npz", "response: test.csv").replace(
             "input: T_set, model_input: T", "input: T"
@@ -38,6 +39,7 @@ def folder(tmp_path_factory):
         yield folder
 
 
+DRIVEN = "load: {absorbed_at: f, torque: 100 N*m, torque_exponent: 2, rated: 900 rpm, driven_by: {m: 1}}"
 CALLS = {
     "check": ["check dmf_rig broken.yaml"],
     "library": ["library"],
@@ -49,6 +51,16 @@ CALLS = {
     "sensitivity": ["sensitivity dmf_rig"],
     "equations": ["equations dmf_rig", "equations dmf_rig --tf theta_1/T_M --simplify 1% --band 0.5 20"],
     "orders": ["orders plant.yaml --output f", "orders plant.yaml -c all --output m"],
+    "critical-speeds": [
+        "critical-speeds plant.yaml",
+        "critical-speeds plant.yaml -c all --margin api618 --output f --line-frequency 50",
+    ],
+    "holzer": ["holzer plant.yaml --mode 1", "holzer marine_steam_turbine --at 3"],
+    "static": ["static driven.yaml", "static driven.yaml -c all --speed 300rpm"],
+    "damper": [
+        "damper plant.yaml --vary shaft.damping=0.01..10 --output f",
+        "damper dmf_rig --vary c_2 --output theta_1 --input T_T --from 1 --to 30",
+    ],
     "show": ["show dmf_rig", "show dmf_rig --equations --matrices"],
     "estimate": ["estimate run_soft.npz --output phi --input M"],
     "compare": ["compare run_soft.npz rig.yaml -c soft --output phi --input M"],

@@ -18,10 +18,16 @@ if TYPE_CHECKING:
 
     from torsionnet.model.channels import Sensor
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
+    from torsionnet.response.critical_speeds import CriticalSpeeds
     from torsionnet.response.damper_optimum import DamperOptimum
+    from torsionnet.response.dissipated_power import DissipatedPower
+    from torsionnet.response.holzer_table import HolzerTable
+    from torsionnet.response.limit_check import LimitCheck
+    from torsionnet.response.margin_rules import MarginRule
     from torsionnet.response.mean_response import MeanResponse
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.response.recording import Recording
+    from torsionnet.response.static_state import StaticState
     from torsionnet.solve.grid import Adaptive
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
@@ -250,8 +256,8 @@ class Drivetrain(AssembledModel):
         output : str or Sensor
             What is to be small, as for :meth:`frequency_response`.
         parameters : str, sequence of str, or mapping
-            Names of parameters or ``element.field``, with (lower, upper) bounds in SI or with units if a mapping. Bounds
-            not given are those of the model, else a tenth to ten times the value.
+            Names of parameters or ``element.field``; in a mapping with (lower, upper) bounds in SI or with units. Those
+            not given are the bounds in the model, else a tenth to ten times the value.
         input : str or Sensor, optional
             The largest magnitude of output over input within ``band`` is made small. Without it the largest half range
             of all orders over ``speeds``, under the model's excitations.
@@ -272,7 +278,7 @@ class Drivetrain(AssembledModel):
         ...     tn.Spring("shaft", nodes=("a", "ground"), stiffness=8e4),
         ...     tn.ViscousDamper("damper", node="a", ring_inertia=1, damping=100)])
         >>> found = crank.damper_design("a", {"damper.damping": (20, 2000)}, input="a")
-        >>> round(found.values["damper.damping"] / (2 * 1 * 200), 4)  # Den Hartog: 1/sqrt(2 (1 + mu) (2 + mu)), mu = 1/2
+        >>> round(found.values["damper.damping"] / (2 * 1 * 200), 4)  # Den Hartog: sqrt(2/15)
         0.3651
         """
         from torsionnet.solve.design import damper_design
@@ -287,6 +293,219 @@ class Drivetrain(AssembledModel):
             speed_of=speed_of,
             excitations=excitations,
         )
+
+    def critical_speeds(
+        self,
+        outputs: Channels = (),
+        *,
+        speeds: ArrayLike | None = None,
+        speed_of: str | None = None,
+        excitations: Iterable[str] | None = None,
+        margin: str | float | MarginRule | None = None,
+        reach: float = 0.25,
+        lowest: int | None = None,
+        line_frequency: float | None = None,
+        dampers: str = "as_modelled",
+        damper_names: Iterable[str] | None = None,
+    ) -> CriticalSpeeds:
+        """Where orders of what runs meet natural frequencies, with and without damping, and what is excited there.
+
+        Parameters
+        ----------
+        outputs : str, Sensor or sequence of these, optional
+            Also the speeds at which the orders of these are largest.
+        speeds : array, optional
+            rad/s; the lowest and the highest bound the operating range. Default: those of the model.
+        speed_of : str, optional
+            The node they belong to; default: that of the model.
+        excitations : iterable of str, optional
+            Which of the model's excitations count; default: all.
+        margin : str, float or MarginRule, optional
+            A preset (``"api610"``, ``"api617"``, ``"api618"``, ``"api684"``, ``"line_frequency"``), or a share as 0.1.
+        reach : float
+            Critical speeds are listed up to this share outside the operating range.
+        lowest : int, optional
+            Only the lowest so many modes.
+        line_frequency : float, optional
+            Hz; once and twice of it are compared with the natural frequencies, too.
+        dampers : str
+            ``"as_modelled"``, or the rings of viscous dampers ``"free"``, ``"locked"``, or by ``"half"``.
+        damper_names : iterable of str, optional
+            Which dampers, or films between a hub and a ring; default: all elements of type viscous_damper.
+
+        Raises
+        ------
+        UsageError
+            Unknown names, no excitations or speeds, or a shaft without a fixed ratio to the reference.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+        ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+        >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["500 rpm", "700 rpm"]},
+        ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
+        >>> [(one.mode.number, one.order, one.generalised_force) for one in fan.critical_speeds().crossings]
+        [(1, 2.0, 10.0)]
+        """
+        from torsionnet.solve.critical_speeds import critical_speeds
+
+        return critical_speeds(
+            self,
+            outputs,
+            speeds=speeds,
+            speed_of=speed_of,
+            excitations=excitations,
+            margin=margin,
+            reach=reach,
+            lowest=lowest,
+            line_frequency=line_frequency,
+            dampers=dampers,
+            damper_names=damper_names,
+        )
+
+    def holzer_table(
+        self,
+        mode: int | None = None,
+        *,
+        at: float | None = None,
+        first: str | None = None,
+        amplitude: float = 1.0,
+        referred_to: str | None = None,
+    ) -> HolzerTable:
+        """Amplitudes, inertia torques, sums of torque and twists station by station, without damping.
+
+        Parameters
+        ----------
+        mode : int, optional
+            Number of an undamped mode; 1 is the lowest vibration, rigid bodies do not count.
+        at : float, optional
+            Instead, a trial frequency in Hz: a torque remains at the last station.
+        first : str, optional
+            The station to begin with; default: the first free end of the model.
+        amplitude : float
+            rad at the first station.
+        referred_to : str, optional
+            Node of the shaft that referred quantities belong to; default: the first station.
+
+        Raises
+        ------
+        UsageError
+            No such mode or node, or not one of mode and trial frequency.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+        ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+        >>> fan = tn.Drivetrain("fan", elements)  # at 10 rad/s: 200 N m twist the shaft by 0.02 rad
+        >>> round(fan.holzer_table(at=10 / 6.283185307179586).remainder, 9)
+        298.0
+        """
+        from torsionnet.solve.holzer import holzer_table
+
+        return holzer_table(self, mode, at=at, first=first, amplitude=amplitude, referred_to=referred_to)
+
+    def static_state(self, speed: float | None = None) -> StaticState:
+        """Mean torque, twist, nominal shear stress and power of every element at one speed.
+
+        Parameters
+        ----------
+        speed : float, optional
+            rad/s, of the node of the model's ``speeds:``; default: that of the operating point, else the rated one.
+
+        Raises
+        ------
+        UsageError
+            As for :meth:`mean_response`.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("engine", node="e", inertia=2), tn.Inertia("screw", node="p", inertia=1),
+        ...     tn.Shaft("shaft", nodes=("e", "p"), outer_diameter="50 mm", length="2 m")]
+        >>> boat = tn.Drivetrain("boat", elements, speeds={"of": "e", "list": [100], "rated": 100},
+        ...     load={"absorbed_at": "p", "power": "100 kW", "torque_exponent": 2, "driven_by": {"e": 1}})
+        >>> shaft = boat.static_state().of("shaft")
+        >>> round(shaft.torque, 6), round(shaft.stress / 1e6, 3)
+        (1000.0, 40.744)
+        """
+        from torsionnet.solve.static_state import static_state
+
+        return static_state(self, speed)
+
+    def dissipated_power(
+        self,
+        elements: str | Iterable[str],
+        *,
+        speeds: ArrayLike | None = None,
+        speed_of: str | None = None,
+        excitations: Iterable[str] | None = None,
+    ) -> DissipatedPower:
+        """Mean power that vibration turns into heat in elements, over speed.
+
+        P = sum over frequencies of Re(T conj(dgamma/dt))/2: orders of one frequency are added as complex amplitudes
+        first. T is the whole torque of the element, with its elastic and its damping part. Heat of a steady slip
+        (a damper to ground in a turning machine) is not in it.
+
+        Parameters
+        ----------
+        elements : str or iterable of str
+            Springs, dampers, shafts, viscous dampers, compliant gears, ...
+        speeds, speed_of, excitations
+            As for :meth:`order_response`.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2),
+        ...     tn.HystereticSpring("rubber", nodes=("a", "ground"), stiffness=1e4, loss_factor=0.2)]
+        >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["600 rpm"]},
+        ...     excitations={"blades": {"type": "harmonic", "node": "a", "orders": {1: {"amplitude": "10 N*m"}}}})
+        >>> twist = abs(fan.order_response("twist(rubber)").values[0, 0, 0])
+        >>> w = 600 * 6.283185307179586 / 60
+        >>> bool(abs(fan.dissipated_power("rubber").values[0, 0] - w * 0.2 * 1e4 * twist**2 / 2) < 1e-12)
+        True
+        """
+        from torsionnet.solve.dissipation import dissipated_power
+
+        return dissipated_power(self, elements, speeds=speeds, speed_of=speed_of, excitations=excitations)
+
+    def check_limits(
+        self,
+        limits: str | Iterable[str] | None = None,
+        *,
+        speeds: ArrayLike | None = None,
+        excitations: Iterable[str] | None = None,
+    ) -> LimitCheck:
+        """Whether elements bear what running machinery does to them: a verdict on every limit, and barred ranges.
+
+        Parameters
+        ----------
+        limits : str or iterable of str, optional
+            Names of limits of the model; default: all.
+        speeds, excitations
+            As for :meth:`order_response`.
+
+        Raises
+        ------
+        UsageError
+            The model has no limits, speeds or excitations, or unknown names.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+        ...     tn.Shaft("shaft", nodes=("a", "b"), outer_diameter="20 mm", length=1)]
+        >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["600 rpm"]},
+        ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}},
+        ...     limits={"shaft": {"rule": "curve", "output": "stress(shaft)", "value": "40 MPa", "source": "maker"}})
+        >>> fan.check_limits().of("shaft").verdict
+        'pass'
+        """
+        from torsionnet.solve.limit_check import check_limits
+
+        return check_limits(self, limits, speeds=speeds, excitations=excitations)
 
     def simulate(self, outputs: Channels, inputs: Mapping[str, ArrayLike], sampling_rate: float) -> Recording:
         """Motion over time from rest, exact for torques that run straight from sample to sample.

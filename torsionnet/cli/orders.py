@@ -80,6 +80,7 @@ def _as_data(case: ConfiguredCase, run: OrderResponse) -> dict[str, Any]:
                     {
                         "excitation": line.excitation,
                         "order": line.order,
+                        "fixed_Hz": line.fixed,
                         "of_reference": float(line.relative),
                         "real": run.values[:, number, place].real.tolist(),
                         "imag": run.values[:, number, place].imag.tolist(),

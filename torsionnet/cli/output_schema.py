@@ -128,6 +128,37 @@ RANKED = record(
 )
 COMPARED = record(name=TEXT, unit=TEXT, frequencies_Hz=NUMBERS, misfit=NUMBER, measured=ROWS, fitted=ROWS)
 
+CROSSING = record(
+    mode=COUNT,
+    excitation=TEXT,
+    order=NUMBER,
+    fixed_Hz=NUMBER,
+    of_reference=NUMBER,
+    undamped_rad_per_s=NUMBER,
+    natural_rad_per_s=NUMBER,
+    damped_rad_per_s=NUMBER,
+    margin=NUMBER,
+    required=NUMBER,
+    generalised_force_Nm=NUMBER,
+    relative_force=NUMBER,
+    excited={"type": ["boolean", "null"], "description": "null where nothing says what acts"},
+    excited_in=TEXTS,
+    peaks=listed(record(output=TEXT, rad_per_s=NUMBER, amplitude=NUMBER)),
+    star=listed(record(label=TEXT, node=TEXT, vector=COMPLEX)),
+)
+STATION = record(
+    node=TEXT,
+    ratio=NUMBER,
+    inertia=NUMBER,
+    amplitude=NUMBER,
+    inertia_torque=NUMBER,
+    joined=NUMBER,
+    torque=NUMBER,
+    link=or_null(record(elements=TEXTS, rigid=YES_OR_NO, stiffness=NUMBER, twist=NUMBER, stress=NUMBER)),
+)
+
+AT_LEVEL = record(at=NUMBER, level=NUMBER)
+
 OUTPUTS: dict[str, Schema] = {
     "check": listed(record(model=TEXT, errors=COUNT, faults=listed(FAULT))),
     "library": listed(record(name=TEXT, what=TEXT, source=TEXT, file=TEXT)),
@@ -202,10 +233,96 @@ OUTPUTS: dict[str, Schema] = {
                     half_range=NUMBERS,
                     rms=NUMBERS,
                     orders=listed(
-                        record(excitation=TEXT, order=NUMBER, of_reference=NUMBER, real=NUMBERS, imag=NUMBERS)
+                        record(
+                            excitation=TEXT,
+                            order=NUMBER,
+                            fixed_Hz=NUMBER,
+                            of_reference=NUMBER,
+                            real=NUMBERS,
+                            imag=NUMBERS,
+                        )
                     ),
                 )
             ),
+        )
+    ),
+    "critical-speeds": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            speed_of=TEXT,
+            speed_range_rad_per_s=PAIR,
+            margin_rule=text_or_nothing(),
+            modes=listed(
+                record(
+                    mode=COUNT,
+                    undamped_natural_frequency_Hz=NUMBER,
+                    natural_frequency_Hz=NUMBER,
+                    damped_frequency_Hz=NUMBER,
+                    damping_ratio=NUMBER,
+                    amplification=NUMBER,
+                    similarity=NUMBER,
+                    shape=by_name(COMPLEX),
+                )
+            ),
+            crossings=listed(CROSSING),
+        )
+    ),
+    "holzer": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            mode={"type": ["integer", "null"], "description": "null for a trial frequency"},
+            frequency_Hz=NUMBER,
+            referred_to=TEXT,
+            remainder_Nm=NUMBER,
+            relative_remainder=NUMBER,
+            notes=TEXTS,
+            branches=listed(record(joins=text_or_nothing(), stations=listed(STATION))),
+        )
+    ),
+    "static": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            speed_of=TEXT,
+            speed_rpm=NUMBER,
+            external=listed(record(node=TEXT, torque=NUMBER)),
+            elements=listed(
+                record(
+                    element=TEXT,
+                    port=TEXT,
+                    **dict.fromkeys(("speed", "torque", "twist", "stress", "power"), or_null(NUMBER)),
+                )
+            ),
+            notes=TEXTS,
+        )
+    ),
+    "damper": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            output=TEXT,
+            unit=TEXT,
+            over=TEXT,
+            parameters=listed(
+                record(
+                    name=TEXT,
+                    unit=TEXT,
+                    start=NUMBER,
+                    lower=NUMBER,
+                    upper=NUMBER,
+                    value=NUMBER,
+                    at_bound=text_or_nothing(),
+                    values=NUMBERS,
+                    largest=NUMBERS,
+                )
+            ),
+            before=AT_LEVEL,
+            after=AT_LEVEL,
+            peaks=listed(AT_LEVEL),
+            fixed_points=listed(record(at=NUMBER, level=NUMBER, spread=NUMBER)),
+            words=TEXTS,
         )
     ),
     "estimate": ESTIMATE,

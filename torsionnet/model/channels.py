@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
 from torsionnet.core.errors import UsageError, did_you_mean, unknown_key
@@ -18,6 +18,7 @@ nominal shear stress it makes there in a round shaft."""
 ELEMENT_QUANTITIES = ("twist", "torque", "stress")
 PORT_QUANTITIES = ("torque", "stress")
 INPUT_QUANTITIES = ("torque", "angle")
+"""Of the inputs of a model; a solver may also be asked for the response to an imposed twist."""
 
 UNITS = {
     "angle": "rad",
@@ -67,18 +68,24 @@ class Sensor:
 
 @dataclass(frozen=True)
 class Input:
-    """An excitation: a ``torque`` on a node, or an imposed ``angle`` of a node."""
+    """An excitation: a ``torque`` on a node, an imposed ``angle`` of a node, or an imposed ``twist`` of an element.
 
-    is_on_element: ClassVar[bool] = False
+    An imposed twist e is what the springs of the element take for no twist: their torque is kappa(s) (gamma - e).
+    """
 
     quantity: str
     of: str
 
     def __post_init__(self) -> None:
-        if self.quantity not in INPUT_QUANTITIES:
+        if self.quantity not in (*INPUT_QUANTITIES, "twist"):
             raise UsageError(_wrong_quantity("an input drives", self.quantity, INPUT_QUANTITIES))
         if not isinstance(self.of, str):
             raise UsageError(f"an input is on a node given by its name, got {self.of!r}")
+
+    @property
+    def is_on_element(self) -> bool:
+        """Whether ``of`` is an element; else it is a node."""
+        return self.quantity == "twist"
 
     def __str__(self) -> str:
         return f"{self.quantity} on {self.of}"
@@ -123,7 +130,7 @@ class ChannelEntry(Spec):
     """Of its definition in the schema."""
 
     def coerce(self, raw: Any) -> Input | Sensor:
-        if isinstance(raw, self.made):
+        if isinstance(raw, self.made) and raw.quantity in self.quantities:
             return raw
         quantity, of = self._one_quantity(raw)
         if self.made is Input:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from torsionnet.model.bench import Plan
     from torsionnet.model.excitations import OrderExcitation
     from torsionnet.model.excitations.speed_range import SpeedRange
+    from torsionnet.model.limits import Limit
     from torsionnet.model.load.load_section import Load
     from torsionnet.model.report import ReportPlan
 
@@ -56,6 +57,12 @@ def _excitation_kinds() -> Mapping[str, type[Declared]]:
     return excitation_kinds()
 
 
+def _limit_rules() -> Mapping[str, type[Declared]]:
+    from torsionnet.model.limits import limit_rules
+
+    return limit_rules()
+
+
 def _report() -> type[Declared]:
     from torsionnet.model.report.report_plan import ReportPlan
 
@@ -79,6 +86,12 @@ _LOAD = Nested("who absorbs the power, how that follows the speed, and who drive
 _EXCITATIONS = Named(
     "what runs and excites the drivetrain by orders of its speed, by name",
     Typed("what kind of excitation this is", _excitation_kinds, "excitation", "order_excitation"),
+    refused=name_fault,
+    names=NAME_SCHEMA,
+)
+_LIMITS = Named(
+    "what elements may bear while the machinery runs, by name",
+    Typed("which rule says so", _limit_rules, "limit", "limit", key="rule"),
     refused=name_fault,
     names=NAME_SCHEMA,
 )
@@ -106,6 +119,7 @@ class Definition(Declared):
     speeds: SpeedRange | None = entry(_SPEEDS, None)
     load: Load | None = entry(_LOAD, None)
     excitations: Mapping[str, OrderExcitation] = entry(_EXCITATIONS, None)
+    limits: Mapping[str, Limit] = entry(_LIMITS, None)
     bench: Plan | None = entry(_BENCH, None)
     report: ReportPlan | None = entry(_REPORT, None)
 
@@ -114,6 +128,9 @@ class Definition(Declared):
         for name, stored in self.defaults().items():
             if getattr(self, name) is None:
                 object.__setattr__(self, name, stored)
+        if self.excitations:
+            fitted = {name: one.fitted(self.elements) for name, one in self.excitations.items()}
+            object.__setattr__(self, "excitations", fitted)
 
     @property
     def active(self) -> tuple[Element, ...]:

@@ -35,6 +35,7 @@ class Model:
         speeds: Mapping[str, Any] | None = None,
         load: Mapping[str, Any] | None = None,
         excitations: Mapping[str, Any] | None = None,
+        limits: Mapping[str, Any] | None = None,
         source: str = "",
         description: str = "",
     ) -> None:
@@ -51,6 +52,7 @@ class Model:
                 "speeds": speeds,
                 "load": load,
                 "excitations": excitations,
+                "limits": limits,
                 "source": source,
                 "description": description,
             }

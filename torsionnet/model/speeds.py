@@ -2,7 +2,7 @@
 
 On average no spring winds up, so springs pass a mean speed on like rigid connections. Connections to ground are left
 out, and so are clamps that would stop the nodes in question: a rig that is locked for a test keeps its ratios, while a
-clamped ring still makes the ratio of its planetary set.
+clamped ring still makes the ratio of its planetary set, and so does one that springs tie to ground.
 """
 
 from __future__ import annotations
@@ -50,6 +50,17 @@ def _clamp(definition: Definition, speeds: Sequence[Elimination]) -> Rows:
     return added
 
 
+def _held_by_springs(definition: Definition, values: Mapping[str, Any], speeds: Sequence[Elimination]) -> Rows:
+    """Rows of what springs tie to ground, such as a housing on its mounts, where the speeds in question stay possible."""
+    added: Rows = []
+    for row in _at_rest(definition, values):
+        if not any(speed.blocked or speed.blocks(row) for speed in speeds):
+            added.append(row)
+            for speed in speeds:
+                speed.add(row)
+    return added
+
+
 def _eliminated(rows: Rows, order: Mapping[str, int]) -> Elimination:
     found = Elimination(order, {UNIT})
     for row in rows:
@@ -75,7 +86,8 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
     turning = [
         _eliminated([{node: Fraction(1), UNIT: Fraction(-1)}, *rows], order) for node in dict.fromkeys((first, second))
     ]
-    reduction = reduce_rows([*rows, *_clamp(definition, turning)], order)
+    still = [*_clamp(definition, turning), *_held_by_springs(definition, values, turning)]
+    reduction = reduce_rows([*rows, *still], order)
     row, other = (reduction.reduced({node: Fraction(1)}) for node in (first, second))
     if not other:
         raise UsageError(f"{second} cannot turn, there is no ratio to it")
@@ -124,13 +136,18 @@ def speeds_with(definition: Definition, values: Mapping[str, Any], reference: st
 
 def _at_ease(definition: Definition, values: Mapping[str, Any]) -> Iterator[dict[str, Fraction]]:
     """What holds on average although nothing compels it: springs to ground at rest, outputs that turn alike."""
-    value = Values(values)
-    for element in definition.active:
-        yield from (exact_row(row) for row in element.holds(value) if len(row) == 1)
+    yield from _at_rest(definition, values)
     for element in definition.active:
         if element.glyph == "differential":
             left, right = element.ports["left"], element.ports["right"]
             yield {left: Fraction(1), right: Fraction(-1)}
+
+
+def _at_rest(definition: Definition, values: Mapping[str, Any]) -> Iterator[dict[str, Fraction]]:
+    """Nodes that springs tie to ground."""
+    value = Values(values)
+    for element in definition.active:
+        yield from (exact_row(row) for row in element.holds(value) if len(row) == 1)
 
 
 def _numbers(point: OperatingPoint, values: Mapping[str, Any]) -> dict[str, Fraction]:

@@ -7,12 +7,14 @@ from torsionnet.plot.comparison import comparison
 from torsionnet.plot.damper_curves import damper_design
 from torsionnet.plot.fits import correlation, fit
 from torsionnet.plot.histories import time_histories
+from torsionnet.plot.interference_diagram import interference_diagram
 from torsionnet.plot.mac import mac_matrix
 from torsionnet.plot.order_response import half_ranges, order_response, waveform
 from torsionnet.plot.save import save
 from torsionnet.plot.schematic import schematic
 from torsionnet.plot.shapes import mode_shapes
 from torsionnet.plot.stabilisation import stabilisation
+from torsionnet.plot.star_diagrams import star_diagrams
 from torsionnet.plot.time_frequency import order_map, spectrogram, sweep_harmonics
 from torsionnet.plot.tornado import tornado
 
@@ -25,6 +27,7 @@ __all__ = [
     "damper_design",
     "fit",
     "half_ranges",
+    "interference_diagram",
     "mac_matrix",
     "mode_shapes",
     "order_map",
@@ -33,6 +36,7 @@ __all__ = [
     "schematic",
     "spectrogram",
     "stabilisation",
+    "star_diagrams",
     "sweep_harmonics",
     "time_histories",
     "tornado",

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
 
 import torsionnet.plot.style as style
 from torsionnet.core.number_text import typeset_unit
@@ -15,6 +15,7 @@ from torsionnet.response.damper_optimum import DamperOptimum
 HIGHEST, LOWEST = 3.0, 300.0
 """Of the largest level as given or best: curves leave the panel above and below."""
 WIDE = 3.0
+"""Ranges whose ends have a larger ratio are logarithmic."""
 
 
 def damper_design(found: DamperOptimum, *, conventions: Conventions = SI, title: str | None = None) -> Figure:
@@ -36,40 +37,57 @@ def damper_design(found: DamperOptimum, *, conventions: Conventions = SI, title:
     count = len(found.parameters)
     figure = style.new_figure(style.WIDTH, 6.4)
     grid = figure.add_gridspec(2, count, height_ratios=(1.5, 1))
-    above = figure.add_subplot(grid[0, :])
-    style.dress(above)
-    for number, curve in enumerate(found.curves):
-        above.plot(curve.points, curve.levels * scale, label=curve.label, **style.line_style(number))
-    at, levels = [one.point for one in found.peaks], [one.level * scale for one in found.peaks]
-    above.plot(at, levels, "o", color=style.INK, markersize=5, label="maximum of the optimum", zorder=5)
-    if found.fixed_points:
-        at, levels = [one.point for one in found.fixed_points], [one.level * scale for one in found.fixed_points]
-        above.plot(at, levels, "x", color=style.INK, markersize=7, label="all films meet", zorder=6)
-    top = max(found.before.level, found.after.level) * scale
-    shown = np.concatenate([curve.levels for curve in found.curves[:2]]) * scale
-    above.set_yscale("log")
-    above.set_ylim(max(0.8 * shown.min(), top / LOWEST), HIGHEST * top)
-    points = found.curves[0].points
-    if points[-1] > 10 * points[0]:
-        above.set_xscale("log")
-    if len(points) > 1:
-        above.set_xlim(points[0], points[-1])
-    above.set_xlabel(f"{found.of[0]} [{found.of[1]}]")
-    above.set_ylabel(f"{found.channel.name} [{unit}]")
-    above.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
-    for number, one in enumerate(found.parameters):
-        axes = figure.add_subplot(grid[1, number])
-        style.dress(axes)
-        values, sizes = found.effects[one.name].T
-        axes.plot(values, sizes * scale, color=style.INK, linewidth=1.6)
-        axes.plot([one.value], [found.after.level * scale], "o", color=style.INK, markersize=5)
-        axes.axvline(one.start, color=style.INK, linewidth=0.8, linestyle=":")
-        if one.lower > 0 and one.upper > WIDE * one.lower:
-            axes.set_xscale("log")
-            axes.xaxis.set_minor_formatter(NullFormatter())
-        axes.set_xlim(one.lower, one.upper)
-        axes.set_xlabel(f"{one.name} [{typeset_unit(one.unit or '1')}]")
-        if not number:
-            axes.set_ylabel(f"largest level [{unit}]")
+    _draw_levels(figure.add_subplot(grid[0, :]), found, scale, unit)
+    first = None
+    for number in range(count):
+        first = _draw_effect(figure.add_subplot(grid[1, number], sharey=first), found, number, scale)
+    figure.axes[1].set_ylabel(f"its maximum [{unit}]")
     style.heading(figure, found.title if title is None else title)
     return figure
+
+
+def _draw_levels(axes: Axes, found: DamperOptimum, scale: float, unit: str) -> None:
+    style.dress(axes)
+    for number, curve in enumerate(found.curves):
+        axes.plot(curve.points, curve.levels * scale, label=curve.label, **style.line_style(number))
+    for label, mark, points in (("maximum", "o", found.peaks), ("all films meet", "x", found.fixed_points)):
+        if points:
+            sizes = [one.level * scale for one in points]
+            axes.plot([one.point for one in points], sizes, mark, color=style.INK, markersize=6, label=label, zorder=5)
+    top = max(found.before.level, found.after.level) * scale
+    lowest = min(curve.levels.min() for curve in found.curves[:2]) * scale
+    low, high = max(0.8 * lowest, top / LOWEST), HIGHEST * top
+    axes.set_yscale("log")
+    axes.set_ylim(low, high)
+    style.log_ticks(axes.yaxis, low, high)
+    along = found.curves[0].points
+    if along[-1] > 10 * along[0]:
+        axes.set_xscale("log")
+        style.log_ticks(axes.xaxis, along[0], along[-1])
+    if len(along) > 1:
+        axes.set_xlim(along[0], along[-1])
+    axes.set_xlabel(f"{found.of[0]} [{found.of[1]}]")
+    axes.set_ylabel(f"{found.channel.name} [{unit}]")
+    axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
+
+
+def _draw_effect(axes: Axes, found: DamperOptimum, number: int, scale: float) -> Axes:
+    """The maximum over one value; the value as given is a dotted line."""
+    style.dress(axes)
+    one = found.parameters[number]
+    values, sizes = found.effects[one.name].T
+    axes.plot(values, sizes * scale, color=style.INK, linewidth=1.6)
+    axes.plot([one.value], [found.after.level * scale], "o", color=style.INK, markersize=6)
+    if one.lower <= one.start <= one.upper:
+        axes.axvline(one.start, label="as given", **style.line_style(0))
+    if one.lower > 0 and one.upper > WIDE * one.lower:
+        axes.set_xscale("log")
+        style.log_ticks(axes.xaxis, one.lower, one.upper)
+    every = np.concatenate([effect[:, 1] for effect in found.effects.values()]) * scale
+    lowest, highest = every.min(), every.max()
+    if highest > WIDE * lowest:
+        axes.set_yscale("log")
+        style.log_ticks(axes.yaxis, lowest, highest)
+    axes.set_xlim(one.lower, one.upper)
+    axes.set_xlabel(f"{one.name} [{typeset_unit(one.unit or '1')}]")
+    return axes

@@ -62,7 +62,7 @@ def order_response(
         sizes = np.abs(response.values[:, :, place]) * scale
         style.dress(panel)
         exact = response.revolutions is not None
-        label = "all orders, half range" if exact else "half ranges of shafts, added"
+        label = "all orders, half range" if exact else "half ranges, added"
         panel.plot(response.rpm, total[:, place] * scale, color=style.INK, linewidth=2.0, label=label)
         for number, line in enumerate(np.argsort(-sizes.max(axis=0), kind="stable")[:most].tolist()):
             panel.plot(response.rpm, sizes[:, line], label=str(response.lines[line]), **style.line_style(number))

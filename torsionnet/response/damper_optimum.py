@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsionnet.core.units import expected_unit
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.table import Column, Table
@@ -29,6 +30,10 @@ class DesignParameter:
     lower: float
     upper: float
     value: float
+
+    @property
+    def is_damping(self) -> bool:
+        return self.unit == expected_unit("damping")
 
     @property
     def bound(self) -> str:
@@ -72,9 +77,9 @@ class DamperOptimum:
     Attributes
     ----------
     channel : Channel
-        What is made small: an amplitude per unit of torque over frequency, or the half range of all orders over speed.
+        What is made small: an amplitude per unit of torque, or the half range of all orders.
     of : str
-        What the points of curves and peaks are, with their unit: ``("frequency", "Hz")`` or ``("speed of fly", "r/min")``.
+        What points are, with their unit: ``("frequency", "Hz")`` or ``("speed of fly", "r/min")``.
     parameters : tuple of DesignParameter
     before, after : LevelPeak
         The largest level as given, and with the values found.
@@ -107,9 +112,12 @@ class DamperOptimum:
     def words(self) -> tuple[str, ...]:
         """What the result is worth."""
         found = [*(self._about(one) for one in self.parameters), self._held_by()]
-        for one in self.fixed_points:
-            if one.level >= self.after.level * (1 - EQUAL):
-                found.append(f"all films meet at {one.point:.5g} {self.of[1]}: none has a smaller maximum")
+        if self.fixed_points:
+            where = " and ".join(f"{one.point:.5g}" for one in self.fixed_points)
+            text = f"whatever the damping, the level at {where} {self.of[1]} is the same"
+            only = all(one.is_damping for one in self.parameters)
+            reached = self.fixed_points[0].level >= self.after.level * (1 - EQUAL)
+            found.append(f"{text}: none has a smaller maximum" if only and reached else text)
         return tuple(found)
 
     def _about(self, one: DesignParameter) -> str:

@@ -3,58 +3,39 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
+from typing import Protocol, runtime_checkable
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import Channel, ComplexArray, FloatArray
+from torsionnet.response.order_line import OrderLine, near_fraction
+from torsionnet.response.synthesis import PER_PERIOD, common_cycle, highest, synthesised
 from torsionnet.response.table import Column, Table
 
-PER_PERIOD = 64
-"""Points on a waveform for each period of its highest order."""
-MOST_REVOLUTIONS, HIGHEST_LINE = 1000, 5000
-"""A common cycle of more revolutions, or with more periods in it, is none that anybody waits for."""
-FINEST = 10**6
-"""Largest denominator of an order."""
 MOST_POINTS = 4_000_000
 """Points of waveforms that are held at a time."""
 RPM = 60 / (2 * math.pi)
 PHASE_NOTE = "order h acts with cos(h phi + phase), phi the angle of the shaft of its excitation"
 
 
-@dataclass(frozen=True)
-class OrderLine:
-    """One order of one excitation.
-
-    Attributes
-    ----------
-    excitation : str
-    order : float
-        Vibrations per revolution of the shaft the excitation runs with.
-    ratio : Fraction
-        Revolutions of that shaft per revolution of the reference shaft, above 0.
-    """
-
-    excitation: str
-    order: float
-    ratio: Fraction
+@runtime_checkable
+class MeanValues(Protocol):
+    """Mean values of outputs by speed; outputs and speeds as in an order response."""
 
     @property
-    def exact_order(self) -> Fraction:
-        return Fraction(float(self.order)).limit_denominator(FINEST)
+    def speeds(self) -> FloatArray: ...
 
     @property
-    def relative(self) -> Fraction:
-        """Vibrations per revolution of the reference shaft."""
-        return self.exact_order * self.ratio
+    def values(self) -> FloatArray: ...
 
-    def __str__(self) -> str:
-        return f"{self.excitation} {self.order:g}"
+    @property
+    def outputs(self) -> tuple[Channel, ...]: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,10 +68,19 @@ class OrderResponse:
         """Speeds of the reference shaft, r/min."""
         return np.asarray(self.speeds * RPM)
 
+    @property
+    def frequencies(self) -> FloatArray:
+        """Hz, shape (n_speeds, n_lines); below 0 where a line turns backwards, as that of a slip above synchronism."""
+        relative = np.array([float(line.relative) for line in self.lines])
+        fixed = np.array([line.fixed for line in self.lines])
+        return np.asarray(self.speeds[:, None] * relative / (2 * math.pi) + fixed)
+
     @cached_property
     def revolutions(self) -> int | None:
-        """Revolutions of the reference shaft after which everything repeats; None where that takes too long."""
-        return _common_cycle([line.relative for line in self.lines])
+        """Revolutions of the reference shaft after which everything repeats; None where nothing or too many do it."""
+        if any(line.fixed for line in self.lines):
+            return None
+        return common_cycle([line.relative for line in self.lines])
 
     def output(self, name: str | None = None) -> int:
         """Place of an output by its name; of the only one without.
@@ -119,13 +109,30 @@ class OrderResponse:
         found = [
             place
             for place, line in enumerate(self.lines)
-            if math.isclose(line.order, order) and excitation in (None, line.excitation)
+            if not line.fixed and math.isclose(line.order, order) and excitation in (None, line.excitation)
         ]
         if not found:
             raise UsageError(f"no order {order:g} acts; there are {', '.join(map(str, self.lines))}")
         if len({self.lines[place].relative for place in found}) > 1:
             names = " and ".join(self.lines[place].excitation for place in found)
             raise UsageError(f"order {order:g} of {names} is not one frequency; say which excitation")
+        return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
+
+    def of_frequency(self, hertz: float, output: str | None = None, excitation: str | None = None) -> ComplexArray:
+        """Amplitudes over speed, shape (n_speeds,), of a frequency that does not follow it.
+
+        Raises
+        ------
+        UsageError
+            Nothing has this frequency.
+        """
+        found = [
+            place
+            for place, line in enumerate(self.lines)
+            if not line.order and math.isclose(line.fixed, hertz) and excitation in (None, line.excitation)
+        ]
+        if not found:
+            raise UsageError(f"nothing acts at {hertz:g} Hz; there are {', '.join(map(str, self.lines))}")
         return np.asarray(self.values[:, found, self.output(output)].sum(axis=1))
 
     def waveform(self, output: str | None = None, points: int | None = None) -> tuple[FloatArray, FloatArray]:
@@ -144,39 +151,102 @@ class OrderResponse:
         """
         cycle = self._cycle()
         place = self.output(output)
-        waves = _synthesised(self._spectrum(range(len(self.lines)), cycle)[:, :, place : place + 1], points)[:, 0]
+        counts = [int(line.relative * cycle) for line in self.lines]
+        waves = synthesised(self._spectrum(range(len(self.lines)), counts)[:, :, place : place + 1], points)[:, 0]
         return 2 * np.pi * cycle * np.arange(waves.shape[1]) / waves.shape[1], waves
 
     @cached_property
-    def half_range(self) -> FloatArray:
-        """(max - min)/2 of the sum of all orders over the common cycle, shape (n_speeds, n_out).
+    def bounds(self) -> FloatArray:
+        """Largest and smallest value of the sum of all lines over the common cycle, shape (2, n_speeds, n_out).
 
-        Where there is none, shafts take every position to each other sooner or later: their half ranges add up. Of a
-        shaft without a cycle of its own it is the sum of the magnitudes.
+        Where there is none, shafts and sources of fixed frequencies take every position to each other sooner or later:
+        their extremes add up. What has no cycle of its own adds the sum of its magnitudes.
         """
-        if self.revolutions is not None:
-            return self._half_range(range(len(self.lines)), self.revolutions)
-        total = np.zeros((len(self.speeds), len(self.outputs)))
-        for ratio in dict.fromkeys(line.ratio for line in self.lines):
-            places = [place for place, line in enumerate(self.lines) if line.ratio == ratio]
-            cycle = _common_cycle([self.lines[place].exact_order for place in places])
+        found = np.zeros((2, len(self.speeds), len(self.outputs)))
+        for places, counts in self._families():
             alone = np.abs(self.values[:, places]).sum(axis=1)
-            total += self._half_range(places, cycle / ratio) if cycle else alone
-        return total
+            found += [alone, -alone] if counts is None else self._bounds(places, counts)
+        return found
 
-    def _half_range(self, places: Sequence[int], cycle: Fraction | int) -> FloatArray:
-        spectrum = self._spectrum(places, cycle)
+    def _families(self) -> Iterator[tuple[list[int], list[int] | None]]:
+        """Lines whose phases stay together, and their periods in a cycle of theirs, if they have one.
+
+        These are all lines together if they repeat; or those of each shaft, those of all fixed frequencies, which are
+        taken to come from one line, and each slip alone.
+        """
+        every = list(range(len(self.lines)))
+        if self.revolutions is not None:
+            yield every, [int(self.lines[place].relative * self.revolutions) for place in every]
+            return
+        families: dict[object, list[int]] = {}
+        for place, line in enumerate(self.lines):
+            family = ("fixed" if not line.order else (line.relative, line.fixed)) if line.fixed else line.ratio
+            families.setdefault(family, []).append(place)
+        for places in families.values():
+            lines = [self.lines[place] for place in places]
+            if lines[0].fixed and lines[0].order:
+                yield places, None
+                continue
+            rates = [near_fraction(line.fixed) if line.fixed else line.exact_order for line in lines]
+            top = max(rates)
+            cycle = common_cycle([rate / top for rate in rates] if lines[0].fixed else rates)
+            if cycle is None:
+                yield places, None
+            else:
+                yield places, [int(rate / top * cycle if lines[0].fixed else rate * cycle) for rate in rates]
+
+    def _bounds(self, places: Sequence[int], counts: Sequence[int]) -> FloatArray:
+        spectrum = self._spectrum(places, counts)
         together = max(1, MOST_POINTS // (PER_PERIOD * spectrum.shape[1] * spectrum.shape[2]))
         found = []
         for start in range(0, len(spectrum), together):
-            waves = _synthesised(spectrum[start : start + together])
-            found.append((_highest(waves) + _highest(-waves)) / 2)
-        return np.concatenate(found)
+            waves = synthesised(spectrum[start : start + together])
+            found.append(np.array([highest(waves), -highest(-waves)]))
+        return np.concatenate(found, axis=1)
+
+    @property
+    def half_range(self) -> FloatArray:
+        """(max - min)/2 of the sum of all lines, from ``bounds``, shape (n_speeds, n_out)."""
+        return np.asarray((self.bounds[0] - self.bounds[1]) / 2)
+
+    @property
+    def peak_to_peak(self) -> FloatArray:
+        """Twice the half range, shape (n_speeds, n_out)."""
+        return 2 * self.half_range
+
+    @property
+    def peak(self) -> FloatArray:
+        """Largest distance from the mean to either side, shape (n_speeds, n_out)."""
+        return np.asarray(np.abs(self.bounds).max(axis=0))
+
+    def extremes(self, mean: ArrayLike | MeanValues) -> tuple[FloatArray, FloatArray]:
+        """Largest and smallest value with the mean, each of shape (n_speeds, n_out).
+
+        Parameters
+        ----------
+        mean : MeanResponse, or (n_speeds, n_out) or (n_out,) array
+            Of the outputs, SI units.
+
+        Raises
+        ------
+        UsageError
+            Another shape, or a mean response of other speeds or outputs.
+        """
+        if isinstance(mean, MeanValues):
+            same = len(mean.speeds) == len(self.speeds) and np.allclose(mean.speeds, self.speeds, rtol=1e-9)
+            if not same or [one.name for one in mean.outputs] != [one.name for one in self.outputs]:
+                raise UsageError("the mean values are of other speeds or outputs; ask for the same ones")
+        given = np.asarray(mean.values if isinstance(mean, MeanValues) else mean, dtype=float)
+        if given.shape not in (self.bounds.shape[1:], self.bounds.shape[2:]):
+            text = f"{len(self.speeds)} speeds and {len(self.outputs)} outputs, the mean has the shape {given.shape}"
+            raise UsageError(f"the response has {text}")
+        high, low = self.bounds + given
+        return np.asarray(high), np.asarray(low)
 
     @cached_property
     def rms(self) -> FloatArray:
         """Root mean square of the sum of all orders, shape (n_speeds, n_out)."""
-        return np.asarray(np.sqrt((np.abs(self._by_frequency()) ** 2).sum(axis=1) / 2))
+        return np.asarray(np.sqrt((np.abs(self.by_frequency()) ** 2).sum(axis=1) / 2))
 
     def table(self, output: str | None = None, conventions: Conventions = SI, most: int = 6) -> Table:
         """Worst speed of an output and the orders that make it, and the worst speed of each of these orders."""
@@ -186,7 +256,7 @@ class OrderResponse:
         sizes = np.abs(self.values[:, :, place])
         chosen = np.argsort(-sizes.max(axis=0), kind="stable")[:most]
         exact = self.revolutions is not None
-        first = "synthesised, half range" if exact else "half ranges of the shafts, added"
+        first = "synthesised, half range" if exact else f"half ranges {self._of_whom}, added"
         rows: list[tuple[object, ...]] = [(first, self.rpm[worst], total[worst] * scale, total[worst] * scale)]
         for line in chosen.tolist():
             at = int(np.argmax(sizes[:, line]))
@@ -198,13 +268,13 @@ class OrderResponse:
             Column("largest", unit),
             Column(f"at {self.rpm[worst]:.6g} rpm", unit),
         )
-        notes = [f"speeds of {self.reference}; peak amplitudes; {PHASE_NOTE}"]
+        notes = [f"speeds of {self.reference}; peak amplitudes; {self._phases}"]
         if exact:
             notes.append(
                 f"common cycle: {self.revolutions} revolution{'s' * (self.revolutions != 1)} of {self.reference}"
             )
         else:
-            notes.append("the shafts have no short common cycle: their half ranges add up sooner or later")
+            notes.append(self.no_cycle)
         if len(chosen) < len(self.lines):
             notes.append(f"{len(chosen)} of {len(self.lines)} orders, the largest")
         return Table(f"{self.title}: {channel.name}", columns, tuple(rows), tuple(notes))
@@ -219,64 +289,46 @@ class OrderResponse:
             for place, line in enumerate(self.lines):
                 cells = self.values[number, place]
                 parts = [part for value in cells.tolist() for part in (value.real, value.imag)]
-                f = speed * float(line.relative) / (2 * math.pi)
+                f = abs(speed * float(line.relative) / (2 * math.pi) + line.fixed)
                 rows.append((speed * RPM, line.excitation, line.order, f, *parts))
-        notes = (f"speeds of {self.reference}; {PHASE_NOTE}",)
+        notes = (f"speeds of {self.reference}; {self._phases}",)
         return Table(f"{self.title}: order response", tuple(columns), tuple(rows), notes)
+
+    @property
+    def no_cycle(self) -> str:
+        """Why there is no common cycle, where there is none."""
+        if any(line.fixed for line in self.lines):
+            return "lines that do not follow the speed have no common cycle with it: half ranges add up sooner or later"
+        return "the shafts have no short common cycle: their half ranges add up sooner or later"
+
+    @property
+    def _phases(self) -> str:
+        if not any(line.fixed for line in self.lines):
+            return PHASE_NOTE
+        return f"{PHASE_NOTE}; a frequency f beside it adds 2 pi f t"
+
+    @property
+    def _of_whom(self) -> str:
+        return "of speed and fixed frequencies" if any(line.fixed for line in self.lines) else "of the shafts"
 
     def _cycle(self) -> int:
         if self.revolutions is None:
-            raise UsageError("the shafts have no short common cycle; half_range adds up theirs")
+            raise UsageError(f"{self.no_cycle}; half_range does so")
         return self.revolutions
 
-    def _by_frequency(self) -> ComplexArray:
-        """Lines of one frequency summed, shape (n_speeds, n_frequencies, n_out)."""
-        places = {
-            relative: number for number, relative in enumerate(dict.fromkeys(line.relative for line in self.lines))
-        }
+    def by_frequency(self) -> ComplexArray:
+        """Amplitudes with the lines of one frequency summed, shape (n_speeds, n_frequencies, n_out)."""
+        frequencies = [(line.relative, line.fixed) for line in self.lines]
+        places = {one: number for number, one in enumerate(dict.fromkeys(frequencies))}
         found = np.zeros((len(self.speeds), len(places), len(self.outputs)), dtype=complex)
-        for number, line in enumerate(self.lines):
-            found[:, places[line.relative]] += self.values[:, number]
+        for number, one in enumerate(frequencies):
+            found[:, places[one]] += self.values[:, number]
         return found
 
-    def _spectrum(self, places: Sequence[int], cycle: Fraction | int) -> ComplexArray:
-        """Amplitudes of some lines by their periods in so many revolutions."""
-        counts = {place: int(self.lines[place].relative * cycle) for place in places}
-        shape = (len(self.speeds), max(counts.values(), default=0) + 1, len(self.outputs))
+    def _spectrum(self, places: Sequence[int], counts: Sequence[int]) -> ComplexArray:
+        """Amplitudes of some lines by their periods in a cycle."""
+        shape = (len(self.speeds), max(counts, default=0) + 1, len(self.outputs))
         found = np.zeros(shape, dtype=complex)
-        for place, count in counts.items():
+        for place, count in zip(places, counts, strict=True):
             found[:, count] += self.values[:, place]
         return found
-
-
-def _common_cycle(relatives: Sequence[Fraction]) -> int | None:
-    """Revolutions that hold a whole number of periods of each; None where that is too many."""
-    cycle = math.lcm(*(relative.denominator for relative in relatives))
-    highest = max(relatives, default=Fraction(0))
-    return cycle if cycle <= MOST_REVOLUTIONS and cycle * highest <= HIGHEST_LINE else None
-
-
-def _synthesised(spectrum: ComplexArray, points: int | None = None) -> FloatArray:
-    """Re sum_k X_k exp(j k phi) at even steps, shape (n_speeds, n_out, n)."""
-    highest = spectrum.shape[1] - 1
-    n = points or _even_steps(PER_PERIOD * max(highest, 1))
-    if n <= 2 * highest:
-        raise UsageError(f"{n} points do not show {highest} periods; take more than {2 * highest}")
-    # Waves that lie in one piece are transformed and searched in less than half the time.
-    return np.asarray(np.fft.irfft(np.ascontiguousarray(spectrum.transpose(0, 2, 1)), n) * (n / 2))
-
-
-def _even_steps(least: int) -> int:
-    """At least so many, and a number for which the Fourier transform is fast."""
-    return min(factor << max(0, math.ceil(math.log2(least / factor))) for factor in (1, 3, 5))
-
-
-def _highest(waves: FloatArray) -> FloatArray:
-    """Largest value along the cycle, by the parabola through the largest point and its neighbours."""
-    at = np.argmax(waves, axis=-1)[:, :, None]
-    n = waves.shape[-1]
-    before, peak, after = (np.take_along_axis(waves, (at + step) % n, axis=-1)[:, :, 0] for step in (-1, 0, 1))
-    curvature = before - 2 * peak + after
-    with np.errstate(divide="ignore", invalid="ignore"):
-        rise = np.where(curvature < 0, (before - after) ** 2 / (-8 * curvature), 0)
-    return np.asarray(peak + rise)

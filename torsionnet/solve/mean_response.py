@@ -29,6 +29,8 @@ from torsionnet.response.mean_response import MeanResponse
 from torsionnet.solve.quotient import transfer_functions
 from torsionnet.solve.transfer_request import TransferRequest, ask
 
+NOTHING = 1e-13
+"""What rounding leaves of a sum over its terms."""
 EXACT = 1e-9
 """Share of the largest torque that rounding may leave over."""
 
@@ -37,7 +39,7 @@ def mean_response(
     drivetrain: AssembledModel, outputs: str | Sensor | Sequence[str | Sensor], speeds: ArrayLike | None = None
 ) -> MeanResponse:
     """See :meth:`torsionnet.Drivetrain.mean_response`."""
-    reference, at, torques = _external(drivetrain, speeds)
+    reference, at, torques = external_torques(drivetrain, speeds)
     nodes = [node for node in torques if node in drivetrain.nodes]
     if not nodes:
         raise UsageError(f"{', '.join(torques)}: nothing is attached there in this configuration")
@@ -47,11 +49,16 @@ def mean_response(
     acting = np.array([torques[node] for node in nodes]).T
     notes = _balance(drivetrain, left_over, acting)
     channels = tuple(one.channel for one in wanted)
-    return MeanResponse(at, reference, acting @ values.T, channels, drivetrain.title, notes)
+    found, sizes = acting @ values.T, np.abs(acting) @ np.abs(values.T)
+    return MeanResponse(
+        at, reference, np.where(np.abs(found) > NOTHING * sizes, found, 0.0), channels, drivetrain.title, notes
+    )
 
 
-def _external(drivetrain: AssembledModel, speeds: ArrayLike | None) -> tuple[str, FloatArray, Mapping[str, FloatArray]]:
-    """Reference node, its speeds, and torques (n_speeds,) by node."""
+def external_torques(
+    drivetrain: AssembledModel, speeds: ArrayLike | None
+) -> tuple[str, FloatArray, Mapping[str, FloatArray]]:
+    """Reference node, its speeds in rad/s, and torques from outside (n_speeds,) by node in N m."""
     definition, values = drivetrain.definition, drivetrain.exact_values
     reference = reference_node(definition)
     if definition.load is None:
@@ -87,16 +94,19 @@ def _stated(
 
 def _require_determined(drivetrain: AssembledModel, outputs: Sequence[Functional]) -> None:
     """Refuse motions that mean torques do not determine."""
-    left = left_free(drivetrain.assembly.kinematics, lambda law: law.holds_at_rest)
     for output in outputs:
-        for term in output.terms:
-            if term.law is None and term.power:
-                raise UsageError(f"{output.name} has no mean value that torques determine; ask for a torque or a twist")
-            if term.law is None and left.reduced(dict(term.exact)):
-                text = (
-                    f"{output.name} has no mean value: the drivetrain turns freely there; ask for a torque or a twist"
-                )
-                raise UsageError(text)
+        reason = undetermined(drivetrain, output)
+        if reason:
+            raise UsageError(f"{output.name} has no mean value: {reason}; ask for a torque or a twist")
+
+
+def undetermined(drivetrain: AssembledModel, output: Functional) -> str | None:
+    """Why mean torques say nothing about a reading, or None."""
+    motions = [term for term in output.terms if term.law is None]
+    if any(term.power for term in motions):
+        return "torques do not determine it"
+    left = left_free(drivetrain.assembly.kinematics, lambda law: law.holds_at_rest)
+    return "the drivetrain turns freely there" if any(left.reduced(dict(term.exact)) for term in motions) else None
 
 
 def _solved(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -11,19 +12,24 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import ComplexArray
 from torsionnet.core.errors import UsageError, meant_or
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
 from torsionnet.model.speeds import total_ratio
-from torsionnet.response.frequency_response import ComplexArray, FloatArray
-from torsionnet.response.order_response import OrderLine, OrderResponse
+from torsionnet.response.frequency_response import Channel, FloatArray
+from torsionnet.response.order_line import OrderLine
+from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.worst_response import joined
+from torsionnet.solve.posed import twisted_law
 from torsionnet.solve.shared_response import shared_response
 from torsionnet.solve.worst_case import contributions, worst_case
 from torsionnet.solve.worst_combination import Contributions
 
 TOGETHER = 500
 """Speeds that are solved together, which bounds the memory."""
+STILL = 1e-9
+"""Share of its parts below which the difference of two frequencies is none."""
 
 
 def order_response(
@@ -39,9 +45,11 @@ def order_response(
     acting = _acting(drivetrain.definition.excitations, excitations)
     for name, one in acting.items():
         _require_moving(drivetrain, name, one)
-    ratios = {name: _ratio(drivetrain, one.shaft, reference) for name, one in acting.items()}
-    blocks = [_block(drivetrain, outputs, acting, ratios, reference, part) for part in _parts(at)]
-    return joined(blocks, at)
+    held = _held(drivetrain, acting)
+    ratios = {name: _turning(drivetrain, one.shaft, reference) for name, one in acting.items()}
+    senses = {name: _senses(held, one, reference) for name, one in acting.items()}
+    blocks = [_block(held, outputs, acting, ratios, senses, reference, part) for part in _parts(at)]
+    return replace(joined(blocks, at), title=drivetrain.title)
 
 
 def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, float]:
@@ -50,7 +58,7 @@ def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, fl
     reference, at = _speeds(drivetrain, None, None)
     speed = float(given.rated) if given and given.rated else float(at[-1])
     shaft = drivetrain.definition.excitations[excitation].shaft
-    return speed, speed * abs(float(_ratio(drivetrain, shaft, reference)))
+    return speed, speed * abs(float(_turning(drivetrain, shaft, reference)))
 
 
 def _parts(at: FloatArray) -> list[FloatArray]:
@@ -58,64 +66,148 @@ def _parts(at: FloatArray) -> list[FloatArray]:
     return [at[start : start + TOGETHER] for start in range(0, len(at), TOGETHER)]
 
 
+def _held(drivetrain: AssembledModel, acting: Mapping[str, OrderExcitation]) -> AssembledModel:
+    """The drivetrain whose imposed motions are inputs, all of them held while one moves: so they may be added up."""
+    inputs = dict(drivetrain.inputs)
+    known = {channel.of for channel in inputs.values() if channel.quantity == "angle"}
+    for name, one in acting.items():
+        for node in one.nodes if one.quantity == "angle" else ():
+            if node not in known:
+                known.add(node)
+                inputs[_unused(f"{name} on {node}", inputs)] = Input("angle", node)
+    if len(inputs) == len(drivetrain.inputs):
+        return drivetrain
+    held = drivetrain.with_definition(replace(drivetrain.definition, inputs=inputs))
+    if held.assembly.kinematics.reduction.blocked:
+        raise UsageError("two imposed motions act on nodes that are rigidly connected; leave out one")
+    return held
+
+
+def _unused(name: str, known: Iterable[str]) -> str:
+    return _unused(f"{name} too", known) if name in known else name
+
+
+Senses = Mapping[str, float]
+"""What a unit of an excitation is as an input, by the node or element it acts on."""
+
+
+def _senses(drivetrain: AssembledModel, one: OrderExcitation, reference: str) -> Senses:
+    """A torque or angle is positive in the sense in which its shaft turns; what is held feels none."""
+    if one.element_entry is not None:
+        name = one.element_entry[1]
+        row = drivetrain.assembly.laws[twisted_law(drivetrain.assembly, name)].row
+        return {name: float(row[one.shaft]) * _sense(drivetrain, one.shaft, reference)}
+    holds = drivetrain.assembly.kinematics.holds
+    return {node: _sense(drivetrain, one.reactions.get(node, node), reference) for node in one.nodes if not holds(node)}
+
+
+def _sense(drivetrain: AssembledModel, node: str, reference: str) -> float:
+    return -1.0 if _ratio(drivetrain, node, reference) < 0 else 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Acting:
+    """What one excitation does at some speeds: its lines, and by input the amplitudes (n_speeds, n_lines).
+
+    ``inputs`` has for each place where it acts the input that is, and its sense; ``torques`` has alternatives.
+    """
+
+    lines: tuple[OrderLine, ...]
+    loads: Mapping[Input, ComplexArray]
+    inputs: Mapping[str, tuple[Input, float]]
+    torques: OrderTorques
+
+
+def _acts(name: str, one: OrderExcitation, ratio: Fraction, senses: Senses, found: OrderTorques) -> _Acting:
+    fixed = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
+    pairs = zip(found.orders.tolist(), fixed.tolist(), strict=True)
+    lines = tuple(OrderLine(name, order, abs(ratio), frequency) for order, frequency in pairs)
+    if not ratio and found.orders.any():
+        raise UsageError(f"{one.shaft} does not turn, so it has no orders; {name} can act at frequencies there")
+    inputs = {place: (Input(one.quantity, place), senses[place]) for place in found.nodes if place in senses}
+    loads = {
+        channel: sense * found.amplitudes[:, :, found.nodes.index(place)] for place, (channel, sense) in inputs.items()
+    }
+    return _Acting(lines, loads, inputs, found)
+
+
 def _block(
     drivetrain: AssembledModel,
     outputs: str | Sensor | Sequence[str | Sensor],
     acting: Mapping[str, OrderExcitation],
     ratios: Mapping[str, Fraction],
+    senses: Mapping[str, Senses],
     reference: str,
     at: FloatArray,
 ) -> OrderResponse:
     """The responses at some speeds."""
-    torques = {name: one.torques(at * abs(float(ratios[name]))) for name, one in acting.items()}
-    nodes = tuple(dict.fromkeys(node for found in torques.values() for node in found.nodes))
-    lines = [
-        (OrderLine(name, float(order), abs(ratios[name])), place)
-        for name, found in torques.items()
-        for place, order in enumerate(found.orders)
+    found = [
+        _acts(name, one, ratios[name], senses[name], one.torques(at * abs(float(ratios[name]))))
+        for name, one in acting.items()
     ]
-    relative = np.array([float(line.relative) for line, _ in lines])
-    frequencies, where = np.unique(at[:, None] * relative / (2 * math.pi), return_inverse=True)
-    torques_on: list[Any] = [Input("torque", node) for node in nodes]
-    response = shared_response(drivetrain, outputs, torques_on, frequencies)
-    # A torque drives the shaft it is on, whichever way that turns.
-    signs = {node: math.copysign(1, _ratio(drivetrain, node, reference)) for node in nodes}
-    loads = np.zeros((len(at), len(lines), len(nodes)), dtype=complex)
-    for number, (line, place) in enumerate(lines):
-        found = torques[line.excitation]
-        for column, node in enumerate(found.nodes):
-            loads[:, number, nodes.index(node)] += signs[node] * found.amplitudes[:, place, column]
-    gains = response.values[where.reshape(len(at), len(lines))]
+    lines = tuple(line for each in found for line in each.lines)
+    inputs = list(dict.fromkeys(channel for each in found for channel in each.loads))
+    loads = np.zeros((len(at), len(lines), len(inputs)), dtype=complex)
+    first = 0
+    for each in found:
+        for channel, amplitudes in each.loads.items():
+            loads[:, first : first + len(each.lines), inputs.index(channel)] = amplitudes
+        first += len(each.lines)
+    turning = at[:, None] * np.array([float(line.relative) for line in lines]) / (2 * math.pi)
+    hertz = turning + np.array([line.fixed for line in lines])
+    hertz[np.abs(hertz) < STILL * np.abs(turning)] = 0
+    gains, channels = _gains(drivetrain, outputs, inputs, hertz)
     values = np.einsum("slon,sln->slo", gains, loads)
-    nominal = OrderResponse(at, reference, tuple(line for line, _ in lines), values, response.outputs, drivetrain.title)
-    columns = {node: (place, signs[node]) for place, node in enumerate(nodes)}
-    return _worst(nominal, torques, gains, columns)
+    return _worst(OrderResponse(at, reference, lines, values, channels), found, gains, inputs)
 
 
 def _worst(
-    nominal: OrderResponse,
-    torques: Mapping[str, OrderTorques],
-    gains: ComplexArray,
-    columns: Mapping[str, tuple[int, float]],
+    nominal: OrderResponse, found: Sequence[_Acting], gains: ComplexArray, inputs: Sequence[Input]
 ) -> OrderResponse:
-    """The worst of what excitations offer besides; ``columns`` has place and sign of a node among the inputs."""
+    """The worst of what excitations offer besides what acts anyhow."""
     alternatives: list[Contributions] = []
     scatter: list[Contributions] = []
     first = 0
-    for name, found in torques.items():
-        lines = slice(first, first := first + len(found.orders))
-        for shares, those in ((found.alternatives, alternatives), (found.scatter, scatter)):
+    for each in found:
+        lines = slice(first, first := first + len(each.lines))
+        columns = {place: (inputs.index(channel), sense) for place, (channel, sense) in each.inputs.items()}
+        for shares, those in ((each.torques.alternatives, alternatives), (each.torques.scatter, scatter)):
             if shares is not None:
-                those.append(contributions(name, shares, gains, lines, columns))
+                those.append(contributions(each.lines[0].excitation, shares, gains, lines, columns))
     return worst_case(nominal, alternatives, scatter)
+
+
+def _gains(
+    drivetrain: AssembledModel,
+    outputs: str | Sensor | Sequence[str | Sensor],
+    inputs: Sequence[Input],
+    hertz: FloatArray,
+) -> tuple[ComplexArray, tuple[Channel, ...]]:
+    """Responses (n_speeds, n_lines, n_out, n_inputs) at frequencies (n_speeds, n_lines) of either sign.
+
+    What does not vibrate, as a line of the slip at synchronous speed, makes no vibration.
+    """
+    frequencies, where = np.unique(np.abs(hertz), return_inverse=True)
+    still = frequencies == 0
+    driving: list[Any] = list(inputs)
+    response = shared_response(drivetrain, outputs, driving, frequencies[~still])
+    values = np.zeros((len(frequencies), *response.values.shape[1:]), dtype=complex)
+    values[~still] = response.values
+    gains = values[where.reshape(hertz.shape)]
+    backward = hertz < 0
+    if backward.any():
+        gains[backward] = gains[backward].conj()
+    return gains, response.outputs
 
 
 def _require_moving(drivetrain: AssembledModel, name: str, excitation: OrderExcitation) -> None:
     """Refuse an excitation on what is locked or switched off in this configuration."""
+    if excitation.element_entry is not None and excitation.element_entry[1] not in drivetrain.elements:
+        raise UsageError(f"{name} acts in {excitation.element_entry[1]}, which is switched off in this configuration")
     for node in excitation.nodes:
         if node not in drivetrain.nodes:
             raise UsageError(f'{name} acts on "{node}", to which nothing is attached in this configuration')
-        if drivetrain.assembly.kinematics.holds(node):
+        if drivetrain.assembly.kinematics.holds(node) and node not in excitation.reactions:
             raise UsageError(
                 f'{name} acts on "{node}", which is locked in this configuration; nothing would come of it'
             )
@@ -136,7 +228,10 @@ def _speeds(drivetrain: AssembledModel, speeds: ArrayLike | None, speed_of: str 
 def _acting(known: Mapping[str, OrderExcitation], names: Iterable[str] | None) -> dict[str, OrderExcitation]:
     if not known:
         raise UsageError("the model has no excitations; what runs in it stands in its entry excitations:")
-    chosen = list(known) if names is None else [names] if isinstance(names, str) else list(names)
+    enabled = [name for name, one in known.items() if one.enabled]
+    chosen = enabled if names is None else [names] if isinstance(names, str) else list(names)
+    if not chosen:
+        raise UsageError("every excitation is switched off in this configuration; name those that are to act")
     for name in chosen:
         if name not in known:
             hint = meant_or(name, known, f"there are {', '.join(known)}")
@@ -144,12 +239,16 @@ def _acting(known: Mapping[str, OrderExcitation], names: Iterable[str] | None) -
     return {name: known[name] for name in chosen}
 
 
+def _turning(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
+    """Revolutions of a shaft per revolution of the reference."""
+    if node not in drivetrain.nodes:
+        raise UsageError(f'"{node}" is not there in this configuration, so that its orders have no speed')
+    return _ratio(drivetrain, node, reference)
+
+
 def _ratio(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
-    ratio = drivetrain.assembly.system.memo.once(
+    return drivetrain.assembly.system.memo.once(
         Fraction,
         ("total ratio", node, reference),
         lambda: total_ratio(drivetrain.definition, drivetrain.exact_values, node, reference),
     )
-    if not ratio:
-        raise UsageError(f"{node} does not turn when {reference} does")
-    return ratio

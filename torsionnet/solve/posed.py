@@ -89,19 +89,21 @@ def pose(
 ) -> PosedProblem:
     """The problem behind outputs and measured inputs, with rows of numbers that have this accuracy."""
     readings = [*outputs, *measured]
-    rows, gaps = _Rows(assembly, number), _Gaps()
+    n_given = assembly.system.n_coordinates + len(assembly.kinematics.imposed)
+    twists = dict(enumerate((one for one in excitations if one.is_on_element), n_given))
+    twisted = {twisted_law(assembly, one.of): column for column, one in twists.items()}
+    rows, gaps = _Rows(assembly, number, twisted), _Gaps()
     found = [
         gaps.part(reading) if reading.applied or len(reading.terms) != 1 else rows.part(reading.terms[0])
         for reading in readings
     ]
     terms: list[tuple[ReadingPart, ...]] = [() for _ in outputs]
     terms += [tuple(rows.part(term) for term in reading.terms) for reading in measured]
-    n_given = assembly.system.n_coordinates + len(assembly.kinematics.imposed)
-    columns = dict(enumerate(gaps.found, n_given))
+    columns = dict(enumerate(gaps.found, n_given + len(twists)))
     problem = ResponseProblem(
-        _laws(assembly, columns, number),
+        _laws(assembly, columns, twisted, number),
         assembly.system.n_coordinates,
-        tuple(_excitation(assembly, one, columns, number) for one in excitations),
+        tuple(_excitation(assembly, one, columns, twists, number) for one in excitations),
         tuple(rows.rows),
         tuple(columns),
         accuracy=accuracy,
@@ -114,17 +116,28 @@ def pose(
     return PosedProblem(problem, tuple(parts), tuple(terms), applied)
 
 
-def _laws(assembly: Assembly, gaps: Mapping[int, Gap], number: Number) -> Sequence[Row]:
+def twisted_law(assembly: Assembly, element: str) -> int:
+    """Number of the law in which the twist of an element is imposed; it has only this one."""
+    return assembly.owners.index(element)
+
+
+def _laws(assembly: Assembly, gaps: Mapping[int, Gap], twisted: Mapping[int, int], number: Number) -> Sequence[Row]:
     """Rows of all laws over all columns."""
     exact = number is not float
     laws = [assembly.columns_of(row, number) for row in assembly.exact_rows] if exact else list(assembly.law_columns)
     for column, gap in gaps.items():
         for law, work in gap.laws.items():
             laws[law] = {**laws[law], column: number(work)}
+    for law, column in twisted.items():
+        laws[law] = {**laws[law], column: number(Fraction(-1))}
     return laws
 
 
-def _excitation(assembly: Assembly, excitation: Input, gaps: Mapping[int, Gap], number: Number) -> Loading:
+def _excitation(
+    assembly: Assembly, excitation: Input, gaps: Mapping[int, Gap], twists: Mapping[int, Input], number: Number
+) -> Loading:
+    if excitation.is_on_element:
+        return Loading(motion={column: number(Fraction(1)) for column, one in twists.items() if one == excitation})
     effect = assembly.columns_of(exact_row(assembly.kinematics.reduced({excitation.of: 1})), number)
     if excitation.quantity == "angle":
         return Loading(motion=effect)
@@ -138,11 +151,15 @@ class _Rows:
 
     assembly: Assembly
     number: Number
+    twisted: Mapping[int, int]
+    """Column of the twist imposed in a law, by the number of the law."""
     rows: list[Row] = field(default_factory=list)
     numbers: dict[frozenset[tuple[int, float]], int] = field(default_factory=dict)
 
     def part(self, term: Term) -> ReadingPart:
         row = self.assembly.columns_of(term.exact, self.number)
+        if term.law is not None and term.law in self.twisted:
+            row = {**row, self.twisted[term.law]: self.number(Fraction(-1))}
         number = self.numbers.setdefault(frozenset(row.items()), len(self.rows))
         if number == len(self.rows):
             self.rows.append(row)

@@ -12,6 +12,8 @@ from torsionnet.assembly.functionals import Functional, functional
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.channels import UNITS, Input, Sensor, named_sensor
+from torsionnet.model.elements import Values
+from torsionnet.model.imposed_twist import twist_fault
 from torsionnet.solve.posed import PosedProblem, pose
 
 NOTHING = "name at least one output and one input"
@@ -213,7 +215,9 @@ def _named_input(drivetrain: AssembledModel, name: Any) -> Input:
 
 
 def _given(drivetrain: AssembledModel, channel: Input) -> Input:
-    """An excitation given as an object: a torque anywhere, an imposed angle only where the model declares it."""
+    """An excitation given as an object: a torque or twist anywhere, an imposed angle where the model declares it."""
+    if channel.is_on_element:
+        return _twist_in(drivetrain, channel)
     if channel.quantity == "torque" and channel.of in drivetrain.nodes:
         return _torque_on(drivetrain, channel.of)
     for name, declared in drivetrain.inputs.items():
@@ -222,6 +226,17 @@ def _given(drivetrain: AssembledModel, channel: Input) -> Input:
     raise UsageError(
         f"the model has no {channel}; declare an imposed angle as an input of the model, a torque needs a node"
     )
+
+
+def _twist_in(drivetrain: AssembledModel, channel: Input) -> Input:
+    """A twist imposed in an element that gives way."""
+    if channel.of not in drivetrain.elements:
+        raise UsageError(f'no element is named "{channel.of}"{did_you_mean(channel.of, drivetrain.elements)}')
+    element = drivetrain.elements[channel.of]
+    fault = twist_fault(element, element.parts(Values(drivetrain.exact_values)))
+    if fault:
+        raise UsageError(fault)
+    return channel
 
 
 def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:

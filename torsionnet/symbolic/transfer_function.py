@@ -91,21 +91,21 @@ class TransferFunction(SymbolicFraction):
     @property
     def static_gain(self) -> Any:
         """The limit at zero frequency: an expression, 0, or sympy's infinity."""
-        from torsionnet.symbolic.limits import static_gain
+        from torsionnet.symbolic.asymptotes import static_gain
 
         return static_gain(self)
 
     @property
     def low_frequency(self) -> Any:
         """The leading term for s -> 0, gain * s^power."""
-        from torsionnet.symbolic.limits import low_frequency
+        from torsionnet.symbolic.asymptotes import low_frequency
 
         return low_frequency(self)
 
     @property
     def high_frequency(self) -> Any:
         """The leading term for s -> oo, gain * s^power."""
-        from torsionnet.symbolic.limits import high_frequency
+        from torsionnet.symbolic.asymptotes import high_frequency
 
         return high_frequency(self)
 

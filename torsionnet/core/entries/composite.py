@@ -67,13 +67,14 @@ class Nested(Composite):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Typed(Composite):
-    """The entries of one of several classes, told by ``type:``."""
+    """The entries of one of several classes, told by ``type:`` or another word."""
 
     kinds: Kinds
     what: str
     name: str
     """Of its definition in the schema; those of the kinds begin with it."""
     shown: str = ""
+    key: str = "type"
 
     @property
     def example(self) -> str:
@@ -83,17 +84,17 @@ class Typed(Composite):
         known = self.kinds()
         if isinstance(raw, tuple(known.values())):
             return raw, []
-        kind = raw.get("type") if isinstance(raw, Mapping) else None
+        kind = raw.get(self.key) if isinstance(raw, Mapping) else None
         names = ", ".join(known)
         if not isinstance(raw, Mapping) or kind is None:
-            return None, [Fault(f"expected {{type: ..., ...}} with one of the types {names}", on_key=True)]
+            return None, [Fault(f"expected {{{self.key}: ..., ...}} with one of the {self.key}s {names}", on_key=True)]
         if not isinstance(kind, str) or kind not in known:
             hint = did_you_mean(str(kind), known)
-            return None, [Fault(f'no {self.what} type is named "{kind}"{hint}; known: {names}', ("type",))]
-        return known[kind].read({key: value for key, value in raw.items() if key != "type"})
+            return None, [Fault(f'no {self.what} {self.key} is named "{kind}"{hint}; known: {names}', (self.key,))]
+        return known[kind].read({key: value for key, value in raw.items() if key != self.key})
 
     def plain(self, value: Any) -> Any:
-        return {"type": value.kind, **value.to_data()}
+        return {self.key: value.kind, **value.to_data()}
 
     def schema(self) -> Schema:
         return reference(self.name)
@@ -102,15 +103,15 @@ class Typed(Composite):
         known = self.kinds()
         names = {kind: f"{self.name}_{kind.replace(' ', '_')}" for kind in known}
         rules = [
-            {"if": {"properties": {"type": {"const": kind}}, "required": ["type"]}, "then": reference(name)}
+            {"if": {"properties": {self.key: {"const": kind}}, "required": [self.key]}, "then": reference(name)}
             for kind, name in names.items()
         ]
         word = {"enum": list(known), "description": self.description}
         found: Schema = {
-            self.name: {"type": "object", "properties": {"type": word}, "required": ["type"], "allOf": rules}
+            self.name: {"type": "object", "properties": {self.key: word}, "required": [self.key], "allOf": rules}
         }
         for kind, cls in known.items():
-            found[names[kind]] = cls.schema(typed=True)
+            found[names[kind]] = cls.schema(told_by=self.key)
             found |= cls.definitions()
         return found
 

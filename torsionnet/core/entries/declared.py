@@ -158,10 +158,10 @@ class Declared:
         }
 
     @classmethod
-    def schema(cls, *, typed: bool = False) -> Schema:
-        """JSON Schema of the entry; ``typed`` where its ``type:`` tells it from others."""
+    def schema(cls, *, told_by: str = "") -> Schema:
+        """JSON Schema of the entry; ``told_by`` is the key, as ``type``, that tells it from others."""
         summary = (cls.__doc__ or "").strip().splitlines()[0]
-        head: Schema = {"type": {"const": cls.kind, "description": summary}} if typed else {}
+        head: Schema = {told_by: {"const": cls.kind, "description": summary}} if told_by else {}
         head |= dict.fromkeys(cls.head, VERSION_SCHEMA)
         properties = {declared.name: _with_default(declared) for declared in cls.declared()}
         return {

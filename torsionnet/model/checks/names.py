@@ -210,6 +210,15 @@ def _overridden(definition: Definition) -> bool:
     return any(overlay.entries for axis in definition.configurations.values() for overlay in axis.values())
 
 
+def unfit_limits(definition: Definition) -> list[Fault]:
+    """Limits that name what the model does not have, or that lack something of it."""
+    if not definition.limits:
+        return []
+    import torsionnet.model.checks.limits_fit as limits_fit
+
+    return limits_fit.unfit_limits(definition)
+
+
 def unfit_report(definition: Definition) -> list[Fault]:
     """A report that names what the model does not have."""
     if definition.report is None:
@@ -229,6 +238,7 @@ CHECKS = (
     hidden_names,
     dead_ends,
     unfit_excitations,
+    unfit_limits,
     unfit_bench,
     unfit_report,
 )

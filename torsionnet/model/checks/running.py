@@ -11,6 +11,9 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.errors import Fault, ModelError, Path, UsageError, unknown_name
 from torsionnet.model.checks.load_fits import unknown_in_load
 from torsionnet.model.definition import LOAD, Definition, all_nodes
+from torsionnet.model.elements import Values
+from torsionnet.model.excitations.speed_table import outside
+from torsionnet.model.imposed_twist import twist_fault
 from torsionnet.model.parameters import resolve
 from torsionnet.model.speeds import total_ratio
 
@@ -18,13 +21,14 @@ from torsionnet.model.speeds import total_ratio
 def unfit_excitations(definition: Definition) -> list[Fault]:
     """Excitations, speeds and a load on nodes that do not exist or have no ratio to the shaft whose speed is given."""
     nodes = all_nodes(definition.elements.values())
-    faults: list[Fault] = []
+    faults: list[Fault] = [*_unfit_elements(definition)]
     places: list[tuple[str, Path]] = []
     if definition.speeds is not None:
         places.append((definition.speeds.of, ("speeds", "of")))
     for name, excitation in definition.excitations.items():
         places += [(node, ("excitations", name, *path)) for path, node in excitation.node_entries]
-        places.append((excitation.shaft, ("excitations", name, "speed_of")))
+        if excitation.shaft:
+            places.append((excitation.shaft, ("excitations", name, "speed_of")))
     faults += [unknown_name("node", node, nodes, path) for node, path in dict.fromkeys(places) if node not in nodes]
     if LOAD in definition.excitations:
         text = f'"{LOAD}" is the entry on who drives and who absorbs; give the excitation another name'
@@ -32,7 +36,8 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
     if definition.load is not None:
         faults += unknown_in_load(definition, definition.load)
     faults += _overrides(definition)
-    return faults or [*_without_ratio(definition)] or [*_remarks(definition)]
+    found = [*_against_the_drivetrain(definition), *_on_imposed(definition)] if not faults else []
+    return faults or found or [*_remarks(definition)]
 
 
 def _overrides(definition: Definition) -> Iterator[Fault]:
@@ -63,17 +68,52 @@ def _wrong_value(definition: Definition, value: object, key: str, path: Path) ->
             yield replace(fault, path=path)
 
 
-def _without_ratio(definition: Definition) -> Iterator[Fault]:
-    if definition.speeds is None or not definition.excitations:
-        return
+def _unfit_elements(definition: Definition) -> Iterator[Fault]:
+    """Excitations that impose a twist in an element that is not there, or not of the right kind."""
+    for name, excitation in definition.excitations.items():
+        if excitation.element_entry is None:
+            continue
+        path, element = excitation.element_entry
+        if element not in definition.elements:
+            yield unknown_name("element", element, definition.elements, ("excitations", name, *path))
+        else:
+            yield from (fault.under("excitations", name) for fault in excitation.misfits(definition.elements))
+
+
+def _against_the_drivetrain(definition: Definition) -> Iterator[Fault]:
+    """What takes the values of parameters to see: ratios, speeds that tables cover, elements that give no way."""
     known, faults = resolve(definition.parameters)
     if faults:
         return
     for name, excitation in definition.excitations.items():
+        if excitation.element_entry is not None:
+            path, element = excitation.element_entry
+            rigid = twist_fault(definition.elements[element], definition.elements[element].parts(Values(known)))
+            if rigid:
+                yield Fault(rigid, ("excitations", name, *path))
+        if definition.speeds is None:
+            continue
         try:
-            total_ratio(definition, known, excitation.shaft, definition.speeds.of)
+            ratio = total_ratio(definition, known, excitation.shaft, definition.speeds.of)
         except UsageError as error:
             yield Fault(str(error), ("excitations", name, "speed_of"))
+            continue
+        low, high = (abs(float(ratio)) * edge for edge in (definition.speeds.values[0], definition.speeds.values[-1]))
+        for table in excitation.covered_speeds:
+            if low < table.low * (1 - 1e-9) or high > table.high * (1 + 1e-9):
+                text = outside(str(table.path[-1]), low, high, table.low, table.high)
+                yield Fault(text, ("excitations", name, *table.path))
+
+
+def _on_imposed(definition: Definition) -> Iterator[Fault]:
+    """Torques where another excitation says how the node moves."""
+    acting = {name: one for name, one in definition.excitations.items() if one.enabled}
+    imposed = {node: name for name, one in acting.items() if one.quantity == "angle" for node in one.nodes}
+    for name, one in acting.items():
+        for path, node in one.node_entries if one.quantity == "torque" else ():
+            if node in imposed and node not in one.reactions:
+                text = f'the motion of "{node}" is imposed by {imposed[node]}; a torque there does nothing'
+                yield Fault(text, ("excitations", name, *path))
 
 
 def _remarks(definition: Definition) -> Iterator[Fault]:

@@ -95,12 +95,17 @@ def massless_without_hold(definition: Definition, kinematics: Kinematics) -> lis
 
 
 def locked_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]:
-    """Inputs and motion sensors on a node that cannot move: another configuration may set it free."""
+    """Inputs, excitations and motion sensors on a node that cannot move: another configuration may set it free."""
     faults = []
     for name, channel in definition.inputs.items():
         if channel.of in kinematics.nodes and kinematics.holds(channel.of):
             text = f'input {name} does nothing: "{channel.of}" is locked'
             faults.append(Fault(text, ("inputs", name, channel.quantity), "warning", kind=USELESS))
+    for name, excitation in definition.excitations.items():
+        for path, node in excitation.node_entries if excitation.enabled else ():
+            if node in kinematics.nodes and kinematics.holds(node) and node not in excitation.reactions:
+                text = f'{name} acts on "{node}", which is locked; nothing would come of it'
+                faults.append(Fault(text, ("excitations", name, *path), "warning", kind=USELESS))
     for name, sensor in definition.sensors.items():
         moves = not sensor.is_on_element and sensor.of in kinematics.nodes
         if moves and kinematics.holds(sensor.of):

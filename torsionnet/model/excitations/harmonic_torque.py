@@ -1,4 +1,4 @@
-"""A torque given by its orders."""
+"""A torque or a motion given by its orders or frequencies."""
 
 from __future__ import annotations
 
@@ -16,106 +16,186 @@ from torsionnet.core.errors import Fault, Path
 from torsionnet.model.elements.nodes import NodeName
 from torsionnet.model.excitations.order_excitation import (
     ORDER,
+    CoveredSpeeds,
     FloatArray,
     OrderExcitation,
     OrderTorques,
     register_excitation,
 )
+from torsionnet.model.excitations.speed_table import SpeedTable, covered, over_speed
 
-_ANGLE = Value("phase: the torque is amplitude * cos(order * phi + phase)", "angle", lower=None)
+PHASE = Value("phase: what acts is amplitude * cos(order * phi + phase)", "angle", lower=None)
+FREQUENCY = Value("a frequency", "frequency", exclusive=True, below=1e6)
+MOTIONS = ("angle", "velocity", "acceleration")
+"""By how often time divides an angle."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class TorqueAmplitude(Declared):
-    """Peak value and phase of one order."""
+class HarmonicAmplitude(Declared):
+    """Peak value and phase of one order: of a torque, or of a motion that is imposed."""
 
     kind: ClassVar[str] = "amplitude"
     article: ClassVar[str] = "an order"
     form: ClassVar[str] = "{amplitude: 12 N*m, phase: 30 deg}"
 
-    amplitude: Any = entry(Value("peak value", "torque"))
-    phase: Any = entry(_ANGLE, 0)
+    amplitude: Any = entry(Value("peak value of a torque", "torque"), None)
+    angle: Any = entry(Value("peak value of an imposed angle", "angle"), None)
+    velocity: Any = entry(Value("peak value of an imposed angular velocity", "speed"), None)
+    acceleration: Any = entry(Value("peak value of an imposed angular acceleration", "acceleration"), None)
+    phase: Any = entry(PHASE, 0)
+
+    def contradictions(self) -> list[Fault]:
+        given = [name for name in ("amplitude", *MOTIONS) if getattr(self, name) is not None]
+        if len(given) == 1:
+            return []
+        text = "an order has an amplitude (of a torque), or an imposed angle, velocity or acceleration"
+        return [Fault(f"{text}; here {'are ' + ' and '.join(given) if given else 'is none'}", on_key=True)]
 
     @property
-    def complex_amplitude(self) -> complex:
-        return complex(self.amplitude * np.exp(1j * self.phase))
+    def of_motion(self) -> bool:
+        """Whether a motion is imposed."""
+        return self.amplitude is None
+
+    def over_frequency(self, omega: FloatArray) -> Any:
+        """Complex torque in N m, or angle in rad, at omega in rad/s."""
+        turned = np.exp(1j * self.phase)
+        if not self.of_motion:
+            return self.amplitude * turned * np.ones(len(omega))
+        power, size = next(
+            (power, size) for power, name in enumerate(MOTIONS) if (size := getattr(self, name)) is not None
+        )
+        return size * turned / (1j * omega) ** power
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class ByOrder(Spec):
-    """A table by order, a number above 0."""
+    """A table by order, a number above 0; or by frequency."""
 
     of: Nested
+    key: Value = ORDER
+    called: str = "order"
+    fewest: int = 1
 
     @property
     def absent(self) -> dict[float, Any]:
         return {}
 
+    @property
+    def example(self) -> str:
+        return f"{{{'2' if self.key is ORDER else '50 Hz'}: {self.of.example}}}"
+
     def read(self, raw: Any) -> tuple[dict[float, Any], list[Fault]]:
-        if not isinstance(raw, Mapping) or not raw:
-            return {}, [Fault(f"expected orders with what belongs to each, {{2: {self.of.example}}}, got {raw!r}")]
+        if not isinstance(raw, Mapping) or len(raw) < self.fewest:
+            what = "orders" if self.called == "order" else "frequencies"
+            return {}, [Fault(f"expected {what} with what belongs to each, {self.example}, got {raw!r}")]
         table: dict[float, Any] = {}
         faults: list[Fault] = []
         for key, value in raw.items():
             try:
-                order = ORDER.coerce(key)
+                place = self.key.coerce(key)
             except EntryError as error:
-                faults.append(Fault(f"an order is a number: {error}", (key,), on_key=True))
+                article = "an order is a number" if self.called == "order" else "a frequency has a unit, as 50 Hz"
+                faults.append(Fault(f"{article}: {error}", (key,), on_key=True))
                 continue
-            if order in table:
-                faults.append(Fault(f"order {order:g} stands twice", (key,), on_key=True))
+            if place in table:
+                faults.append(Fault(f"{self.called} {place:g} stands twice", (key,), on_key=True))
                 continue
-            table[order], found = self.of.read(value)
+            table[place], found = self.of.read(value)
             faults += [fault.under(key) for fault in found]
         return table, faults
 
     def plain(self, value: Any) -> Any:
-        return {int(order) if order == int(order) else order: self.of.plain(part) for order, part in value.items()}
+        return {int(place) if place == int(place) else place: self.of.plain(part) for place, part in value.items()}
 
     def schema(self) -> Schema:
         return {
             "type": "object",
             "description": self.description,
             "additionalProperties": self.of.schema(),
-            "minProperties": 1,
+            "minProperties": self.fewest,
         }
 
     def definitions(self) -> Schema:
         return self.of.definitions()
 
 
-AMPLITUDE = Nested("peak value and phase", lambda: TorqueAmplitude, "torque_amplitude")
+AMPLITUDE = Nested(
+    "peak value and phase", lambda: HarmonicAmplitude, "harmonic_amplitude", shown=HarmonicAmplitude.form
+)
 
 
 @register_excitation
 @dataclass(frozen=True, kw_only=True)
 class HarmonicTorque(OrderExcitation):
-    """A torque on a node by orders of a shaft, the same at all speeds.
+    """A torque on a node, or a motion imposed on it, by orders of a shaft and by frequencies.
+
+    A node with an imposed motion is held by it: it does not move at the orders of other excitations.
 
     Examples
     --------
     >>> fan = HarmonicTorque(node="fan", speed_of="motor", orders={2: {"amplitude": "10 N*m", "phase": "90 deg"}})
     >>> fan.torques(np.array([100.0])).amplitudes.round(9).tolist()
     [[[10j]]]
+    >>> shaker = HarmonicTorque(node="fan", frequencies={"50 Hz": {"acceleration": "100 rad/s^2"}})
+    >>> shaker.quantity, shaker.torques(np.array([100.0])).amplitudes.round(9).tolist()
+    ('angle', [[[(-0.001013212-0j)]]])
     """
 
     kind: ClassVar[str] = "harmonic"
 
     node: Any = entry(NodeName("the node it acts on", allow_ground=False))
+    reaction: Any = entry(
+        NodeName("the node on which the opposite torque acts; default: the ground", allow_ground=False), None
+    )
     speed_of: Any = entry(NodeName("the shaft whose orders are given; default: node", allow_ground=False), None)
-    orders: Any = entry(ByOrder("order -> peak value and phase", AMPLITUDE))
+    orders: Any = entry(ByOrder("order -> peak value and phase", AMPLITUDE, fewest=0), None)
+    frequencies: Any = entry(ByOrder("frequency -> peak value and phase", AMPLITUDE, FREQUENCY, "frequency", 0), None)
+    factor: Any = entry(SpeedTable("rows [speed, factor] of all amplitudes", Value("a factor", "1")), None)
+
+    def contradictions(self) -> list[Fault]:
+        parts = [*self.orders.values(), *self.frequencies.values()]
+        if not parts:
+            examples = (f"{name}: {dict(self.specs())[name].example}" for name in ("orders", "frequencies"))
+            return [Fault(f"a harmonic excitation needs {' or '.join(examples)}", on_key=True)]
+        if len({part.of_motion for part in parts}) > 1:
+            text = "torques and imposed motions are two excitations: where a motion is imposed, a torque does nothing"
+            return [Fault(text, ("orders" if self.orders else "frequencies",), on_key=True)]
+        if parts[0].of_motion and self.reaction:
+            return [Fault("an imposed motion has no reaction; leave it out", ("reaction",), on_key=True)]
+        return []
 
     @property
     def shaft(self) -> str:
         return str(self.speed_of or self.node)
 
     @property
+    def quantity(self) -> str:
+        return "angle" if next(iter([*self.orders.values(), *self.frequencies.values()])).of_motion else "torque"
+
+    @property
     def node_entries(self) -> tuple[tuple[Path, str], ...]:
-        return ((("node",), self.node),)
+        own = ((("node",), self.node),)
+        return (*own, (("reaction",), self.reaction)) if self.reaction else own
+
+    @property
+    def reactions(self) -> Mapping[str, str]:
+        return {self.reaction: self.node} if self.reaction else {}
+
+    @property
+    def covered_speeds(self) -> tuple[CoveredSpeeds, ...]:
+        return covered(self.factor, ("factor",))
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
-        amplitudes = np.array([part.complex_amplitude for part in self.orders.values()])
-        shape = (len(speeds), len(amplitudes), 1)
-        return OrderTorques(
-            np.array(list(self.orders)), self.nodes, np.broadcast_to(amplitudes[None, :, None], shape).copy()
-        )
+        orders = np.array([*self.orders, *(0.0 for _ in self.frequencies)])
+        fixed = np.array([*(0.0 for _ in self.orders), *self.frequencies])
+        parts = [*self.orders.values(), *self.frequencies.values()]
+        omega = speeds[:, None] * orders + 2 * np.pi * fixed
+        amplitudes = np.stack([part.over_frequency(omega[:, place]) for place, part in enumerate(parts)], axis=1)
+        if self.factor:
+            amplitudes = amplitudes * over_speed(self.factor, speeds, "the factor")[:, None]
+        return OrderTorques(orders, self.nodes, with_reaction(amplitudes, len(self.nodes)), fixed)
+
+
+def with_reaction(amplitudes: Any, count: int) -> Any:
+    """Amplitudes (n_speeds, n_lines) on a node, and their opposites on a second one if there are two."""
+    return np.stack([amplitudes, -amplitudes][:count], axis=2)

@@ -1,23 +1,27 @@
-"""What every excitation by order has: the shaft it runs with, and torques on nodes by order of that shaft."""
+"""What every excitation by order has: the shaft it runs with, and what it does by order of that shaft."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import ClassVar, TypeVar
+from dataclasses import Field, dataclass
+from typing import Any, ClassVar, Self, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Flag
 from torsionnet.core.errors import Fault, Path
+from torsionnet.model.elements import Element
 
 ORDER = Value("vibrations per revolution", "1", exclusive=True, below=10_000)
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
 _KINDS: dict[str, type[OrderExcitation]] = {}
+"""Kind -> type, in the order of the kinds, whatever the order in which files were imported."""
 T = TypeVar("T", bound="type[OrderExcitation]")
 
 
@@ -44,15 +48,22 @@ class TorqueShares:
 
 @dataclass(frozen=True, eq=False)
 class OrderTorques:
-    """Torques on nodes, T(phi) = Re sum_h T_h exp(j h phi), phi the angle of the shaft, driving where positive.
+    """Torques on nodes, T(t) = Re sum_i T_i exp(j (h_i phi + 2 pi f_i t)), phi the angle of the shaft.
+
+    A torque drives the shaft it is on where it is positive. Excitations that impose a motion give that instead: angles
+    of nodes in the sense in which they turn, or twists: how far the shaft of the excitation, where it enters the
+    element, is ahead of what its springs would have it, in rad of that shaft.
 
     Attributes
     ----------
-    orders : (n_orders,) array
-        Vibrations per revolution of the shaft.
+    orders : (n_lines,) array
+        Vibrations per revolution of the shaft; 0 where a line does not follow the speed.
     nodes : tuple of str
-    amplitudes : (n_speeds, n_orders, n_nodes) complex array
-        N m, peak values.
+        Where it acts: nodes, or elements whose twist is imposed.
+    amplitudes : (n_speeds, n_lines, n_nodes) complex array
+        N m or rad, peak values.
+    fixed : (n_lines,) array, optional
+        Frequencies f_i in Hz that go with the orders; without, all lines follow the speed.
     alternatives : TorqueShares, optional
         One of these comes on top, whichever is worst.
     scatter : TorqueShares, optional
@@ -62,8 +73,18 @@ class OrderTorques:
     orders: FloatArray
     nodes: tuple[str, ...]
     amplitudes: ComplexArray
+    fixed: FloatArray | None = None
     alternatives: TorqueShares | None = None
     scatter: TorqueShares | None = None
+
+
+@dataclass(frozen=True)
+class CoveredSpeeds:
+    """What a table says about speeds: from ``low`` to ``high`` rad/s of the shaft of its excitation."""
+
+    path: Path
+    low: float
+    high: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,23 +93,59 @@ class OrderExcitation(Declared):
 
     article: ClassVar[str] = "an excitation"
 
+    enabled: Any = entry(Flag("whether it acts before a configuration says otherwise"), True)
+
+    @classmethod
+    def _is_common(cls, declared: Field[Any]) -> bool:
+        return declared.name == "enabled"
+
     @property
     def shaft(self) -> str:
         """A node of the shaft whose revolutions the orders count."""
         raise NotImplementedError
 
     @property
+    def quantity(self) -> str:
+        """What it gives: ``torque`` on nodes, ``angle`` of nodes or ``twist`` of elements."""
+        return "torque"
+
+    @property
     def node_entries(self) -> tuple[tuple[Path, str], ...]:
         """Where the nodes it acts on are named, and their names."""
-        raise NotImplementedError
+        return ()
+
+    @property
+    def element_entry(self) -> tuple[Path, str] | None:
+        """Where the element is named whose twist it imposes, and its name."""
+        return None
 
     @property
     def nodes(self) -> tuple[str, ...]:
         """Where it acts, every node once."""
         return tuple(dict.fromkeys(node for _, node in self.node_entries))
 
+    @property
+    def reactions(self) -> Mapping[str, str]:
+        """Nodes that take the torque of another one, whose sense of turning counts for it then."""
+        return {}
+
+    @property
+    def covered_speeds(self) -> tuple[CoveredSpeeds, ...]:
+        """Speeds that its tables cover."""
+        return ()
+
+    def fitted(self, elements: Mapping[str, Element]) -> Self:
+        """With what the elements it names know: a shaft, a number of teeth."""
+        del elements
+        return self
+
+    def misfits(self, elements: Mapping[str, Element]) -> list[Fault]:
+        """Faults of entries that do not fit the element it names, which is there."""
+        del elements
+        return []
+
     def torques(self, speeds: FloatArray) -> OrderTorques:
-        """The torques at speeds of its shaft, rad/s."""
+        """What acts at speeds of its shaft, rad/s."""
         raise NotImplementedError
 
     def remarks(self, speeds: FloatArray | None) -> list[Fault]:
@@ -96,10 +153,17 @@ class OrderExcitation(Declared):
         del speeds
         return []
 
+    def phase_vectors(self, order: float) -> dict[str, tuple[str, complex]]:
+        """What acts with a phase of its own: its node and ``exp(-j order alpha)``, or 0 where it is out of action."""
+        del order
+        return {node: (node, 1.0 + 0j) for node in self.nodes}
+
 
 def register_excitation(cls: T) -> T:
     """Make a type known by its ``kind``."""
-    _KINDS[cls.kind] = cls
+    known: dict[str, type[OrderExcitation]] = {**_KINDS, cls.kind: cls}
+    _KINDS.clear()
+    _KINDS.update(sorted(known.items()))
     return cls
 
 

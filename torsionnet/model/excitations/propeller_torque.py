@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
-from torsionnet.core.entries.composite import Nested
+from torsionnet.core.entries.composite import Named, Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count
-from torsionnet.core.errors import Fault, Path
+from torsionnet.core.entries.words import Count, OneOf, Text, name_fault
+from torsionnet.core.errors import Fault, Path, meant_or
 from torsionnet.model.elements.nodes import NodeName
 from torsionnet.model.excitations.harmonic_torque import ByOrder
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderExcitation, OrderTorques, register_excitation
+
+ZERO_PITCH = "zero_pitch"
+"""The condition that only a propeller of controllable pitch has."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +35,19 @@ class BladeOrder(Declared):
 
 
 BLADE_ORDER = Nested("share and phase", lambda: BladeOrder, "blade_order")
+_BLADE_ORDERS = ByOrder("multiple of the blades -> share of the mean torque and phase", BLADE_ORDER)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PropellerCondition(Declared):
+    """What a propeller does in another condition than full ahead: at zero pitch, astern, in ice, out of the water."""
+
+    kind: ClassVar[str] = "condition"
+    article: ClassVar[str] = "a condition"
+    form: ClassVar[str] = "{torque: 20 %, blade_orders: {1: {share: 10 %}}}"
+
+    torque: Any = entry(Value("its mean torque over that of full ahead at the same speed", "1", exclusive=True), 1)
+    blade_orders: Any = entry(_BLADE_ORDERS)
 
 
 @register_excitation
@@ -38,7 +55,9 @@ BLADE_ORDER = Nested("share and phase", lambda: BladeOrder, "blade_order")
 class PropellerTorque(OrderExcitation):
     """What a propeller's blades take from the shaft beside the mean torque Q(n) = Q_rated (n/n_rated)^exponent.
 
-    At blade order i of z blades it acts with -share_i Q(n) cos(i z phi + phase_i), phi the angle of the propeller.
+    At blade order i of z blades it acts with -share_i Q(n) cos(i z phi + phase_i), phi the angle of the propeller. It
+    is 0 where the first cylinder of the engine fires (``phase_zero: engine_tdc1``); phases that count from an upright
+    blade (``blade``) need the angle by which a blade is past upright there.
 
     Examples
     --------
@@ -53,18 +72,53 @@ class PropellerTorque(OrderExcitation):
 
     node: Any = entry(NodeName("the node of the propeller; orders count its revolutions", allow_ground=False))
     blades: Any = entry(Count("number of blades", 2, 9))
-    blade_orders: Any = entry(ByOrder("multiple of the blades -> share of the mean torque and phase", BLADE_ORDER))
+    blade_orders: Any = entry(_BLADE_ORDERS)
     torque: Any = entry(Value("mean torque at rated speed", "torque", exclusive=True))
     rated: Any = entry(Value("rated speed of the propeller", "speed", exclusive=True))
     exponent: Any = entry(Value("mean torque follows (speed/rated) to this power", "1"), 2)
+    pitch: str = entry(OneOf("whether its pitch can be set", ("fixed", "controllable")), "fixed")
+    conditions: Any = entry(
+        Named(
+            "others than full ahead, such as zero_pitch, astern, iced",
+            Nested("its torque and blade orders", lambda: PropellerCondition, "propeller_condition"),
+            refused=name_fault,
+        ),
+        None,
+    )
+    condition: str = entry(Text("which of them it is in; default: full ahead", "the name of a condition"), "")
+    phase_zero: str = entry(OneOf("where phases count from", ("engine_tdc1", "blade")), "engine_tdc1")
+    blade_angle: Any = entry(
+        Value("by how much a blade is past upright where the first cylinder fires", "angle", None), None
+    )
 
     def contradictions(self) -> list[Fault]:
-        odd = [order for order in self.blade_orders if order != round(order)]
-        return (
-            [Fault(f"a blade order is a whole multiple of the blades: 1, 2, ...; got {odd[0]:g}", ("blade_orders",))]
-            if odd
-            else []
-        )
+        return [*self._wrong_orders(), *self._wrong_conditions(), *self._wrong_zero()]
+
+    def _wrong_orders(self) -> Iterator[Fault]:
+        tables: dict[Path, Any] = {("blade_orders",): self.blade_orders}
+        tables |= {("conditions", name, "blade_orders"): one.blade_orders for name, one in self.conditions.items()}
+        for path, table in tables.items():
+            for order in table:
+                if order != round(order):
+                    text = f"a blade order is a whole multiple of the blades: 1, 2, ...; got {order:g}"
+                    yield Fault(text, path)
+                    break
+
+    def _wrong_conditions(self) -> Iterator[Fault]:
+        if self.pitch == "fixed" and ZERO_PITCH in self.conditions:
+            text = "a propeller of fixed pitch has no zero pitch; write pitch: controllable"
+            yield Fault(text, ("conditions", ZERO_PITCH), on_key=True)
+        if self.condition and self.condition not in self.conditions:
+            known = ", ".join(self.conditions)
+            hint = meant_or(self.condition, self.conditions, f"there are {known}" if known else "there are none")
+            yield Fault(f'the propeller has no condition "{self.condition}"{hint}', ("condition",))
+
+    def _wrong_zero(self) -> Iterator[Fault]:
+        if self.phase_zero == "blade" and self.blade_angle is None:
+            text = "phases from an upright blade need its angle where the first cylinder fires: blade_angle: 15 deg"
+            yield Fault(text, ("phase_zero",))
+        if self.phase_zero != "blade" and self.blade_angle is not None:
+            yield Fault("phases count from engine_tdc1; a blade angle goes with phase_zero: blade", ("blade_angle",))
 
     @property
     def shaft(self) -> str:
@@ -75,7 +129,10 @@ class PropellerTorque(OrderExcitation):
         return ((("node",), self.node),)
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
-        mean = self.torque * (speeds / self.rated) ** self.exponent
-        shares = np.array([part.share * np.exp(1j * part.phase) for part in self.blade_orders.values()])
-        orders = self.blades * np.array([float(order) for order in self.blade_orders])
+        present = self.conditions[self.condition] if self.condition else None
+        table = present.blade_orders if present else self.blade_orders
+        mean = self.torque * (speeds / self.rated) ** self.exponent * (present.torque if present else 1.0)
+        orders = self.blades * np.array([float(order) for order in table])
+        shares = np.array([part.share * np.exp(1j * part.phase) for part in table.values()])
+        shares = shares * np.exp(1j * orders * (self.blade_angle or 0.0))
         return OrderTorques(orders, self.nodes, -(mean[:, None] * shares)[:, :, None])

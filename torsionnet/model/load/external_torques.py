@@ -35,12 +35,19 @@ def operating_speed(definition: Definition, values: Mapping[str, Any]) -> float:
     reference = reference_node(definition)
     speed = mean_speeds(definition, values).get(reference) if definition.operating_point.speed else None
     rated = definition.speeds.rated if definition.speeds else None
-    if not speed and not rated and definition.load and definition.speeds is None:
-        rated = definition.load.by_node[reference].rated
-    found = speed or rated
+    found = speed or rated or _rated_of_absorber(definition, values, reference)
     if not found:
         raise UsageError(NEEDS_RATED)
     return float(found)
+
+
+def _rated_of_absorber(definition: Definition, values: Mapping[str, Any], reference: str) -> float | None:
+    """The reference node's speed at which the first absorber with a rated speed of its own has that."""
+    ratios = speed_ratios(definition, values, reference)
+    for node, absorber in definition.load.by_node.items() if definition.load else ():
+        if absorber.rated and ratios.get(node):
+            return float(absorber.rated / abs(ratios[node]))
+    return None
 
 
 def load_torques(definition: Definition, values: Mapping[str, Any], speed: float) -> dict[str, float]:

@@ -14,7 +14,7 @@ from torsionnet.core.entries.scalars import read_value
 from torsionnet.core.entries.spec import EntryError
 from torsionnet.core.errors import UsageError
 from torsionnet.core.expressions import Number
-from torsionnet.core.units import expected_unit, parse_unit
+from torsionnet.core.units import parse_unit
 from torsionnet.model.channels import Sensor
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.response.damper_optimum import (
@@ -71,12 +71,12 @@ def damper_design(
         DesignParameter(name, unit, *numbers)
         for name, unit, *numbers in zip(names, units, start, box.lower, box.upper, best, strict=True)
     )
-    damping = np.array([unit == expected_unit("damping") for unit in units])
+    damping = np.array([one.is_damping for one in sought])
     free, locked = (np.where(damping, factor * np.maximum(best, FREE * box.upper), best) for factor in (FREE, LOCKED))
     cases = {"as given": start, "optimum": best}
     if damping.any():
         cases |= {"free": free, "locked": locked}
-    films = [box.lower, start, best, box.upper] if damping.all() and input is not None else []
+    films = [np.where(damping, values, best) for values in (box.lower, start, best, box.upper)]
     return DamperOptimum(
         levels.channel,
         levels.of,
@@ -86,7 +86,7 @@ def damper_design(
         _peaks(levels, best),
         {name: _effect(levels, box, best, place) for place, name in enumerate(names)},
         tuple(_curve(levels, label, values) for label, values in cases.items()),
-        _fixed_points(levels, free, locked, films) if films else (),
+        _fixed_points(levels, free, locked, films) if damping.any() and input is not None else (),
         drivetrain.title,
     )
 

@@ -7,8 +7,10 @@ solves; the maxima of the curve for its answer are new points, until none is hig
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import minimize
 from scipy.stats import qmc
 
@@ -18,8 +20,8 @@ from torsionnet.solve.design.levels import Levels
 ENOUGH = 1e-10
 """By which the logarithm of the level may be above what the points say."""
 ROUNDS = 40
-SAMPLES, BEST = 64, 3
-"""Sets of values from which the search may begin, and from how many it does."""
+SAMPLES, BEST = 16, 2
+"""Sets of values, times 2 for each after the first, from which the search may begin, and from how many it does."""
 SAMPLED = 40
 """Points of the range that are constraints from the beginning."""
 WIDE = 3.0
@@ -39,8 +41,8 @@ class Box:
     upper: FloatArray
 
     @property
-    def _by_factors(self) -> FloatArray:
-        return (self.lower > 0) & (self.upper > WIDE * self.lower)
+    def _by_factors(self) -> NDArray[np.bool_]:
+        return np.asarray((self.lower > 0) & (self.upper > WIDE * self.lower))
 
     def inside(self, place: FloatArray) -> FloatArray:
         """Values at a place in the cube."""
@@ -65,7 +67,7 @@ class Box:
 
 def smallest_maximum(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
     """The values (n_p,), searched from the start and from samples of the box."""
-    places = [box.place(start), *qmc.Sobol(len(start), scramble=False).random(SAMPLES)]
+    places = [box.place(start), *qmc.Sobol(len(start), scramble=False).random(SAMPLES * 2 ** (len(start) - 1))]
     rough = [largest(levels, box.inside(place), refined=False) for place in places]
     found = [_searched(levels, box, places[index]) for index in np.argsort(rough, kind="stable")[:BEST]]
     return box.inside(min(found, key=lambda place: largest(levels, box.inside(place))))
@@ -108,12 +110,11 @@ def _solved(levels: Levels, box: Box, points: FloatArray, start: FloatArray) -> 
         by_value = levels.slopes(values, points) / (levels.at(values, points) + TINY)[:, None]
         return np.column_stack([-by_value * box.rates(x[:-1]), np.ones(len(points))])
 
-    first = np.append(start, logs(np.append(start, 0.0)).max())
-    aim = np.append(np.zeros(len(start)), 1.0)
-    found = minimize(
-        lambda x: x[-1],
-        first,
-        jac=lambda x: aim,
+    search: Any = minimize  # its published types know no constraints that are functions
+    found = search(
+        lambda x: float(x[-1]),
+        np.append(start, logs(np.append(start, 0.0)).max()),
+        jac=lambda x: np.append(np.zeros(len(x) - 1), 1.0),
         method="SLSQP",
         bounds=[*((0.0, 1.0) for _ in start), (None, None)],
         constraints={"type": "ineq", "fun": lambda x: x[-1] - logs(x), "jac": slopes},

@@ -1,0 +1,433 @@
+"""Critical speeds: against closed forms, the numbers of two plants, and what a user may ask wrongly."""
+
+import csv
+import math
+
+import numpy as np
+import pytest
+from running_plants import INLINE_SIX, car, engine, marine, two_mass
+from test_cli import run
+
+import torsionnet as tn
+from torsionnet.plot import interference_diagram, star_diagrams
+from torsionnet.response.margin_rules import PRESETS, MarginClause, MarginRule, margin_rule
+from torsionnet.response.vibration_mode import amplification
+from torsionnet.solve.generalised_force import star_diagram
+from torsionnet.solve.speed_peaks import SAME
+
+RPM = np.pi / 30
+RIGID = dict.fromkeys(("c1", "c2", "c3", "c4", "c5", "c6"), 1.0)
+BENT = dict(zip(RIGID, (1, 0.9, 0.7, 0.45, 0.15, -0.1), strict=True))
+
+
+@pytest.fixture(scope="module")
+def cylinders():
+    """The marine plant with one torque on every cylinder."""
+    orders = {order: {"amplitude": 1000} for order in (0.5, 1.5, 3)}
+    return marine({f"cyl{n}": {"type": "harmonic", "node": f"c{n}", "orders": orders} for n in range(1, 7)})
+
+
+class TestPhaseVectorSums:
+    """Four-stroke inline six 1-5-3-6-2-4."""
+
+    @pytest.mark.parametrize("order", np.arange(0.5, 12.5, 0.5))
+    def test_rigid_shape(self, order):
+        star = star_diagram(engine(), "engine", order, RIGID)
+        assert abs(star.sum) == pytest.approx(6 if order % 3 == 0 else 0, abs=1e-12)
+
+    @pytest.mark.parametrize("order", np.arange(0.5, 12.5, 0.5))
+    def test_one_cylinder_out(self, order):
+        star = star_diagram(engine(gas_off=[3]), "engine", order, RIGID)
+        assert abs(star.sum) == pytest.approx(5 if order % 3 == 0 else 1, abs=1e-12)
+
+    @pytest.mark.parametrize(("order", "total"), [(0.5, 0.7399), (1.5, 2.1), (3, 3.1)])
+    def test_bent_shape(self, order, total):
+        assert abs(star_diagram(engine(), "engine", order, BENT).sum) == pytest.approx(total, abs=5e-5)
+
+    def test_lengths_are_relative_to_the_largest_amplitude(self):
+        star = star_diagram(engine(), "engine", 3, {node: 0.2 * angle for node, angle in BENT.items()})
+        assert np.abs(star.vectors) == pytest.approx(np.abs(list(BENT.values())))
+        assert [row[0] for row in star.table().rows] == ["1", "2", "3", "4", "5", "6", "sum"]
+
+
+class TestMarginRules:
+    @pytest.mark.parametrize("name", ["api610", "api617", "api684"])
+    @pytest.mark.parametrize("order", [0, 0.5, 1, 7, 24])
+    def test_ten_percent_of_everything(self, name, order):
+        assert margin_rule(name).required(order) == 0.10
+
+    def test_reciprocating_compressors(self):
+        rule = margin_rule("api618")
+        assert [rule.required(order) for order in (1, 2, 10, 11, 1.5)] == [0.10, 0.05, 0.05, None, None]
+
+    def test_line_frequency_only(self):
+        assert [margin_rule("line_frequency").required(order) for order in (0, 1)] == [0.10, None]
+
+    @pytest.mark.parametrize("given", ["12 %", "12%", "0.12", 0.12])
+    def test_own_share(self, given):
+        assert margin_rule(given).required(3.5) == pytest.approx(0.12)
+
+    def test_every_preset_names_its_source(self):
+        assert all("edition" in rule.source for name, rule in PRESETS.items() if name.startswith("api"))
+
+    @pytest.mark.parametrize(
+        ("given", "text"),
+        [
+            ("api648", 'did you mean "api684"? there are api610'),
+            ("ten", "or give a share as 15 %"),
+            ("110 %", "between 0 and 1"),
+            (0, "between 0 and 1"),
+            (math.nan, "between 0 and 1"),
+        ],
+    )
+    def test_others_are_refused(self, given, text):
+        with pytest.raises(tn.UsageError) as caught:
+            margin_rule(given)
+        assert text in str(caught.value)
+
+
+class TestAmplification:
+    def test_as_in_the_literature_on_api_617(self):
+        """Wang, Feese and Pettinato 2012 tabulate it: 10 % margin gives about 5."""
+        assert amplification(0.9, 0.01) == pytest.approx(5.24, abs=0.005)
+        assert amplification(1, 0.05) == pytest.approx(10)
+        assert amplification(1, 0) == math.inf
+
+    def test_at_resonance(self):
+        found = two_mass(damping=2.0).critical_speeds().modes[0]
+        assert found.amplification == pytest.approx(1 / (2 * found.damping_ratio))
+        assert two_mass(damping=0.0).critical_speeds().modes[0].amplification == math.inf
+
+
+class TestTwoMasses:
+    """Shaft k between J_a = 2 and J_b = 1 in which an order h acts on b: one degree of freedom for the twist."""
+
+    J, K = 2 / 3, 1e4
+
+    def test_speed_margin_and_force(self):
+        found = two_mass(damping=0.0).critical_speeds(margin="api684").of(1, 2)
+        omega = math.sqrt(self.K / self.J)
+        assert found.speed("undamped") == pytest.approx(omega / 2)
+        assert found.speed("natural") == pytest.approx(omega / 2)
+        assert (found.margin, found.passes) == (0, False)
+        assert found.generalised_force == pytest.approx(10)  # b moves most, and there the torque acts
+
+    @pytest.mark.parametrize(
+        ("speeds", "margin"), [((300, 500), 584.773 / 500 - 1), ((620, 700), 1 - 584.773 / 620), ((500, 700), 0)]
+    )
+    def test_margin_is_over_the_excitation_frequency(self, speeds, margin):
+        found = two_mass(damping=0.0).critical_speeds(speeds=np.array(speeds) * RPM).of(1, 2)
+        assert found.margin == pytest.approx(margin, abs=2e-5)
+
+    @pytest.mark.parametrize("zeta", [0.002, 0.02, 0.1, 0.3])
+    def test_actual_peak_is_that_of_one_degree_of_freedom(self, zeta):
+        """Largest at omega sqrt(1 - 2 zeta^2), neither undamped nor damped, by 1/(2 zeta sqrt(1 - zeta^2))."""
+        omega = math.sqrt(self.K / self.J)
+        plant = two_mass(damping=2 * zeta * math.sqrt(self.K * self.J))
+        found = plant.critical_speeds("twist(shaft)").of(1, 2)
+        (peak,) = found.peaks
+        assert peak.speed == pytest.approx(omega * math.sqrt(1 - 2 * zeta**2) / 2, rel=2e-4)
+        static = 10 * (2 / 3) / self.K
+        assert peak.amplitude == pytest.approx(static / (2 * zeta * math.sqrt(1 - zeta**2)), rel=1e-5)
+        assert found.speed("damped") == pytest.approx(omega * math.sqrt(1 - zeta**2) / 2)
+
+    def test_too_much_damping_leaves_no_critical_speed(self):
+        plant = two_mass(damping=3 * math.sqrt(self.K * self.J))
+        found = plant.critical_speeds("twist(shaft)").of(1, 2)
+        assert math.isnan(found.speed("natural"))
+        assert found.speed("undamped") == pytest.approx(math.sqrt(self.K / self.J) / 2)
+        assert found.peaks == ()
+        assert "overdamped" in found.remark
+
+    def test_line_frequency_has_no_speed_but_a_margin(self):
+        found = two_mass(damping=0.0).critical_speeds(line_frequency=18, margin="line_frequency", reach=0.5)
+        first = next(one for one in found.crossings if one.fixed == 18)
+        natural = math.sqrt(self.K / self.J) / (2 * np.pi)
+        assert math.isnan(first.speed())
+        assert first.margin == pytest.approx(natural / 18 - 1)
+        assert (first.required, first.passes, first.excited) == (0.1, False, None)
+        assert found.of(1, 2).passes is None  # this rule is about the line only
+
+    def test_orders_count_on_their_own_shaft(self):
+        plant = tn.Drivetrain(
+            "geared",
+            [tn.Inertia("motor", node="m", inertia=1), tn.Spring("shaft", nodes=("m", "p"), stiffness=2e3),
+             tn.Gear("stage", nodes=("p", "w"), ratio=-4), tn.Inertia("mill", node="w", inertia=16)],
+            speeds={"of": "m", "range": "300..700 rpm", "step": "10 rpm"},
+            excitations={"mill": {"type": "harmonic", "node": "w", "orders": {5: {"amplitude": 8}}}},
+        )  # fmt: skip
+        found = plant.critical_speeds().of(1, 5)
+        natural = math.sqrt(2e3 * 2)  # two masses of 1 kg m^2, referred to the motor
+        assert found.own_speed() == pytest.approx(natural / 5)
+        assert found.speed() == pytest.approx(4 * natural / 5)
+        assert found.generalised_force == pytest.approx(8 / 4)  # the motor moves by 1, the mill by 1/4
+
+
+class TestMarinePlant:
+    """Numbers of the wet plant: strong damper, so that undamped and damped frequencies have little to do."""
+
+    def test_undamped_and_damped_order_3(self, cylinders):
+        critical = cylinders.critical_speeds(excitations=["cyl1"]).of(4, 3)
+        assert critical.mode.undamped_frequency == pytest.approx(38.75, abs=0.005)
+        assert critical.mode.natural_frequency == pytest.approx(26.49, abs=0.005)
+        assert critical.speed("undamped") / RPM == pytest.approx(775, abs=0.1)
+        assert critical.speed("natural") / RPM == pytest.approx(530, abs=0.2)
+
+    def test_peak_of_the_crankshaft_torque(self, cylinders):
+        at = np.arange(480, 580, 0.25) * RPM
+        run = cylinders.order_response("torque(k56)", speeds=at)
+        together = abs(sum(run.of_order(3, excitation=f"cyl{n}") for n in range(1, 7)))
+        assert run.rpm[np.argmax(together)] == pytest.approx(521, abs=1)
+        one = cylinders.critical_speeds("torque(k56)", excitations=["cyl3"]).of(4, 3).peaks[0]
+        alone = cylinders.order_response("torque(k56)", speeds=at, excitations=["cyl3"])
+        assert one.speed / RPM == pytest.approx(alone.rpm[np.argmax(abs(alone.of_order(3)))], abs=0.25)
+
+    def test_lowest_modes(self, cylinders):
+        found = cylinders.critical_speeds(excitations=["cyl1"])
+        assert found.of(1, 0.5).mode.undamped_frequency == pytest.approx(3.52, abs=0.005)
+        assert found.of(1, 0.5).speed() / RPM == pytest.approx(423, abs=0.5)
+        assert found.of(2, 1.5).mode.undamped_frequency == pytest.approx(10.55, abs=0.005)
+        assert found.of(2, 1.5).speed() / RPM == pytest.approx(422, abs=0.5)
+
+    def test_the_mode_of_the_ring_is_overdamped(self, cylinders):
+        modes = cylinders.critical_speeds(excitations=["cyl1"]).modes
+        assert math.isnan(modes[2].natural_frequency)
+        assert all(mode.similarity > 0.6 for mode in modes if mode.number != 3)
+
+    def test_named_film_as_a_locked_ring(self, cylinders):
+        """Against the plant with a coupling in the film's place, written down again."""
+        elements = [
+            tn.RigidCoupling("dmp_film", nodes=("ring", "free_end")) if element.name == "dmp_film" else element
+            for element in cylinders.elements.values()
+        ]
+        stiff = tn.Drivetrain("locked", elements, parameters=cylinders.definition.parameters)
+        locked = cylinders.critical_speeds(dampers="locked", damper_names=["dmp_film"], excitations=["cyl1"])
+        assert "damper ring locked" in locked.title
+        frequencies = stiff.modes().undamped_natural_frequencies
+        assert [mode.undamped_frequency for mode in locked.modes] == pytest.approx(frequencies[frequencies > 0])
+
+    def test_misfire_excites_what_the_normal_engine_does_not(self):
+        plant = marine({"engine": INLINE_SIX}, {"firing": {"normal": {}, "gas_off": {"engine.gas_off": [3]}}})
+        normal, misfire = (plant.configured(name).critical_speeds() for name in ("normal", "gas_off"))
+        assert not normal.of(1, 0.5).excited
+        assert misfire.of(1, 0.5).excited
+        assert normal.of(4, 3).excited
+        told = normal.in_conditions([misfire]).of(1, 0.5)
+        assert told.excited_in == ("gas_off",)
+        assert told.remark == "not excited, but in gas_off"
+        assert normal.of(1, 0.5).remark == "not excited in this condition"
+
+    def test_generalised_force_is_the_sum_over_the_cylinders(self):
+        plant = marine({"engine": INLINE_SIX})
+        found = plant.critical_speeds().of(4, 3)
+        acts = plant.definition.excitations["engine"].torques(np.array([found.speed("natural")]))
+        place = acts.orders.tolist().index(3.0)
+        shape = dict(zip(plant.assembly.nodes, found.mode.shape.real, strict=True))
+        by_hand = sum(acts.amplitudes[0, place, n] * shape[node] for n, node in enumerate(acts.nodes))
+        assert found.generalised_force == pytest.approx(abs(by_hand))
+
+    def test_cylinders_that_cancel_on_one_throw_excite_nothing(self):
+        """Two cylinders on each throw, half a period of order 3 apart: nothing is left of it, whatever the shape."""
+        shared = {str(number): f"c{(number + 1) // 2}" for number in range(1, 13)}
+        angles = {number: f"{60 * ((int(number) + 1) % 2)} deg" for number in shared}
+        vee = {**INLINE_SIX, "cylinders": shared, "firing_angles": angles, "orders": [3, 6]}
+        del vee["firing_order"]
+        found = marine({"engine": vee}).critical_speeds()
+        assert not found.of(4, 3).excited
+        assert found.of(4, 6).excited
+
+
+class TestCar:
+    def test_gear_iii(self):
+        critical = car().critical_speeds("tw_dmf").of(3, 2)
+        assert critical.mode.natural_frequency == pytest.approx(23.59, abs=0.005)
+        assert critical.mode.undamped_frequency == pytest.approx(20.86, abs=0.005)
+        assert critical.speed("natural") / RPM == pytest.approx(708, abs=0.5)
+        assert critical.speed("undamped") / RPM == pytest.approx(626, abs=0.5)
+        assert 704 <= critical.peaks[0].speed / RPM <= 706.5
+
+    def test_half_shafts_against_each_other_take_up_nothing(self):
+        """In mode 4 the wheels swing against each other through the differential, and the engine stands still."""
+        assert not car().critical_speeds().of(4, 2).excited
+
+
+class TestDampers:
+    """A mass J = 2 on a spring to ground with a viscous damper: closed forms for every state of the ring."""
+
+    @pytest.mark.parametrize(("state", "inertia"), [("free", 2.1), ("half", 2.35), ("locked", 2.6)])
+    def test_states(self, state, inertia):
+        (mode,) = damped_mass().critical_speeds(dampers=state).modes
+        assert mode.undamped_frequency == pytest.approx(math.sqrt(1e4 / inertia) / (2 * np.pi))
+
+    def test_as_modelled(self):
+        assert damped_mass().critical_speeds().modes[0].damping_ratio > 0.01
+
+    @pytest.mark.parametrize(
+        ("state", "names", "text"),
+        [
+            ("lockd", None, 'did you mean "locked"? choose as_modelled'),
+            ("locked", ["dampr"], 'did you mean "damper"'),
+            ("locked", ["spring"], '"spring" is no film of a damper'),
+        ],
+    )
+    def test_what_is_refused(self, state, names, text):
+        with pytest.raises(tn.UsageError) as caught:
+            damped_mass().critical_speeds(dampers=state, damper_names=names)
+        assert text in str(caught.value)
+
+    def test_without_a_damper(self):
+        with pytest.raises(tn.UsageError, match="no element of type viscous_damper; name the spring or damper"):
+            two_mass(damping=0.0).critical_speeds(dampers="free")
+
+
+class TestPairsOfModes:
+    def test_without_damping_every_mode_is_its_own(self):
+        plant = marine({"cyl1": {"type": "harmonic", "node": "c1", "orders": {3: {"amplitude": 1}}}})
+        plant = plant.configured(c_dmp=0, psi_cpl=1e-9, c_prop=0)
+        for mode in plant.critical_speeds(lowest=6).modes:
+            assert mode.natural_frequency == pytest.approx(mode.undamped_frequency, rel=1e-4)
+            assert mode.similarity == pytest.approx(1, abs=1e-4)
+
+    def test_repeated_modes_find_partners(self):
+        """Three like blades on a hub have two modes of one frequency, whose shapes are arbitrary mixtures."""
+        blades = [
+            part
+            for name in "abc"
+            for part in (tn.Inertia(f"J_{name}", node=name, inertia=1),
+                         tn.Spring(f"k_{name}", nodes=(name, "hub"), stiffness=1e3, damping=1.5))
+        ]  # fmt: skip
+        fan = {"fan": {"type": "harmonic", "node": "hub", "orders": {3: {"amplitude": 1}}}}
+        plant = tn.Drivetrain(
+            "fan", [*blades, tn.Inertia("hub", node="hub", inertia=2)], excitations=fan, speeds={"of": "hub", "list": [10]}
+        )
+        found = plant.critical_speeds(reach=0.9)
+        assert [round(mode.similarity, 6) for mode in found.modes] == [1, 1, 1]
+        assert [one.excited for one in found.crossings] == [False, False, True]
+
+
+class TestQuestions:
+    @pytest.mark.parametrize(
+        ("settings", "text"),
+        [
+            ({"excitations": ["bladez"]}, 'did you mean "blades"'),
+            ({"reach": 1.5}, "reach is a share of the speeds"),
+            ({"line_frequency": -50}, "above 0 Hz"),
+            ({"speeds": [0.0, 10.0]}, "above 0, in rad/s"),
+            ({"speeds": []}, "above 0, in rad/s"),
+            ({"outputs": "shft"}, 'no sensor or node is named "shft"'),
+            ({"margin": "api6"}, "no margin rule"),
+        ],
+    )
+    def test_what_is_refused(self, settings, text):
+        with pytest.raises(tn.UsageError) as caught:
+            two_mass(damping=1.0).critical_speeds(**settings)
+        assert text in str(caught.value)
+
+    def test_without_speeds_or_excitations(self):
+        with pytest.raises(tn.UsageError, match="the model has no entry speeds"):
+            tn.load("dmf_rig").critical_speeds()
+        with pytest.raises(tn.UsageError, match="the model has no excitations"):
+            tn.load("dmf_rig").critical_speeds(speeds=[10.0, 20.0], speed_of="motor")
+
+    @pytest.mark.parametrize(
+        ("mode", "order", "text"),
+        [(7, 2, "there is no mode 7; there are 1"), (1, 3, "meets no order 3 in or near the operating range; it meets 2")],
+    )
+    def test_unknown_mode_or_order(self, mode, order, text):
+        with pytest.raises(tn.UsageError, match=text):
+            two_mass(damping=1.0).critical_speeds().of(mode, order)
+
+    def test_an_order_of_two_excitations(self):
+        with pytest.raises(tn.UsageError, match="say which excitation"):
+            marine({name: {"type": "harmonic", "node": name, "orders": {3: {"amplitude": 1}}} for name in ("c1", "c2")}
+                   ).critical_speeds().of(4, 3)  # fmt: skip
+
+    def test_unknown_kind_of_speed(self):
+        with pytest.raises(tn.UsageError, match="choose undamped, natural, damped"):
+            two_mass(damping=1.0).critical_speeds().of(1, 2).speed("peak")
+
+    def test_own_rule(self):
+        rule = MarginRule("ours", "house rule 7", (MarginClause(2, 2, 0.2),))
+        found = two_mass(damping=0.0).critical_speeds(speeds=np.array([300, 500]) * RPM, margin=rule)
+        assert found.of(1, 2).passes is False
+        assert "margins: ours: house rule 7" in found.table().notes
+
+    def test_one_peak_belongs_to_one_crossing(self):
+        plant = marine({"engine": INLINE_SIX})
+        by_order = {}
+        for one in plant.critical_speeds("torque(k56)", lowest=8).crossings:
+            for peak in one.peaks:
+                by_order.setdefault(one.order, []).append(peak.speed)
+        for speeds in by_order.values():
+            assert np.diff(sorted(speeds)).min(initial=1) > SAME * max(speeds) / 2
+
+
+def damped_mass():
+    return tn.Drivetrain(
+        "damped mass",
+        [tn.Inertia("mass", node="a", inertia=2), tn.Spring("spring", nodes=("a", "ground"), stiffness=1e4),
+         tn.ViscousDamper("damper", node="a", ring_inertia=0.5, hub_inertia=0.1, damping=40)],
+        speeds={"of": "a", "list": ["300 rpm", "400 rpm"]},
+        excitations={"fan": {"type": "harmonic", "node": "a", "orders": {2: {"amplitude": 1}}}},
+    )  # fmt: skip
+
+
+class TestCommand:
+    @pytest.fixture(autouse=True)
+    def folder(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        plant = marine({"engine": {**INLINE_SIX, "orders": [0.5, 1.5, 3]}},
+                       {"firing": {"normal": {}, "off": {"engine.gas_off": [3]}}})  # fmt: skip
+        plant.to_yaml("plant.yaml")
+        return tmp_path
+
+    def test_table(self):
+        printed = run("critical-speeds", "plant.yaml", "-c", "all", "--lowest", "4", "--margin", "api684").stdout
+        assert "not excited, but in off" in printed
+        assert "API RP 684" in printed
+        assert "under 10 %" in printed
+
+    def test_csv(self, folder):
+        run("critical-speeds", "plant.yaml", "-c", "normal", "--lowest", "4", "--csv", folder / "c.csv")
+        lines = [line for line in (folder / "c.csv").read_text().splitlines() if not line.startswith("#")]
+        rows = {(row["mode"], row["order"]): row for row in csv.DictReader(lines)}
+        assert float(rows["4", "3"]["undamped [rpm]"]) == pytest.approx(775.007, abs=1e-3)
+
+    @pytest.mark.parametrize("stars", [[], ["--stars", "4"]])
+    def test_pictures(self, folder, stars):
+        run("critical-speeds", "plant.yaml", "-c", "normal", "--plot", folder / "a.png", *stars)
+        assert (folder / "a.png").stat().st_size > 10_000
+
+    @pytest.mark.parametrize(
+        ("options", "text"),
+        [
+            (["--margin", "api648"], 'did you mean "api684"'),
+            (["--stars", "40", "--plot", "x.png"], "there is no mode 40"),
+            (["--dampers", "locked"], "no element of type viscous_damper"),
+            (["--excitation", "motor"], 'no excitation is named "motor"'),
+        ],
+    )
+    def test_what_is_wrong_is_told(self, options, text):
+        assert text in run("critical-speeds", "plant.yaml", *options, code=2).stderr
+
+
+class TestPictures:
+    def test_interference_diagram(self):
+        found = marine({"engine": INLINE_SIX}).critical_speeds(margin="api684", lowest=6)
+        (axes,) = interference_diagram(found).axes
+        assert axes.get_xlabel() == "speed of fly [r/min]"
+        assert axes.get_ylabel() == "frequency [Hz]"
+        texts = [text.get_text() for text in axes.texts]
+        assert {"3", "0.5", "mode 4: 26.49 Hz"} <= set(texts)
+        marks = np.concatenate([np.asarray(one.get_offsets()) for one in axes.collections if len(one.get_offsets()) > 1])
+        assert [529.88, 26.494] == pytest.approx(marks[np.argmin(abs(marks[:, 0] - 529.88) + abs(marks[:, 1] - 26.494))], 1e-4)
+
+    def test_stars_of_one_diagram_share_a_panel(self):
+        found = marine({"engine": INLINE_SIX}).critical_speeds(lowest=4)
+        stars = [one.star for one in found.crossings if one.mode.number == 4]
+        titles = [axes.get_title() for axes in star_diagrams(stars).axes]
+        assert any(title.startswith("engine 3, 6, 9\n") for title in titles)
+
+    def test_no_stars(self):
+        with pytest.raises(tn.UsageError, match="no star diagram to draw"):
+            star_diagrams([])

@@ -1,0 +1,104 @@
+"""``torsionnet holzer``."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from torsionnet.cli.cases import ConfiguredCase, ModelCommand
+from torsionnet.cli.command import TABLE, Answer, click_command, spaced
+from torsionnet.cli.declarations import option
+from torsionnet.cli.options import Written
+
+if TYPE_CHECKING:
+    from torsionnet.response.holzer_table import HolzerStation, HolzerTable
+
+
+class HolzerCommand(ModelCommand):
+    """Holzer table of a mode or of a trial frequency: amplitudes, torques, twists and stresses, station by station.
+
+    Without damping. Mode 1 is the lowest vibration; rigid bodies do not count. Quantities are those of the station's
+    own shaft, with --referred those on the shaft of the first station.
+
+    \b
+    torsionnet holzer plant.yaml --mode 2 --amplitude "1 mrad"
+    torsionnet holzer plant.yaml --at "12 Hz" --first ring
+    """
+
+    forms = TABLE
+
+    mode: int | None = option("--mode", type=click.IntRange(min=1), metavar="N", help="Number of the mode.")
+    at: float | None = option(
+        "--at", type=Written("FREQUENCY", "response.holzer_table:FREQUENCY"), help="Instead, a trial frequency: 12 Hz."
+    )
+    first: str | None = option("--first", metavar="NODE", help="Station to begin with.  [default: the first free end]")
+    amplitude: float = option(
+        "--amplitude",
+        type=Written("ANGLE", "response.holzer_table:AMPLITUDE"),
+        default="1 rad",
+        show_default=True,
+        help="Angle of the first station.",
+    )
+    referred_to: str | None = option("--referred-to", metavar="NODE", help="Another shaft to refer to.")
+    referred: bool = option("--referred", help="Show amplitudes and torques referred to one shaft.")
+
+    def answer(self) -> Answer:
+        if (self.mode is None) == (self.at is None):
+            raise click.UsageError("say --mode 1, or --at for a trial frequency")
+        cases = self.cases()
+        found = [self._run(case) for case in cases]
+        pairs = list(zip(cases, found, strict=True))
+        return Answer(
+            screen=lambda: spaced(table for one in found for table in one.tables(referred=self.referred)),
+            data=lambda: [_as_data(*pair) for pair in pairs],
+            csv=lambda: [("", self.joined(cases, [one.table(referred=self.referred) for one in found]))],
+        )
+
+    def _run(self, case: ConfiguredCase) -> HolzerTable:
+        return case.drivetrain.holzer_table(
+            self.mode, at=self.at, first=self.first, amplitude=self.amplitude, referred_to=self.referred_to
+        )
+
+
+def _as_data(case: ConfiguredCase, found: HolzerTable) -> dict[str, Any]:
+    return {
+        "title": found.title,
+        "configuration": case.configuration,
+        "mode": found.mode,
+        "frequency_Hz": found.frequency,
+        "referred_to": found.referred_to,
+        "remainder_Nm": found.remainder,
+        "relative_remainder": found.relative_remainder,
+        "notes": list(found.notes),
+        "branches": [
+            {"joins": branch.joins or None, "stations": [_station(one) for one in branch.stations]}
+            for branch in found.branches
+        ],
+    }
+
+
+def _station(one: HolzerStation) -> dict[str, Any]:
+    link = one.link
+    return {
+        "node": one.node,
+        "ratio": one.ratio,
+        "inertia": one.inertia,
+        "amplitude": one.amplitude,
+        "inertia_torque": one.inertia_torque,
+        "joined": one.joined,
+        "torque": one.torque,
+        "link": None
+        if link is None
+        else {
+            "elements": list(link.elements),
+            "rigid": math.isinf(link.stiffness),
+            "stiffness": link.stiffness,
+            "twist": link.twist,
+            "stress": link.stress,
+        },
+    }
+
+
+command = click_command("holzer", HolzerCommand)

@@ -1,0 +1,222 @@
+"""Air-gap torques of motors and generators: of their own speed, of the line, of the slip, of a short circuit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from torsionnet.core.entries.composite import Nested
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count
+from torsionnet.core.errors import Fault, Path
+from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.excitations.harmonic_torque import FREQUENCY, PHASE, ByOrder, with_reaction
+from torsionnet.model.excitations.order_excitation import (
+    ComplexArray,
+    CoveredSpeeds,
+    FloatArray,
+    OrderExcitation,
+    OrderTorques,
+    register_excitation,
+)
+from torsionnet.model.excitations.speed_table import SpeedTable, covered, over_speed
+
+_LINE_FREQUENCY = Value("frequency of the line or inverter", "frequency", exclusive=True, below=1e6)
+
+
+@dataclass(frozen=True, kw_only=True)
+class AirGapTorque(Declared):
+    """Peak value and phase of one pulsation: a torque, a share of the torque at that speed, or the sum of both."""
+
+    kind: ClassVar[str] = "pulsation"
+    article: ClassVar[str] = "a pulsation"
+    form: ClassVar[str] = "{amplitude: 40 N*m, phase: 0 deg} or {share: 2 %}"
+
+    amplitude: Any = entry(Value("peak value, the same at all speeds (cogging)", "torque"), 0)
+    share: Any = entry(Value("peak value over the torque of the machine at that speed (ripple)", "1", below=10), 0)
+    phase: Any = entry(PHASE, 0)
+
+    def contradictions(self) -> list[Fault]:
+        if self.amplitude or self.share:
+            return []
+        return [Fault(f"a pulsation has an amplitude, a share or both: {self.form}", on_key=True)]
+
+
+_PULSATION = Nested("peak value and phase", lambda: AirGapTorque, "air_gap_torque", shown="{share: 2 %}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineTorques(Declared):
+    """Pulsations at multiples of a line or inverter frequency, which do not follow the speed."""
+
+    kind: ClassVar[str] = "line"
+    article: ClassVar[str] = "a line"
+    form: ClassVar[str] = "{frequency: 50 Hz, multiples: {6: {share: 2 %}, 12: {share: 1 %}}}"
+
+    frequency: Any = entry(_LINE_FREQUENCY)
+    multiples: Any = entry(ByOrder("multiple of the frequency -> peak value and phase", _PULSATION))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SlipTorque(Declared):
+    """The pulsation of a starting synchronous motor, at twice the slip frequency."""
+
+    kind: ClassVar[str] = "slip"
+    article: ClassVar[str] = "a slip"
+    form: ClassVar[str] = "{frequency: 50 Hz, amplitude: [[0 rpm, 60 kN*m], [1500 rpm, 40 kN*m]]}"
+
+    frequency: Any = entry(_LINE_FREQUENCY)
+    amplitude: Any = entry(SpeedTable("rows [speed, peak value]", Value("peak value of a torque", "torque")))
+    phase: Any = entry(PHASE, 0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShortCircuit(Declared):
+    """Torque of a short circuit at once and twice the line frequency, with the amplitude it has at its beginning."""
+
+    kind: ClassVar[str] = "short_circuit"
+    article: ClassVar[str] = "a short circuit"
+    form: ClassVar[str] = "{frequency: 50 Hz, phases: 2, once: 90 kN*m, twice: 45 kN*m}"
+
+    frequency: Any = entry(_LINE_FREQUENCY)
+    phases: Any = entry(Count("how many phases are short: 1, 2 or 3", 1, 3))
+    once: Any = entry(Value("peak value at the line frequency", "torque", exclusive=True))
+    twice: Any = entry(Value("peak value at twice the line frequency; none with three phases", "torque"), 0)
+    phase: Any = entry(PHASE, 0)
+
+    def contradictions(self) -> list[Fault]:
+        if self.phases == 3 and self.twice:
+            return [Fault("three phases short give a torque at the line frequency only; leave out twice", ("twice",))]
+        return []
+
+
+class _Pulsation(NamedTuple):
+    """One line: an order, a frequency in Hz that goes with it, and what it amounts to over speed."""
+
+    order: float
+    fixed: float
+    amplitude: ComplexArray | complex
+
+
+@register_excitation
+@dataclass(frozen=True, kw_only=True)
+class ElectricMachine(OrderExcitation):
+    """The air-gap torque of a motor or generator, on its rotor and oppositely on its stator.
+
+    ``orders`` count mechanical revolutions of the rotor, ``electrical_orders`` electrical periods, of which one
+    revolution has as many as there are pole pairs. While a synchronous motor starts, its saliency makes a torque at
+    twice the slip frequency, 2 (1 - n/n_sync) f_line, n_sync = f_line/pole_pairs. A short circuit dies away: its lines
+    are those of its beginning, and bound what it does.
+
+    Examples
+    --------
+    >>> motor = ElectricMachine(node="rotor", pole_pairs=4, rated_torque="1 kN*m",
+    ...     electrical_orders={6: {"share": "2 %"}}, line={"frequency": "50 Hz", "multiples": {6: {"amplitude": 5}}})
+    >>> found = motor.torques(np.array([100.0]))
+    >>> found.orders.tolist(), found.fixed.tolist(), found.amplitudes.real[0, :, 0].tolist()
+    ([24.0, 0.0], [0.0, 300.0], [20.0, 5.0])
+    """
+
+    kind: ClassVar[str] = "electric_machine"
+
+    node: Any = entry(NodeName("the node of the rotor; orders count its revolutions", allow_ground=False))
+    stator: Any = entry(NodeName("the node of the stator, if it gives way", allow_ground=False), None)
+    pole_pairs: Any = entry(Count("electrical periods of a revolution", 1, 10_000), None)
+    rated_torque: Any = entry(Value("torque of which shares are taken", "torque", exclusive=True), None)
+    torque: Any = entry(
+        SpeedTable("rows [speed, share of the rated torque] that the machine has there", Value("a share", "1")), None
+    )
+    orders: Any = entry(ByOrder("order of the rotor -> peak value and phase", _PULSATION, fewest=0), None)
+    electrical_orders: Any = entry(ByOrder("order of the electrical period -> the same", _PULSATION, fewest=0), None)
+    line: Any = entry(Nested("multiples of the line frequency", lambda: LineTorques, "line_torques"), None)
+    frequencies: Any = entry(
+        ByOrder("frequency -> the same; interharmonics |m f1 + n f2| and others", _PULSATION, FREQUENCY, "frequency"),
+        None,
+    )
+    slip: Any = entry(Nested("a synchronous motor that starts", lambda: SlipTorque, "slip_torque"), None)
+    short_circuit: Any = entry(Nested("a short circuit", lambda: ShortCircuit, "short_circuit"), None)
+
+    def contradictions(self) -> list[Fault]:
+        kinds = ("orders", "electrical_orders", "line", "frequencies", "slip", "short_circuit")
+        if not any(getattr(self, name) for name in kinds):
+            return [Fault(f"an electric machine needs {', '.join(kinds[:-1])} or {kinds[-1]}", on_key=True)]
+        return [*self._missing()]
+
+    def _missing(self) -> Iterator[Fault]:
+        if self.pole_pairs is None:
+            for name in ("electrical_orders", "slip"):
+                if getattr(self, name):
+                    yield Fault(f"{name} needs the pole pairs of the machine: pole_pairs: 2", (name,), on_key=True)
+        if self.rated_torque is None:
+            for path, table in self._tables():
+                for key, one in table.items():
+                    if one.share:
+                        text = "a share needs the torque it is of: rated_torque: 12 kN*m"
+                        yield Fault(text, (*path, f"{key:g}", "share"))
+            if self.torque:
+                yield Fault("shares of the rated torque need rated_torque: 12 kN*m", ("torque",), on_key=True)
+        if self.stator == self.node:
+            yield Fault("rotor and stator are on two nodes", ("stator",))
+
+    def _tables(self) -> Iterator[tuple[Path, Mapping[float, AirGapTorque]]]:
+        """Where tables of pulsations stand, and what they are."""
+        yield from (((name,), getattr(self, name)) for name in ("orders", "electrical_orders", "frequencies"))
+        if self.line:
+            yield ("line", "multiples"), self.line.multiples
+
+    @property
+    def shaft(self) -> str:
+        return str(self.node)
+
+    @property
+    def node_entries(self) -> tuple[tuple[Path, str], ...]:
+        own = ((("node",), self.node),)
+        return (*own, (("stator",), self.stator)) if self.stator else own
+
+    @property
+    def reactions(self) -> Mapping[str, str]:
+        return {self.stator: self.node} if self.stator else {}
+
+    @property
+    def covered_speeds(self) -> tuple[CoveredSpeeds, ...]:
+        slip = self.slip.amplitude if self.slip else None
+        return (*covered(self.torque, ("torque",)), *covered(slip, ("slip", "amplitude")))
+
+    def torques(self, speeds: FloatArray) -> OrderTorques:
+        lines = [*self._pulsations(speeds), *self._of_slip(speeds), *self._of_short_circuit()]
+        amplitudes = np.stack([np.broadcast_to(line.amplitude, speeds.shape) for line in lines], axis=1)
+        return OrderTorques(
+            np.array([line.order for line in lines]),
+            self.nodes,
+            with_reaction(amplitudes, len(self.nodes)),
+            np.array([line.fixed for line in lines]),
+        )
+
+    def _pulsations(self, speeds: FloatArray) -> Iterator[_Pulsation]:
+        rated = (self.rated_torque or 0.0) * np.ones(len(speeds))
+        present = rated * over_speed(self.torque, speeds, "the torque") if self.torque else rated
+        per_revolution = {"orders": 1, "electrical_orders": self.pole_pairs}
+        for (name, *_), table in self._tables():
+            for key, one in table.items():
+                size = (one.amplitude + one.share * present) * np.exp(1j * one.phase)
+                if name in per_revolution:
+                    yield _Pulsation(key * per_revolution[name], 0.0, size)
+                else:
+                    yield _Pulsation(0.0, key * (self.line.frequency if name == "line" else 1), size)
+
+    def _of_slip(self, speeds: FloatArray) -> Iterator[_Pulsation]:
+        if self.slip:
+            size = over_speed(self.slip.amplitude, speeds, "the slip torque") * np.exp(1j * self.slip.phase)
+            yield _Pulsation(-2.0 * self.pole_pairs, 2 * self.slip.frequency, size)
+
+    def _of_short_circuit(self) -> Iterator[_Pulsation]:
+        if self.short_circuit:
+            given = self.short_circuit
+            for multiple, size in ((1, given.once), (2, given.twice)):
+                if size:
+                    yield _Pulsation(0.0, multiple * given.frequency, size * np.exp(1j * multiple * given.phase))

@@ -1,0 +1,89 @@
+"""Tables over speed, straight between their rows."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, under
+from torsionnet.core.errors import Path, UsageError
+from torsionnet.model.excitations.order_excitation import CoveredSpeeds, FloatArray
+
+Rows = tuple[tuple[float, float], ...]
+_SPEED = Value("a speed", "speed", below=1e6)
+RPM = 60 / (2 * math.pi)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SpeedTable(Spec):
+    """Rows [speed, value] with rising speeds; a speed given twice is a step, the second value counts there."""
+
+    of: Value
+
+    @property
+    def example(self) -> str:
+        return "rows [speed, value] as [[300 rpm, 0.2], [750 rpm, 1]]"
+
+    def coerce(self, raw: Any) -> Rows:
+        if not isinstance(raw, list | tuple) or len(raw) < 2:
+            raise EntryError(f"expected {self.example}, got {raw!r}")
+        rows = tuple(self._row(index, row) for index, row in enumerate(raw))
+        for index in range(1, len(rows)):
+            if rows[index][0] < rows[index - 1][0]:
+                raise EntryError("the speeds of a table rise from row to row", (index,))
+        return rows
+
+    def _row(self, index: int, row: Any) -> tuple[float, float]:
+        if not isinstance(row, list | tuple) or len(row) != 2:
+            raise EntryError(f"expected a row [speed, value], got {row!r}", (index,))
+        try:
+            return under(0, _SPEED, row[0]), under(1, self.of, row[1])
+        except EntryError as error:
+            raise EntryError([fault.under(index) for fault in error.faults]) from None
+
+    def plain(self, value: Any) -> Any:
+        return [list(row) for row in value]
+
+    def schema(self) -> Schema:
+        row = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 2, "maxItems": 2}
+        return {"type": "array", "items": row, "minItems": 2, "description": self.description}
+
+
+def covered(table: Rows | None, path: Path) -> tuple[CoveredSpeeds, ...]:
+    """The speeds of a table that stands at ``path``, if there is one."""
+    return (CoveredSpeeds(path, table[0][0], table[-1][0]),) if table else ()
+
+
+def over_speed(table: Rows, speeds: FloatArray, what: str) -> FloatArray:
+    """Values of a table at speeds in rad/s.
+
+    Raises
+    ------
+    UsageError
+        Speeds outside the table.
+
+    Examples
+    --------
+    >>> over_speed(((1.0, 0.0), (3.0, 4.0), (3.0, 8.0), (4.0, 8.0)), np.array([2.0, 3.0]), "gas").tolist()
+    [2.0, 8.0]
+    """
+    at, values = np.array(table).T
+    slack = 1e-9 * at[-1]
+    if speeds.min() < at[0] - slack or speeds.max() > at[-1] + slack:
+        raise UsageError(outside(what, float(speeds.min()), float(speeds.max()), at[0], at[-1]))
+    place = np.clip(np.searchsorted(at, speeds, side="right"), 1, len(at) - 1)
+    width = at[place] - at[place - 1]
+    share = np.divide(speeds - at[place - 1], width, out=np.ones(len(speeds)), where=width > 0)
+    return np.asarray(values[place - 1] + np.clip(share, 0, 1) * (values[place] - values[place - 1]))
+
+
+def outside(what: str, low: float, high: float, first: float, last: float) -> str:
+    """What to say of speeds outside a table; all in rad/s."""
+    return (
+        f"the table of {what} covers {first * RPM:.6g} to {last * RPM:.6g} rpm, but the shaft turns with "
+        f"{low * RPM:.6g} to {high * RPM:.6g} rpm; give rows for these speeds too"
+    )

@@ -1,0 +1,11 @@
+"""What elements may bear: rules, each a class in a file of this package, all of which are imported here."""
+
+import importlib
+import pkgutil
+
+from torsionnet.model.limits.limit import Limit, limit_rules
+
+for _name in sorted(module.name for module in pkgutil.iter_modules(__path__)):
+    importlib.import_module(f"{__name__}.{_name}")
+
+__all__ = ["Limit", "limit_rules"]

@@ -1,0 +1,93 @@
+"""Values allowed over speed: one for all speeds, or tables over speed or speed ratio."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, ValueInUnitOfUse
+from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Number
+from torsionnet.response.frequency_response import FloatArray
+
+ALLOWED = ValueInUnitOfUse("value allowed", exclusive=True)
+_KEYS = {"speed": Value("a speed", "speed", below=1e6), "1": Value("a speed ratio", "1", below=10)}
+Pairs = tuple[tuple[float, Number], ...]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class AllowedTable(Spec):
+    """A table ``{300 rpm: 40 MPa, 750 rpm: 25 MPa}``; stored as pairs by rising key."""
+
+    over: str
+    """Dimension of the keys: "speed" or "1"."""
+
+    @property
+    def absent(self) -> Pairs:
+        return ()
+
+    @property
+    def example(self) -> str:
+        return "{300 rpm: 40 MPa, 750 rpm: 25 MPa}" if self.over == "speed" else "{0.4: 40 MPa, 1: 25 MPa}"
+
+    def read(self, raw: Any) -> tuple[Pairs, list[Fault]]:
+        if isinstance(raw, tuple):
+            return raw, []
+        if not isinstance(raw, Mapping) or len(raw) < 2:
+            return (), [Fault(f"expected two points or more, {self.example}; got {raw!r}")]
+        found: dict[float, Number] = {}
+        faults: list[Fault] = []
+        for key, value in raw.items():
+            try:
+                at = _KEYS[self.over].coerce(key)
+            except EntryError as error:
+                faults.append(Fault(str(error), (key,), on_key=True))
+                continue
+            if at in found:
+                faults.append(Fault(f"{key} stands twice", (key,), on_key=True))
+            allowed, wrong = ALLOWED.read(value)
+            faults += [fault.under(key) for fault in wrong]
+            found[at] = allowed
+        return (() if faults else tuple(sorted(found.items(), key=lambda pair: pair[0]))), faults
+
+    def coerce(self, raw: Any) -> Pairs:
+        pairs, faults = self.read(raw)
+        if faults:
+            raise EntryError(faults[0].message)
+        return pairs
+
+    def plain(self, value: Any) -> Any:
+        unit = " rad/s" if self.over == "speed" else ""
+        return {f"{key!r}{unit}" if unit else key: ALLOWED.plain(allowed) for key, allowed in value}
+
+    def schema(self) -> Schema:
+        return {
+            "type": "object",
+            "description": f"{self.description}: {self.example}",
+            "minProperties": 2,
+            "additionalProperties": SCALAR_SCHEMA,
+        }
+
+
+def allowed_at(pairs: Pairs, at: FloatArray) -> FloatArray:
+    """Straight lines between the points; NaN outside of them.
+
+    Examples
+    --------
+    >>> from fractions import Fraction
+    >>> pairs = ((1.0, Number(Fraction(10))), (2.0, Number(Fraction(20))))
+    >>> allowed_at(pairs, np.array([0.5, 1.5, 2.0])).tolist()
+    [nan, 15.0, 20.0]
+    """
+    keys, values = (np.array([float(part) for part in column]) for column in zip(*_plain(pairs), strict=True))
+    slack = 1e-9 * keys[-1]
+    inside = (at >= keys[0] - slack) & (at <= keys[-1] + slack)
+    return np.asarray(np.where(inside, np.interp(at, keys, values), np.nan))
+
+
+def _plain(pairs: Pairs) -> list[tuple[float, float]]:
+    return [(key, float(value.value)) for key, value in pairs]

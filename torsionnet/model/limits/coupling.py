@@ -1,0 +1,114 @@
+"""Flexible couplings: nominal, maximum and vibratory torque, heat and twist as makers state them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import OneOf
+from torsionnet.model.channels import Sensor
+from torsionnet.model.definition import Definition
+from torsionnet.model.limits.element_limit import ElementLimit, everywhere
+from torsionnet.model.limits.evidence import Evidence
+from torsionnet.model.limits.limit import Line, register_rule
+from torsionnet.response.limit_check import LimitVerdict, RuleText
+
+REFERENCE_HZ = 10.0
+"""Frequency up to which DIN 740-2 takes the permissible vibratory torque for constant."""
+FORMULA = (
+    "T_mean S_theta <= T_KN; (T_mean + T_v) S_theta <= T_Kmax, also in passing; {vibratory} <= T_KW; "
+    "P <= P_KV times the factor for temperature, P = sum over frequencies of Re(T conj(dgamma/dt))/2 with T the whole "
+    "torque, elastic and damping; T_v: half range of the sum of all orders; S_theta = {theta:g}"
+)
+
+
+@register_rule
+@dataclass(frozen=True, kw_only=True)
+class CouplingLimit(ElementLimit):
+    """A flexible coupling: T_KN, T_Kmax, T_KW, P_KV and twist.
+
+    Vibratory torque and heat hold in continuous operation, T_Kmax and twist also while a speed is passed. With
+    ``frequency_factor: din_740_2`` every order is multiplied with sqrt(f/10 Hz) above 10 Hz before the orders are
+    added up: for couplings whose T_KW is stated by that standard, and for no others.
+
+    Examples
+    --------
+    >>> CouplingLimit(element="rubber", T_KN="50 kN*m", T_KW="15 kN*m", P_KV="1.2 kW").T_KW
+    15000.0
+    """
+
+    kind: ClassVar[str] = "coupling"
+    criteria: ClassVar[tuple[str, ...]] = ("T_KN", "T_Kmax", "T_KW", "P_KV", "twist", "vibratory_twist")
+
+    T_KN: Any = entry(Value("nominal torque, for the mean torque", "torque", exclusive=True), None)
+    T_Kmax: Any = entry(Value("maximum torque, for mean and vibratory torque", "torque", exclusive=True), None)
+    T_KW: Any = entry(Value("vibratory torque in continuous operation, peak value", "torque", exclusive=True), None)
+    P_KV: Any = entry(Value("power it may turn into heat in continuous operation", "power", exclusive=True), None)
+    twist: Any = entry(Value("twist, mean and vibratory", "angle", exclusive=True), None)
+    vibratory_twist: Any = entry(Value("vibratory twist, peak value", "angle", exclusive=True), None)
+    frequency_factor: Any = entry(
+        OneOf("whether T_KW falls above 10 Hz, as data by DIN 740-2 do", ("none", "din_740_2")), "none"
+    )
+    torque_temperature_factor: Any = entry(Value("S_theta, multiplies torques that act", "1", lower=1), 1)
+    power_temperature_factor: Any = entry(Value("multiplies P_KV", "1", exclusive=True, below=1 + 1e-9), 1)
+
+    def seen(self, definition: Definition) -> list[Sensor]:
+        del definition
+        return [self.torque, self.twisting]
+
+    def averaged(self, definition: Definition) -> list[Sensor]:
+        del definition
+        found = [self.torque] if self.T_KN is not None or self.T_Kmax is not None else []
+        return found + ([self.twisting] if self.twist is not None else [])
+
+    def powered(self) -> list[str]:
+        return [self.element] if self.P_KV is not None else []
+
+    def text(self, evidence: Evidence) -> RuleText:
+        del evidence
+        by_din = self.frequency_factor == "din_740_2"
+        vibratory = "T_v S_theta" + (", orders times sqrt(f/10 Hz) above 10 Hz (DIN 740-2:1986)," if by_din else "")
+        formula = FORMULA.format(vibratory=vibratory, theta=self.torque_temperature_factor)
+        missing = "starts, short circuits and other transients; radial and axial loads; heat of a steady slip"
+        return RuleText(self.source, formula, missing)
+
+    def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+        factor, size = self.torque_temperature_factor, evidence.size([self.torque])
+        nothing = np.zeros(len(evidence.speeds))
+        if self.T_KN is not None:
+            allowed = everywhere(self.T_KN / factor, evidence)
+            yield from self.total(Line("T_KN", "mean torque", "N*m", nothing, allowed), self.torque, name, evidence)
+        if self.T_Kmax is not None:
+            line = Line("T_Kmax", "mean torque and half range", "N*m", size, everywhere(self.T_Kmax / factor, evidence))
+            yield from self.total(line, self.torque, name, evidence)
+        if self.T_KW is not None:
+            yield self.continuous(self._vibratory(evidence), name, evidence)
+        if self.P_KV is not None:
+            allowed = everywhere(self.P_KV * self.power_temperature_factor, evidence)
+            line = Line("P_KV", "dissipated power", "W", evidence.power(self.element), allowed)
+            yield self.continuous(line, name, evidence)
+        yield from self._twists(name, evidence)
+
+    def _vibratory(self, evidence: Evidence) -> Line:
+        weights = np.ones(evidence.run.frequencies.shape)
+        if self.frequency_factor == "din_740_2":
+            weights = np.sqrt(np.maximum(evidence.run.frequencies, REFERENCE_HZ) / REFERENCE_HZ)
+        values = evidence.weighted_size(self.torque, weights)
+        orders = evidence.orders([self.torque]) * weights
+        allowed = everywhere(self.T_KW / self.torque_temperature_factor, evidence)
+        return Line("T_KW", "vibratory torque, half range", "N*m", values, allowed, (), orders)
+
+    def _twists(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+        size = evidence.size([self.twisting])
+        if self.twist is not None:
+            line = Line("twist", "mean twist and half range", "rad", size, everywhere(self.twist, evidence))
+            yield from self.total(line, self.twisting, name, evidence)
+        if self.vibratory_twist is not None:
+            allowed = everywhere(self.vibratory_twist, evidence)
+            line = Line("vibratory twist", "twist, half range", "rad", size, allowed)
+            yield self.continuous(line, name, evidence)

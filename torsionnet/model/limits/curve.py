@@ -1,0 +1,183 @@
+"""Limits that somebody states over speed: makers of engines, gears, camshafts, for any output."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from torsionnet.core.entries.composite import Listed
+from torsionnet.core.entries.scalars import Value, check_unit
+from torsionnet.core.entries.spec import EntryError, entry
+from torsionnet.core.entries.words import OneOf, Text
+from torsionnet.core.errors import Fault, Path, unknown_name
+from torsionnet.core.expressions import Number
+from torsionnet.model.channels import UNITS, Sensor, named_sensor
+from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.excitations.order_excitation import ORDER
+from torsionnet.model.limits.allowed_curve import ALLOWED, AllowedTable, allowed_at
+from torsionnet.model.limits.evidence import Evidence
+from torsionnet.model.limits.limit import Limit, Line, register_rule
+from torsionnet.model.readings import section_fault
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.limit_check import LimitVerdict, RuleText
+from torsionnet.response.order_response import RPM
+
+DIMENSION_OF = {"angle": "angle", "velocity": "speed", "acceleration": "acceleration", "twist": "angle",
+                "torque": "torque", "stress": "pressure"}  # fmt: skip
+
+
+@register_rule
+@dataclass(frozen=True, kw_only=True)
+class CurveLimit(Limit):
+    """A value allowed over speed or speed ratio for any output: of the sum of all orders, or of each order.
+
+    Between the points of a table are straight lines; speeds outside are not judged, and that is said. Where the value
+    is exceeded speeds are to be barred; ``transient_factor`` times it may not be exceeded while they are passed.
+
+    Examples
+    --------
+    >>> crank = CurveLimit(output="torque(k56)", over_speed={"300 rpm": "60 kN*m", "750 rpm": "40 kN*m"},
+    ...     source="letter of the maker")
+    >>> crank.of
+    'torque(k56)'
+    """
+
+    kind: ClassVar[str] = "curve"
+
+    output: Any = entry(Text("sensor, or torque(element), stress(shaft), twist(element), ...", "the name of a sensor"))
+    value: Any = entry(ALLOWED, None)
+    over_speed: Any = entry(AllowedTable("instead: values over the speed of the reference shaft", "speed"), ())
+    over_lambda: Any = entry(AllowedTable("instead: values over the speed ratio n/n_rated", "1"), ())
+    measure: Any = entry(
+        OneOf("what is compared: half range of the sum, or the largest of the orders", ("half_range", "each_order")),
+        "half_range",
+    )
+    orders: Any = entry(Listed("with each_order: these alone", ORDER, form="a list of orders"), ())
+    transient_factor: Any = entry(Value("times the value for passing through", "1", lower=1), None)
+    source: Any = entry(Text("who says so, and where"))
+
+    @property
+    def of(self) -> str:
+        return str(self.output)
+
+    @property
+    def named(self) -> tuple[tuple[Path, str, str], ...]:
+        return ()
+
+    def switched_off(self, definition: Definition) -> str:
+        sensor = self.sensor(definition)
+        if sensor is None or sensor.is_on_element:
+            there = {element.name for element in definition.active}
+        else:
+            there = set(all_nodes(definition.active))
+        return "" if sensor is None or sensor.of in there else sensor.of
+
+    def contradictions(self) -> list[Fault]:
+        given = [key for key in ("value", "over_speed", "over_lambda") if getattr(self, key)]
+        faults = []
+        if len(given) != 1:
+            which = f"here are {' and '.join(given)}" if given else "here is none of them"
+            text = f"what is allowed is value, over_speed or over_lambda; {which}"
+            faults.append(Fault(text, tuple(given[1:2]), on_key=True))
+        if self.orders and self.measure != "each_order":
+            faults.append(Fault("orders go with measure: each_order", ("orders",), on_key=True))
+        return faults
+
+    def sensor(self, definition: Definition) -> Sensor | None:
+        """What it is about: an output, or the angle of a node."""
+        found = named_sensor(self.output, definition.sensors)
+        return found or (Sensor("angle", self.output) if self.output.isidentifier() else None)
+
+    def unfit(self, definition: Definition) -> Iterator[Fault]:
+        sensor = self.sensor(definition)
+        nodes = all_nodes(definition.elements.values())
+        known = definition.elements if sensor and sensor.is_on_element else nodes
+        if sensor is None or sensor.of not in known:
+            names = [*definition.sensors, *known]
+            what = "output" if sensor is None or sensor.of == self.output else "element or node"
+            yield unknown_name(what, self.output if sensor is None else sensor.of, names, ("output",))
+            return
+        if sensor.quantity == "stress" and section_fault(definition.elements[sensor.of]):
+            yield Fault(str(section_fault(definition.elements[sensor.of])), ("output",))
+            return
+        yield from self._wrong_units(sensor)
+        speeds = definition.speeds
+        if self.over_lambda and (speeds is None or speeds.rated is None):
+            yield Fault("over_lambda needs the rated speed: speeds: {rated: 750 rpm}", ("over_lambda",), on_key=True)
+        elif speeds is not None:
+            yield from self._uncovered(speeds.values, speeds.rated)
+
+    def _wrong_units(self, sensor: Sensor) -> Iterator[Fault]:
+        dimension = DIMENSION_OF[sensor.quantity]
+        places: list[tuple[Path, Number]] = [(("value",), self.value)] if self.value else []
+        places += [(("over_speed",), value) for _, value in self.over_speed]
+        places += [(("over_lambda",), value) for _, value in self.over_lambda]
+        for path, value in places:
+            try:
+                check_unit(value, dimension)
+            except EntryError as error:
+                yield Fault(str(error), path)
+                return
+
+    def _uncovered(self, speeds: tuple[float, ...], rated: float | None) -> Iterator[Fault]:
+        if self.value:
+            return
+        key, factor = ("over_speed", 1.0) if self.over_speed else ("over_lambda", rated or math.nan)
+        pairs = getattr(self, key)
+        low, high = pairs[0][0] * factor, pairs[-1][0] * factor
+        if speeds[0] < low * (1 - 1e-9) or speeds[-1] > high * (1 + 1e-9):
+            covered = f"{low * RPM:.6g} to {high * RPM:.6g} rpm"
+            text = f"the table covers {covered}, the speeds go from {speeds[0] * RPM:.6g} to {speeds[-1] * RPM:.6g} rpm"
+            yield Fault(f"{text}; the rest is not judged", (key,), "warning", on_key=True)
+
+    def seen(self, definition: Definition) -> list[Sensor]:
+        sensor = self.sensor(definition)
+        return [] if sensor is None else [sensor]
+
+    def text(self, evidence: Evidence) -> RuleText:
+        del evidence
+        what = "half range of the sum of all orders" if self.measure == "half_range" else "amplitude of each order"
+        if self.orders:
+            what += f" of {', '.join(f'{order:g}' for order in self.orders)}"
+        passing = f"; in passing {self.transient_factor:g} times as much" if self.transient_factor else ""
+        return RuleText(self.source, f"{what} <= value allowed{passing}", "speeds outside of the table")
+
+    def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+        sensor = self.sensor(evidence.definition)
+        if sensor is None:
+            return
+        orders = evidence.orders([sensor])
+        values = evidence.size([sensor]) if self.measure == "half_range" else self._largest(orders, evidence)
+        allowed = self._allowed(evidence)
+        quantity = "half range" if self.measure == "half_range" else "largest amplitude of an order"
+        rpm = evidence.run.rpm[~np.isfinite(allowed)]
+        remarks = (
+            (f"{len(rpm)} speeds from {rpm[0]:g} to {rpm[-1]:g} rpm are outside of the table",) if len(rpm) else ()
+        )
+        unit = UNITS[sensor.quantity]
+        yield self.continuous(
+            Line("continuous", f"{self.output}, {quantity}", unit, values, allowed, remarks, orders), name, evidence
+        )
+        if self.transient_factor:
+            passing = self.transient_factor * allowed
+            yield self.peak(Line("in passing", f"{self.output}, {quantity}", unit, values, passing, (), orders),
+                            name, evidence)  # fmt: skip
+
+    def _largest(self, orders: FloatArray, evidence: Evidence) -> FloatArray:
+        chosen = [
+            place
+            for place, line in enumerate(evidence.run.lines)
+            if not self.orders or any(math.isclose(line.order, order) for order in self.orders)
+        ]
+        return np.asarray(orders[:, chosen].max(axis=1)) if chosen else np.zeros(len(orders))
+
+    def _allowed(self, evidence: Evidence) -> FloatArray:
+        if self.value:
+            return np.full(len(evidence.speeds), float(self.value.value))
+        if self.over_speed:
+            return allowed_at(self.over_speed, evidence.speeds)
+        return allowed_at(self.over_lambda, evidence.speeds / float(evidence.rated or math.nan))

@@ -1,0 +1,65 @@
+"""What limits of torque, twist and heat share: the element they are about, and who states the values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Text
+from torsionnet.core.errors import Fault, Path
+from torsionnet.model.channels import Sensor
+from torsionnet.model.limits.evidence import Evidence
+from torsionnet.model.limits.limit import Limit, Line
+from torsionnet.response.limit_check import LimitVerdict
+
+
+@dataclass(frozen=True, kw_only=True)
+class ElementLimit(Limit):
+    """Base of the limits with values for some of an element's criteria."""
+
+    criteria: ClassVar[tuple[str, ...]] = ()
+    """Entries of which at least one has to be given."""
+
+    element: Any = entry(Text("what it is about", "the name of an element"))
+    source: Any = entry(Text("who states the values, and where"), "values given by the user")
+
+    @property
+    def of(self) -> str:
+        return str(self.element)
+
+    @property
+    def named(self) -> tuple[tuple[Path, str, str], ...]:
+        return ((("element",), "element", self.element),)
+
+    @property
+    def torque(self) -> Sensor:
+        """The torque at the port that defines its sign."""
+        return Sensor("torque", self.element)
+
+    @property
+    def twisting(self) -> Sensor:
+        """How far it is twisted."""
+        return Sensor("twist", self.element)
+
+    def contradictions(self) -> list[Fault]:
+        if not self.criteria or any(getattr(self, key) is not None for key in self.criteria):
+            return []
+        return [Fault(f"nothing is limited; give one of {', '.join(self.criteria)}", on_key=True)]
+
+    def total(self, line: Line, mean: Sensor, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+        """A criterion on the mean value with the half range added; the line has the half range."""
+        found = evidence.mean(mean)
+        if found is None:
+            yield self.open(name, evidence, line.criterion, f"the mean value is not known: {evidence.why_no_mean}")
+            return
+        whole = Line(line.criterion, line.quantity, line.unit, np.abs(found) + line.values, line.allowed)
+        yield self.peak(whole, name, evidence)
+
+
+def everywhere(value: float, evidence: Evidence) -> Any:
+    """The same value at every speed."""
+    return np.full(len(evidence.speeds), float(value))

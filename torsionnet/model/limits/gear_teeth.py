@@ -1,0 +1,115 @@
+"""Gears: vibratory torque against mean torque, and gear hammer."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Flag, Text
+from torsionnet.core.errors import Fault
+from torsionnet.model.channels import Sensor, port_fault
+from torsionnet.model.definition import Definition
+from torsionnet.model.limits.element_limit import ElementLimit, everywhere
+from torsionnet.model.limits.evidence import Evidence
+from torsionnet.model.limits.limit import Line, register_rule
+from torsionnet.response.limit_check import LimitVerdict, RuleText
+
+
+@register_rule
+@dataclass(frozen=True, kw_only=True)
+class GearLimit(ElementLimit):
+    """Vibratory torque of gear teeth, as a share of the mean torque at rated speed; gear hammer where torque reverses.
+
+    Teeth part and hammer where the half range is larger than the mean torque at the same speed.
+
+    Examples
+    --------
+    >>> GearLimit(element="mesh", vibratory_share="30 %").vibratory_share
+    0.3
+    """
+
+    kind: ClassVar[str] = "gear"
+
+    at: Any = entry(Text("port or node whose torque is meant; default: the first", "the name of a node"), None)
+    vibratory_share: Any = entry(Value("vibratory torque over mean torque at rated speed", "1", exclusive=True), None)
+    rated_torque: Any = entry(Value("that mean torque; default: of the load", "torque", exclusive=True), None)
+    vibratory_torque: Any = entry(Value("vibratory torque allowed, instead of a share", "torque", exclusive=True), None)
+    hammer: Any = entry(Flag("whether torque must not reverse"), True)
+
+    def contradictions(self) -> list[Fault]:
+        if self.vibratory_share is not None and self.vibratory_torque is not None:
+            return [Fault("give vibratory_share or vibratory_torque, one of the two", ("vibratory_torque",))]
+        if self.vibratory_share is None and self.vibratory_torque is None and not self.hammer:
+            return [Fault("nothing is limited; give vibratory_share, vibratory_torque or hammer: true", on_key=True)]
+        return []
+
+    def unfit(self, definition: Definition) -> Iterator[Fault]:
+        reason = port_fault(definition.elements[self.element], self.at) if self.at else None
+        if reason:
+            yield Fault(reason, ("at",))
+        needs = self.vibratory_share is not None and self.rated_torque is None
+        if needs and (definition.speeds is None or definition.speeds.rated is None):
+            text = "a share is of the mean torque at rated speed: give rated_torque, or speeds: {rated: 750 rpm}"
+            yield Fault(text, ("vibratory_share",), on_key=True)
+
+    @property
+    def torque(self) -> Sensor:
+        return Sensor("torque", self.element, self.at)
+
+    def seen(self, definition: Definition) -> list[Sensor]:
+        del definition
+        return [self.torque]
+
+    def averaged(self, definition: Definition) -> list[Sensor]:
+        del definition
+        return [self.torque]
+
+    def text(self, evidence: Evidence) -> RuleText:
+        del evidence
+        parts = []
+        if self.vibratory_share is not None:
+            parts.append(f"T_v <= {100 * self.vibratory_share:g} % of the mean torque at rated speed")
+        if self.vibratory_torque is not None:
+            parts.append(f"T_v <= {self.vibratory_torque:g} N*m")
+        if self.hammer:
+            parts.append("no gear hammer: T_v <= mean torque at the same speed")
+        formula = "; ".join(parts) + "; T_v: half range of the sum of all orders"
+        return RuleText(self.source, formula, "tooth root and flank strength, backlash and its noise in other gears")
+
+    def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+        size, orders, mean = evidence.size([self.torque]), evidence.orders([self.torque]), evidence.mean(self.torque)
+        quantity = "vibratory torque, half range"
+        if self.vibratory_torque is not None:
+            allowed = everywhere(self.vibratory_torque, evidence)
+            yield self.continuous(Line("T_v", quantity, "N*m", size, allowed, (), orders), name, evidence)
+        if self.vibratory_share is not None:
+            rated = self._rated_torque(evidence)
+            if rated is None:
+                yield self.open(name, evidence, "T_v", _unknown(evidence))
+            else:
+                allowed = everywhere(self.vibratory_share * rated, evidence)
+                remarks = (f"mean torque at rated speed {rated:.6g} N*m",)
+                yield self.continuous(Line("T_v", quantity, "N*m", size, allowed, remarks, orders), name, evidence)
+        if self.hammer:
+            if mean is None:
+                yield self.open(name, evidence, "hammer", _unknown(evidence))
+            else:
+                yield self.continuous(Line("hammer", quantity, "N*m", size, np.abs(mean), (), orders), name, evidence)
+
+    def _rated_torque(self, evidence: Evidence) -> float | None:
+        mean = evidence.mean(self.torque)
+        if self.rated_torque is not None or mean is None or evidence.rated is None:
+            return None if self.rated_torque is None else float(self.rated_torque)
+        low, high = float(evidence.speeds[0]), float(evidence.speeds[-1])
+        if not low * (1 - 1e-9) <= evidence.rated <= high * (1 + 1e-9):
+            return None
+        return float(np.interp(evidence.rated, evidence.speeds, np.abs(mean)))
+
+
+def _unknown(evidence: Evidence) -> str:
+    return f"the mean torque is not known: {evidence.why_no_mean or 'the rated speed is not among the speeds'}"

@@ -1,0 +1,280 @@
+"""IACS unified requirement M68: permissible torsional vibration stresses of propulsion shafts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count, OneOf
+from torsionnet.core.errors import Fault
+from torsionnet.model.definition import Definition
+from torsionnet.model.limits.evidence import Evidence
+from torsionnet.model.limits.limit import Line, register_rule
+from torsionnet.model.limits.shaft_limit import Section, ShaftLimit
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.limit_check import (
+    BARRED,
+    FAIL,
+    PASS,
+    LimitVerdict,
+    RuleText,
+    SpeedSpan,
+    joined_spans,
+    spans_above,
+)
+
+FEATURES: dict[str, dict[str, float]] = {
+    "intermediate": {
+        "integral_flange": 1.0,
+        "shrink_fit": 1.0,
+        "tapered_keyway": 0.60,
+        "cylindrical_keyway": 0.45,
+        "radial_hole": 0.50,
+        "longitudinal_slot": 0.30,
+    },
+    "thrust": {"thrust_collar": 0.85, "roller_bearing": 0.85},
+    "propeller": {"flange": 0.55, "keyless": 0.55, "keyed": 0.55, "forward_of_aft_bearing": 0.80},
+}
+"""C_K by kind of shaft and design feature."""
+STRENGTHS = {"carbon": (400e6, 760e6), "carbon_manganese": (400e6, 760e6), "alloy": (400e6, 950e6)}
+"""Tensile strength of the materials that the rule is for, Pa."""
+CAPS = {"carbon": 600e6, "carbon_manganese": 600e6, "alloy": 800e6}
+PROPELLER_CAP = 600e6
+NO_BARRED_ABOVE, HIGHEST = 0.8, 1.05
+"""Speed ratios above which normal firing has no barred range, and the rule says nothing."""
+STRENGTH_FOR_PASSING = 500e6
+SCF_OF_UNIT = 1.45
+"""Stress concentration of a slot, to which C_K = 1 would belong."""
+SLOT_LENGTH, SLOT_BORE, SLOT_WIDTH, HOLE = 0.8, 0.7, 0.15, 0.3
+"""Of the outer diameter: a slot is shorter, its shaft's bore smaller, its width larger; a hole is no larger."""
+SOURCE = (
+    "IACS UR M68, torsional vibration stresses and C_K as in KR Rules Part 5 Chapter 4 (2025), 202 and 206, "
+    "which carry them"
+)
+NOT_COVERED = (
+    "speeds above 1.05 rated; crankshafts, shafts of gears, electric machines and turbines; ice class; shafts exposed "
+    "to sea water; bending; required diameters (M68.4). With a controllable pitch propeller full and zero pitch are "
+    "conditions of their own"
+)
+
+
+def size_factor(diameter: float) -> float:
+    """C_D of an outer diameter in m.
+
+    >>> round(size_factor(0.4), 5)
+    0.63059
+    """
+    return float(0.35 + 0.93 * (1000 * diameter) ** -0.2)
+
+
+def permissible(strength: float, factors: float, ratio: FloatArray) -> FloatArray:
+    """tau_C in Pa over the speed ratio lambda, of a tensile strength in Pa and C_K C_D; NaN above 1.05.
+
+    >>> (permissible(600e6, size_factor(0.4), np.array([0.5, 1.0])) / 1e6).round(3).tolist()
+    [66.562, 36.742]
+    """
+    bracket = np.where(ratio < 0.9, 3 - 2 * ratio**2, 1.38)
+    found = (strength + 160e6) / 18 * factors * bracket
+    return np.asarray(np.where(ratio <= HIGHEST * (1 + 1e-12), found, np.nan))
+
+
+def usual_range(critical: float, rated: float) -> SpeedSpan:
+    """The range to be barred around a critical speed.
+
+    >>> span = usual_range(0.5, 1.0)
+    >>> round(span.low / 0.5, 5), round(span.high / 0.5, 5)
+    (0.91429, 1.09375)
+    """
+    ratio = critical / rated
+    return SpeedSpan(16 * critical / (18 - ratio), (18 - ratio) * critical / 16)
+
+
+@register_rule
+@dataclass(frozen=True, kw_only=True)
+class IacsM68(ShaftLimit):
+    """Intermediate, thrust and propeller shafts of ships: tau_C in continuous operation, tau_T in passing.
+
+    With the speed ratio lambda = n/n_rated, tau_C = (sigma_B + 160)/18 C_K C_D (3 - 2 lambda^2) below 0.9 and
+    (sigma_B + 160)/18 C_K C_D 1.38 up to 1.05, N/mm^2; tau_T = 1.7 tau_C/sqrt(C_K) up to 0.8;
+    C_D = 0.35 + 0.93 d^-0.2 with d in mm. The stress is the half range of the sum of all orders on the plain section.
+
+    Examples
+    --------
+    >>> shaft = IacsM68(element="tail", shaft="propeller", feature="keyless", material="alloy",
+    ...     tensile_strength="700 MPa")
+    >>> shaft.strength / 1e6, shaft.feature_factor
+    (600.0, 0.55)
+    """
+
+    kind: ClassVar[str] = "iacs_m68"
+
+    shaft: Any = entry(OneOf("which shaft it is", tuple(FEATURES)))
+    feature: Any = entry(
+        OneOf("design feature where the stress is judged", tuple(name for table in FEATURES.values() for name in table))
+    )
+    material: Any = entry(OneOf("kind of steel", tuple(STRENGTHS)))
+    tensile_strength: Any = entry(Value("specified minimum tensile strength sigma_B", "pressure", exclusive=True))
+    hole_diameter: Any = entry(Value("diameter of a radial hole", "length", exclusive=True), None)
+    slot_length: Any = entry(Value("length of a longitudinal slot", "length", exclusive=True), None)
+    slot_width: Any = entry(Value("its width", "length", exclusive=True), None)
+    slots: Any = entry(Count("slots, evenly around the shaft", 1, 12), 1)
+    stress_concentration: Any = entry(
+        Value("of a slot, largest principal stress over sqrt(3) tau_nominal: C_K = 1.45/scf", "1", exclusive=True), None
+    )
+    rated: Any = entry(
+        Value("rated speed of the reference shaft; default: that of speeds:", "speed", exclusive=True), None
+    )
+    tachometer_tolerance: Any = entry(Value("share of a speed, as 2 %", "1", below=0.2), 0)
+    safe_speed: Any = entry(
+        Value("speed of the reference shaft that must stay free with a cylinder misfiring", "speed", exclusive=True),
+        None,
+    )
+
+    def contradictions(self) -> list[Fault]:
+        faults = super().contradictions()
+        known = FEATURES[self.shaft]
+        if self.feature not in known:
+            owner = next(shaft for shaft, table in FEATURES.items() if self.feature in table)
+            text = f'"{self.feature}" belongs to a shaft: {owner}; {self.shaft} has {", ".join(known)}'
+            faults.append(Fault(text, ("feature",)))
+        low, high = STRENGTHS[self.material]
+        if not low <= self.tensile_strength <= high:
+            text = f"sigma_B of {self.material.replace('_', '-')} steel is {low / 1e6:g} to {high / 1e6:g} N/mm^2 here"
+            got = f"{self.tensile_strength / 1e6:g} N/mm^2"
+            faults.append(Fault(f"{text}; got {got}", ("tensile_strength",)))
+        return [*faults, *self._wrong_details()]
+
+    def _wrong_details(self) -> Iterator[Fault]:
+        for key, feature in (
+            ("hole_diameter", "radial_hole"),
+            ("slot_length", "longitudinal_slot"),
+            ("slot_width", "longitudinal_slot"),
+            ("stress_concentration", "longitudinal_slot"),
+        ):
+            if getattr(self, key) is not None and self.feature != feature:
+                yield Fault(f"{key} goes with feature: {feature}", (key,), on_key=True)
+        if self.slots > 3 and self.stress_concentration is None:
+            text = "C_K = 0.30 is for 1, 2 or 3 slots; give the stress_concentration of others"
+            yield Fault(text, ("slots",))
+
+    def unfit(self, definition: Definition) -> Iterator[Fault]:
+        yield from super().unfit(definition)
+        if self.rated is None and (definition.speeds is None or definition.speeds.rated is None):
+            text = "lambda = n/n_rated needs the rated speed: speeds: {rated: 750 rpm}, or rated: of this limit"
+            yield Fault(text, on_key=True)
+
+    def _inapplicable(self, section: Section) -> str:
+        """Why C_K does not hold for the hole or slot given; empty where it does."""
+        outer = section.outer
+        if self.hole_diameter is not None and self.hole_diameter > HOLE * outer:
+            return f"C_K = 0.50 is for radial holes up to {HOLE:g} d; this one has {self.hole_diameter / outer:.3g} d"
+        if self.feature != "longitudinal_slot" or self.stress_concentration is not None:
+            return ""
+        fits = {f"bore/d < {SLOT_BORE}": section.inner < SLOT_BORE * outer}
+        if self.slot_length is not None:
+            fits[f"length/d < {SLOT_LENGTH}"] = self.slot_length < SLOT_LENGTH * outer
+        if self.slot_width is not None:
+            fits[f"width/d > {SLOT_WIDTH}"] = self.slot_width > SLOT_WIDTH * outer
+        missed = [text for text, fit in fits.items() if not fit]
+        return f"C_K = 0.30 is for slots with {', '.join(missed)}; give the stress_concentration" if missed else ""
+
+    def _assumed(self) -> Iterator[str]:
+        """What footnotes want and the limit does not say."""
+        if self.feature == "radial_hole" and self.hole_diameter is None:
+            yield f"hole_diameter not given: taken to be at most {HOLE:g} d"
+        if self.feature == "longitudinal_slot" and self.stress_concentration is None:
+            missing = [key for key in ("slot_length", "slot_width") if getattr(self, key) is None]
+            if missing:
+                sizes = f"length/d < {SLOT_LENGTH}, width/d > {SLOT_WIDTH}"
+                yield f"{' and '.join(missing)} not given: taken to be {sizes}, ends rounded with half the width"
+
+    @property
+    def strength(self) -> float:
+        """sigma_B as it counts, Pa."""
+        cap = min(CAPS[self.material], PROPELLER_CAP if self.shaft == "propeller" else math.inf)
+        return float(min(self.tensile_strength, cap))
+
+    @property
+    def feature_factor(self) -> float:
+        """C_K."""
+        if self.stress_concentration is not None:
+            return float(min(1.0, SCF_OF_UNIT / self.stress_concentration))
+        return FEATURES[self.shaft][self.feature]
+
+    def text(self, evidence: Evidence) -> RuleText:
+        size = size_factor(self.section(evidence).outer)
+        formula = (
+            "tau_C = (sigma_B + 160)/18 C_K C_D (3 - 2 lambda^2), from lambda = 0.9 to 1.05 (sigma_B + 160)/18 C_K C_D "
+            f"1.38; tau_T = 1.7 tau_C/sqrt(C_K) up to lambda = 0.8; C_K = {self.feature_factor:g} ({self.feature}), "
+            f"C_D = {size:.5f}, sigma_B = {self.strength / 1e6:g} N/mm^2 (given {self.tensile_strength / 1e6:g})"
+        )
+        return RuleText(SOURCE, formula, NOT_COVERED)
+
+    def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+        why = self._inapplicable(self.section(evidence))
+        if why:
+            yield self.open(name, evidence, "tau_C", why)
+            return
+        rated = float(self.rated or evidence.rated or math.nan)
+        ratio = evidence.speeds / rated
+        values, orders = self.stress(evidence)
+        factors = self.feature_factor * size_factor(self.section(evidence).outer)
+        allowed = permissible(self.strength, factors, ratio)
+        quantity = "nominal shear stress, half range"
+        line = Line("tau_C", quantity, "Pa", values, allowed, (*self._assumed(), *_beyond(evidence, ratio)), orders)
+        above = spans_above(evidence.speeds, values, allowed)
+        wanted = [self._barred(span, evidence, values, rated) for span in above]
+        yield self._in_operation(line, name, evidence, wanted, rated)
+        passing = np.where(ratio <= NO_BARRED_ABOVE, 1.7 * allowed / math.sqrt(self.feature_factor), np.nan)
+        if np.isfinite(passing).any():
+            yield self.peak(Line("tau_T", quantity, "Pa", values, passing, (), orders), name, evidence)
+
+    def _barred(self, above: SpeedSpan, evidence: Evidence, values: FloatArray, rated: float) -> SpeedSpan:
+        """All speeds above tau_C and the usual range around the highest, with the tolerance of the tachometer."""
+        inside = np.array([above.holds(speed) for speed in evidence.speeds.tolist()])
+        critical = float(evidence.speeds[np.argmax(np.where(inside, values, -np.inf))])
+        usual = usual_range(critical, rated)
+        low, high = min(above.low, usual.low), max(above.high, usual.high)
+        limit = NO_BARRED_ABOVE * rated
+        if not evidence.misfiring and above.high * (1 + self.tachometer_tolerance) <= limit:
+            # The rule of thumb must cover what exceeds tau_C; beyond that it may stop where ranges must.
+            return SpeedSpan(low * (1 - self.tachometer_tolerance), min(high * (1 + self.tachometer_tolerance), limit))
+        return SpeedSpan(low * (1 - self.tachometer_tolerance), high * (1 + self.tachometer_tolerance))
+
+    def _in_operation(
+        self, line: Line, name: str, evidence: Evidence, wanted: list[SpeedSpan], rated: float
+    ) -> LimitVerdict:
+        barred = joined_spans(wanted)
+        if not barred:
+            return self._verdict(line, name, evidence, PASS, (), ())
+        remarks = list(self._on_barred())
+        limit = NO_BARRED_ABOVE * rated
+        beyond = [span for span in barred if span.high > limit * (1 + 1e-12)]
+        if beyond and not evidence.misfiring:
+            remarks.insert(0, f"tau_C is exceeded above lambda = 0.8, where no range may be barred: {beyond[0]}")
+            return self._verdict(line, name, evidence, FAIL, barred, tuple(remarks))
+        if evidence.misfiring and self.safe_speed is None:
+            remarks.append("a cylinder misfires: ranges must leave safe navigation possible; give safe_speed")
+        lost = [span for span in barred if self.safe_speed is not None and span.holds(self.safe_speed)]
+        if evidence.misfiring and lost:
+            remarks.insert(0, f"safe_speed lies in a range to be barred: {lost[0]}")
+            return self._verdict(line, name, evidence, FAIL, barred, tuple(remarks))
+        return self._verdict(line, name, evidence, BARRED, barred, tuple(remarks))
+
+    def _on_barred(self) -> Iterator[str]:
+        if self.feature.endswith("keyway"):
+            yield "keyways are in general not for plants with a barred speed range"
+        if self.tensile_strength < STRENGTH_FOR_PASSING:
+            yield "shafts stressed nearly up to tau_T want a tensile strength of 500 N/mm^2 or more"
+
+
+def _beyond(evidence: Evidence, ratio: FloatArray) -> tuple[str, ...]:
+    """A remark on speeds the rule does not cover."""
+    rpm = evidence.run.rpm[ratio > HIGHEST * (1 + 1e-12)]
+    return (f"{rpm[0]:g} to {rpm[-1]:g} rpm are above lambda = 1.05 and not covered",) if len(rpm) else ()

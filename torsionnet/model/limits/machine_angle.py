@@ -1,0 +1,62 @@
+"""Generators: how far their rotor may swing, in electrical degrees, before lamps flicker."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count, Text
+from torsionnet.core.errors import Path
+from torsionnet.model.channels import Sensor
+from torsionnet.model.definition import Definition
+from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.limits.element_limit import everywhere
+from torsionnet.model.limits.evidence import Evidence
+from torsionnet.model.limits.limit import Limit, Line, register_rule
+from torsionnet.response.limit_check import LimitVerdict, RuleText
+
+
+@register_rule
+@dataclass(frozen=True, kw_only=True)
+class MachineAngleLimit(Limit):
+    """Vibratory angle of the rotor of an electric machine in electrical degrees: pole pairs times the mechanical angle.
+
+    Examples
+    --------
+    >>> round(MachineAngleLimit(node="rotor", pole_pairs=4, angle="3.5 deg").angle, 6)
+    0.061087
+    """
+
+    kind: ClassVar[str] = "machine_angle"
+
+    node: Any = entry(NodeName("the node of its rotor", allow_ground=False))
+    pole_pairs: Any = entry(Count("pairs of poles", 1, 200))
+    angle: Any = entry(Value("angle allowed, peak value, electrical", "angle", exclusive=True))
+    source: Any = entry(Text("who states the value, and where"), "value given by the user")
+
+    @property
+    def of(self) -> str:
+        return str(self.node)
+
+    @property
+    def named(self) -> tuple[tuple[Path, str, str], ...]:
+        return ((("node",), "node", self.node),)
+
+    def seen(self, definition: Definition) -> list[Sensor]:
+        del definition
+        return [Sensor("angle", self.node)]
+
+    def text(self, evidence: Evidence) -> RuleText:
+        del evidence
+        formula = f"{self.pole_pairs} pole pairs x half range of the angle <= angle allowed, electrical"
+        return RuleText(self.source, formula, "swinging of machines that run in parallel against each other")
+
+    def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+        angle = self.seen(evidence.definition)
+        values, orders = self.pole_pairs * evidence.size(angle), self.pole_pairs * evidence.orders(angle)
+        allowed = everywhere(self.angle, evidence)
+        line = Line("angle", "electrical angle, half range", "rad", values, allowed, (), orders)
+        yield self.continuous(line, name, evidence)

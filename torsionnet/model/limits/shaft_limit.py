@@ -1,0 +1,100 @@
+"""What limits of shaft stress share: the section, from the shaft itself or from entries of the limit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Text
+from torsionnet.core.errors import Fault, Path
+from torsionnet.model.channels import Sensor
+from torsionnet.model.definition import Definition
+from torsionnet.model.elements import Element, Values
+from torsionnet.model.limits.evidence import Evidence, torques_of
+from torsionnet.model.limits.limit import Limit
+from torsionnet.response.frequency_response import FloatArray
+
+
+@dataclass(frozen=True)
+class Section:
+    """A round section by its outer and inner diameter, m.
+
+    Examples
+    --------
+    >>> round(Section(0.345).modulus * 1e6)
+    8063
+    """
+
+    outer: float
+    inner: float = 0.0
+
+    @property
+    def modulus(self) -> float:
+        """Polar section modulus, m^3."""
+        return math.pi * (self.outer**4 - self.inner**4) / (16 * self.outer)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShaftLimit(Limit):
+    """Base of the limits of nominal shear stress."""
+
+    element: Any = entry(Text("the shaft, or a spring that stands for one", "the name of an element"))
+    diameter: Any = entry(
+        Value("outer diameter where the stress is judged; default: that of the shaft", "length", exclusive=True), None
+    )
+    bore: Any = entry(Value("inner diameter there; default: that of the shaft", "length"), None)
+
+    @property
+    def of(self) -> str:
+        return str(self.element)
+
+    @property
+    def named(self) -> tuple[tuple[Path, str, str], ...]:
+        return ((("element",), "element", self.element),)
+
+    def contradictions(self) -> list[Fault]:
+        if self.diameter is not None and self.bore is not None and self.bore >= self.diameter:
+            return [Fault("the bore must be smaller than the diameter", ("bore",))]
+        return []
+
+    def unfit(self, definition: Definition) -> Iterator[Fault]:
+        element = definition.elements[self.element]
+        if element.diameters is None and self.diameter is None:
+            text = f"{self.element}, a {element.kind}, has no diameter, and so no stress"
+            yield Fault(f"{text}; give the limit one, diameter: 300 mm, or make the element a shaft", ("element",))
+        elif len(element.ports) != 2:
+            yield Fault(f"{self.element}, a {element.kind}, is no shaft between two nodes", ("element",))
+
+    def seen(self, definition: Definition) -> list[Sensor]:
+        return torques_of(definition.elements[self.element])
+
+    def averaged(self, definition: Definition) -> list[Sensor]:
+        del definition
+        return [Sensor("torque", self.element)]
+
+    def section(self, evidence: Evidence) -> Section:
+        """The section that is stressed."""
+        own = _own(evidence.active[self.element], Values(evidence.values)) if self.element in evidence.active else None
+        outer = self.diameter if self.diameter is not None else own.outer if own else math.nan
+        inner = self.bore if self.bore is not None else own.inner if own and self.diameter is None else 0.0
+        return Section(float(outer), float(inner))
+
+    def stress(self, evidence: Evidence) -> tuple[FloatArray, FloatArray]:
+        """Half range (n_speeds,) and amplitudes by order (n_speeds, n_lines) of the nominal shear stress, Pa."""
+        torques, modulus = torques_of(evidence.active[self.element]), self.section(evidence).modulus
+        return evidence.size(torques) / modulus, evidence.orders(torques) / modulus
+
+    def mean_stress_of(self, evidence: Evidence) -> FloatArray | None:
+        """Magnitude (n_speeds,) of the mean stress in Pa, None where it is not known."""
+        mean = evidence.mean(Sensor("torque", self.element))
+        return None if mean is None else abs(mean) / self.section(evidence).modulus
+
+
+def _own(element: Element, value: Values) -> Section | None:
+    if element.diameters is None:
+        return None
+    return Section(*(float(value(diameter)) for diameter in element.diameters))

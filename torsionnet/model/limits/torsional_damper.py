@@ -1,0 +1,80 @@
+"""Torsional vibration dampers, viscous or with springs: heat and twist."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.errors import Fault
+from torsionnet.model.channels import Sensor
+from torsionnet.model.definition import Definition
+from torsionnet.model.limits.element_limit import ElementLimit, everywhere
+from torsionnet.model.limits.evidence import Evidence
+from torsionnet.model.limits.limit import Line, register_rule
+from torsionnet.response.limit_check import LimitVerdict, RuleText
+
+
+@register_rule
+@dataclass(frozen=True, kw_only=True)
+class DamperLimit(ElementLimit):
+    """A damper at the free end of a crankshaft: power it may turn into heat, also per area, and twist.
+
+    Examples
+    --------
+    >>> DamperLimit(element="damper", power_per_area="5 kW/m^2", area="1.4 m^2").allowed_power
+    7000.0
+    """
+
+    kind: ClassVar[str] = "damper"
+    criteria: ClassVar[tuple[str, ...]] = ("power", "power_per_area", "vibratory_twist")
+
+    power: Any = entry(Value("power it may turn into heat", "power", exclusive=True), None)
+    power_per_area: Any = entry(Value("instead: per cooling area", "heat flux", exclusive=True), None)
+    area: Any = entry(Value("cooling area", "area", exclusive=True), None)
+    vibratory_twist: Any = entry(Value("twist of ring against hub, peak value", "angle", exclusive=True), None)
+
+    def contradictions(self) -> list[Fault]:
+        faults = super().contradictions()
+        if self.power is not None and self.power_per_area is not None:
+            faults.append(Fault("give power or power_per_area, one of the two", ("power_per_area",)))
+        if (self.power_per_area is None) != (self.area is None):
+            faults.append(Fault("power_per_area and area go together", on_key=True))
+        return faults
+
+    @property
+    def allowed_power(self) -> float | None:
+        """W."""
+        per_area = None if self.power_per_area is None else float(self.power_per_area * self.area)
+        return float(self.power) if self.power is not None else per_area
+
+    def seen(self, definition: Definition) -> list[Sensor]:
+        del definition
+        return [self.twisting]
+
+    def powered(self) -> list[str]:
+        return [self.element] if self.allowed_power is not None else []
+
+    def text(self, evidence: Evidence) -> RuleText:
+        del evidence
+        parts = ["P = sum over frequencies of Re(T conj(dgamma/dt))/2 with T the whole torque, elastic and damping"]
+        if self.power_per_area is not None:
+            parts.append(f"P <= {self.power_per_area / 1000:g} kW/m^2 x {self.area:g} m^2")
+        elif self.power is not None:
+            parts.append(f"P <= {self.power / 1000:g} kW")
+        if self.vibratory_twist is not None:
+            parts.append("half range of twist <= vibratory_twist")
+        return RuleText(self.source, "; ".join(parts), "ageing of the fluid, temperature of the film, wear of springs")
+
+    def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+        if self.allowed_power is not None:
+            allowed = everywhere(self.allowed_power, evidence)
+            line = Line("P", "dissipated power", "W", evidence.power(self.element), allowed)
+            yield self.continuous(line, name, evidence)
+        if self.vibratory_twist is not None:
+            allowed, twist = everywhere(self.vibratory_twist, evidence), [self.twisting]
+            orders = evidence.orders(twist)
+            line = Line("vibratory twist", "twist, half range", "rad", evidence.size(twist), allowed, (), orders)
+            yield self.continuous(line, name, evidence)

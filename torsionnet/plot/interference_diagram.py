@@ -1,0 +1,131 @@
+"""Interference (Campbell) diagram: natural frequencies and orders over speed, and where they meet."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import torsionnet.plot.style as style
+from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
+from torsionnet.response.order_response import RPM
+
+SMALLEST_DOT, LARGEST_DOT = 14.0, 150.0
+"""Areas of marks in points squared."""
+HEADROOM, NEAREST = 1.12, 0.028
+"""Room above the highest frequency shown; least distance of two labels over the height."""
+
+
+def interference_diagram(found: CriticalSpeeds, *, highest: float | None = None, title: str | None = None) -> Figure:
+    """Frequency over speed: modes as horizontal lines, orders as rays, a mark where they meet.
+
+    The area of a mark goes with the generalised force of that crossing over the largest one; a cross is not excited in
+    this condition. The operating range is shaded, its margins in a lighter shade.
+
+    Parameters
+    ----------
+    found : CriticalSpeeds
+    highest : float, optional
+        Upper end of the frequencies, Hz; by default above the highest mode that an order meets in the range.
+    title : str, optional
+        By default that of the result.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+    """
+    figure = style.new_figure(style.WIDTH, 5.2)
+    axes = figure.subplots()
+    style.dress(axes)
+    low, high = (speed * RPM for speed in found.speed_range)
+    end = 1.06 * max([high, *(_speed(one) for one in found.crossings if math.isfinite(_speed(one)))])
+    top = highest or HEADROOM * max([_natural(one) for one in found.crossings] or [found.modes[0].undamped_frequency])
+    axes.set(xlim=(0, end), ylim=(0, top))
+    _shade(axes, found, low, high)
+    _modes(axes, found, top, end)
+    _orders(axes, found, top, end)
+    _marks(axes, [one for one in found.crossings if _natural(one) <= top])
+    axes.set_xlabel(f"speed of {found.reference} [r/min]")
+    axes.set_ylabel("frequency [Hz]")
+    axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(0, -0.1), ncols=3)
+    style.heading(figure, found.title if title is None else title)
+    return figure
+
+
+def _natural(one: CriticalSpeed) -> float:
+    """The frequency at which a crossing is marked: with damping where there is one."""
+    mode = one.mode
+    return mode.undamped_frequency if math.isnan(mode.natural_frequency) else mode.natural_frequency
+
+
+def _speed(one: CriticalSpeed) -> float:
+    return one.speed("undamped" if math.isnan(one.mode.natural_frequency) else "natural") * RPM
+
+
+def _shade(axes: Axes, found: CriticalSpeeds, low: float, high: float) -> None:
+    margins = [one.required for one in found.crossings if one.required]
+    axes.axvspan(low, high, color=style.PALETTE[5], alpha=0.18, linewidth=0, label="operating range")
+    if margins:
+        widest = max(margins)
+        label = f"margin, up to {100 * widest:g} %"
+        axes.axvspan(low * (1 - widest), low, color=style.PALETTE[6], alpha=0.16, linewidth=0, label=label)
+        axes.axvspan(high, high * (1 + widest), color=style.PALETTE[6], alpha=0.16, linewidth=0)
+
+
+def _modes(axes: Axes, found: CriticalSpeeds, top: float, end: float) -> None:
+    first = True
+    for mode in found.modes:
+        if mode.undamped_frequency <= top:
+            axes.axhline(mode.undamped_frequency, color=style.MUTED, linewidth=0.9, linestyle=(0, (5, 3)), zorder=1.5,
+                         label="undamped natural frequency" if first else None)  # fmt: skip
+            first = False
+    drawn: list[float] = []
+    for number, mode in enumerate(one for one in found.modes if one.natural_frequency <= top):
+        axes.axhline(mode.natural_frequency, color=style.INK, linewidth=1.4, zorder=1.6,
+                     label=r"damped, $|\lambda|/2\pi$" if not number else None)  # fmt: skip
+        if all(abs(mode.natural_frequency - other) > NEAREST * top for other in drawn):
+            drawn.append(mode.natural_frequency)
+            text = f"mode {mode.number}: {mode.natural_frequency:.4g} Hz"
+            axes.annotate(text, (0.004 * end, mode.natural_frequency), xytext=(0, 2), textcoords="offset points",
+                          fontsize=style.SMALL - 1, color=style.INK)  # fmt: skip
+
+
+def _orders(axes: Axes, found: CriticalSpeeds, top: float, end: float) -> None:
+    """Rays in the colour of their excitation, each with its order where it leaves the picture."""
+    names = list(dict.fromkeys(one.excitation for one in found.crossings))
+    lines = dict.fromkeys((one.excitation, one.order, one.fixed, one.ratio) for one in found.crossings)
+    labelled: list[tuple[float, float]] = []
+    for name, order, fixed, ratio in sorted(lines, key=lambda line: (line[1] != round(line[1]), line[1])):
+        slope = order * float(ratio) / 60
+        color = style.PALETTE[names.index(name) % len(style.PALETTE)]
+        last = end if slope * end + fixed <= top else (top - fixed) / slope
+        axes.plot([0, last], [fixed, slope * last + fixed], color=color, linewidth=0.7, alpha=0.75, zorder=1.4)
+        at = (last / end, (slope * last + fixed) / top)
+        if all(math.dist(at, other) > NEAREST for other in labelled):
+            labelled.append(at)
+            above = last < end
+            text = f"{order:g}" if order else f"{fixed:g} Hz"
+            axes.annotate(text, (last, slope * last + fixed), xytext=(0, 2) if above else (2, 0),
+                          textcoords="offset points", fontsize=style.SMALL - 1, color=color, clip_on=False,
+                          ha="center" if above else "left", va="bottom" if above else "center")  # fmt: skip
+    for number, name in enumerate(names):
+        axes.plot([], [], color=style.PALETTE[number % len(style.PALETTE)], linewidth=1.2, label=f"orders of {name}")
+
+
+def _marks(axes: Axes, crossings: list[CriticalSpeed]) -> None:
+    names = list(dict.fromkeys(one.excitation for one in crossings))
+    shown = [one for one in crossings if math.isfinite(_speed(one))]
+    largest = max((one.generalised_force for one in shown if one.excited and one.generalised_force > 0), default=1.0)
+    for excited, marker in ((True, "o"), (False, "x")):
+        here = [one for one in shown if bool(one.excited) is excited]
+        if not here:
+            continue
+        sizes = [np.nan_to_num(one.generalised_force) / largest for one in here]
+        areas = [SMALLEST_DOT + (LARGEST_DOT - SMALLEST_DOT) * size * excited for size in sizes]
+        colors = [style.PALETTE[names.index(one.excitation) % len(style.PALETTE)] for one in here]
+        axes.scatter([_speed(one) for one in here], [_natural(one) for one in here], s=areas, marker=marker,
+                     c=colors, linewidths=0.9, alpha=0.8, zorder=3)  # fmt: skip
+        label = "excited; area: generalised force" if excited else "not excited in this condition"
+        axes.scatter([], [], s=36, marker=marker, color=style.INK, linewidths=0.9, label=label)

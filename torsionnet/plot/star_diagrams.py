@@ -1,0 +1,105 @@
+"""Phase-vector (star) diagrams of the orders that a mode meets."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import torsionnet.plot.style as style
+from torsionnet.core.errors import UsageError
+from torsionnet.response.star_diagram import StarDiagram
+
+ACROSS = 4
+LEGEND = "numbers: cylinders; black: their sum; circle: one cylinder"
+WIDEST = 80
+"""Letters of a title."""
+ALONGSIDE = 0.95
+"""Cosine of the angle within which the sum would cover a label."""
+
+
+def star_diagrams(stars: Sequence[StarDiagram], *, title: str | None = None) -> Figure:
+    """The vectors of the cylinders in colour and their sum in black; orders with the same diagram share one.
+
+    Angles are those of the torques, zero to the right, counted to the left; the circle is one cylinder at the largest
+    amplitude.
+
+    Parameters
+    ----------
+    stars : sequence of StarDiagram
+    title : str, optional
+        By default that of the first.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    UsageError
+        There are none.
+    """
+    if not stars:
+        raise UsageError("there is no star diagram to draw: no order meets this mode in or near the operating range")
+    groups = _alike(stars)
+    across = min(ACROSS, len(groups))
+    down = math.ceil(len(groups) / across)
+    figure = style.new_figure(style.WIDTH, 0.6 + down * style.WIDTH / ACROSS * 1.16)
+    panels = figure.subplots(down, across, squeeze=False).ravel()
+    for panel, group in zip(panels, groups, strict=False):
+        _draw(panel, group[0])
+        orders = ", ".join(f"{star.order:g}" for star in group)
+        text = f"{group[0].excitation} {orders}\nsum {abs(group[0].sum):.3g}"
+        panel.set_title(text, fontsize=style.SMALL, color=style.INK, pad=3)
+    for panel in panels[len(groups) :]:
+        panel.set_visible(False)
+    figure.supxlabel(
+        "numbers: cylinders; black: their sum; circle: one cylinder", fontsize=style.SMALL, color=style.MUTED
+    )
+    style.heading(figure, textwrap.fill(stars[0].title if title is None else title, WIDEST))
+    return figure
+
+
+def _alike(stars: Sequence[StarDiagram]) -> list[list[StarDiagram]]:
+    """Orders with the same vectors together."""
+    groups: list[list[StarDiagram]] = []
+    for star in stars:
+        for group in groups:
+            same = group[0].excitation == star.excitation and group[0].labels == star.labels
+            if same and np.allclose(group[0].vectors, star.vectors, atol=1e-6):
+                group.append(star)
+                break
+        else:
+            groups.append([star])
+    return groups
+
+
+def _draw(axes: Axes, star: StarDiagram) -> None:
+    reach = 1.3 * max(1.0, abs(star.sum))
+    axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", xticks=[], yticks=[])
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+    turn = np.linspace(0, 2 * np.pi, 181)
+    axes.plot(np.cos(turn), np.sin(turn), color=style.FAINT, linewidth=0.8, zorder=1)
+    together: dict[float, list[str]] = {}
+    for number, (label, vector) in enumerate(zip(star.labels, star.vectors, strict=True)):
+        if vector:
+            _arrow(axes, vector, style.PALETTE[number % len(style.PALETTE)], 1.3)
+            together.setdefault(round(float(np.angle(vector)), 4) % round(2 * math.pi, 4), []).append(label)
+    for angle, labels in together.items():
+        x, y = math.cos(angle), math.sin(angle)
+        covered = abs(star.sum) > 1 and math.cos(angle - float(np.angle(star.sum))) > ALONGSIDE
+        beside = (-9 * y, -9 * abs(x)) if covered else (7 * x, 7 * y)
+        axes.annotate(",".join(labels), (x, y), xytext=beside, textcoords="offset points", ha="left" if covered else
+                      "center", va="center", fontsize=style.SMALL - 1)  # fmt: skip
+    if abs(star.sum) > 1e-9:
+        _arrow(axes, star.sum, style.INK, 2.0)
+
+
+def _arrow(axes: Axes, vector: complex, color: str, width: float) -> None:
+    properties = {"arrowstyle": "-|>", "color": color, "linewidth": width, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", (vector.real, vector.imag), xytext=(0, 0), arrowprops=properties, zorder=3)

@@ -1,0 +1,299 @@
+"""Where orders of what runs meet natural frequencies, how far from the operating range, and what is excited there."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+
+from torsionnet.core.errors import UsageError
+from torsionnet.core.number_text import on_screen
+from torsionnet.response.frequency_response import Channel
+from torsionnet.response.margin_rules import MarginRule
+from torsionnet.response.order_response import RPM
+from torsionnet.response.star_diagram import StarDiagram
+from torsionnet.response.table import Column, Table
+from torsionnet.response.vibration_mode import VibrationMode
+
+SAME_MODE = 0.02
+"""Relative distance of natural frequencies of one mode in two conditions."""
+FREQUENCIES = {"undamped": "undamped_frequency", "natural": "natural_frequency", "damped": "damped_frequency"}
+
+
+@dataclass(frozen=True)
+class SpeedPeak:
+    """Largest amplitude of one order of one output over speed, near a critical speed.
+
+    ``speed`` in rad/s of the reference shaft, ``amplitude`` a peak value in SI units.
+    """
+
+    output: str
+    speed: float
+    amplitude: float
+
+
+@dataclass(frozen=True)
+class CriticalSpeed:
+    """One order, or one fixed frequency, and one mode.
+
+    Attributes
+    ----------
+    mode : VibrationMode
+    excitation : str
+    order : float
+        Of its own shaft; 0 for a fixed frequency.
+    ratio : Fraction
+        Revolutions of that shaft per revolution of the reference shaft.
+    fixed : float
+        Hz, what does not depend on speed: the line excites at order * speed + fixed.
+    margin : float
+        Distance of the nearest natural frequency (undamped, and ``|lambda|/2pi``) from the excitation frequencies in
+        the operating range, over the excitation frequency; 0 inside.
+    required : float or None
+        What the rule asks for; None where it says nothing.
+    generalised_force : float
+        ``|sum_n phi_n T_n|`` in N m at the critical speed, for the shape with its largest angle 1; nan where no torque
+        is given.
+    relative_force : float
+        The same over the torque of one cylinder at the largest amplitude.
+    star : StarDiagram or None
+    excited : bool or None
+        None where nothing says what acts at a frequency.
+    excited_in : tuple of str
+        Other conditions that excite it.
+    peaks : tuple of SpeedPeak
+    """
+
+    mode: VibrationMode
+    excitation: str
+    order: float
+    ratio: Fraction
+    fixed: float
+    margin: float
+    required: float | None = None
+    generalised_force: float = math.nan
+    relative_force: float = math.nan
+    star: StarDiagram | None = None
+    excited: bool | None = None
+    excited_in: tuple[str, ...] = ()
+    peaks: tuple[SpeedPeak, ...] = ()
+
+    def speed(self, which: str = "undamped") -> float:
+        """Critical speed of the reference shaft in rad/s, nan where there is none.
+
+        ``which`` is ``"undamped"``, ``"natural"`` (of ``|lambda|/2pi``) or ``"damped"`` (of ``Im lambda/2pi``).
+        """
+        if which not in FREQUENCIES:
+            raise UsageError(f'"{which}" is no frequency of a mode; choose {", ".join(FREQUENCIES)}')
+        natural = float(getattr(self.mode, FREQUENCIES[which]))
+        relative = self.order * float(self.ratio)
+        found = (natural - self.fixed) * 2 * math.pi / relative if relative else math.nan
+        return found if found > 0 else math.nan
+
+    def own_speed(self, which: str = "undamped") -> float:
+        """The same of the shaft of the excitation."""
+        return self.speed(which) * float(self.ratio)
+
+    @property
+    def passes(self) -> bool | None:
+        """Whether the margin is kept; None where the rule asks for none."""
+        return None if self.required is None else self.margin >= self.required
+
+    @property
+    def remark(self) -> str:
+        """What to think of it, beside the numbers; what is not excited here may be so with a misfire or spread."""
+        said = [self.mode.remark] if self.mode.remark else []
+        if self.excited is False:
+            elsewhere = f", but in {', '.join(self.excited_in)}" if self.excited_in else " in this condition"
+            said.append(f"not excited{elsewhere}")
+        return "; ".join(said)
+
+    @property
+    def line(self) -> str:
+        """Order or fixed frequency as a text."""
+        if not self.order:
+            return f"{self.fixed:g} Hz"
+        return f"{self.order:g}" + (f" {self.fixed:+g} Hz" if self.fixed else "")
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalSpeeds:
+    """All critical speeds in and near an operating range, of one condition.
+
+    Attributes
+    ----------
+    reference : str
+        Node of the speeds.
+    speed_range : (float, float)
+        Operating range in rad/s.
+    modes : tuple of VibrationMode
+    crossings : tuple of CriticalSpeed
+        By mode, then by excitation and order.
+    nodes : tuple of str
+        Names to the shapes of the modes.
+    outputs : tuple of Channel
+        Those whose peaks were looked for.
+    rule : MarginRule or None
+    title, condition : str
+    notes : tuple of str
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+    ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+    >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["500 rpm", "700 rpm"]},
+    ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
+    >>> found = fan.critical_speeds(margin="api684").of(1, 2)
+    >>> round(found.speed() * 30 / 3.14159265), found.margin, found.passes  # 19.49 Hz at order 2
+    (585, 0.0, False)
+    """
+
+    reference: str
+    speed_range: tuple[float, float]
+    modes: tuple[VibrationMode, ...]
+    crossings: tuple[CriticalSpeed, ...]
+    nodes: tuple[str, ...]
+    outputs: tuple[Channel, ...] = ()
+    rule: MarginRule | None = None
+    title: str = ""
+    condition: str = ""
+    notes: tuple[str, ...] = ()
+
+    def of(self, mode: int, order: float, excitation: str | None = None) -> CriticalSpeed:
+        """One crossing by the number of its mode and its order.
+
+        Raises
+        ------
+        UsageError
+            There is none, or several excitations have it and none is named.
+        """
+        self.mode(mode)
+        found = [
+            one
+            for one in self.crossings
+            if one.mode.number == mode
+            and math.isclose(one.order, order)
+            and (excitation is None or one.excitation == excitation)
+        ]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            names = ", ".join(one.excitation for one in found)
+            raise UsageError(f"order {order:g} is of {names}; say which excitation")
+        known = ", ".join(dict.fromkeys(one.line for one in self.crossings if one.mode.number == mode)) or "none"
+        raise UsageError(f"mode {mode} meets no order {order:g} in or near the operating range; it meets {known}")
+
+    def mode(self, number: int) -> VibrationMode:
+        """A mode by its number.
+
+        Raises
+        ------
+        UsageError
+            There is none.
+        """
+        for mode in self.modes:
+            if mode.number == number:
+                return mode
+        raise UsageError(f"there is no mode {number}; there are {len(self.modes)}, counted from 1 without rigid bodies")
+
+    def in_conditions(self, others: Sequence[CriticalSpeeds]) -> CriticalSpeeds:
+        """The same, each crossing with the other conditions that excite it."""
+        return replace(
+            self,
+            crossings=tuple(
+                replace(one, excited_in=tuple(other.condition for other in others if _excites(other, one)))
+                for one in self.crossings
+            ),
+        )
+
+    def table(self) -> Table:
+        """One row per crossing."""
+        geared = any(one.order and one.ratio != 1 for one in self.crossings)
+        columns = [
+            Column("mode"),
+            Column("excitation"),
+            Column("order"),
+            Column("undamped", "rpm", 5),
+            Column("|lambda| /2pi", "rpm", 5),
+        ]
+        columns += [Column("on its shaft", "rpm", 5)] if geared else []
+        for channel in self.outputs:
+            columns += [Column(f"peak of {channel.name} at", "rpm", 5), Column("with", channel.unit, 4)]
+        columns += [Column("margin", "%", 3, 1)]
+        columns += [Column("rule")] if self.rule else []
+        columns += [Column("generalised force", "N*m", 4), Column("amplifi- cation", "", 3), Column("remark")]
+        rows = tuple(self._row(one, geared=geared) for one in self.crossings)
+        return Table(f"{self.title}: critical speeds", tuple(columns), rows, self._notes())
+
+    def _row(self, one: CriticalSpeed, *, geared: bool) -> tuple[object, ...]:
+        cells: list[object] = [one.mode.number, one.excitation, one.line]
+        cells += [one.speed("undamped") * RPM, one.speed("natural") * RPM]
+        which = "undamped" if math.isnan(one.mode.natural_frequency) else "natural"
+        cells += [one.own_speed(which) * RPM] if geared else []
+        by_output = {peak.output: peak for peak in one.peaks}
+        for channel in self.outputs:
+            peak = by_output.get(channel.name)
+            cells += [None, None] if peak is None else [peak.speed * RPM, peak.amplitude]
+        cells.append(100 * one.margin)
+        if self.rule:
+            cells.append(None if one.required is None else "kept" if one.passes else f"under {100 * one.required:g} %")
+        return (*cells, one.generalised_force, one.mode.amplification, one.remark)
+
+    def _notes(self) -> tuple[str, ...]:
+        low, high = (speed * RPM for speed in self.speed_range)
+        notes = [
+            f"speeds of {self.reference}; operating range {on_screen(low, 6)} to {on_screen(high, 6)} rpm",
+            "margin: of the nearer of both natural frequencies from excitation frequencies in the range; 0 inside",
+            "generalised force: torques of all cylinders summed on the shape with their phases, largest angle 1 rad",
+        ]
+        return (*notes, *([f"margins: {self.rule}"] if self.rule else []), *self.notes)
+
+    def mode_table(self) -> Table:
+        """One row per mode: frequencies with and without damping."""
+        columns = (
+            Column("mode"),
+            Column("undamped", "Hz"),
+            Column("|lambda|/2pi", "Hz"),
+            Column("damped Im lambda/2pi", "Hz"),
+            Column("damping ratio", "1", 4),
+            Column("amplification", "", 4),
+            Column("remark"),
+        )
+        rows = tuple(
+            (
+                one.number,
+                one.undamped_frequency,
+                one.natural_frequency,
+                one.damped_frequency,
+                one.damping_ratio,
+                one.amplification,
+                one.remark,
+            )
+            for one in self.modes
+        )
+        return Table(
+            f"{self.title}: natural frequencies",
+            columns,
+            rows,
+            ("mode 1 is the lowest vibration, rigid bodies do not count",),
+        )
+
+    def shape(self, mode: int) -> Mapping[str, complex]:
+        """Angles of a mode by node."""
+        return dict(zip(self.nodes, self.mode(mode).shape.tolist(), strict=True))
+
+
+def _excites(other: CriticalSpeeds, one: CriticalSpeed) -> bool:
+    """Whether another condition excites the same mode by the same line."""
+    for crossing in other.crossings:
+        same = (crossing.excitation, crossing.order, crossing.fixed) == (one.excitation, one.order, one.fixed)
+        if same and crossing.excited and _same(crossing.mode, one.mode):
+            return True
+    return False
+
+
+def _same(one: VibrationMode, other: VibrationMode) -> bool:
+    pairs = ((getattr(one, name), getattr(other, name)) for name in ("undamped_frequency", "natural_frequency"))
+    return any(abs(first - second) <= SAME_MODE * second for first, second in pairs)

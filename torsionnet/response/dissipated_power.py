@@ -1,0 +1,63 @@
+"""What the vibration of running machinery turns into heat, by speed and element."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.order_response import RPM
+from torsionnet.response.table import Column, Table
+
+FORMULA = "P = sum over frequencies of Re(T conj(dgamma/dt))/2, T the whole torque of the element, elastic and damping"
+
+
+@dataclass(frozen=True, eq=False)
+class DissipatedPower:
+    """Mean power by speed and element.
+
+    Attributes
+    ----------
+    speeds : (n_speeds,) array
+        Of the reference shaft, rad/s.
+    reference : str
+        Its node.
+    elements : tuple of str
+    values : (n_speeds, n_elements) array
+        W.
+    title : str
+        The model with its configuration.
+    """
+
+    speeds: FloatArray
+    reference: str
+    elements: tuple[str, ...]
+    values: FloatArray
+    title: str = ""
+
+    @property
+    def rpm(self) -> FloatArray:
+        """Speeds of the reference shaft, r/min."""
+        return np.asarray(self.speeds * RPM)
+
+    def of(self, element: str) -> FloatArray:
+        """W over speed, shape (n_speeds,).
+
+        Raises
+        ------
+        UsageError
+            The element was not asked for.
+        """
+        if element not in self.elements:
+            hint = did_you_mean(element, self.elements)
+            raise UsageError(f'no power of "{element}"{hint}; there is {", ".join(self.elements)}')
+        return np.asarray(self.values[:, self.elements.index(element)])
+
+    def table(self) -> Table:
+        """One row for every speed."""
+        columns = (Column("speed", "rpm"), *(Column(name, "W") for name in self.elements))
+        rows = tuple((rpm, *row) for rpm, row in zip(self.rpm.tolist(), self.values.tolist(), strict=True))
+        notes = (f"speeds of {self.reference}; {FORMULA}", "heat of a steady slip is not in it")
+        return Table(f"{self.title}: dissipated power", columns, rows, notes)

@@ -1,0 +1,197 @@
+"""A Holzer table: amplitudes and torques along a drivetrain at one frequency, station by station."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from torsionnet.core.entries.scalars import Value
+from torsionnet.response.table import Column, Table
+
+AMPLITUDE = Value("amplitude of the first station", "angle", exclusive=True)
+FREQUENCY = Value("frequency of a trial", "frequency", exclusive=True)
+MEGA = 1e-6
+
+
+@dataclass(frozen=True)
+class HolzerLink:
+    """What carries the torque on to the next station.
+
+    Attributes
+    ----------
+    elements : tuple of str
+        Those between the two stations.
+    stiffness : float
+        N m/rad at the near station; infinite for a rigid connection.
+    twist : float
+        rad at the near station.
+    stress : float
+        Nominal shear stress in Pa of a shaft with a diameter; nan for others.
+    ratio : float
+        Angle of this station over that of the next one where nothing twists.
+    """
+
+    elements: tuple[str, ...]
+    stiffness: float
+    twist: float
+    stress: float
+    ratio: float
+
+
+@dataclass(frozen=True)
+class HolzerStation:
+    """One node: real quantities of its own shaft, SI units, peak values.
+
+    Attributes
+    ----------
+    node : str
+    ratio : float
+        Speed over that of the shaft everything is referred to; nan where there is no fixed one.
+    inertia : float
+        kg m^2, with the half of shafts that have inertia.
+    amplitude : float
+        rad.
+    inertia_torque : float
+        ``J omega^2 theta``, N m.
+    joined : float
+        Torque of branches that join here, and of what holds the node, N m.
+    torque : float
+        Sum of torques up to here, N m: what the link carries, or the remainder at the end of a branch.
+    link : HolzerLink or None
+        To the next station, for the last station of a branch to the one it joins.
+    """
+
+    node: str
+    ratio: float
+    inertia: float
+    amplitude: float
+    inertia_torque: float
+    joined: float
+    torque: float
+    link: HolzerLink | None
+
+
+@dataclass(frozen=True)
+class HolzerBranch:
+    """Stations from a free end to where the branch joins another, or to the last station.
+
+    ``joins`` is the node it joins, empty for a main line.
+    """
+
+    stations: tuple[HolzerStation, ...]
+    joins: str = ""
+
+    @property
+    def title(self) -> str:
+        first, last = self.stations[0].node, self.joins or self.stations[-1].node
+        return f"{first} to {last}, which it joins" if self.joins else f"{first} to {last}"
+
+
+@dataclass(frozen=True, eq=False)
+class HolzerTable:
+    """Branches at one frequency, main lines first.
+
+    Attributes
+    ----------
+    frequency : float
+        Hz.
+    mode : int or None
+        Number of the mode, 1 for the lowest vibration; None for a trial frequency.
+    referred_to : str
+        Node of the shaft that referred quantities belong to.
+    branches : tuple of HolzerBranch
+    title : str
+    notes : tuple of str
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+    ...     tn.Spring("shaft", nodes=("a", "b"), stiffness=1e4)]
+    >>> holzer = tn.Drivetrain("fan", elements).holzer_table(1)
+    >>> [(one.node, round(one.amplitude, 6), round(one.torque, 3) + 0.0) for one in holzer.branches[0].stations]
+    [('a', 1.0, 30000.0), ('b', -2.0, 0.0)]
+    """
+
+    frequency: float
+    mode: int | None
+    referred_to: str
+    branches: tuple[HolzerBranch, ...]
+    title: str = ""
+    notes: tuple[str, ...] = ()
+
+    @property
+    def remainder(self) -> float:
+        """Torque in N m that is left over at the last station of the first line; 0 at a natural frequency."""
+        return self.branches[0].stations[-1].torque
+
+    @property
+    def relative_remainder(self) -> float:
+        """Largest remainder of a line over the largest torque in any link; rounding at a natural frequency."""
+        carried = [abs(one.torque) for one in self._stations() if one.link is not None]
+        lines = [abs(branch.stations[-1].torque) for branch in self.branches if not branch.joins]
+        return max(lines) / max(carried) if any(carried) else max(lines)
+
+    def station(self, node: str) -> HolzerStation:
+        """The station of a node."""
+        return next(one for one in self._stations() if one.node == node)
+
+    def tables(self, *, referred: bool = False) -> tuple[Table, ...]:
+        """One table per branch; with ``referred`` amplitudes, torques, stiffnesses as on one shaft."""
+        return tuple(self._table(number, branch, referred=referred) for number, branch in enumerate(self.branches, 1))
+
+    def table(self, *, referred: bool = False) -> Table:
+        """All branches in one table, the number of the branch in front."""
+        tables = self.tables(referred=referred)
+        rows = tuple((number, *row) for number, table in enumerate(tables, 1) for row in table.rows)
+        return Table(self.heading, (Column("branch"), *tables[0].columns), rows, self._notes())
+
+    @property
+    def heading(self) -> str:
+        """What the table is of."""
+        what = f"mode {self.mode}, " if self.mode else "trial at "
+        return f"{self.title}: {what}{self.frequency:.6g} Hz, {self.frequency * 60:.6g} per minute"
+
+    def _stations(self) -> Iterator[HolzerStation]:
+        for branch in self.branches:
+            yield from branch.stations
+
+    def _table(self, number: int, branch: HolzerBranch, *, referred: bool) -> Table:
+        columns = (
+            Column("station"),
+            Column("J", "kg*m^2", 5),
+            Column("J referred", "kg*m^2", 5),
+            Column("theta", "rad", 5),
+            Column("J w^2 theta", "N*m", 5),
+            Column("joined", "N*m", 5),
+            Column("sum of torque", "N*m", 5),
+            Column("k", "N*m/rad", 5),
+            Column("k referred", "N*m/rad", 5),
+            Column("twist", "rad", 5),
+            Column("stress", "MPa", 5),
+            Column("to the next by"),
+        )
+        rows = tuple(_row(one, referred=referred) for one in branch.stations)
+        name = f"branch {number}, " if len(self.branches) > 1 else ""
+        last = number == len(self.branches)
+        heading = f"{self.heading}\n" if number == 1 else ""
+        return Table(f"{heading}{name}{branch.title}", columns, rows, self._notes() if last else ())
+
+    def _notes(self) -> tuple[str, ...]:
+        share = self.relative_remainder
+        remainder = f"remainder at {self.branches[0].stations[-1].node}: {self.remainder:.5g} N*m"
+        return (f"{remainder}, {share:.2g} of the largest torque; referred to {self.referred_to}", *self.notes)
+
+
+def _row(one: HolzerStation, *, referred: bool) -> tuple[object, ...]:
+    angle, torque = (1 / one.ratio, one.ratio) if referred else (1.0, 1.0)
+    link = one.link
+    own = [one.node, one.inertia, one.inertia * one.ratio**2, one.amplitude * angle, one.inertia_torque * torque]
+    own += [one.joined * torque if one.joined else None, one.torque * torque]
+    if link is None:
+        return (*own, None, None, None, None, "")
+    stiff = not math.isinf(link.stiffness)
+    stiffness = (link.stiffness, link.stiffness * one.ratio**2) if stiff else (None, None)
+    names = ", ".join(link.elements) if stiff else f"{', '.join(link.elements)} (rigid)"
+    return (*own, *stiffness, link.twist * angle if stiff else None, link.stress * MEGA, names)

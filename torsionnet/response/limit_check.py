@@ -1,0 +1,266 @@
+"""What a check of limits found: worst speed, utilisation and verdict of every criterion, speeds to be barred."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.response.conventions import SI, Conventions
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.order_response import RPM
+from torsionnet.response.table import Column, Table
+
+PASS, BARRED, FAIL, OPEN = "pass", "barred range", "fail", "not judged"
+"""Verdicts: holds at every speed; holds outside of speeds that are barred; does not hold; data are missing."""
+
+
+@dataclass(frozen=True)
+class SpeedSpan:
+    """Speeds from ``low`` to ``high`` of the reference shaft, rad/s.
+
+    Examples
+    --------
+    >>> print(SpeedSpan(43.0, 47.0))
+    410.6 to 448.8 rpm
+    """
+
+    low: float
+    high: float
+
+    def holds(self, speed: float) -> bool:
+        """Whether a speed lies in it."""
+        return self.low <= speed <= self.high
+
+    def __str__(self) -> str:
+        return f"{self.low * RPM:.1f} to {self.high * RPM:.1f} rpm"
+
+
+@dataclass(frozen=True)
+class RuleText:
+    """Where a rule comes from, what it says as a formula, and what it leaves out."""
+
+    source: str
+    formula: str
+    not_covered: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LimitVerdict:
+    """One criterion of one limit over speed.
+
+    Attributes
+    ----------
+    limit : str
+        Its name in the model.
+    of : str
+        Element, node or output it is about.
+    criterion : str
+        The symbol of the value allowed, as tau_C.
+    quantity : str
+        What is compared with it.
+    unit : str
+        SI.
+    values, allowed : (n_speeds,) arrays
+        NaN in ``allowed`` at speeds that the rule does not cover; both empty where nothing could be judged.
+    verdict : {"pass", "barred range", "fail", "not judged"}
+    text : RuleText
+    barred : tuple of SpeedSpan
+        Speeds to be barred so that the limit holds everywhere else.
+    remarks : tuple of str
+    orders : (n_speeds, n_lines) array, optional
+        Amplitudes of the orders that make ``values``.
+    """
+
+    limit: str
+    of: str
+    criterion: str
+    quantity: str
+    unit: str
+    values: FloatArray
+    allowed: FloatArray
+    verdict: str
+    text: RuleText
+    barred: tuple[SpeedSpan, ...] = ()
+    remarks: tuple[str, ...] = ()
+    orders: FloatArray | None = None
+
+    @property
+    def utilisation(self) -> FloatArray:
+        """Value over value allowed, (n_speeds,); NaN where nothing is allowed or covered."""
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(np.where(np.isfinite(self.allowed), self.values / self.allowed, np.nan))
+
+    @property
+    def worst(self) -> int | None:
+        """Place of the speed with the largest utilisation."""
+        found = self.utilisation
+        return None if not np.isfinite(found).any() else int(np.nanargmax(found))
+
+
+@dataclass(frozen=True, eq=False)
+class LimitCheck:
+    """Verdicts on all limits of a model in one condition.
+
+    Attributes
+    ----------
+    speeds : (n_speeds,) array
+        Of the reference shaft, rad/s.
+    reference : str
+        Its node.
+    verdicts : tuple of LimitVerdict
+    lines : tuple of str
+        Names of the orders in ``LimitVerdict.orders``.
+    title, configuration : str
+    misfiring : bool
+        Whether a cylinder misfires in this condition.
+    """
+
+    speeds: FloatArray
+    reference: str
+    verdicts: tuple[LimitVerdict, ...]
+    lines: tuple[str, ...] = ()
+    title: str = ""
+    configuration: str = ""
+    misfiring: bool = False
+    notes: tuple[str, ...] = field(default=())
+
+    @property
+    def rpm(self) -> FloatArray:
+        """Speeds of the reference shaft, r/min."""
+        return np.asarray(self.speeds * RPM)
+
+    @property
+    def verdict(self) -> str:
+        """The gravest of all verdicts."""
+        return max((one.verdict for one in self.verdicts), key=(PASS, BARRED, OPEN, FAIL).index, default=PASS)
+
+    @property
+    def barred(self) -> tuple[SpeedSpan, ...]:
+        """Speeds that any limit wants barred, joined where they overlap."""
+        return joined_spans([span for one in self.verdicts for span in one.barred])
+
+    def of(self, limit: str, criterion: str | None = None) -> LimitVerdict:
+        """The verdict on a limit, on one of its criteria where there are several.
+
+        Raises
+        ------
+        UsageError
+            There is none, or there are several and no criterion is named.
+        """
+        found = [one for one in self.verdicts if one.limit == limit and criterion in (None, one.criterion)]
+        if len(found) == 1:
+            return found[0]
+        known = [f"{one.limit} {one.criterion}" for one in self.verdicts]
+        asked = f"{limit} {criterion}" if criterion else limit
+        what = f"say which criterion of {limit}" if found else f'no limit "{asked}"{did_you_mean(asked, known)}'
+        raise UsageError(f"{what}; there are {', '.join(known)}")
+
+    def table(self, conventions: Conventions = SI) -> Table:
+        """One row for every criterion, at its worst speed; what it rests on below."""
+        columns = (
+            Column("limit"),
+            Column("of"),
+            Column("criterion"),
+            Column("worst speed", "rpm", digits=5),
+            Column("value", digits=5),
+            Column("allowed", digits=5),
+            Column("unit"),
+            Column("utilisation", digits=4),
+            Column("verdict"),
+            Column("to be barred"),
+        )
+        rows = tuple(self._row(one, conventions) for one in self.verdicts)
+        notes = [f"speeds of {self.reference}, {self.rpm[0]:g} to {self.rpm[-1]:g} rpm", *self.notes]
+        for one in self.verdicts:
+            notes += [f"{one.limit}, {one.criterion}: {remark}" for remark in one.remarks]
+        for text, names in self.texts().items():
+            notes += [f"{', '.join(names)}: {text.source}", f"  {text.formula}", f"  not covered: {text.not_covered}"]
+        return Table(f"{self.title}: limits", columns, rows, tuple(dict.fromkeys(notes)))
+
+    def texts(self) -> dict[RuleText, list[str]]:
+        """Names of the limits by the text of their rule."""
+        found: dict[RuleText, list[str]] = {}
+        for one in self.verdicts:
+            names = found.setdefault(one.text, [])
+            names += [] if one.limit in names else [one.limit]
+        return found
+
+    def _row(self, one: LimitVerdict, conventions: Conventions) -> tuple[object, ...]:
+        barred = ", ".join(map(str, one.barred)) or None
+        at = one.worst
+        if at is None:
+            return (one.limit, one.of, one.criterion, None, None, None, None, None, one.verdict, barred)
+        scale = conventions.scale(one.unit)
+        sizes = (float(one.values[at]) * scale, float(one.allowed[at]) * scale)
+        numbers = (float(self.rpm[at]), *sizes, conventions.unit(one.unit), float(one.utilisation[at]))
+        return (one.limit, one.of, one.criterion, *numbers, one.verdict, barred)
+
+    def long_table(self) -> Table:
+        """Value and value allowed at every speed, SI."""
+        columns = (
+            Column("limit"), Column("of"), Column("criterion"), Column("speed", "rpm"), Column("value"),
+            Column("allowed"), Column("unit"), Column("utilisation"),
+        )  # fmt: skip
+        rows = []
+        for one in self.verdicts:
+            cells = (self.rpm.tolist(), one.values.tolist(), one.allowed.tolist(), one.utilisation.tolist())
+            if len(one.values):
+                rows += [
+                    (one.limit, one.of, one.criterion, rpm, value, allowed, one.unit, share)
+                    for rpm, value, allowed, share in zip(*cells, strict=True)
+                ]
+        return Table(f"{self.title}: limits over speed", columns, tuple(rows), (f"speeds of {self.reference}",))
+
+
+def joined_spans(spans: Sequence[SpeedSpan]) -> tuple[SpeedSpan, ...]:
+    """Rising spans, those that touch as one.
+
+    Examples
+    --------
+    >>> [(span.low, span.high) for span in joined_spans([SpeedSpan(3, 5), SpeedSpan(1, 2), SpeedSpan(4, 6)])]
+    [(1, 2), (3, 6)]
+    """
+    found: list[SpeedSpan] = []
+    for span in sorted(spans, key=lambda one: one.low):
+        if found and span.low <= found[-1].high:
+            found[-1] = SpeedSpan(found[-1].low, max(found[-1].high, span.high))
+        else:
+            found.append(span)
+    return tuple(found)
+
+
+def spans_above(speeds: FloatArray, values: FloatArray, allowed: FloatArray) -> tuple[SpeedSpan, ...]:
+    """Where values exceed what is allowed, with straight lines between the speeds; NaN exceeds nothing.
+
+    Examples
+    --------
+    >>> found = spans_above(np.array([1.0, 2, 3, 4]), np.array([0.0, 2, 2, 0]), np.ones(4))
+    >>> [(span.low, span.high) for span in found]
+    [(1.5, 3.5)]
+    """
+    over = values - allowed
+    above = np.where(np.isfinite(over), over > 0, False)
+    found: list[SpeedSpan] = []
+    places = np.flatnonzero(above)
+    for first, last in _runs(places):
+        low = _crossing(speeds, over, first, first - 1) if first else speeds[0]
+        high = _crossing(speeds, over, last, last + 1) if last + 1 < len(speeds) else speeds[-1]
+        found.append(SpeedSpan(float(low), float(high)))
+    return tuple(found)
+
+
+def _runs(places: FloatArray) -> list[tuple[int, int]]:
+    """First and last of places without a gap."""
+    pieces = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
+    return [(int(piece[0]), int(piece[-1])) for piece in pieces if len(piece)]
+
+
+def _crossing(speeds: FloatArray, over: FloatArray, inside: int, outside: int) -> float:
+    """Speed at which the straight line to a speed outside comes down to nothing over."""
+    if not np.isfinite(over[outside]):
+        return float(speeds[inside])
+    share = over[inside] / (over[inside] - over[outside])
+    return float(speeds[inside] + share * (speeds[outside] - speeds[inside]))

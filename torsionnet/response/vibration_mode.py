@@ -1,0 +1,60 @@
+"""A mode of vibration as seen with and without damping."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from torsionnet.response.frequency_response import ComplexArray
+
+
+@dataclass(frozen=True, eq=False)
+class VibrationMode:
+    """An undamped mode and the damped one whose strain is most alike; either may be missing.
+
+    Attributes
+    ----------
+    number : int
+        From 1; rigid bodies do not count.
+    undamped_frequency : float
+        Hz, of M and K alone; nan where a mode exists only with damping.
+    natural_frequency, damped_frequency : float
+        ``|lambda|/2pi`` and ``Im lambda/2pi`` in Hz; nan where damping leaves no vibration.
+    damping_ratio : float
+    similarity : float
+        Modal assurance criterion of the two shapes, weighted with the stiffness; nan for a single one.
+    shape : (n_nodes,) complex array
+        Angles, 1 at the node that moves most; the undamped shape where there is one.
+    """
+
+    number: int
+    undamped_frequency: float
+    natural_frequency: float
+    damped_frequency: float
+    damping_ratio: float
+    similarity: float
+    shape: ComplexArray
+
+    @property
+    def amplification(self) -> float:
+        """``1/(2 zeta)``, nan without a damped mode; infinite where nothing damps."""
+        if math.isnan(self.damping_ratio):
+            return math.nan
+        return 1 / (2 * self.damping_ratio) if self.damping_ratio > 0 else math.inf
+
+    @property
+    def remark(self) -> str:
+        """Why one of its frequencies is missing."""
+        if math.isnan(self.natural_frequency):
+            return "overdamped: none with damping"
+        return "exists with damping only" if math.isnan(self.undamped_frequency) else ""
+
+
+def amplification(frequency_ratio: float, damping_ratio: float) -> float:
+    """Magnification ``1/|1 - r^2 + 2 j zeta r|`` of one degree of freedom at r = excitation over natural frequency.
+
+    >>> round(amplification(0.9, 0.01), 2)
+    5.24
+    """
+    size = abs(complex(1 - frequency_ratio**2, 2 * damping_ratio * frequency_ratio))
+    return 1 / size if size else math.inf

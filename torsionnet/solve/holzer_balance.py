@@ -1,0 +1,140 @@
+"""All torques on all nodes at one frequency without damping: of inertias, of springs, of rigid connections.
+
+A motion is the shape of a mode, or what a Holzer trial makes: amplitude 1 at the first station, equilibrium everywhere
+but at the last one, where a torque remains.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.system import Assembly
+from torsionnet.core.errors import SolveError
+
+Coefficients = Mapping[str, float]
+
+
+@dataclass(frozen=True)
+class NodeLoad:
+    """What one law or constraint does: from every node of the row it takes ``torque`` times the coefficient there.
+
+    ``stiffness`` is infinite for a constraint; ``housing`` is the node that holds against a gear stage, if that moves.
+    """
+
+    element: str
+    row: Coefficients
+    torque: float
+    stiffness: float
+    housing: str | None = None
+
+    @property
+    def ends(self) -> tuple[str, ...]:
+        """The nodes the torque passes between."""
+        return tuple(node for node in self.row if node != self.housing)
+
+    @property
+    def rigid(self) -> bool:
+        return math.isinf(self.stiffness)
+
+    def stiffness_at(self, node: str) -> float:
+        """As felt at a node while all others stand still."""
+        return self.stiffness * self.row[node] ** 2
+
+
+@dataclass(frozen=True, eq=False)
+class HolzerBalance:
+    """Angles, inertias and torques by node, and the loads of springs and rigid connections."""
+
+    angles: Mapping[str, float]
+    inertias: Mapping[str, float]
+    inertia_torques: Mapping[str, float]
+    loads: tuple[NodeLoad, ...]
+
+
+def trial(drivetrain: AssembledModel, omega: float, first: str, last: str) -> FloatArray:
+    """Angles of all nodes in equilibrium at omega in rad/s but for a torque on ``last``, with 1 rad at ``first``.
+
+    Raises
+    ------
+    SolveError
+        There is no such motion: ``first`` stands still whatever acts on ``last``.
+    """
+    assembly = drivetrain.assembly
+    stiffness, rows = _stiffness(assembly, omega), assembly.system.rows
+    dynamic = rows.T @ ((stiffness - omega**2 * assembly.system.inertia)[:, None] * rows)
+    nodes = assembly.node_rows.dense
+    start, end = nodes[assembly.node_index[first]], nodes[assembly.node_index[last]]
+    scale = max(np.abs(dynamic).max(initial=0), 1e-300)
+    bordered = np.block([[dynamic / scale, -end[:, None]], [start[None, :], np.zeros((1, 1))]])
+    try:
+        found = np.linalg.solve(bordered, np.append(np.zeros(len(dynamic)), 1.0))
+    except np.linalg.LinAlgError:
+        text = f"at {omega / (2 * np.pi):.6g} Hz {first} stands still whatever acts on {last}; start elsewhere"
+        raise SolveError(text) from None
+    return np.asarray(nodes @ found[:-1])
+
+
+def balance_of(drivetrain: AssembledModel, omega: float, angles: FloatArray, last: str | None = None) -> HolzerBalance:
+    """All torques of a motion; a torque may remain on ``last``."""
+    assembly = drivetrain.assembly
+    angle = dict(zip(assembly.nodes, angles.tolist(), strict=True))
+    inertias, torques = dict.fromkeys(angle, 0.0), dict.fromkeys(angle, 0.0)
+    loads = []
+    rest = dict.fromkeys(angle, 0.0)
+    numbers = zip(assembly.owners, assembly.laws, _stiffness(assembly, omega), assembly.system.inertia, strict=True)
+    for owner, law, stiffness, inertia in numbers:
+        row = {node: float(value) for node, value in law.row.items() if node in angle}
+        motion = sum(value * angle[node] for node, value in row.items())
+        for node, value in row.items():
+            inertias[node] += inertia * value * (sum(row.values()) if _is_shaft(row) else value)
+            torques[node] += omega**2 * inertia * motion * value
+            rest[node] += (omega**2 * inertia - stiffness) * motion * value
+        if stiffness:
+            housing = _housing(drivetrain.elements[owner])
+            loads.append(NodeLoad(owner, row, float(stiffness * motion), float(stiffness), housing))
+    for owner, held, torque in _of_constraints(assembly, rest, last):
+        loads.append(NodeLoad(owner, held, torque, math.inf, _housing(drivetrain.elements[owner])))
+    return HolzerBalance(angle, inertias, torques, tuple(loads))
+
+
+def _is_shaft(row: Coefficients) -> bool:
+    """Whether it is a row of a shaft with inertia: half of that goes to each end."""
+    return all(abs(value) == 1 for value in row.values())
+
+
+def _housing(element: Any) -> str | None:
+    return getattr(element, "housing", None)
+
+
+def _of_constraints(
+    assembly: Assembly, rest: Mapping[str, float], last: str | None
+) -> list[tuple[str, Coefficients, float]]:
+    """Torques of rigid connections: those that are left over by all the rest."""
+    rows = [
+        (owner, {node: float(value) for node, value in row.items() if node in rest})
+        for owner, row in assembly.kinematics.constraints
+    ]
+    if not rows:
+        return []
+    places = {node: place for place, node in enumerate(node for node in rest if node != last)}
+    matrix, right = np.zeros((len(places), len(rows))), np.zeros(len(places))
+    for node, place in places.items():
+        right[place] = rest[node]
+    for column, (_, row) in enumerate(rows):
+        for node, value in row.items():
+            if node in places:
+                matrix[places[node], column] = value
+    multipliers = np.linalg.lstsq(matrix, right, rcond=None)[0].tolist()
+    return [(owner, row, torque) for (owner, row), torque in zip(rows, multipliers, strict=True)]
+
+
+def _stiffness(assembly: Assembly, omega: float) -> FloatArray:
+    """Real stiffness of every law at omega."""
+    return np.asarray(assembly.system.stiffness + assembly.system.kappa(omega).real)

@@ -1,0 +1,97 @@
+"""Which damped mode belongs to which undamped one.
+
+Strong dampers move frequencies so far that their order says nothing, and a damper's own mode may take on most of the
+motion. What matters in a shaft is strain: of all pairs those are taken whose strain is most alike, by the modal
+assurance criterion weighted with the stiffness. Undamped modes of one frequency count together, since any mixture of
+their shapes is a shape as well.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.response import Modes
+from torsionnet.response.modes import OSCILLATORY
+from torsionnet.response.vibration_mode import VibrationMode
+from torsionnet.solve.eigen import scaled, undamped_modes
+
+ALIKE = 0.5
+"""Similarity below which two modes are not called the same."""
+REPEATED = 1e-6
+"""Relative distance of frequencies that are one."""
+
+
+def vibration_modes(drivetrain: AssembledModel, modes: Modes) -> tuple[VibrationMode, ...]:
+    """Undamped and damped modes in pairs, rising with the undamped frequency, then those that damping makes."""
+    assembly = drivetrain.assembly
+    rates, shapes = undamped_modes(assembly.system)
+    rates, shapes = rates[rates > 0], shapes[:, rates > 0]
+    places = [assembly.node_index[name] for name in assembly.kinematics.coordinates]
+    vibrating = [number for number, kind in enumerate(modes.kinds) if kind == OSCILLATORY]
+    alike = _similarity(assembly.system, rates, shapes, np.asarray(modes.shapes[np.ix_(places, vibrating)]))
+    partners = dict(_assigned(alike))
+    at_nodes = scaled(np.asarray(assembly.node_rows.dense @ shapes)).astype(complex)
+    found: list[VibrationMode] = []
+    for number, rate in enumerate(rates):
+        damped = None if number not in partners else vibrating[partners[number]]
+        similarity = math.nan if damped is None else float(alike[number, partners[number]])
+        found.append(_mode(len(found) + 1, rate / (2 * np.pi), modes, damped, similarity, at_nodes[:, number]))
+    for place, damped in enumerate(vibrating):
+        if place not in partners.values():
+            found.append(_mode(len(found) + 1, math.nan, modes, damped, math.nan, modes.shapes[:, damped]))
+    return tuple(found)
+
+
+def _mode(
+    number: int, undamped: float, modes: Modes, damped: int | None, similarity: float, shape: ComplexArray
+) -> VibrationMode:
+    return VibrationMode(
+        number=number,
+        undamped_frequency=float(undamped),
+        natural_frequency=math.nan if damped is None else float(modes.natural_frequencies[damped]),
+        damped_frequency=math.nan if damped is None else float(modes.damped_frequencies[damped]),
+        damping_ratio=math.nan if damped is None else float(modes.damping_ratios[damped]),
+        similarity=similarity,
+        shape=shape,
+    )
+
+
+def _similarity(system: RowSystem, rates: FloatArray, shapes: FloatArray, damped: ComplexArray) -> FloatArray:
+    """Share of the strain energy of each damped mode (columns) that lies in the shapes of an undamped one (rows)."""
+    found = np.zeros((len(rates), damped.shape[1]))
+    rows = system.rows
+    for group in _groups(rates):
+        stiffness = np.maximum(system.stiffness + system.kappa(float(rates[group[0]])).real, 0)
+        weight = np.sqrt(stiffness)[:, None]
+        basis, strain = np.linalg.qr(weight * (rows @ shapes[:, group]))[0], weight * (rows @ damped)
+        sizes = np.sum(np.abs(strain) ** 2, axis=0)
+        common = np.sum(np.abs(basis.T @ strain) ** 2, axis=0)
+        found[group] = np.divide(common, sizes, out=np.zeros_like(sizes), where=sizes > 0)
+    return found
+
+
+def _groups(rates: FloatArray) -> Iterator[list[int]]:
+    """Places of equal frequencies."""
+    group: list[int] = []
+    for place, rate in enumerate(rates):
+        if group and rate - rates[group[0]] > REPEATED * rate:
+            yield group
+            group = []
+        group.append(place)
+    if group:
+        yield group
+
+
+def _assigned(alike: FloatArray) -> Iterator[tuple[int, int]]:
+    """Pairs (undamped, damped) that make the sum of similarities largest, without those that are not alike."""
+    from scipy.optimize import linear_sum_assignment
+
+    clear = np.where(alike >= ALIKE, alike, 0)
+    for row, column in zip(*linear_sum_assignment(-clear), strict=True):
+        if clear[row, column]:
+            yield int(row), int(column)
