@@ -75,6 +75,16 @@ class OrderResponse:
         fixed = np.array([line.fixed for line in self.lines])
         return np.asarray(self.speeds[:, None] * relative / (2 * math.pi) + fixed)
 
+    @property
+    def sizes(self) -> FloatArray:
+        """Amplitude of every line, shape (n_speeds, n_lines, n_out); of several cases the largest."""
+        return np.abs(self.values)
+
+    @property
+    def coherent(self) -> tuple[OrderResponse, ...]:
+        """Responses of which all outputs belong to one case: this one where there is no other."""
+        return (self,)
+
     @cached_property
     def revolutions(self) -> int | None:
         """Revolutions of the reference shaft after which everything repeats; None where nothing or too many do it."""

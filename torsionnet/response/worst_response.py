@@ -25,7 +25,7 @@ class WorstResponse(OrderResponse):
     chosen : (n_speeds, n_out) array of int
         Which case the amplitudes are of.
     alternatives : mapping
-        Label -> response of that case alone.
+        Label -> response of that case alone, nothing scattered; a single case has no label.
     scattered : tuple of str
         What differs from its rated value, up or down.
     signs : (n_speeds, n_out, n_scattered) array of int
@@ -40,6 +40,14 @@ class WorstResponse(OrderResponse):
     scattered: tuple[str, ...] = ()
     signs: NDArray[np.int8] = field(default_factory=lambda: np.zeros((0, 0, 0), dtype=np.int8))
     largest: FloatArray = field(default_factory=lambda: np.zeros((0, 0, 0)))
+
+    @property
+    def sizes(self) -> FloatArray:
+        return self.largest
+
+    @property
+    def coherent(self) -> tuple[OrderResponse, ...]:
+        return tuple(self.alternatives.values())
 
     def cases(self, output: str | None = None) -> tuple[str, ...]:
         """What is worst for an output at each speed."""
@@ -73,10 +81,10 @@ class WorstResponse(OrderResponse):
         return replace(found, columns=columns, rows=rows)
 
 
-def joined(parts: Sequence[OrderResponse], speeds: FloatArray) -> OrderResponse:
+def joined(parts: Sequence[OrderResponse], speeds: FloatArray, title: str) -> OrderResponse:
     """One response out of those at parts of the speeds."""
     values = np.concatenate([part.values for part in parts])
-    whole = replace(parts[0], speeds=speeds, values=values)
+    whole = replace(parts[0], speeds=speeds, values=values, title=title)
     worst = [part for part in parts if isinstance(part, WorstResponse)]
     if not isinstance(whole, WorstResponse):
         return whole
@@ -84,7 +92,7 @@ def joined(parts: Sequence[OrderResponse], speeds: FloatArray) -> OrderResponse:
         whole,
         chosen=np.concatenate([part.chosen for part in worst]),
         alternatives={
-            label: joined([part.alternatives[label] for part in worst], speeds) for label in whole.alternatives
+            label: joined([part.alternatives[label] for part in worst], speeds, title) for label in whole.alternatives
         },
         signs=np.concatenate([part.signs for part in worst]),
         largest=np.concatenate([part.largest for part in worst]),

@@ -49,7 +49,7 @@ def order_response(
     ratios = {name: _turning(drivetrain, one.shaft, reference) for name, one in acting.items()}
     senses = {name: _senses(held, one, reference) for name, one in acting.items()}
     blocks = [_block(held, outputs, acting, ratios, senses, reference, part) for part in _parts(at)]
-    return replace(joined(blocks, at), title=drivetrain.title)
+    return joined(blocks, at, drivetrain.title)
 
 
 def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, float]:
@@ -107,15 +107,14 @@ def _sense(drivetrain: AssembledModel, node: str, reference: str) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Acting:
-    """What one excitation does at some speeds: its lines, and by input the amplitudes (n_speeds, n_lines).
+    """What one excitation does at some speeds: its lines, and by input the amplitudes (n_speeds, n_lines)."""
 
-    ``inputs`` has for each place where it acts the input that is, and its sense; ``torques`` has alternatives.
-    """
-
+    name: str
     lines: tuple[OrderLine, ...]
     loads: Mapping[Input, ComplexArray]
-    inputs: Mapping[str, tuple[Input, float]]
     torques: OrderTorques
+    inputs: Mapping[str, tuple[Input, float]]
+    """By node: the input, and the sign with which a torque acts there."""
 
 
 def _acts(name: str, one: OrderExcitation, ratio: Fraction, senses: Senses, found: OrderTorques) -> _Acting:
@@ -124,11 +123,10 @@ def _acts(name: str, one: OrderExcitation, ratio: Fraction, senses: Senses, foun
     lines = tuple(OrderLine(name, order, abs(ratio), frequency) for order, frequency in pairs)
     if not ratio and found.orders.any():
         raise UsageError(f"{one.shaft} does not turn, so it has no orders; {name} can act at frequencies there")
-    inputs = {place: (Input(one.quantity, place), senses[place]) for place in found.nodes if place in senses}
-    loads = {
-        channel: sense * found.amplitudes[:, :, found.nodes.index(place)] for place, (channel, sense) in inputs.items()
-    }
-    return _Acting(lines, loads, inputs, found)
+    columns = {place: column for column, place in enumerate(found.nodes) if place in senses}
+    inputs = {place: (Input(one.quantity, place), senses[place]) for place in columns}
+    loads = {channel: sense * found.amplitudes[:, :, columns[place]] for place, (channel, sense) in inputs.items()}
+    return _Acting(name, lines, loads, found, inputs)
 
 
 def _block(
@@ -162,18 +160,18 @@ def _block(
 
 
 def _worst(
-    nominal: OrderResponse, found: Sequence[_Acting], gains: ComplexArray, inputs: Sequence[Input]
+    nominal: OrderResponse, acting: Sequence[_Acting], gains: ComplexArray, inputs: Sequence[Input]
 ) -> OrderResponse:
-    """The worst of what excitations offer besides what acts anyhow."""
+    """The worst of what excitations offer besides: a misfire of each cylinder, spread between cylinders."""
     alternatives: list[Contributions] = []
     scatter: list[Contributions] = []
     first = 0
-    for each in found:
+    for each in acting:
         lines = slice(first, first := first + len(each.lines))
-        columns = {place: (inputs.index(channel), sense) for place, (channel, sense) in each.inputs.items()}
+        columns = {node: (inputs.index(channel), sense) for node, (channel, sense) in each.inputs.items()}
         for shares, those in ((each.torques.alternatives, alternatives), (each.torques.scatter, scatter)):
             if shares is not None:
-                those.append(contributions(each.lines[0].excitation, shares, gains, lines, columns))
+                those.append(contributions(each.name, shares, gains, lines, columns))
     return worst_case(nominal, alternatives, scatter)
 
 

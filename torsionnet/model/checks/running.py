@@ -36,8 +36,7 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
     if definition.load is not None:
         faults += unknown_in_load(definition, definition.load)
     faults += _overrides(definition)
-    found = [*_against_the_drivetrain(definition), *_on_imposed(definition)] if not faults else []
-    return faults or found or [*_remarks(definition)]
+    return faults or [*_against_the_drivetrain(definition), *_on_imposed(definition)] or [*_remarks(definition)]
 
 
 def _overrides(definition: Definition) -> Iterator[Fault]:
@@ -121,7 +120,7 @@ def _remarks(definition: Definition) -> Iterator[Fault]:
     known, faults = resolve(definition.parameters)
     for name, excitation in definition.excitations.items():
         speeds = None
-        if definition.speeds is not None and not faults:
+        if definition.speeds is not None and not faults and excitation.shaft:
             ratio = abs(float(total_ratio(definition, known, excitation.shaft, definition.speeds.of)))
             speeds = np.array(definition.speeds.values) * ratio
         for fault in excitation.remarks(speeds):

@@ -148,15 +148,15 @@ class OrderExcitation(Declared):
         """What acts at speeds of its shaft, rad/s."""
         raise NotImplementedError
 
-    def remarks(self, speeds: FloatArray | None) -> list[Fault]:
-        """What is wrong at speeds of its shaft in rad/s, where these are known, and what is worth a warning or note."""
-        del speeds
-        return []
-
     def phase_vectors(self, order: float) -> dict[str, tuple[str, complex]]:
         """What acts with a phase of its own: its node and ``exp(-j order alpha)``, or 0 where it is out of action."""
         del order
         return {node: (node, 1.0 + 0j) for node in self.nodes}
+
+    def remarks(self, speeds: FloatArray | None) -> list[Fault]:
+        """What is wrong at speeds of its shaft in rad/s, where these are known, and what is worth a warning or note."""
+        del speeds
+        return []
 
 
 def register_excitation(cls: T) -> T:

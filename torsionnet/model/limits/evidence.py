@@ -67,7 +67,7 @@ class Evidence:
 
     def orders(self, sensors: Sequence[Sensor]) -> FloatArray:
         """Amplitudes (n_speeds, n_lines), of every order the largest of the sensors."""
-        return np.asarray(np.max([np.abs(self.run.values[:, :, self._place(one)]) for one in sensors], axis=0))
+        return np.asarray(np.max([self.run.sizes[:, :, self._place(one)] for one in sensors], axis=0))
 
     def weighted_size(self, sensor: Sensor, weights: FloatArray) -> FloatArray:
         """Half range of the sum with every line multiplied by a weight (n_speeds, n_lines)."""
