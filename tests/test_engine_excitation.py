@@ -1,11 +1,15 @@
 """Engines: traces from files, harmonics, loads, banks, misfires; against closed forms and second ways to the same."""
 
 import itertools
+import json
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from forced_plants import plant, reference
+from test_cli import run
+from test_document import blocks, of, rows
 
 import torsionnet as tn
 from torsionnet.model.excitations.firing import banked_phases
@@ -13,6 +17,8 @@ from torsionnet.model.excitations.pressure_file import read_pressure_file
 from torsionnet.model.excitations.pressure_trace import PressureTrace
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.model.excitations.slider_crank import inertia_harmonics
+from torsionnet.report import make_report
+from torsionnet.report.document_tree import TableBlock
 
 ORDERS = np.arange(0.5, 12.1, 0.5)
 OMEGA = np.array([60.0, 80.0])
@@ -566,3 +572,28 @@ class TestCompressor:
         rate = np.sin(phi) * (1 + 0.2 * np.cos(phi) / np.sqrt(1 - (0.2 * np.sin(phi)) ** 2))
         expected = [force * 0.06 * 2 / 4096 * (rate * np.exp(-1j * order * phi)).sum() for order in (1, 2)]
         assert torque(one)[0, :, 0] == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+class TestWhereItShows:
+    MORE = "configurations: {firing: {normal: {}, misfire: {engine.misfire: each}}}\n"
+
+    @pytest.fixture(autouse=True)
+    def folder(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        in_file(tmp_path, "{fired: p100.csv, motored: motored.csv}", self.MORE)
+
+    def test_command(self):
+        shown = run("orders", "plant.yaml", "-c", "misfire", "--output", "torque(crank)").stdout
+        assert re.search(r"at every speed the worst of 2 cases; at \d+ rpm: misfire of cylinder [12]", shown)
+        data = json.loads(run("orders", "plant.yaml", "-c", "all", "--output", "torque(crank)", "--json").stdout)
+        normal, misfire = (one["outputs"][0] for one in data)
+        assert normal["cases"] is None
+        assert len(misfire["cases"]) == len(misfire["half_range"])
+
+    def test_report(self):
+        document = make_report(tn.load("plant.yaml"), sections=["excitations"])
+        tables = [
+            one for one in of(TableBlock, blocks(document, "excitations")) if "Excitation engine" in str(one.caption)
+        ]
+        values = {row[0]: row[1] for row in rows(tables[0])}
+        assert values["gas: fired"] == "720 pressures of p100.csv, 2.003 to 100 bar"

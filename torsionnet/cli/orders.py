@@ -64,6 +64,8 @@ def _shown(found: list[OrderResponse], conventions: Any) -> Iterator[Table | str
 
 
 def _as_data(case: ConfiguredCase, run: OrderResponse) -> dict[str, Any]:
+    from torsionnet.response.worst_response import WorstResponse
+
     return {
         "title": run.title,
         "configuration": case.configuration,
@@ -76,6 +78,7 @@ def _as_data(case: ConfiguredCase, run: OrderResponse) -> dict[str, Any]:
                 "unit": channel.unit,
                 "half_range": run.half_range[:, place].tolist(),
                 "rms": run.rms[:, place].tolist(),
+                "cases": list(run.cases(channel.name)) if isinstance(run, WorstResponse) else None,
                 "orders": [
                     {
                         "excitation": line.excitation,
