@@ -263,14 +263,14 @@ class OrderResponse:
         place = self.output(output)
         channel, total = self.outputs[place], self.half_range[:, place]
         scale, worst = conventions.scale(channel.unit), int(np.argmax(total))
-        sizes = np.abs(self.values[:, :, place])
+        sizes, shown = self.sizes[:, :, place], np.abs(self.values[worst, :, place])
         chosen = np.argsort(-sizes.max(axis=0), kind="stable")[:most]
         exact = self.revolutions is not None
         first = "synthesised, half range" if exact else f"half ranges {self._of_whom}, added"
         rows: list[tuple[object, ...]] = [(first, self.rpm[worst], total[worst] * scale, total[worst] * scale)]
         for line in chosen.tolist():
             at = int(np.argmax(sizes[:, line]))
-            rows.append((str(self.lines[line]), self.rpm[at], sizes[at, line] * scale, sizes[worst, line] * scale))
+            rows.append((str(self.lines[line]), self.rpm[at], sizes[at, line] * scale, shown[line] * scale))
         unit = conventions.unit(channel.unit)
         columns = (
             Column("order"),
