@@ -20,6 +20,7 @@ EVERY_ELEMENT = {
     "shaft": tn.Shaft(
         "e", nodes=("a", "b"), outer_diameter=0.05, inner_diameter=0.02, length=1.2, segments=3, damping=4
     ),
+    "propeller": tn.Propeller("e", node="a", inertia=2, entrained_water=0.25, archer=30, torque=200, speed=15),
     "viscous_damper": tn.ViscousDamper("e", node="a", ring_inertia=3, damping=5, stiffness=200, hub_inertia=0.5),
 }
 

@@ -148,7 +148,7 @@ CASES = [
     case("hostile2", "7:61", '"k.__class__" at column 2: "." stands only in decimal numbers', ("stiffness: k", 'stiffness: "k.__class__"')),
     case("hostile power", "7:61", '"9**9**9**9" at column 10: an exponent is a whole or half number of at most 4', ("stiffness: k", "stiffness: 9**9**9**9")),
     case("div zero", "7:61", 'k/(2 - 2) cannot be calculated: division by zero: "2 - 2" is 0', ("stiffness: k", "stiffness: k/(2-2)")),
-    case("missing operator", "7:61", '"k" is not a known unit; did you mean "kN"?', ("stiffness: k", "stiffness: 2 k")),
+    case("missing operator", "7:61", '"k" is not a known unit; did you mean "kW"?', ("stiffness: k", "stiffness: 2 k")),
     case("incomplete expr", "7:61", '"2*(k" at column 3: this is no complete expression', ("stiffness: k", "stiffness: 2*(k")),
     case("tab", "6:1", "a tab stands here", ("  rotor:", "\trotor:")),
     case("indent", "7:4", "this does not fit the indentation of the lines above", ("  shaft:", "   shaft:")),

@@ -148,6 +148,74 @@ class TestTwoMasses:
         assert (first.required, first.passes, first.excited) == (0.1, False, None)
         assert found.of(1, 2).passes is None  # this rule is about the line only
 
+    @pytest.mark.parametrize("frequency", [17.0, 22.0])
+    def test_torque_at_a_fixed_frequency(self, frequency):
+        line = {"frequency": f"{frequency} Hz", "multiples": {1: {"amplitude": 5}}}
+        found = with_machine(line=line).critical_speeds(reach=0.3).of(1, 0)
+        natural = math.sqrt(self.K / self.J) / (2 * np.pi)
+        assert math.isnan(found.speed())
+        assert found.margin == pytest.approx(abs(natural / frequency - 1))
+        assert found.generalised_force == pytest.approx(5)
+        assert found.excited
+        assert found.line == f"{frequency:g} Hz"
+
+    def test_slip_of_a_starting_motor_meets_a_mode_twice_at_most(self):
+        """Twice the slip frequency is 2 (50 Hz - 2 n): 19.49 Hz below synchronous speed at 1500 (1 - 19.49/100) r/min."""
+        slip = {"frequency": "50 Hz", "amplitude": [["0 rpm", 60], ["3000 rpm", 60]]}
+        plant = with_machine(slip=slip, pole_pairs=2)
+        natural = math.sqrt(self.K / self.J) / (2 * np.pi)
+        below = plant.critical_speeds(speeds=np.array([800, 1400]) * RPM).of(1, -4)
+        assert below.speed() / RPM == pytest.approx(1500 * (1 - natural / 100))
+        assert below.margin == 0
+        assert plant.critical_speeds(speeds=np.array([1300, 1450]) * RPM).of(1, -4).margin == pytest.approx(
+            natural / (100 - 4 * 1300 / 60) - 1
+        )
+
+    def test_cranks_that_turn_against_each_other_add_up(self):
+        """Both cylinders fire at once and drive their own crank: twice the torque, although one angle is negative."""
+        twin = {**INLINE_SIX, "speed_of": "left", "cylinders": {1: "left", 2: "right"},
+                "firing_angles": {1: "0 deg", 2: "0 deg"}, "orders": [2]}  # fmt: skip
+        del twin["firing_order"]
+        elements = [
+            tn.Inertia("J_l", node="left", inertia=20), tn.Gear("timing", nodes=("left", "right"), ratio=-1),
+            tn.Inertia("J_r", node="right", inertia=20), tn.Spring("k", nodes=("left", "load"), stiffness=1e5),
+            tn.Inertia("J", node="load", inertia=9),
+        ]  # fmt: skip
+        plant = tn.Drivetrain("twin", elements, speeds={"of": "left", "list": [40, 80]}, excitations={"engine": twin})
+        found = plant.critical_speeds(reach=0.5).of(1, 2)
+        assert found.star.sum == pytest.approx(-2, abs=1e-12) or found.star.sum == pytest.approx(2, abs=1e-12)
+        assert found.excited
+
+    def test_stator_takes_the_opposite_torque_whichever_way_the_rotor_turns(self):
+        """The rotor turns against the reference shaft: what acts is the torque times the angle between the two."""
+        elements = [
+            tn.Inertia("J_r", node="rotor", inertia=1), tn.Spring("k", nodes=("rotor", "pinion"), stiffness=5e3),
+            tn.Gear("stage", nodes=("pinion", "wheel"), ratio=-1), tn.Inertia("J_w", node="wheel", inertia=2),
+            tn.Inertia("J_s", node="stator", inertia=3), tn.Spring("feet", nodes=("stator", "ground"), stiffness=9e3),
+            tn.Spring("field", nodes=("rotor", "stator"), stiffness=2e3),
+        ]  # fmt: skip
+        machine = {"type": "electric_machine", "node": "rotor", "stator": "stator", "orders": {6: {"amplitude": 7}}}
+        plant = tn.Drivetrain("motor on feet", elements, speeds={"of": "wheel", "list": [5, 20]},
+                              excitations={"motor": machine})  # fmt: skip
+        found = plant.critical_speeds(reach=0.5)
+        assert found.crossings
+        for one in found.crossings:
+            shape = found.shape(one.mode.number)
+            assert one.generalised_force == pytest.approx(7 * abs(shape["rotor"] - shape["stator"]))
+
+    def test_an_imposed_motion_has_no_generalised_force_but_a_peak(self):
+        wobble = {"type": "harmonic", "node": "a", "orders": {2: {"angle": 0.01}}}
+        plant = two_mass(damping=4.0)
+        shaken = tn.Drivetrain("shaken", plant.elements.values(), excitations={"wobble": wobble},
+                               speeds={"of": "a", "list": ["400 rpm", "700 rpm"]})  # fmt: skip
+        found = shaken.critical_speeds("twist(shaft)")
+        assert [one.excited for one in found.crossings] == [True]
+        assert math.isnan(found.of(1, 2).generalised_force)
+        # The node whose angle is given stands still in the vibration: 1 kg m^2 on 10 kN m/rad.
+        assert found.of(1, 2).speed() == pytest.approx(100 / 2)
+        assert found.of(1, 2).peaks[0].speed == pytest.approx(50, rel=0.01)
+        assert "-" in found.table().to_text()
+
     def test_orders_count_on_their_own_shaft(self):
         plant = tn.Drivetrain(
             "geared",
@@ -298,7 +366,10 @@ class TestPairsOfModes:
         ]  # fmt: skip
         fan = {"fan": {"type": "harmonic", "node": "hub", "orders": {3: {"amplitude": 1}}}}
         plant = tn.Drivetrain(
-            "fan", [*blades, tn.Inertia("hub", node="hub", inertia=2)], excitations=fan, speeds={"of": "hub", "list": [10]}
+            "fan",
+            [*blades, tn.Inertia("hub", node="hub", inertia=2)],
+            excitations=fan,
+            speeds={"of": "hub", "list": [10]},
         )
         found = plant.critical_speeds(reach=0.9)
         assert [round(mode.similarity, 6) for mode in found.modes] == [1, 1, 1]
@@ -331,7 +402,10 @@ class TestQuestions:
 
     @pytest.mark.parametrize(
         ("mode", "order", "text"),
-        [(7, 2, "there is no mode 7; there are 1"), (1, 3, "meets no order 3 in or near the operating range; it meets 2")],
+        [
+            (7, 2, "there is no mode 7; there are 1"),
+            (1, 3, "meets no order 3 in or near the operating range; it meets 2"),
+        ],
     )
     def test_unknown_mode_or_order(self, mode, order, text):
         with pytest.raises(tn.UsageError, match=text):
@@ -360,6 +434,16 @@ class TestQuestions:
                 by_order.setdefault(one.order, []).append(peak.speed)
         for speeds in by_order.values():
             assert np.diff(sorted(speeds)).min(initial=1) > SAME * max(speeds) / 2
+
+
+def with_machine(**entries):
+    plant = two_mass(damping=0.0)
+    return tn.Drivetrain(
+        "two masses and a motor",
+        plant.elements.values(),
+        speeds={"of": "b", "list": ["400 rpm", "700 rpm"]},
+        excitations={"motor": {"type": "electric_machine", "node": "b", **entries}},
+    )
 
 
 def damped_mass():
@@ -419,8 +503,12 @@ class TestPictures:
         assert axes.get_ylabel() == "frequency [Hz]"
         texts = [text.get_text() for text in axes.texts]
         assert {"3", "0.5", "mode 4: 26.49 Hz"} <= set(texts)
-        marks = np.concatenate([np.asarray(one.get_offsets()) for one in axes.collections if len(one.get_offsets()) > 1])
-        assert [529.88, 26.494] == pytest.approx(marks[np.argmin(abs(marks[:, 0] - 529.88) + abs(marks[:, 1] - 26.494))], 1e-4)
+        marks = np.concatenate(
+            [np.asarray(one.get_offsets()) for one in axes.collections if len(one.get_offsets()) > 1]
+        )
+        assert [529.88, 26.494] == pytest.approx(
+            marks[np.argmin(abs(marks[:, 0] - 529.88) + abs(marks[:, 1] - 26.494))], 1e-4
+        )
 
     def test_stars_of_one_diagram_share_a_panel(self):
         found = marine({"engine": INLINE_SIX}).critical_speeds(lowest=4)

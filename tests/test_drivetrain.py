@@ -192,6 +192,30 @@ class TestOperatingPoint:
         with pytest.raises(tn.UsageError, match="no node is named"):
             geared_line().ratio_between("m", "hub")
 
+    @pytest.mark.parametrize("order", [1, -1])
+    def test_a_housing_on_springs_keeps_the_ratio_of_its_set(self, order):
+        """1 + z, as with a ring that is held; whichever is declared first."""
+        parts = [
+            tn.Planetary("set", sun="s", ring="r", carrier="c", ratio=3, stiffness=100),
+            tn.Spring("arms", nodes=("r", "ground"), stiffness=50),
+            *(tn.Inertia(f"j{node}", node=node, inertia=1) for node in "src"),
+        ]
+        assert tn.Drivetrain("mounted", parts[::order]).ratio_between("s", "c") == 4
+        with pytest.raises(tn.UsageError, match="no fixed ratio"):
+            tn.Drivetrain("loose", [parts[0], *parts[2:]][::order]).ratio_between("s", "c")
+
+    def test_a_spring_to_ground_does_not_stop_what_is_asked_for(self):
+        """A rig that is wound up against a wall keeps its ratios."""
+        rig = tn.Drivetrain(
+            "wall",
+            [
+                tn.Gear("g", nodes=("a", "b"), ratio=3),
+                tn.Spring("wall", nodes=("b", "ground"), stiffness=5),
+                tn.Inertia("j", node="a", inertia=1),
+            ],
+        )
+        assert rig.ratio_between("a", "b") == 3
+
     def test_open_differential_has_no_fixed_ratio(self):
         parts = [tn.Inertia(f"j{n}", node=n, inertia=1) for n in "clr"]
         axle = tn.Drivetrain("axle", [tn.Differential("d", cage="c", left="l", right="r"), *parts])

@@ -21,11 +21,20 @@ CASES = {
     "wind_turbine_5mw": "nrel_5mw_drivetrain_2mass",
 }
 IN_TEST_PAPER = {"amt_rig", "dmf_rig"}
+RUNNING = {
+    "engine_generator_set",
+    "front_wheel_drive_car",
+    "marine_medium_speed",
+    "reciprocating_compressor_train",
+    "two_stroke_ship",
+    "wind_turbine_3mw",
+}
+"""Plants of own data, checked by hand calculations in test_running_plants."""
 MODELS = tuple(tn.library_models())
 
 
 def test_every_model_is_checked_against_something():
-    assert set(MODELS) == set(CASES) | IN_TEST_PAPER
+    assert set(MODELS) == set(CASES) | IN_TEST_PAPER | RUNNING
 
 
 @pytest.mark.parametrize("name", MODELS)

@@ -232,7 +232,7 @@ class TestElectricMachine:
         orders = {order: {"amplitude": size} for order, size in enumerate((200, 50, 5, 2), 1)}
         plant = tn.Drivetrain(
             "chain", build(base).elements.values(), speeds={"of": "n0", "list": ["3600 rpm"]},
-            excitations={"load": {"type": "harmonic", "node": "n0", "orders": orders}},
+            excitations={"ripple": {"type": "harmonic", "node": "n0", "orders": orders}},
         )  # fmt: skip
         torques = [f"torque({spring_name(spring)})" for spring in base["springs"]]
         found = plant.order_response([*(f"n{number}" for number in range(5)), *torques]).values[0].T
@@ -348,8 +348,27 @@ class TestPropeller:
         assert found == pytest.approx(-100 * np.exp(1j * math.radians(80)))
 
 
+class TestMeasured:
+    def test_orders_over_speed_are_those_recorded(self):
+        """RMS in kN m with phases, at 600 and 900 rpm; between them magnitude and phase run straight."""
+        table = {"columns": ["speed [rpm]", "order", "rms [kN*m]", "phase [deg]"],
+                 "rows": [[900, 3, 0.04, 200], [600, 3, 0.02, 160], [600, 1, 0.01, 0], [900, 1, 0.01, 0]]}  # fmt: skip
+        pump = {"type": "measured", "node": "motor", "table": table}
+        found = geared([600, 750], pump=pump).order_response("wheel")
+        for at, (rpm, size) in enumerate(((600, 20 * np.exp(1j * math.radians(160))), (750, -30))):
+            receptance = np.linalg.solve(dynamic_stiffness(3 * rpm * RPM), [1, 0, 0])[2]
+            assert found.of_order(3)[at] == pytest.approx(np.sqrt(2) * size * receptance, rel=1e-9)
+
+    def test_a_recorded_motion_is_imposed(self):
+        table = {"columns": ["frequency [Hz]", "real [deg/s]", "imag [deg/s]"], "rows": [[17, 3, -4]]}
+        found = geared([600], shaker={"type": "measured", "node": "motor", "table": table})
+        velocity = found.order_response("velocity(motor)").of_frequency(17)[0]
+        assert velocity == pytest.approx((3 - 4j) * math.pi / 180)
+
+
 MACHINE = "{type: electric_machine, node: m, pole_pairs: 2, rated_torque: 1 kN*m, orders: {6: {share: 2 %}}}"
 MESHED = "{type: gear_mesh, mesh: stage, base_radius: 40 mm, transmission_error: {1: {way: 4 um}}}"
+TABLE = "{type: measured, node: m, table: {columns: [order, 'rms [N*m]'], rows: [[2, 30], [4, 3]]}}"
 SCREW = "{type: propeller, node: w, blades: 4, torque: 9, rated: 10, blade_orders: {1: {share: 5 %}}}"
 FILE = """torsionnet: 1
 name: plant
@@ -366,7 +385,7 @@ excitations:
 
 class TestFiles:
     @pytest.mark.parametrize("given", [
-        MACHINE, MESHED, SCREW, "{type: universal_joint, joint: shaft, angle: 9 deg}",
+        MACHINE, MESHED, SCREW, TABLE, "{type: universal_joint, joint: shaft, angle: 9 deg}",
         "{type: harmonic, node: m, frequencies: {50 Hz: {velocity: 2 rad/s}}, factor: [[0 rpm, 1], [900 rpm, 2]]}",
         MACHINE.replace("orders:", "slip: {frequency: 50 Hz, amplitude: [[0 rpm, 9], [900 rpm, 8]]}, orders:"),
         MACHINE.replace("orders:", "line: {frequency: 50 Hz, multiples: {6: {amplitude: 3}}}, enabled: false, orders:"),
@@ -406,6 +425,14 @@ class TestFiles:
             ("{type: universal_joint, joint: shaft, angle: 10}", "", "", "10}", "a bare number is in radians, write 10 deg"),
             ("{type: universal_joint, joint: stage, angle: 1 deg}", "", "", "stage, angle", "stage is a gear; a joint is in a spring"),
             ("{type: universal_joint, joint: shaft, angle: 1 deg, speed_of: w}", "", "", "w}", "shaft connects m and p"),
+            (TABLE, "'rms [N*m]'", "rms", "columns", '"" is no unit of a torque'),
+            (TABLE, "'rms [N*m]'", "'rms [kg]'", "columns", '"kg" is no unit of a torque'),
+            (TABLE, "'rms [N*m]'", "'rmss [N*m]'", "columns", 'did you mean "rms"'),
+            (TABLE, "order, ", "'phase [deg]', ", "columns", "a column order or frequency"),
+            (TABLE, "[4, 3]", "[4, 3, 1]", "[4, 3", "the row has 3 numbers, there are 2 columns"),
+            (TABLE, "[4, 3]", "[2, 3]", "columns", "every order has one row"),
+            (TABLE, "[4, 3]", "[0, 3]", "columns", "order is above 0"),
+            (TABLE, "order, 'rms [N*m]'], rows: [[2, 30], [4, 3]]", "order, 'rms [N*m]', 'speed [rpm]'], rows: [[2, 30, 300], [2, 3, 400]]", "rows", "covers 300 to 400 rpm"),
             ("{type: harmonic, node: m}", "", "", "x: ", "needs orders: {2: {amplitude: 12 N*m"),
             ("{type: harmonic, node: m, orders: {2: {amplitude: 1, angle: 2}}}", "", "", "2: {amplitude", "here are amplitude and angle"),
             ("{type: harmonic, node: m, orders: {2: {amplitude: 1}, 3: {angle: 2}}}", "", "", "orders", "are two excitations"),

@@ -8,6 +8,7 @@ from pathlib import Path
 import jsonschema
 import numpy as np
 import pytest
+from ship_plant import SHIP
 from test_cli import run
 from test_cli_fit import FIT
 from test_cli_records import RIG
@@ -25,6 +26,7 @@ def folder(tmp_path_factory):
         patch.chdir(folder)
         Path("rig.yaml").write_text(RIG)
         Path("plant.yaml").write_text(PLANT)
+        Path("ship.yaml").write_text(SHIP)
         Path("driven.yaml").write_text(PLANT + DRIVEN)
         Path("fit.yaml").write_text(FIT)
         test = FIT.replace("record: run_soft.npz", "response: test.csv").replace(
@@ -50,6 +52,7 @@ CALLS = {
     ],
     "sensitivity": ["sensitivity dmf_rig"],
     "equations": ["equations dmf_rig", "equations dmf_rig --tf theta_1/T_M --simplify 1% --band 0.5 20"],
+    "limits": ["limits ship.yaml -c all", "limits ship.yaml -c normal --limit crank"],
     "orders": ["orders plant.yaml --output f", "orders plant.yaml -c all --output m"],
     "critical-speeds": [
         "critical-speeds plant.yaml",

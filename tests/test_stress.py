@@ -7,6 +7,7 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.io import read_frequency_response, write_frequency_response, write_modelica
+from torsionnet.solve.sensitivity import parametric_response
 
 OUTER, BORE = 0.1, 0.04
 MODULUS = math.pi * (OUTER**4 - BORE**4) / (16 * OUTER)
@@ -53,16 +54,42 @@ def test_symbols_say_the_same():
     assert tau.evaluate(f).values[:, 0, 0] == pytest.approx(numbers, rel=1e-12)
 
 
-def test_sensitivities_know_that_a_diameter_changes_the_section():
-    elements = [
-        tn.Inertia("J", node="a", inertia=2),
-        tn.Shaft("shaft", nodes=("a", "ground"), outer_diameter="d", length=1, inertia="none"),
-    ]
-    rig = tn.Drivetrain("rig", elements, parameters={"d": 0.1}, inputs={"T": {"torque": "a"}})
-    step = 1e-6
-    values = [rig.configured(d=0.1 + s).frequency_response("stress(shaft)", "T", [0.0]).values[0, 0, 0].real
-              for s in (-step, step)]  # fmt: skip
-    assert (values[1] - values[0]) / (2 * step) == pytest.approx(-3 * 16 / (math.pi * 0.1**4), rel=1e-5)
+class TestWhereTheSectionIsAParameter:
+    @pytest.fixture
+    @staticmethod
+    def rig():
+        elements = [
+            tn.Inertia("J", node="a", inertia=2),
+            tn.Shaft("shaft", nodes=("a", "ground"), outer_diameter="d", length=1),
+        ]
+        return tn.Drivetrain(
+            "rig", elements, parameters={"d": 0.1}, inputs={"T": {"torque": "a"}}, sensors={"tau": {"stress": "shaft"}}
+        )
+
+    @pytest.mark.parametrize("output", ["tau", "stress(shaft)"])
+    def test_every_copy_has_its_own(self, rig, output):
+        for d in (0.1, 0.12, 0.08):
+            found = rig.configured(d=d).frequency_response(output, "T", [0.0]).values[0, 0, 0]
+            assert found == pytest.approx(16 / (math.pi * d**3), rel=1e-12)
+
+    def test_so_has_every_variant(self, rig):
+        diameters = np.array([0.1, 0.1, 0.12, 0.08])
+        found = rig.frequency_responses("tau", "T", [0.0], {"d": diameters}).values[:, 0, 0, 0]
+        assert found == pytest.approx(16 / (math.pi * diameters**3), rel=1e-12)
+
+    def test_derivatives_are_those_of_differences(self, rig):
+        f, step = [7.0, 90.0], 1e-7
+        low, high = (rig.configured(d=0.1 + s).frequency_response("tau", "T", f).values[:, 0, 0] for s in (-step, step))
+        response = parametric_response(rig, "tau", "T", f, ["d"])
+        for start in (0.12, 0.1):
+            found = response.at([start])
+        assert found.values[:, 0, 0] == pytest.approx((high + low) / 2, rel=1e-9)
+        assert found.jacobian[:, 0, 0, 0] == pytest.approx((high - low) / (2 * step), rel=1e-5)
+
+    def test_a_measured_stress_too(self, rig):
+        for d in (0.1, 0.12):
+            found = rig.configured(d=d).frequency_response("angle(a)", "tau", [1e-3], excitation="T").values[0, 0, 0]
+            assert found == pytest.approx(2 * 1 / (79.3e9 * d), rel=1e-6)
 
 
 def test_tables_show_N_per_mm2_and_files_give_back_pascals(tmp_path):

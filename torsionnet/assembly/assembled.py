@@ -37,6 +37,12 @@ class AssembledModel(Model):
 
     def _changed(self, choice: Mapping[str, str], changes: Overlay) -> Self:
         """A changed copy, whose assembly may share what it has in common with those of this one and its like."""
-        changed = super()._changed(choice, changes)
+        return self._sharing(super()._changed(choice, changes))
+
+    def operated(self, values: Mapping[str, float]) -> Self:
+        """As for any model, with what the assemblies have in common."""
+        return self._sharing(super().operated(values))
+
+    def _sharing(self, changed: Self) -> Self:
         changed.__dict__["_siblings"] = self._siblings
         return changed

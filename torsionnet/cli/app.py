@@ -27,6 +27,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "critical-speeds": "Where orders meet natural frequencies, with margins and excitation.",
     "holzer": "Holzer table of a mode or of a trial frequency.",
     "static": "Mean torque, twist, stress and power of every element under the load.",
+    "limits": "Do shafts, couplings and gears bear it? Which speeds are barred?",
     "damper": "The film or tuning of a damper with which the largest vibration is smallest.",
     "bench": "Run a test on a model instead of a rig, and write the record.",
     "estimate": "Frequency responses and coherence from a record of signals.",
@@ -79,7 +80,7 @@ class LazyGroup(click.Group):
     context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110},
     epilog="MODEL is a model file (.yaml, .yml, .json), the name of a library model, or - for standard input. "
     "Results go to stdout, messages to stderr. "
-    "Exit codes: 1 wrong model, 2 wrong usage, 3 no numerical answer, 4 missing package.",
+    "Exit codes: 1 wrong model, 2 wrong usage, 3 no numerical answer, 4 missing package, 5 a limit does not hold.",
 )
 @click.version_option(__version__, prog_name="torsionnet")
 def app() -> None:

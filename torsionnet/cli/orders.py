@@ -11,8 +11,13 @@ from torsionnet.cli.declarations import option
 from torsionnet.cli.options import ANGLE
 
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
+    from torsionnet.response.order_comparison import MeasuredOrder
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.response.table import Table
+
+    Tests: TypeAlias = dict[str, tuple[MeasuredOrder, ...]]
 
 
 class OrdersCommand(ModelCommand):
@@ -24,6 +29,7 @@ class OrdersCommand(ModelCommand):
     \b
     torsionnet orders plant.yaml --output "torque(coupling)" --plot coupling.png
     torsionnet orders plant.yaml -c all --output T_shaft --csv orders.csv
+    torsionnet orders plant.yaml -c normal --output T_shaft --measured test.csv --plot compared.png
     """
 
     forms = TABLE
@@ -35,23 +41,40 @@ class OrdersCommand(ModelCommand):
     excitations: tuple[str, ...] = option(
         "--excitation", metavar="NAME", help="Only this one acts. Repeatable.  [default: all of the model]"
     )
+    measured: str | None = option(
+        "--measured",
+        metavar="FILE",
+        help="Amplitudes of a test by speed and order, to lay over the calculated ones: CSV, as speed [rpm], order, "
+        "amplitude [N*m].",
+    )
     angle: str = ANGLE
 
     def answer(self) -> Answer:
         from torsionnet.response import Conventions
 
         conventions = Conventions(angle=self.angle)
+        if self.measured:
+            self.require_one("a test is of one configuration: name one with -c")
         cases = self.cases()
         found = [self._run(case) for case in cases]
+        tests = self._tests(cases[0], found[0]) if self.measured else {}
         return Answer(
-            screen=lambda: _shown(found, conventions),
-            data=lambda: [_as_data(case, run) for case, run in zip(cases, found, strict=True)],
+            screen=lambda: _compared(found[0], tests, conventions) if tests else _shown(found, conventions),
+            data=lambda: [_as_data(case, run, tests) for case, run in zip(cases, found, strict=True)],
             csv=lambda: [("", self.joined(cases, [run.long_table() for run in found]))],
             figures=lambda plot: [
-                (case.configuration, plot.order_response(run, conventions=conventions))
+                (case.configuration, plot.order_overlay(run, tests, conventions=conventions))
+                if tests
+                else (case.configuration, plot.order_response(run, conventions=conventions))
                 for case, run in zip(cases, found, strict=True)
             ],
         )
+
+    def _tests(self, case: ConfiguredCase, run: OrderResponse) -> Tests:
+        """The measured orders of each output."""
+        from torsionnet.io.order_tables import read_orders
+
+        return {channel.name: read_orders(str(self.measured), channel, case.configuration) for channel in run.outputs}
 
     def _run(self, case: ConfiguredCase) -> OrderResponse:
         return case.drivetrain.order_response(list(self.outputs), excitations=self.excitations or None)
@@ -63,7 +86,15 @@ def _shown(found: list[OrderResponse], conventions: Any) -> Iterator[Table | str
         yield run.table(channel.name, conventions)
 
 
-def _as_data(case: ConfiguredCase, run: OrderResponse) -> dict[str, Any]:
+def _compared(run: OrderResponse, tests: Tests, conventions: Any) -> Iterator[Table | str]:
+    from torsionnet.response.order_comparison import order_comparison
+
+    for number, (name, measured) in enumerate(tests.items()):
+        yield from [""] if number else []
+        yield order_comparison(run, name, measured, conventions)
+
+
+def _as_data(case: ConfiguredCase, run: OrderResponse, tests: Tests) -> dict[str, Any]:
     from torsionnet.response.worst_response import WorstResponse
 
     return {
@@ -90,10 +121,26 @@ def _as_data(case: ConfiguredCase, run: OrderResponse) -> dict[str, Any]:
                     }
                     for number, line in enumerate(run.lines)
                 ],
+                **({"measured": _test_data(run, channel.name, tests)} if tests else {}),
             }
             for place, channel in enumerate(run.outputs)
         ],
     }
+
+
+def _test_data(run: OrderResponse, output: str, tests: Tests) -> list[dict[str, Any]]:
+    from torsionnet.response.order_comparison import compared_orders
+    from torsionnet.response.order_response import RPM
+
+    return [
+        {
+            "of_reference": pair.measured.order,
+            "speeds_rpm": (pair.measured.speeds * RPM).tolist(),
+            "measured": pair.measured.amplitude.tolist(),
+            "calculated": pair.calculated.tolist(),
+        }
+        for pair in compared_orders(run, output, tests[output])
+    ]
 
 
 command = click_command("orders", OrdersCommand)

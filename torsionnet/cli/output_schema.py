@@ -40,6 +40,7 @@ def or_null(schema: Schema) -> Schema:
     return {"anyOf": [schema, {"type": "null"}]}
 
 
+VERDICT: Schema = {"enum": ["pass", "barred range", "fail", "not judged"]}
 NUMBERS = listed(NUMBER)
 ROWS = listed(NUMBERS)
 PAIR: Schema = {**NUMBERS, "minItems": 2, "maxItems": 2}
@@ -228,6 +229,11 @@ OUTPUTS: dict[str, Schema] = {
             common_cycle_revolutions={"type": ["integer", "null"], "description": "null where there is none"},
             outputs=listed(
                 record(
+                    {
+                        "measured": listed(
+                            record(of_reference=NUMBER, speeds_rpm=NUMBERS, measured=NUMBERS, calculated=NUMBERS)
+                        )
+                    },
                     output=TEXT,
                     unit=TEXT,
                     half_range=NUMBERS,
@@ -294,6 +300,30 @@ OUTPUTS: dict[str, Schema] = {
                     element=TEXT,
                     port=TEXT,
                     **dict.fromkeys(("speed", "torque", "twist", "stress", "power"), or_null(NUMBER)),
+                )
+            ),
+            notes=TEXTS,
+        )
+    ),
+    "limits": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            speed_of=TEXT,
+            misfiring=YES_OR_NO,
+            verdict=VERDICT,
+            barred_rpm=ROWS,
+            speeds_rpm=NUMBERS,
+            limits=listed(
+                record(
+                    **dict.fromkeys(("limit", "of", "criterion", "quantity", "unit"), TEXT),
+                    verdict=VERDICT,
+                    **dict.fromkeys(("worst_rpm", "value", "allowed", "utilisation"), NUMBER),
+                    barred_rpm=ROWS,
+                    values=NUMBERS,
+                    allowed_over_speed=NUMBERS,
+                    **dict.fromkeys(("source", "formula", "not_covered"), TEXT),
+                    remarks=TEXTS,
                 )
             ),
             notes=TEXTS,

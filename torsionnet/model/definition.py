@@ -141,7 +141,7 @@ class Definition(Declared):
         """The definition with one alternative laid over it."""
         parameters = dict(self.parameters)
         for name, value in overlay.parameters.items():
-            parameters[name] = replace(parameters[name], value=value)
+            parameters[name] = parameters[name].given(value)
         switched = dict.fromkeys(overlay.on, True) | dict.fromkeys(overlay.off, False)
         elements = {
             name: replace(element, enabled=switched[name]) if name in switched else element

@@ -16,6 +16,7 @@ from torsionnet.model.definition import Definition, all_nodes, collect_elements,
 from torsionnet.model.elements import Element
 from torsionnet.model.load.external_torques import mean_torques
 from torsionnet.model.operating_point import OperatingPoint
+from torsionnet.model.operating_values import at_operating_point, operated
 from torsionnet.model.parameters import Parameter, resolve
 from torsionnet.model.speeds import mean_speeds, total_ratio
 
@@ -61,12 +62,12 @@ class Model:
             found = [fault for fault in found if fault.about != "elements"]
         faults += found + check_definition(definition)
         _refuse(faults, name)
-        self.__setstate__(_state(definition, definition, {}, Overlay(), faults))
+        self.__setstate__(_state(at_operating_point(definition), definition, {}, Overlay(), faults))
 
     @classmethod
     def from_definition(cls, definition: Definition, findings: Iterable[Fault] = ()) -> Self:
         """The model of a definition that has been checked."""
-        return cls._variant(definition, definition, {}, Overlay(), findings)
+        return cls._variant(at_operating_point(definition), definition, {}, Overlay(), findings)
 
     @classmethod
     def _variant(
@@ -82,8 +83,8 @@ class Model:
         return new
 
     def with_definition(self, definition: Definition) -> Self:
-        """A model of another definition, in no configuration."""
-        return self.from_definition(definition)
+        """A model of another definition, in no configuration and with the values of its parameters as they stand."""
+        return self._variant(definition, definition, {}, Overlay(), ())
 
     def _changed(self, choice: Mapping[str, str], changes: Overlay) -> Self:
         """The base with the chosen alternatives in the order of the axes, and the changes made by hand last."""
@@ -94,7 +95,7 @@ class Model:
         definition = definition.overlaid(changes)
         faults = check_variant(definition)
         _refuse(faults, label(chosen, definition.configurations) or self.name)
-        return self._variant(definition, self._base, chosen, changes, faults)
+        return self._variant(at_operating_point(definition), self._base, chosen, changes, faults)
 
     @property
     def definition(self) -> Definition:
@@ -209,6 +210,13 @@ class Model:
         states |= dict.fromkeys(known_elements(off, self._base.elements), False)
         lists = {word: tuple(name for name in states if states[name] is (word == "on")) for word in ("on", "off")}
         return self._changed(self._choice, replace(self._changes, on=lists["on"], off=lists["off"]))
+
+    def operated(self, values: Mapping[str, float]) -> Self:
+        """A copy at another operating point, where the parameters that follow it have these values in SI."""
+        new = type(self).__new__(type(self))
+        definition = operated(self._definition, values)
+        new.__setstate__(_state(definition, self._base, self._choice, self._changes, self._findings))
+        return new
 
     def check(self) -> tuple[Fault, ...]:
         """Warnings and notes about the model (errors have already been refused)."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, ClassVar
 
@@ -11,10 +11,24 @@ from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import AnyQuantity, read_value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, reference, under
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import ExpressionError, Number
-from torsionnet.core.units import Dimension
+from torsionnet.core.expressions import Expression, ExpressionError, Number
+from torsionnet.core.units import DIMENSIONS, Dimension
+from torsionnet.model.lookup_table import LookupTable, Rows, wrong_key
+
+AMPLITUDE = "vibratory_torque"
+BY = {
+    "speed": ("a node", "speed"),
+    "load": ("a node that drives or absorbs", "torque"),
+    "mean_torque": ("an element", "torque"),
+    AMPLITUDE: ("an element", "torque"),
+}
+"""What of the operating point a parameter may follow: what has it, and its dimension."""
+
+
+class OperatingValue(Number):
+    """A number that the operating point gives."""
 
 
 class Bounds(tuple[float, float]):
@@ -77,18 +91,57 @@ class Parameter(Declared):
     kind: ClassVar[str] = "parameter"
     article: ClassVar[str] = "a parameter"
 
-    value: Any = entry(AnyQuantity("a number in SI units, a value with unit, or an expression of parameters"))
+    value: Any = entry(AnyQuantity("a number in SI units, a value with unit, or an expression of parameters"), None)
     description: str = entry(Text("what the parameter is"), "")
     bounds: tuple[float, float] | None = entry(BoundsEntry("[lower, upper]: what is plausible; limits of a fit"), None)
+    by: str | None = entry(OneOf("instead of a value: the part of the operating point it follows", tuple(BY)), None)
+    of: str = entry(Text("the node or element of the operating point it follows"), "")
+    table: Rows = entry(LookupTable("values over that, without sign; default: the speed or torque itself"), None)
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.by is not None and self.value is None:
+            dimension = DIMENSIONS[BY[self.by][1]]
+            first = self.table[0][1] if self.table else Number(1, dimension)
+            object.__setattr__(self, "value", OperatingValue(first.value, first.unit_dimension))
+
+    def contradictions(self) -> list[Fault]:
+        if self.by is None:
+            extra = [key for key in ("of", "table") if getattr(self, key)]
+            if extra:
+                return [Fault(f"{extra[0]} needs by: {' or '.join(BY)}", (extra[0],), on_key=True)]
+            return [self.missing("value")] if self.value is None else []
+        if self.value is not None and not isinstance(self.value, OperatingValue):
+            return [Fault(f"a parameter by {self.by} has no value of its own", ("value",), on_key=True)]
+        what, dimension = BY[self.by]
+        if not self.of:
+            return [Fault(f"by: {self.by} needs of: the name of {what}", on_key=True)]
+        if self.by == AMPLITUDE and not self.table:
+            return [Fault(f"by: {self.by} needs a table", on_key=True)]
+        wrong = wrong_key(self.table, DIMENSIONS[dimension])
+        if wrong is not None:
+            text = f"the rows of a table by {self.by} begin with a {dimension} from 0 on, not {wrong}"
+            return [Fault(text, ("table",), on_key=True)]
+        return []
 
     @property
     def is_derived(self) -> bool:
         return bool(self.value.names)
 
+    def given(self, value: Expression) -> Parameter:
+        """The parameter with a value that holds whatever it depended on."""
+        return replace(self, value=value, by=None, of="", table=())
+
+    def operated(self, value: float) -> Parameter:
+        """The parameter with its value at an operating point."""
+        return replace(self, value=OperatingValue(value, self.value.unit_dimension))
+
     def to_data(self) -> Any:
         """The entry of a model file: the value alone if nothing else is said."""
         data = super().to_data()
-        return data["value"] if len(data) == 1 else data
+        if self.by is not None:
+            del data["value"]
+        return data["value"] if list(data) == ["value"] else data
 
 
 PARAMETER = Nested("a value, or a value with more about it", lambda: Parameter, "parameter", shorthand="value")

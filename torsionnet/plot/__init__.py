@@ -8,7 +8,9 @@ from torsionnet.plot.damper_curves import damper_design
 from torsionnet.plot.fits import correlation, fit
 from torsionnet.plot.histories import time_histories
 from torsionnet.plot.interference_diagram import interference_diagram
+from torsionnet.plot.limit_check import limit_check
 from torsionnet.plot.mac import mac_matrix
+from torsionnet.plot.order_overlay import order_overlay
 from torsionnet.plot.order_response import half_ranges, order_response, waveform
 from torsionnet.plot.save import save
 from torsionnet.plot.schematic import schematic
@@ -28,9 +30,11 @@ __all__ = [
     "fit",
     "half_ranges",
     "interference_diagram",
+    "limit_check",
     "mac_matrix",
     "mode_shapes",
     "order_map",
+    "order_overlay",
     "order_response",
     "save",
     "schematic",

@@ -7,13 +7,18 @@ import math
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 import torsionnet.plot.style as style
 from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
 from torsionnet.response.order_response import RPM
+from torsionnet.response.vibration_mode import VibrationMode
 
 SMALLEST_DOT, LARGEST_DOT = 14.0, 150.0
 """Areas of marks in points squared."""
+HALO = withStroke(linewidth=2.5, foreground=style.PAPER)
+ALONG = 601
+"""Points on a line over speed."""
 HEADROOM, NEAREST = 1.12, 0.028
 """Room above the highest frequency shown; least distance of two labels over the height."""
 
@@ -46,12 +51,17 @@ def interference_diagram(found: CriticalSpeeds, *, highest: float | None = None,
     _shade(axes, found, low, high)
     _modes(axes, found, top, end)
     _orders(axes, found, top, end)
-    _marks(axes, [one for one in found.crossings if _natural(one) <= top])
+    _marks(axes, [one for one in found.crossings if _natural(one) <= top], _names(found))
     axes.set_xlabel(f"speed of {found.reference} [r/min]")
     axes.set_ylabel("frequency [Hz]")
     axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(0, -0.1), ncols=3)
     style.heading(figure, found.title if title is None else title)
     return figure
+
+
+def _names(found: CriticalSpeeds) -> list[str]:
+    """Excitations in the order of their colours."""
+    return list(dict.fromkeys(one.excitation for one in found.lines))
 
 
 def _natural(one: CriticalSpeed) -> float:
@@ -81,41 +91,53 @@ def _modes(axes: Axes, found: CriticalSpeeds, top: float, end: float) -> None:
             axes.axhline(mode.undamped_frequency, color=style.MUTED, linewidth=0.9, linestyle=(0, (5, 3)), zorder=1.5,
                          label="undamped natural frequency" if first else None)  # fmt: skip
             first = False
-    drawn: list[float] = []
-    for number, mode in enumerate(one for one in found.modes if one.natural_frequency <= top):
+    shown = sorted((one for one in found.modes if one.natural_frequency <= top), key=lambda one: one.natural_frequency)
+    groups: list[list[VibrationMode]] = []
+    for number, mode in enumerate(shown):
         axes.axhline(mode.natural_frequency, color=style.INK, linewidth=1.4, zorder=1.6,
                      label=r"damped, $|\lambda|/2\pi$" if not number else None)  # fmt: skip
-        if all(abs(mode.natural_frequency - other) > NEAREST * top for other in drawn):
-            drawn.append(mode.natural_frequency)
-            text = f"mode {mode.number}: {mode.natural_frequency:.4g} Hz"
-            axes.annotate(text, (0.004 * end, mode.natural_frequency), xytext=(0, 2), textcoords="offset points",
-                          fontsize=style.SMALL - 1, color=style.INK)  # fmt: skip
+        if groups and mode.natural_frequency - groups[-1][-1].natural_frequency < NEAREST * top:
+            groups[-1].append(mode)
+        else:
+            groups.append([mode])
+    for group in groups:
+        text = ", ".join(f"mode {mode.number}: {mode.natural_frequency:.4g} Hz" for mode in group)
+        axes.annotate(text, (0.004 * end, group[-1].natural_frequency), xytext=(0, 2), textcoords="offset points",
+                      fontsize=style.SMALL - 1, color=style.INK, path_effects=[HALO])  # fmt: skip
 
 
 def _orders(axes: Axes, found: CriticalSpeeds, top: float, end: float) -> None:
-    """Rays in the colour of their excitation, each with its order where it leaves the picture."""
-    names = list(dict.fromkeys(one.excitation for one in found.crossings))
-    lines = dict.fromkeys((one.excitation, one.order, one.fixed, one.ratio) for one in found.crossings)
+    """Each line in the colour of its excitation, with its order where it leaves the picture."""
+    names = _names(found)
     labelled: list[tuple[float, float]] = []
-    for name, order, fixed, ratio in sorted(lines, key=lambda line: (line[1] != round(line[1]), line[1])):
-        slope = order * float(ratio) / 60
-        color = style.PALETTE[names.index(name) % len(style.PALETTE)]
-        last = end if slope * end + fixed <= top else (top - fixed) / slope
-        axes.plot([0, last], [fixed, slope * last + fixed], color=color, linewidth=0.7, alpha=0.75, zorder=1.4)
-        at = (last / end, (slope * last + fixed) / top)
+    speeds = np.linspace(0, end, ALONG)
+    for line in sorted(found.lines, key=lambda one: (one.order <= 0, one.order != round(one.order), one.order)):
+        frequencies = np.abs(line.frequency(speeds / RPM))
+        seen = np.flatnonzero(frequencies <= top)
+        if not len(seen):
+            continue
+        color = style.PALETTE[names.index(line.excitation) % len(style.PALETTE)]
+        shown = np.where(frequencies <= top, frequencies, np.nan)
+        axes.plot(speeds, shown, color=color, linewidth=0.7, alpha=0.75, zorder=1.4)
+        last = (float(speeds[seen[-1]]), float(frequencies[seen[-1]]))
+        at = (last[0] / end, last[1] / top)
         if all(math.dist(at, other) > NEAREST for other in labelled):
             labelled.append(at)
-            above = last < end
-            text = f"{order:g}" if order else f"{fixed:g} Hz"
-            axes.annotate(text, (last, slope * last + fixed), xytext=(0, 2) if above else (2, 0),
-                          textcoords="offset points", fontsize=style.SMALL - 1, color=color, clip_on=False,
+            above = last[0] < end
+            text = str(line).removeprefix(f"{line.excitation} ")
+            axes.annotate(text, last, xytext=(0, 2) if above else (2, 0), textcoords="offset points",
+                          fontsize=style.SMALL - 1, color=color, clip_on=False,
                           ha="center" if above else "left", va="bottom" if above else "center")  # fmt: skip
     for number, name in enumerate(names):
-        axes.plot([], [], color=style.PALETTE[number % len(style.PALETTE)], linewidth=1.2, label=f"orders of {name}")
+        axes.plot([], [], color=style.PALETTE[number % len(style.PALETTE)], linewidth=1.2, label=_label(found, name))
 
 
-def _marks(axes: Axes, crossings: list[CriticalSpeed]) -> None:
-    names = list(dict.fromkeys(one.excitation for one in crossings))
+def _label(found: CriticalSpeeds, name: str) -> str:
+    ordered = any(one.order for one in found.lines if one.excitation == name)
+    return f"orders of {name}" if ordered else name
+
+
+def _marks(axes: Axes, crossings: list[CriticalSpeed], names: list[str]) -> None:
     shown = [one for one in crossings if math.isfinite(_speed(one))]
     largest = max((one.generalised_force for one in shown if one.excited and one.generalised_force > 0), default=1.0)
     for excited, marker in ((True, "o"), (False, "x")):

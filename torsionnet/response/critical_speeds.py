@@ -11,11 +11,14 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.number_text import on_screen
 from torsionnet.response.frequency_response import Channel
 from torsionnet.response.margin_rules import MarginRule
+from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import RPM
 from torsionnet.response.star_diagram import StarDiagram
 from torsionnet.response.table import Column, Table
 from torsionnet.response.vibration_mode import VibrationMode
 
+ROUNDING = 1e-9
+"""Relative force that is shown as none."""
 SAME_MODE = 0.02
 """Relative distance of natural frequencies of one mode in two conditions."""
 FREQUENCIES = {"undamped": "undamped_frequency", "natural": "natural_frequency", "damped": "damped_frequency"}
@@ -87,9 +90,12 @@ class CriticalSpeed:
         if which not in FREQUENCIES:
             raise UsageError(f'"{which}" is no frequency of a mode; choose {", ".join(FREQUENCIES)}')
         natural = float(getattr(self.mode, FREQUENCIES[which]))
-        relative = self.order * float(self.ratio)
-        found = (natural - self.fixed) * 2 * math.pi / relative if relative else math.nan
-        return found if found > 0 else math.nan
+        relative = self.order * float(self.ratio) / (2 * math.pi)
+        if not relative:
+            return math.nan
+        # The frequency of a slip falls with speed and changes its sign: it may meet a mode behind that only.
+        found = ((frequency - self.fixed) / relative for frequency in (natural, -natural))
+        return next((speed for speed in found if speed > 0), math.nan)
 
     def own_speed(self, which: str = "undamped") -> float:
         """The same of the shaft of the excitation."""
@@ -130,6 +136,8 @@ class CriticalSpeeds:
     modes : tuple of VibrationMode
     crossings : tuple of CriticalSpeed
         By mode, then by excitation and order.
+    lines : tuple of OrderLine
+        All orders and fixed frequencies that were looked at.
     nodes : tuple of str
         Names to the shapes of the modes.
     outputs : tuple of Channel
@@ -154,6 +162,7 @@ class CriticalSpeeds:
     speed_range: tuple[float, float]
     modes: tuple[VibrationMode, ...]
     crossings: tuple[CriticalSpeed, ...]
+    lines: tuple[OrderLine, ...]
     nodes: tuple[str, ...]
     outputs: tuple[Channel, ...] = ()
     rule: MarginRule | None = None
@@ -239,7 +248,8 @@ class CriticalSpeeds:
         cells.append(100 * one.margin)
         if self.rule:
             cells.append(None if one.required is None else "kept" if one.passes else f"under {100 * one.required:g} %")
-        return (*cells, one.generalised_force, one.mode.amplification, one.remark)
+        force = 0.0 if one.relative_force < ROUNDING else one.generalised_force
+        return (*cells, force, one.mode.amplification, one.remark)
 
     def _notes(self) -> tuple[str, ...]:
         low, high = (speed * RPM for speed in self.speed_range)

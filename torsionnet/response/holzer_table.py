@@ -12,6 +12,8 @@ from torsionnet.response.table import Column, Table
 AMPLITUDE = Value("amplitude of the first station", "angle", exclusive=True)
 FREQUENCY = Value("frequency of a trial", "frequency", exclusive=True)
 MEGA = 1e-6
+ROUNDING = 1e-9
+"""Torque over the largest one in a table that is shown as none."""
 
 
 @dataclass(frozen=True)
@@ -129,9 +131,13 @@ class HolzerTable:
     @property
     def relative_remainder(self) -> float:
         """Largest remainder of a line over the largest torque in any link; rounding at a natural frequency."""
-        carried = [abs(one.torque) for one in self._stations() if one.link is not None]
         lines = [abs(branch.stations[-1].torque) for branch in self.branches if not branch.joins]
-        return max(lines) / max(carried) if any(carried) else max(lines)
+        return max(lines) / (self._largest or 1.0)
+
+    @property
+    def _largest(self) -> float:
+        """Largest torque in any link, N m."""
+        return max((abs(one.torque) for one in self._stations() if one.link is not None), default=0.0)
 
     def station(self, node: str) -> HolzerStation:
         """The station of a node."""
@@ -172,23 +178,25 @@ class HolzerTable:
             Column("stress", "MPa", 5),
             Column("to the next by"),
         )
-        rows = tuple(_row(one, referred=referred) for one in branch.stations)
+        rows = tuple(_row(one, ROUNDING * self._largest, referred=referred) for one in branch.stations)
         name = f"branch {number}, " if len(self.branches) > 1 else ""
         last = number == len(self.branches)
         heading = f"{self.heading}\n" if number == 1 else ""
         return Table(f"{heading}{name}{branch.title}", columns, rows, self._notes() if last else ())
 
     def _notes(self) -> tuple[str, ...]:
-        share = self.relative_remainder
-        remainder = f"remainder at {self.branches[0].stations[-1].node}: {self.remainder:.5g} N*m"
-        return (f"{remainder}, {share:.2g} of the largest torque; referred to {self.referred_to}", *self.notes)
+        at = self.branches[0].stations[-1].node
+        remainder = f"{self.remainder:.5g} N*m remain at {at}, {self.relative_remainder:.2g} of the largest torque"
+        if self.relative_remainder < ROUNDING:
+            remainder = f"nothing but rounding remains at {at}"
+        return (f"{remainder}; referred to {self.referred_to}", *self.notes)
 
 
-def _row(one: HolzerStation, *, referred: bool) -> tuple[object, ...]:
+def _row(one: HolzerStation, rounding: float, *, referred: bool) -> tuple[object, ...]:
     angle, torque = (1 / one.ratio, one.ratio) if referred else (1.0, 1.0)
     link = one.link
     own = [one.node, one.inertia, one.inertia * one.ratio**2, one.amplitude * angle, one.inertia_torque * torque]
-    own += [one.joined * torque if one.joined else None, one.torque * torque]
+    own += [one.joined * torque if one.joined else None, one.torque * torque if abs(one.torque) > rounding else 0.0]
     if link is None:
         return (*own, None, None, None, None, "")
     stiff = not math.isinf(link.stiffness)

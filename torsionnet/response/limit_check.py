@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,31 +10,11 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import RPM
+from torsionnet.response.speed_spans import SpeedSpan, joined_spans
 from torsionnet.response.table import Column, Table
 
 PASS, BARRED, FAIL, OPEN = "pass", "barred range", "fail", "not judged"
 """Verdicts: holds at every speed; holds outside of speeds that are barred; does not hold; data are missing."""
-
-
-@dataclass(frozen=True)
-class SpeedSpan:
-    """Speeds from ``low`` to ``high`` of the reference shaft, rad/s.
-
-    Examples
-    --------
-    >>> print(SpeedSpan(43.0, 47.0))
-    410.6 to 448.8 rpm
-    """
-
-    low: float
-    high: float
-
-    def holds(self, speed: float) -> bool:
-        """Whether a speed lies in it."""
-        return self.low <= speed <= self.high
-
-    def __str__(self) -> str:
-        return f"{self.low * RPM:.1f} to {self.high * RPM:.1f} rpm"
 
 
 @dataclass(frozen=True)
@@ -213,54 +192,3 @@ class LimitCheck:
                     for rpm, value, allowed, share in zip(*cells, strict=True)
                 ]
         return Table(f"{self.title}: limits over speed", columns, tuple(rows), (f"speeds of {self.reference}",))
-
-
-def joined_spans(spans: Sequence[SpeedSpan]) -> tuple[SpeedSpan, ...]:
-    """Rising spans, those that touch as one.
-
-    Examples
-    --------
-    >>> [(span.low, span.high) for span in joined_spans([SpeedSpan(3, 5), SpeedSpan(1, 2), SpeedSpan(4, 6)])]
-    [(1, 2), (3, 6)]
-    """
-    found: list[SpeedSpan] = []
-    for span in sorted(spans, key=lambda one: one.low):
-        if found and span.low <= found[-1].high:
-            found[-1] = SpeedSpan(found[-1].low, max(found[-1].high, span.high))
-        else:
-            found.append(span)
-    return tuple(found)
-
-
-def spans_above(speeds: FloatArray, values: FloatArray, allowed: FloatArray) -> tuple[SpeedSpan, ...]:
-    """Where values exceed what is allowed, with straight lines between the speeds; NaN exceeds nothing.
-
-    Examples
-    --------
-    >>> found = spans_above(np.array([1.0, 2, 3, 4]), np.array([0.0, 2, 2, 0]), np.ones(4))
-    >>> [(span.low, span.high) for span in found]
-    [(1.5, 3.5)]
-    """
-    over = values - allowed
-    above = np.where(np.isfinite(over), over > 0, False)
-    found: list[SpeedSpan] = []
-    places = np.flatnonzero(above)
-    for first, last in _runs(places):
-        low = _crossing(speeds, over, first, first - 1) if first else speeds[0]
-        high = _crossing(speeds, over, last, last + 1) if last + 1 < len(speeds) else speeds[-1]
-        found.append(SpeedSpan(float(low), float(high)))
-    return tuple(found)
-
-
-def _runs(places: FloatArray) -> list[tuple[int, int]]:
-    """First and last of places without a gap."""
-    pieces = np.split(places, np.flatnonzero(np.diff(places) > 1) + 1)
-    return [(int(piece[0]), int(piece[-1])) for piece in pieces if len(piece)]
-
-
-def _crossing(speeds: FloatArray, over: FloatArray, inside: int, outside: int) -> float:
-    """Speed at which the straight line to a speed outside comes down to nothing over."""
-    if not np.isfinite(over[outside]):
-        return float(speeds[inside])
-    share = over[inside] / (over[inside] - over[outside])
-    return float(speeds[inside] + share * (speeds[outside] - speeds[inside]))

@@ -51,8 +51,8 @@ class MarginRule:
     fixed: float | None = None
 
     def required(self, order: float) -> float | None:
-        """The margin for an order, 0 for a fixed frequency; None where the rule does not cover it."""
-        if order == 0:
+        """The margin for an order, 0 for a fixed frequency, below 0 for a slip; None where the rule covers none."""
+        if order <= 0:
             return self.fixed
         return next((clause.margin for clause in self.clauses if clause.covers(order)), None)
 

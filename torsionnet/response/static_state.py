@@ -80,7 +80,7 @@ class StaticState:
             Column("speed", "rpm"),
             Column("torque", "N*m"),
             Column("twist", conventions.unit("rad")),
-            Column("stress", "MPa"),
+            Column("stress", "N/mm^2"),
             Column("power", "kW"),
         )
         scale = conventions.scale("rad")

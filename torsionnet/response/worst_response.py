@@ -81,19 +81,24 @@ class WorstResponse(OrderResponse):
         return replace(found, columns=columns, rows=rows)
 
 
-def joined(parts: Sequence[OrderResponse], speeds: FloatArray, title: str) -> OrderResponse:
-    """One response out of those at parts of the speeds."""
-    values = np.concatenate([part.values for part in parts])
-    whole = replace(parts[0], speeds=speeds, values=values, title=title)
-    worst = [part for part in parts if isinstance(part, WorstResponse)]
+def joined(parts: Sequence[tuple[OrderResponse, NDArray[np.intp]]], speeds: FloatArray, title: str) -> OrderResponse:
+    """One response out of those at parts of the speeds, each with the places of its own among them."""
+    order = np.argsort(np.concatenate([places for _, places in parts]))
+    found = [part for part, _ in parts]
+    whole = replace(found[0], speeds=speeds, values=np.concatenate([part.values for part in found])[order], title=title)
+    worst = [part for part in found if isinstance(part, WorstResponse)]
     if not isinstance(whole, WorstResponse):
         return whole
+    places = [those for _, those in parts]
     return replace(
         whole,
-        chosen=np.concatenate([part.chosen for part in worst]),
+        chosen=np.concatenate([part.chosen for part in worst])[order],
         alternatives={
-            label: joined([part.alternatives[label] for part in worst], speeds, title) for label in whole.alternatives
+            label: joined(
+                [(part.alternatives[label], those) for part, those in zip(worst, places, strict=True)], speeds, title
+            )
+            for label in whole.alternatives
         },
-        signs=np.concatenate([part.signs for part in worst]),
-        largest=np.concatenate([part.largest for part in worst]),
+        signs=np.concatenate([part.signs for part in worst])[order],
+        largest=np.concatenate([part.largest for part in worst])[order],
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -23,10 +23,10 @@ from torsionnet.response.vibration_mode import VibrationMode
 from torsionnet.solve.generalised_force import generalised_force, star_diagram
 from torsionnet.solve.mode_pairs import vibration_modes
 from torsionnet.solve.modes import modes
-from torsionnet.solve.order_response import order_response
+from torsionnet.solve.order_response import input_senses, order_response, with_motions_held
 from torsionnet.solve.speed_peaks import with_peaks
 
-LINE = "line"
+LINE = "line frequency"
 """What lines at multiples of the line frequency are called."""
 
 
@@ -52,18 +52,23 @@ def critical_speeds(
     rule = margin_rule(margin)
     changed = _with_dampers(drivetrain, dampers, damper_names)
     lines, reference, speed_range = _lines(changed, speeds, speed_of, excitations)
-    question = _Question(changed, reference, speed_range, rule, reach, lowest)
-    crossings = [one for name, group in lines.items() for one in question.of_excitation(name, group)]
-    crossings += question.of_line(line_frequency) if line_frequency else []
+    # The vibrations are those with imposed motions held, as in the order response.
+    held = with_motions_held(changed, {name: changed.definition.excitations[name] for name in lines})
+    title = drivetrain.title + ("" if dampers == AS_MODELLED else f", damper ring {dampers}")
+    question = _Question(held, title, reference, speed_range, rule, reach, lowest)
+    if line_frequency:
+        lines[LINE] = [OrderLine(LINE, 0.0, Fraction(1), times * line_frequency) for times in (1, 2)]
+    crossings = [one for name, group in lines.items() for one in question.crossings(name, group)]
     crossings.sort(key=lambda one: (one.mode.number, one.excitation, one.order, one.fixed))
     found = CriticalSpeeds(
         reference=reference,
         speed_range=question.speed_range,
         modes=question.modes,
         crossings=tuple(crossings),
-        nodes=changed.assembly.nodes,
+        lines=tuple(line for group in lines.values() for line in group),
+        nodes=held.assembly.nodes,
         rule=question.rule,
-        title=drivetrain.title + ("" if dampers == AS_MODELLED else f", damper ring {dampers}"),
+        title=title,
         condition=drivetrain.configuration,
     )
     if isinstance(outputs, (list, tuple)) and not outputs:
@@ -101,13 +106,15 @@ class _Question:
     def __init__(
         self,
         drivetrain: AssembledModel,
+        title: str,
         reference: str,
         speed_range: tuple[float, float],
         rule: MarginRule | None,
         reach: float,
         lowest: int | None,
     ) -> None:
-        self.drivetrain, self.speed_range, self.rule, self.reach = drivetrain, speed_range, rule, reach
+        self.drivetrain, self.title, self.speed_range = drivetrain, title, speed_range
+        self.rule, self.reach, self.reference = rule, reach, reference
         self.limits = (speed_range[0] * (1 - reach), speed_range[1] * (1 + reach))
         self.modes = vibration_modes(drivetrain, modes(drivetrain))[:lowest]
         self.turning = {
@@ -116,26 +123,20 @@ class _Question:
             if speed
         }
 
-    def of_excitation(self, name: str, lines: Sequence[OrderLine]) -> list[CriticalSpeed]:
-        """Its lines against every mode."""
-        blank = [self._crossing(mode, name, line) for mode in self.modes for line in lines]
+    def crossings(self, name: str, lines: Sequence[OrderLine]) -> list[CriticalSpeed]:
+        """The lines of one excitation against every mode."""
+        blank = [self._crossing(mode, line) for mode in self.modes for line in lines]
         near = [one for one in blank if self._is_near(one)]
-        return list(self._with_forces(near, self.drivetrain.definition.excitations[name]))
+        excitation = self.drivetrain.definition.excitations.get(name)
+        return near if excitation is None else list(self._with_forces(near, excitation))
 
-    def of_line(self, line_frequency: float) -> list[CriticalSpeed]:
-        """Once and twice the line frequency against every mode."""
-        multiples = [_Fixed(times * line_frequency) for times in (1, 2)]
-        blank = [self._crossing(mode, LINE, line) for mode in self.modes for line in multiples]
-        return [one for one in blank if self._is_near(one)]
-
-    def _crossing(self, mode: VibrationMode, name: str, line: OrderLine | _Fixed) -> CriticalSpeed:
-        fixed = float(getattr(line, "fixed", 0.0))
-        relative = line.order * float(line.ratio) / (2 * math.pi)
-        ends = sorted(abs(relative * speed + fixed) for speed in self.speed_range)
+    def _crossing(self, mode: VibrationMode, line: OrderLine) -> CriticalSpeed:
+        ends = line.frequency(np.array(self.speed_range))
+        low, high = (0.0 if ends[0] * ends[1] < 0 else np.abs(ends).min()), np.abs(ends).max()
         natural = [value for value in (mode.undamped_frequency, mode.natural_frequency) if not math.isnan(value)]
-        margin = min(_distance(value, *ends) for value in natural)
+        margin = min(_distance(value, float(low), float(high)) for value in natural)
         required = self.rule.required(line.order) if self.rule else None
-        return CriticalSpeed(mode, name, line.order, line.ratio, fixed, margin, required)
+        return CriticalSpeed(mode, line.excitation, line.order, line.ratio, line.fixed, margin, required)
 
     def _is_near(self, one: CriticalSpeed) -> bool:
         if not one.order:
@@ -147,27 +148,30 @@ class _Question:
         if not near:
             return
         found = excitation.torques(np.array([self._acting_speed(one) for one in near]) * float(near[0].ratio))
-        fixed = getattr(found, "fixed", None)
-        frequencies = np.zeros(len(found.orders)) if fixed is None else fixed
+        frequencies = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
         lines = list(zip(found.orders.tolist(), frequencies.tolist(), strict=True))
+        # A torque drives the shaft it is on, whichever way that turns.
+        senses = input_senses(self.drivetrain, excitation, self.reference)
         for number, one in enumerate(near):
             amplitudes = found.amplitudes[number, lines.index((one.order, one.fixed))]
             loads = dict(zip(found.nodes, amplitudes.tolist(), strict=True))
-            yield self._with_force(one, excitation, loads, float(np.abs(found.amplitudes[number]).max()))
+            shape = dict(zip(self.drivetrain.assembly.nodes, one.mode.shape.tolist(), strict=True))
+            shape |= {node: sense * shape[node] for node, sense in senses.items() if node in shape}
+            yield self._with_force(one, excitation, loads, shape, float(np.abs(found.amplitudes[number]).max()))
 
     def _with_force(
-        self, one: CriticalSpeed, excitation: OrderExcitation, loads: Mapping[str, complex], strongest: float
+        self,
+        one: CriticalSpeed,
+        excitation: OrderExcitation,
+        loads: Mapping[str, complex],
+        shape: Mapping[str, complex],
+        strongest: float,
     ) -> CriticalSpeed:
-        if getattr(excitation, "quantity", "torque") != "torque":
+        if excitation.quantity != "torque":
             return replace(one, excited=any(loads.values()))
-        # A torque drives the shaft it is on, whichever way that turns.
-        shape = {
-            node: value * math.copysign(1, self.turning.get(node, 1.0))
-            for node, value in zip(self.drivetrain.assembly.nodes, one.mode.shape.tolist(), strict=True)
-        }
         largest = self._largest(shape, excitation.shaft)
         force = generalised_force(excitation, one.order, loads, shape, largest, strongest)
-        title = f"{self.drivetrain.title}, mode {one.mode.number}"
+        title = f"{self.title}, mode {one.mode.number}"
         return replace(
             one,
             generalised_force=abs(force.value),
@@ -188,15 +192,6 @@ class _Question:
         if own is None:
             return abs(shape[shaft])
         return max(abs(shape[node] * own / speed) for node, speed in self.turning.items() if node in shape)
-
-
-@dataclass(frozen=True)
-class _Fixed:
-    """A line that does not follow the speed."""
-
-    fixed: float
-    order: float = 0.0
-    ratio: Fraction = Fraction(1)
 
 
 def _distance(natural: float, low: float, high: float) -> float:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError, meant_or
 from torsionnet.model.channels import Sensor
+from torsionnet.model.checks.limits_fit import limit_subject
 from torsionnet.model.elements import Values
 from torsionnet.model.limits import Limit, limit_rules
 from torsionnet.model.limits.evidence import Evidence
+from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.model.power_flow import power_flows, power_sensors
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limit_check import LimitCheck
@@ -32,15 +35,16 @@ def check_limits(
 ) -> LimitCheck:
     """See :meth:`torsionnet.Drivetrain.check_limits`."""
     chosen = _chosen(drivetrain.definition.limits, limits)
-    here = [limit for limit in chosen.values() if not limit.switched_off(drivetrain.definition)]
-    run = order_response(drivetrain, _seen(drivetrain, here), speeds=speeds, excitations=excitations)
-    means, why = _means(drivetrain, here, run)
-    evidence = Evidence(run, means, why, drivetrain.definition, drivetrain.exact_values)
+    subject = limit_subject(drivetrain.definition, drivetrain.exact_values)
+    here = [limit for limit in chosen.values() if not limit.switched_off(subject)]
+    run = order_response(drivetrain, _seen(subject, here), speeds=speeds, excitations=excitations)
+    means, why = _means(drivetrain, subject, here, run)
+    evidence = Evidence(run, means, why, subject)
     verdicts = tuple(verdict for name, limit in chosen.items() for verdict in limit.verdicts(name, evidence))
-    notes = [NO_CYCLE] * (run.revolutions is None) + [MISFIRING] * evidence.misfiring
+    notes = [NO_CYCLE] * (run.revolutions is None) + [MISFIRING] * subject.misfiring
     return LimitCheck(
         run.speeds, run.reference, verdicts, tuple(map(str, run.lines)), drivetrain.title, drivetrain.configuration,
-        evidence.misfiring, tuple(notes),
+        subject.misfiring, tuple(notes),
     )  # fmt: skip
 
 
@@ -58,25 +62,38 @@ def _chosen(known: Mapping[str, Limit], names: str | Iterable[str] | None) -> di
     return {name: known[name] for name in wanted}
 
 
-def _seen(drivetrain: AssembledModel, limits: Sequence[Limit]) -> list[Sensor]:
+def _seen(subject: LimitSubject, limits: Sequence[Limit]) -> list[Sensor]:
     """All sensors that the limits want, every one once."""
-    found = [sensor for limit in limits for sensor in limit.seen(drivetrain.definition)]
-    values = Values(drivetrain.exact_values)
+    found = [sensor for limit in limits for sensor in limit.seen(subject)]
     for limit in limits:
         for name in limit.powered():
-            found += power_sensors(power_flows(drivetrain.elements[name], values))
+            found += power_sensors(power_flows(subject.active[name], Values(subject.values)))
     if not found:
         raise UsageError("everything that the limits are about is switched off in this condition")
     return list(dict.fromkeys(found))
 
 
 def _means(
-    drivetrain: AssembledModel, limits: Sequence[Limit], run: OrderResponse
+    drivetrain: AssembledModel, subject: LimitSubject, limits: Sequence[Limit], run: OrderResponse
 ) -> tuple[dict[Sensor, FloatArray], str]:
     """Mean values over speed of what the limits want averaged, and why some of them are not known."""
+    sensors = list(dict.fromkeys(sensor for limit in limits for sensor in limit.averaged(subject)))
+    try:
+        values = mean_response(drivetrain, sensors, run.speeds).values if sensors else np.empty((0, 0))
+    except UsageError as error:
+        if len(sensors) == 1:
+            return {}, str(error)
+        return _one_by_one(drivetrain, sensors, run)
+    return dict(zip(sensors, values.T, strict=False)), ""
+
+
+def _one_by_one(
+    drivetrain: AssembledModel, sensors: Sequence[Sensor], run: OrderResponse
+) -> tuple[dict[Sensor, FloatArray], str]:
+    """As some of them are not determined."""
     found: dict[Sensor, FloatArray] = {}
     why = ""
-    for sensor in dict.fromkeys(sensor for limit in limits for sensor in limit.averaged(drivetrain.definition)):
+    for sensor in sensors:
         try:
             found[sensor] = mean_response(drivetrain, sensor, run.speeds).values[:, 0]
         except UsageError as error:

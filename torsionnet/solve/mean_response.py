@@ -22,10 +22,11 @@ from torsionnet.model.checks.balance import TOLERANCE
 from torsionnet.model.checks.motions import left_free
 from torsionnet.model.checks.structure import rigid_motions
 from torsionnet.model.elements import Constraint, Element, Part, Values
-from torsionnet.model.load.external_torques import load_torques, operating_speed, reference_node, stated_torques
+from torsionnet.model.load.external_torques import ExternalTorques, stated_torques
 from torsionnet.model.speeds import mean_speeds
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.mean_response import MeanResponse
+from torsionnet.solve.operating_groups import Places, at_operating_points
 from torsionnet.solve.quotient import transfer_functions
 from torsionnet.solve.transfer_request import TransferRequest, ask
 
@@ -45,33 +46,41 @@ def mean_response(
         raise UsageError(f"{', '.join(torques)}: nothing is attached there in this configuration")
     wanted = ask(drivetrain, outputs, nodes, None).outputs
     _require_determined(drivetrain, wanted)
-    values, left_over = _solved(drivetrain, wanted, nodes)
     acting = np.array([torques[node] for node in nodes]).T
-    notes = _balance(drivetrain, left_over, acting)
+    notes: list[str] = []
+
+    def values(rig: AssembledModel, places: Places) -> FloatArray:
+        per_torque, left_over = _solved(rig, wanted, nodes)
+        notes.extend(_balance(rig, left_over, acting[places]))
+        found, sizes = acting[places] @ per_torque.T, np.abs(acting[places]) @ np.abs(per_torque.T)
+        return np.where(np.abs(found) > NOTHING * sizes, found, 0.0)
+
+    groups = [(drivetrain, np.arange(len(at)))]
+    if drivetrain.definition.load is not None:  # else there is one speed, and the parameters have its values already
+        groups = list(at_operating_points(drivetrain, reference, at))
+    found = np.empty((len(at), len(wanted)))
+    for rig, places in groups:
+        found[places] = values(rig, places)
     channels = tuple(one.channel for one in wanted)
-    found, sizes = acting @ values.T, np.abs(acting) @ np.abs(values.T)
-    return MeanResponse(
-        at, reference, np.where(np.abs(found) > NOTHING * sizes, found, 0.0), channels, drivetrain.title, notes
-    )
+    return MeanResponse(at, reference, found, channels, drivetrain.title, tuple(dict.fromkeys(notes)))
 
 
 def external_torques(
     drivetrain: AssembledModel, speeds: ArrayLike | None
 ) -> tuple[str, FloatArray, Mapping[str, FloatArray]]:
     """Reference node, its speeds in rad/s, and torques from outside (n_speeds,) by node in N m."""
-    definition, values = drivetrain.definition, drivetrain.exact_values
-    reference = reference_node(definition)
+    definition = drivetrain.definition
+    external = ExternalTorques(definition, drivetrain.exact_values)
     if definition.load is None:
-        return _stated(drivetrain, speeds, reference)
+        return _stated(drivetrain, speeds, external.reference)
     if speeds is None:
-        own = definition.speeds.values if definition.speeds else (operating_speed(definition, values),)
-        at = np.array(own)
+        at = np.array(definition.speeds.values if definition.speeds else (external.operating_speed,))
     else:
         at = np.atleast_1d(np.asarray(speeds, dtype=float))
     if at.ndim != 1 or not len(at) or not np.isfinite(at).all() or (at <= 0).any():
         raise UsageError("speeds are finite numbers above 0, in rad/s")
-    found = [load_torques(definition, values, speed) for speed in at.tolist()]
-    return reference, at, {node: np.array([torques[node] for torques in found]) for node in found[0]}
+    found = [external.at(speed) for speed in at.tolist()]
+    return external.reference, at, {node: np.array([torques[node] for torques in found]) for node in found[0]}
 
 
 def _stated(

@@ -21,7 +21,9 @@ from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.worst_response import joined
+from torsionnet.solve.operating_groups import Places, Settled, at_operating_points
 from torsionnet.solve.posed import twisted_law
+from torsionnet.solve.settling import settled_by_vibration
 from torsionnet.solve.shared_response import shared_response
 from torsionnet.solve.worst_case import contributions, worst_case
 from torsionnet.solve.worst_combination import Contributions
@@ -45,11 +47,22 @@ def order_response(
     acting = _acting(drivetrain.definition.excitations, excitations)
     for name, one in acting.items():
         _require_moving(drivetrain, name, one)
-    held = _held(drivetrain, acting)
+    held = with_motions_held(drivetrain, acting)
     ratios = {name: _turning(drivetrain, one.shaft, reference) for name, one in acting.items()}
-    senses = {name: _senses(held, one, reference) for name, one in acting.items()}
-    blocks = [_block(held, outputs, acting, ratios, senses, reference, part) for part in _parts(at)]
-    return joined(blocks, at, drivetrain.title)
+    senses = {name: input_senses(held, one, reference) for name, one in acting.items()}
+
+    def run(wanted: Any, settled: Settled) -> OrderResponse:
+        found = [
+            (_block(rig, wanted, acting, ratios, senses, reference, at[part]), part)
+            for rig, places in at_operating_points(held, reference, at, settled)
+            for part in _parts(places)
+        ]
+        return joined(found, at, drivetrain.title)
+
+    def vibration(elements: Sequence[str], settled: Settled) -> FloatArray:
+        return run([Sensor("torque", name) for name in elements], settled).half_range
+
+    return run(outputs, settled_by_vibration(drivetrain.definition, at, vibration))
 
 
 def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, float]:
@@ -61,12 +74,12 @@ def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, fl
     return speed, speed * abs(float(_turning(drivetrain, shaft, reference)))
 
 
-def _parts(at: FloatArray) -> list[FloatArray]:
+def _parts(places: Places) -> list[Places]:
     """Speeds that are solved together."""
-    return [at[start : start + TOGETHER] for start in range(0, len(at), TOGETHER)]
+    return [places[start : start + TOGETHER] for start in range(0, len(places), TOGETHER)]
 
 
-def _held(drivetrain: AssembledModel, acting: Mapping[str, OrderExcitation]) -> AssembledModel:
+def with_motions_held(drivetrain: AssembledModel, acting: Mapping[str, OrderExcitation]) -> AssembledModel:
     """The drivetrain whose imposed motions are inputs, all of them held while one moves: so they may be added up."""
     inputs = dict(drivetrain.inputs)
     known = {channel.of for channel in inputs.values() if channel.quantity == "angle"}
@@ -91,7 +104,7 @@ Senses = Mapping[str, float]
 """What a unit of an excitation is as an input, by the node or element it acts on."""
 
 
-def _senses(drivetrain: AssembledModel, one: OrderExcitation, reference: str) -> Senses:
+def input_senses(drivetrain: AssembledModel, one: OrderExcitation, reference: str) -> Senses:
     """A torque or angle is positive in the sense in which its shaft turns; what is held feels none."""
     if one.element_entry is not None:
         name = one.element_entry[1]

@@ -13,6 +13,7 @@ from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Law
 from torsionnet.response.frequency_response import FloatArray, FrequencyResponse
 from torsionnet.solve.transfer import frequency_response
+from torsionnet.solve.transfer_request import stressed_sections
 
 
 @dataclass
@@ -36,7 +37,7 @@ def shared_response(
     A misfire changes torques, not the drivetrain: eight firing conditions need one solution.
     """
     latest = drivetrain.assembly.system.memo.once(LatestResponse, None, LatestResponse)
-    asked = (outputs, inputs)
+    asked = (outputs, inputs, stressed_sections(drivetrain, (outputs,)))
     if latest.found is not None and latest.frequencies is not None:
         alike = latest.asked == asked and np.array_equal(latest.frequencies, frequencies)
         if alike and latest.laws == drivetrain.assembly.laws:

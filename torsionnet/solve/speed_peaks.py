@@ -96,7 +96,7 @@ class _Search:
             self.drivetrain, self.outputs, speeds=speeds, speed_of=self.reference, excitations=[self.excitation]
         )
         self.channels = run.outputs
-        lines = {(line.order, getattr(line, "fixed", 0.0)): place for place, line in enumerate(run.lines)}
+        lines = {(line.order, line.fixed): place for place, line in enumerate(run.lines)}
         return [
             run.sizes[np.searchsorted(speeds, grid), lines[one.order, one.fixed]]
             for one, grid in zip(crossings, grids, strict=True)

@@ -2,44 +2,42 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-
-import numpy as np
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import functional
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import GROUND, Constraint, Element, Law, Values
-from torsionnet.model.elements.shaft import Shaft
-from torsionnet.model.load.external_torques import operating_speed, speed_ratios
+from torsionnet.model.load.external_torques import ExternalTorques
+from torsionnet.model.readings import section_fault
 from torsionnet.response.static_state import ElementLoad, StaticState
 from torsionnet.solve.mean_response import external_torques, mean_response, undetermined
 
 
 def static_state(drivetrain: AssembledModel, speed: float | None = None) -> StaticState:
     """See :meth:`torsionnet.Drivetrain.static_state`."""
-    definition, values = drivetrain.definition, drivetrain.exact_values
-    if speed is None and definition.load is not None:
-        speed = abs(operating_speed(definition, values))
+    values = drivetrain.exact_values
+    external = ExternalTorques(drivetrain.definition, values)
+    if speed is None and drivetrain.definition.load is not None:
+        speed = external.operating_speed
     asked = None if speed is None else [speed]
     reference, at, torques = external_torques(drivetrain, asked)
     ports = [(element, node) for element in drivetrain.elements.values() for node in _ports(element, values)]
     sensors, notes = _readable(drivetrain, ports)
     found = mean_response(drivetrain, sensors, asked)
     known = dict(zip(map(str, sensors), found.values[0].tolist(), strict=True))
-    ratios = speed_ratios(definition, values, reference)
-    loads = [_load(element, node, known, ratios.get(node), float(at[0]), values) for element, node in ports]
-    external = {node: float(one[0]) for node, one in torques.items()}
+    loads = [_load(element, node, known, external.ratios.get(node), float(at[0])) for element, node in ports]
+    acting = {node: float(one[0]) for node, one in torques.items()}
     return StaticState(
-        reference, float(at[0]), external, tuple(loads), drivetrain.title, (*found.notes, *dict.fromkeys(notes))
+        reference, float(at[0]), acting, tuple(loads), drivetrain.title, (*found.notes, *dict.fromkeys(notes))
     )
 
 
-def _ports(element: Element, values: object) -> list[str]:
+def _ports(element: Element, values: Mapping[str, Any]) -> list[str]:
     """The nodes at which an element hands on a mean torque; the second end of a spring has what the first one has."""
-    parts = element.parts(Values(values))  # type: ignore[arg-type]
+    parts = element.parts(Values(values))
     if not any(isinstance(part, Constraint) or (isinstance(part, Law) and part.is_elastic) for part in parts):
         return []
     nodes = [node for node in element.ports.values() if node != GROUND]
@@ -54,6 +52,7 @@ def _readable(drivetrain: AssembledModel, ports: Sequence[tuple[Element, str]]) 
         first = node == next(iter(element.ports.values()))
         wanted = [Sensor("torque", element.name, None if first else node)]
         wanted += [Sensor("twist", element.name)] if first and element.glyph not in ("clamp", "gear") else []
+        wanted += [Sensor("stress", element.name)] if first and section_fault(element) is None else []
         for sensor in wanted:
             try:
                 read = functional(drivetrain, sensor)
@@ -65,20 +64,10 @@ def _readable(drivetrain: AssembledModel, ports: Sequence[tuple[Element, str]]) 
     return sensors, notes
 
 
-def _load(
-    element: Element, node: str, known: dict[str, float], ratio: float | None, speed: float, values: object
-) -> ElementLoad:
+def _load(element: Element, node: str, known: Mapping[str, float], ratio: float | None, speed: float) -> ElementLoad:
     first = node == next(iter(element.ports.values()))
     torque = known.get(str(Sensor("torque", element.name, None if first else node)))
     twist = known.get(str(Sensor("twist", element.name))) if first else None
-    stress = None
-    if isinstance(element, Shaft) and torque is not None:
-        stress = torque / section_modulus(element, Values(values))  # type: ignore[arg-type]
+    stress = known.get(str(Sensor("stress", element.name))) if first else None
     turning = None if ratio is None else ratio * speed
     return ElementLoad(element=element.name, port=node, speed=turning, torque=torque, twist=twist, stress=stress)
-
-
-def section_modulus(shaft: Shaft, value: Values) -> float:
-    """Torque over nominal shear stress at the surface, m^3."""
-    outer, inner = float(value(shaft.outer_diameter)), float(value(shaft.inner_diameter))
-    return float(np.pi / 16 * (outer**4 - inner**4) / outer) if outer else math.nan

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -14,6 +14,7 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.channels import UNITS, Input, Sensor, named_sensor
 from torsionnet.model.elements import Values
 from torsionnet.model.imposed_twist import twist_fault
+from torsionnet.model.readings import section_modulus
 from torsionnet.solve.posed import PosedProblem, pose
 
 NOTHING = "name at least one output and one input"
@@ -84,7 +85,7 @@ def remembered(
     input: str | Sensor | Sequence[str | Sensor],
     excitation: str | Sequence[str] | None,
 ) -> TransferRequest:
-    """As :func:`ask`, but asked once for all configurations with the same rows."""
+    """As :func:`ask`, but asked once for all configurations with the same rows and the same sections of shafts."""
     parts = tuple(tuple(entry) if isinstance(entry, list) else entry for entry in (output, input, excitation))
 
     def asked() -> TransferRequest:
@@ -96,7 +97,21 @@ def remembered(
         hash(parts)
     except TypeError:  # something that is no name, for ask to refuse in words
         return asked()
-    return drivetrain.assembly.system.memo.once(TransferRequest, parts, asked)
+    sections = stressed_sections(drivetrain, (output, input))
+    return drivetrain.assembly.system.memo.once(TransferRequest, (parts, sections), asked)
+
+
+def stressed_sections(
+    drivetrain: AssembledModel, entries: Iterable[str | Sensor | Sequence[str | Sensor]]
+) -> tuple[Any, ...]:
+    """Section moduli of the shafts whose stress is asked for: what a reading depends on beside the rows."""
+    found = []
+    for entry in entries:
+        for one in [entry] if isinstance(entry, str | Sensor) else entry:
+            sensor = named_sensor(one, drivetrain.sensors) if isinstance(one, str | Sensor) else None
+            if sensor is not None and sensor.quantity == "stress" and sensor.of in drivetrain.elements:
+                found.append(section_modulus(drivetrain.elements[sensor.of], Values(drivetrain.exact_values)))
+    return tuple(found)
 
 
 def ask(

@@ -1,4 +1,4 @@
-"""Transfer functions of many variants of a drivetrain: those with the same rows are solved together."""
+"""Transfer functions of many variants of a drivetrain: those with the same request are solved together."""
 
 from __future__ import annotations
 
@@ -35,9 +35,10 @@ def frequency_responses(
     f = chosen_frequencies(drivetrain, frequencies, request)
     copies = [drivetrain.configured(**values) for values in _rows(parameters)]
     parts: list[Evaluated] = []
-    for _, group in groupby(copies, key=lambda copy: id(copy.assembly.system.memo)):
+    requests = [remembered(copy, output, input, excitation) for copy in copies]
+    for _, group in groupby(zip(copies, requests, strict=True), key=lambda pair: id(pair[1])):
         alike = list(group)
-        parts.append(responses(alike, remembered(alike[0], output, input, excitation), f, method))
+        parts.append(responses([copy for copy, _ in alike], alike[0][1], f, method))
     values, conditioning = (np.concatenate([getattr(part, name) for part in parts]) for name in Evaluated._fields)
     warn_infinite(values, conditioning, f)
     return FrequencyResponses(

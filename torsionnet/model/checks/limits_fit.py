@@ -2,17 +2,44 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 from torsionnet.core.errors import Fault, unknown_name
 from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.model.limits.subject import LimitSubject
+from torsionnet.model.parameters import resolve
 
 
 def unfit_limits(definition: Definition) -> list[Fault]:
     """Limits on what does not exist, and what the rules of the others miss."""
-    known = {"element": definition.elements, "node": all_nodes(definition.elements.values())}
+    values, wrong = resolve(definition.parameters)
+    subject = limit_subject(definition, values)
+    known = {"element": subject.elements, "node": subject.nodes}
     faults: list[Fault] = []
     for name, limit in definition.limits.items():
-        unknown = [
+        found = [
             unknown_name(kind, what, known[kind], path) for path, kind, what in limit.named if what not in known[kind]
         ]
-        faults += [fault.under("limits", name) for fault in unknown or limit.unfit(definition)]
+        if not found and not wrong:
+            found = list(limit.unfit(subject))
+        faults += [fault.under("limits", name) for fault in found]
     return faults
+
+
+def limit_subject(definition: Definition, values: Mapping[str, Any]) -> LimitSubject:
+    """What limits may know of a model."""
+    engines = [one for one in definition.excitations.values() if isinstance(one, ReciprocatingEngine)]
+    speeds = definition.speeds
+    return LimitSubject(
+        elements=definition.elements,
+        active={element.name: element for element in definition.active},
+        nodes=all_nodes(definition.elements.values()),
+        active_nodes=all_nodes(definition.active),
+        sensors=definition.sensors,
+        speeds=() if speeds is None else speeds.values,
+        rated=None if speeds is None else speeds.rated,
+        misfiring=any(bool(engine.misfire) or bool(engine.gas_off) for engine in engines),
+        values=values,
+    )

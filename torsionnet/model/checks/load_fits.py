@@ -7,16 +7,8 @@ from typing import Any
 
 from torsionnet.core.errors import Fault, Path, UsageError, unknown_name
 from torsionnet.model.definition import Definition, all_nodes
-from torsionnet.model.load.external_torques import (
-    load_torques,
-    operating_speed,
-    reference_node,
-    speed_ratios,
-    stated_torques,
-    unknown_driver,
-)
+from torsionnet.model.load.external_torques import ExternalTorques, stated_torques, unknown_driver
 from torsionnet.model.load.load_section import Load
-from torsionnet.model.speeds import mean_speeds
 
 AGREE = 0.01
 """Share by which torques of a load and those of an operating point, rounded for a data sheet, may differ."""
@@ -40,39 +32,34 @@ def unfit_load(definition: Definition, values: Mapping[str, Any]) -> list[Fault]
     """A load that does not turn with the drivetrain, has no rated speed, leaves its table or is contradicted."""
     if definition.load is None:
         return []
+    external = ExternalTorques(definition, values)
     try:
-        at = operating_speed(definition, values)
-        torques = load_torques(definition, values, abs(at))
+        at = external.operating_speed
+        torques = external.at(abs(at))
         for speed in _extremes(definition):
-            load_torques(definition, values, speed)
+            external.at(speed)
     except UsageError as error:
         return [Fault(str(error), ("load",), on_key=True)]
     if at < 0:
-        reference = reference_node(definition)
-        text = f"with a load, {reference} turns in the positive sense: its mean speed must not be negative"
+        text = f"with a load, {external.reference} turns in the positive sense: its mean speed must not be negative"
         return [Fault(text, ("operating_point", "speed"), on_key=True)]
-    return list(_contradicted(definition, values, torques, at))
+    return list(_contradicted(external, torques, at))
 
 
 def _extremes(definition: Definition) -> tuple[float, ...]:
     return (definition.speeds.values[0], definition.speeds.values[-1]) if definition.speeds else ()
 
 
-def _contradicted(
-    definition: Definition, values: Mapping[str, Any], torques: Mapping[str, float], at: float
-) -> Iterator[Fault]:
+def _contradicted(external: ExternalTorques, torques: Mapping[str, float], at: float) -> Iterator[Fault]:
     """Torques of the operating point that the load does not have there, node by node and as power driven in all."""
-    stated = stated_torques(definition, values)
+    stated = stated_torques(external.definition, external.values)
     apart = [node for node in stated if node in torques and not _agree(stated[node], torques[node])]
     for node in apart:
         text = f"the load makes it {torques[node]:.6g} N*m at this speed, not {stated[node]:.6g} N*m"
         yield Fault(f"{text}; leave one of them out", ("operating_point", "torque", node))
     if not stated or apart:
         return
-    speeds = mean_speeds(definition, values)
-    reference = reference_node(definition)
-    if not speeds.get(reference):
-        speeds = {node: ratio * at for node, ratio in speed_ratios(definition, values, reference).items()}
+    speeds = {node: ratio * at for node, ratio in external.ratios.items()}
     driven, load = (
         sum(max(0.0, one * speeds.get(node, 0.0)) for node, one in side.items()) for side in (stated, torques)
     )

@@ -10,6 +10,7 @@ from torsionnet.model.channels import port_fault
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND
 from torsionnet.model.operating_point import OperatingPoint
+from torsionnet.model.operating_values import unknown_in_parameters
 from torsionnet.model.readings import section_fault
 
 MOST_HINTS = 20
@@ -87,6 +88,11 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
             unknown = [str(node) for node in given if node not in nodes]
             faults += [_unknown_node(node, nodes, (*path, table, node), on_key=True) for node in unknown]
     return faults
+
+
+def unknown_followed(definition: Definition) -> list[Fault]:
+    """Nodes and elements that parameters follow."""
+    return list(unknown_in_parameters(definition))
 
 
 def unknown_elements(definition: Definition) -> list[Fault]:
@@ -232,6 +238,7 @@ CHECKS = (
     undefined_parameters,
     unknown_nodes,
     unknown_elements,
+    unknown_followed,
     unknown_in_configurations,
     competing_axes,
     unused_parameters,

@@ -9,10 +9,10 @@ import numpy as np
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.errors import Fault, ModelError, Path, UsageError, unknown_name
+from torsionnet.core.expressions import ExpressionError
 from torsionnet.model.checks.load_fits import unknown_in_load
 from torsionnet.model.definition import LOAD, Definition, all_nodes
 from torsionnet.model.elements import Values
-from torsionnet.model.excitations.speed_table import outside
 from torsionnet.model.imposed_twist import twist_fault
 from torsionnet.model.parameters import resolve
 from torsionnet.model.speeds import total_ratio
@@ -36,7 +36,11 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
     if definition.load is not None:
         faults += unknown_in_load(definition, definition.load)
     faults += _overrides(definition)
-    return faults or [*_against_the_drivetrain(definition), *_on_imposed(definition)] or [*_remarks(definition)]
+    return (
+        faults
+        or [*_without_ratio(definition), *_rigid(definition), *_on_imposed(definition)]
+        or [*_remarks(definition)]
+    )
 
 
 def _overrides(definition: Definition) -> Iterator[Fault]:
@@ -79,29 +83,45 @@ def _unfit_elements(definition: Definition) -> Iterator[Fault]:
             yield from (fault.under("excitations", name) for fault in excitation.misfits(definition.elements))
 
 
-def _against_the_drivetrain(definition: Definition) -> Iterator[Fault]:
-    """What takes the values of parameters to see: ratios, speeds that tables cover, elements that give no way."""
+def _rigid(definition: Definition) -> Iterator[Fault]:
+    """Elements that give no way to a twist imposed in them."""
+    known, faults = resolve(definition.parameters)
+    for name, excitation in definition.excitations.items():
+        if excitation.element_entry is not None and not faults:
+            path, element = excitation.element_entry
+            fault = twist_fault(definition.elements[element], definition.elements[element].parts(Values(known)))
+            if fault:
+                yield Fault(fault, ("excitations", name, *path))
+
+
+def _without_ratio(definition: Definition) -> Iterator[Fault]:
+    if definition.speeds is None or not definition.excitations:
+        return
     known, faults = resolve(definition.parameters)
     if faults:
         return
     for name, excitation in definition.excitations.items():
-        if excitation.element_entry is not None:
-            path, element = excitation.element_entry
-            rigid = twist_fault(definition.elements[element], definition.elements[element].parts(Values(known)))
-            if rigid:
-                yield Fault(rigid, ("excitations", name, *path))
-        if definition.speeds is None:
-            continue
         try:
-            ratio = total_ratio(definition, known, excitation.shaft, definition.speeds.of)
+            total_ratio(definition, known, excitation.shaft, definition.speeds.of)
         except UsageError as error:
             yield Fault(str(error), ("excitations", name, "speed_of"))
-            continue
-        low, high = (abs(float(ratio)) * edge for edge in (definition.speeds.values[0], definition.speeds.values[-1]))
-        for table in excitation.covered_speeds:
-            if low < table.low * (1 - 1e-9) or high > table.high * (1 + 1e-9):
-                text = outside(str(table.path[-1]), low, high, table.low, table.high)
-                yield Fault(text, ("excitations", name, *table.path))
+        except ExpressionError:  # a ratio without a value, which has been said
+            return
+
+
+def _remarks(definition: Definition) -> Iterator[Fault]:
+    """What the excitations themselves have to say, at the speeds of their shafts where these are known."""
+    known, faults = resolve(definition.parameters)
+    for name, excitation in definition.excitations.items():
+        speeds = None
+        if definition.speeds is not None and not faults:
+            try:
+                ratio = abs(float(total_ratio(definition, known, excitation.shaft, definition.speeds.of)))
+            except ExpressionError:  # a ratio without a value, which has been said
+                return
+            speeds = np.array(definition.speeds.values) * ratio
+        for fault in excitation.remarks(speeds):
+            yield fault.under("excitations", name)
 
 
 def _on_imposed(definition: Definition) -> Iterator[Fault]:
@@ -113,15 +133,3 @@ def _on_imposed(definition: Definition) -> Iterator[Fault]:
             if node in imposed and node not in one.reactions:
                 text = f'the motion of "{node}" is imposed by {imposed[node]}; a torque there does nothing'
                 yield Fault(text, ("excitations", name, *path))
-
-
-def _remarks(definition: Definition) -> Iterator[Fault]:
-    """What the excitations themselves have to say, at the speeds of their shafts where these are known."""
-    known, faults = resolve(definition.parameters)
-    for name, excitation in definition.excitations.items():
-        speeds = None
-        if definition.speeds is not None and not faults and excitation.shaft:
-            ratio = abs(float(total_ratio(definition, known, excitation.shaft, definition.speeds.of)))
-            speeds = np.array(definition.speeds.values) * ratio
-        for fault in excitation.remarks(speeds):
-            yield fault.under("excitations", name)

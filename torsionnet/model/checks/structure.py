@@ -19,6 +19,7 @@ from torsionnet.model.kinematics import (
     torques_are_determinate,
     virtual_motion,
 )
+from torsionnet.model.operating_values import unfit_parameters
 from torsionnet.model.speeds import mean_speeds
 
 MOST_GROUPS = 10
@@ -209,5 +210,6 @@ def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
         return faults
     faults = [fault for check in CHECKS for fault in check(definition, kinematics)]
     faults += inconsistent_speeds(definition, values)
-    unfit = unfit_load(definition, values) if all(fault.severity != "error" for fault in faults) else []
+    sound = all(fault.severity != "error" for fault in faults)
+    unfit = (unfit_load(definition, values) or unfit_parameters(definition, values)) if sound else []
     return faults + unfit if unfit else faults + unbalanced_torques(definition, kinematics, values)

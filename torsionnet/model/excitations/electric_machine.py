@@ -18,13 +18,12 @@ from torsionnet.model.elements.nodes import NodeName
 from torsionnet.model.excitations.harmonic_torque import FREQUENCY, PHASE, ByOrder, with_reaction
 from torsionnet.model.excitations.order_excitation import (
     ComplexArray,
-    CoveredSpeeds,
     FloatArray,
     OrderExcitation,
     OrderTorques,
     register_excitation,
 )
-from torsionnet.model.excitations.speed_table import SpeedTable, covered, over_speed
+from torsionnet.model.excitations.speed_table import SpeedTable, not_covered, over_speed
 
 _LINE_FREQUENCY = Value("frequency of the line or inverter", "frequency", exclusive=True, below=1e6)
 
@@ -182,10 +181,9 @@ class ElectricMachine(OrderExcitation):
     def reactions(self) -> Mapping[str, str]:
         return {self.stator: self.node} if self.stator else {}
 
-    @property
-    def covered_speeds(self) -> tuple[CoveredSpeeds, ...]:
+    def remarks(self, speeds: FloatArray | None) -> list[Fault]:
         slip = self.slip.amplitude if self.slip else None
-        return (*covered(self.torque, ("torque",)), *covered(slip, ("slip", "amplitude")))
+        return not_covered({("torque",): self.torque, ("slip", "amplitude"): slip}, speeds)
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
         lines = [*self._pulsations(speeds), *self._of_slip(speeds), *self._of_short_circuit()]
@@ -194,12 +192,12 @@ class ElectricMachine(OrderExcitation):
             np.array([line.order for line in lines]),
             self.nodes,
             with_reaction(amplitudes, len(self.nodes)),
-            np.array([line.fixed for line in lines]),
+            fixed=np.array([line.fixed for line in lines]),
         )
 
     def _pulsations(self, speeds: FloatArray) -> Iterator[_Pulsation]:
         rated = (self.rated_torque or 0.0) * np.ones(len(speeds))
-        present = rated * over_speed(self.torque, speeds, "the torque") if self.torque else rated
+        present = rated * over_speed(self.torque, speeds, "torque") if self.torque else rated
         per_revolution = {"orders": 1, "electrical_orders": self.pole_pairs}
         for (name, *_), table in self._tables():
             for key, one in table.items():
@@ -211,7 +209,7 @@ class ElectricMachine(OrderExcitation):
 
     def _of_slip(self, speeds: FloatArray) -> Iterator[_Pulsation]:
         if self.slip:
-            size = over_speed(self.slip.amplitude, speeds, "the slip torque") * np.exp(1j * self.slip.phase)
+            size = over_speed(self.slip.amplitude, speeds, "slip torque") * np.exp(1j * self.slip.phase)
             yield _Pulsation(-2.0 * self.pole_pairs, 2 * self.slip.frequency, size)
 
     def _of_short_circuit(self) -> Iterator[_Pulsation]:

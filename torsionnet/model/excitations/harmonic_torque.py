@@ -16,13 +16,12 @@ from torsionnet.core.errors import Fault, Path
 from torsionnet.model.elements.nodes import NodeName
 from torsionnet.model.excitations.order_excitation import (
     ORDER,
-    CoveredSpeeds,
     FloatArray,
     OrderExcitation,
     OrderTorques,
     register_excitation,
 )
-from torsionnet.model.excitations.speed_table import SpeedTable, covered, over_speed
+from torsionnet.model.excitations.speed_table import SpeedTable, not_covered, over_speed
 
 PHASE = Value("phase: what acts is amplitude * cos(order * phi + phase)", "angle", lower=None)
 FREQUENCY = Value("a frequency", "frequency", exclusive=True, below=1e6)
@@ -181,9 +180,8 @@ class HarmonicTorque(OrderExcitation):
     def reactions(self) -> Mapping[str, str]:
         return {self.reaction: self.node} if self.reaction else {}
 
-    @property
-    def covered_speeds(self) -> tuple[CoveredSpeeds, ...]:
-        return covered(self.factor, ("factor",))
+    def remarks(self, speeds: FloatArray | None) -> list[Fault]:
+        return not_covered({("factor",): self.factor}, speeds)
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
         orders = np.array([*self.orders, *(0.0 for _ in self.frequencies)])
@@ -192,8 +190,8 @@ class HarmonicTorque(OrderExcitation):
         omega = speeds[:, None] * orders + 2 * np.pi * fixed
         amplitudes = np.stack([part.over_frequency(omega[:, place]) for place, part in enumerate(parts)], axis=1)
         if self.factor:
-            amplitudes = amplitudes * over_speed(self.factor, speeds, "the factor")[:, None]
-        return OrderTorques(orders, self.nodes, with_reaction(amplitudes, len(self.nodes)), fixed)
+            amplitudes = amplitudes * over_speed(self.factor, speeds, "factor")[:, None]
+        return OrderTorques(orders, self.nodes, with_reaction(amplitudes, len(self.nodes)), fixed=fixed)
 
 
 def with_reaction(amplitudes: Any, count: int) -> Any:

@@ -78,15 +78,6 @@ class OrderTorques:
     scatter: TorqueShares | None = None
 
 
-@dataclass(frozen=True)
-class CoveredSpeeds:
-    """What a table says about speeds: from ``low`` to ``high`` rad/s of the shaft of its excitation."""
-
-    path: Path
-    low: float
-    high: float
-
-
 @dataclass(frozen=True, kw_only=True)
 class OrderExcitation(Declared):
     """Base of the excitations; a class of its own for each ``type:``, registered by :func:`register_excitation`."""
@@ -128,11 +119,6 @@ class OrderExcitation(Declared):
     def reactions(self) -> Mapping[str, str]:
         """Nodes that take the torque of another one, whose sense of turning counts for it then."""
         return {}
-
-    @property
-    def covered_speeds(self) -> tuple[CoveredSpeeds, ...]:
-        """Speeds that its tables cover."""
-        return ()
 
     def fitted(self, elements: Mapping[str, Element]) -> Self:
         """With what the elements it names know: a shaft, a number of teeth."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -10,12 +11,13 @@ import numpy as np
 
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, under
-from torsionnet.core.errors import Path, UsageError
-from torsionnet.model.excitations.order_excitation import CoveredSpeeds, FloatArray
+from torsionnet.core.errors import Fault, Path, UsageError
+from torsionnet.model.excitations.order_excitation import FloatArray
 
 Rows = tuple[tuple[float, float], ...]
 _SPEED = Value("a speed", "speed", below=1e6)
 RPM = 60 / (2 * math.pi)
+SLACK = 1e-9
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,9 +55,12 @@ class SpeedTable(Spec):
         return {"type": "array", "items": row, "minItems": 2, "description": self.description}
 
 
-def covered(table: Rows | None, path: Path) -> tuple[CoveredSpeeds, ...]:
-    """The speeds of a table that stands at ``path``, if there is one."""
-    return (CoveredSpeeds(path, table[0][0], table[-1][0]),) if table else ()
+def not_covered(tables: Mapping[Path, Rows | None], speeds: FloatArray | None) -> list[Fault]:
+    """Tables by their places that do not cover speeds in rad/s, where these are known."""
+    if speeds is None:
+        return []
+    texts = {path: _outside(table, speeds, str(path[-1])) for path, table in tables.items() if table}
+    return [Fault(text, path) for path, text in texts.items() if text]
 
 
 def over_speed(table: Rows, speeds: FloatArray, what: str) -> FloatArray:
@@ -71,18 +76,21 @@ def over_speed(table: Rows, speeds: FloatArray, what: str) -> FloatArray:
     >>> over_speed(((1.0, 0.0), (3.0, 4.0), (3.0, 8.0), (4.0, 8.0)), np.array([2.0, 3.0]), "gas").tolist()
     [2.0, 8.0]
     """
+    text = _outside(table, speeds, what)
+    if text:
+        raise UsageError(text)
     at, values = np.array(table).T
-    slack = 1e-9 * at[-1]
-    if speeds.min() < at[0] - slack or speeds.max() > at[-1] + slack:
-        raise UsageError(outside(what, float(speeds.min()), float(speeds.max()), at[0], at[-1]))
     place = np.clip(np.searchsorted(at, speeds, side="right"), 1, len(at) - 1)
     width = at[place] - at[place - 1]
     share = np.divide(speeds - at[place - 1], width, out=np.ones(len(speeds)), where=width > 0)
     return np.asarray(values[place - 1] + np.clip(share, 0, 1) * (values[place] - values[place - 1]))
 
 
-def outside(what: str, low: float, high: float, first: float, last: float) -> str:
-    """What to say of speeds outside a table; all in rad/s."""
+def _outside(table: Rows, speeds: FloatArray, what: str) -> str:
+    """What to say of speeds outside a table, if there are any."""
+    (low, high), (first, last) = (speeds.min(), speeds.max()), (table[0][0], table[-1][0])
+    if low >= first - SLACK * last and high <= last + SLACK * last:
+        return ""
     return (
         f"the table of {what} covers {first * RPM:.6g} to {last * RPM:.6g} rpm, but the shaft turns with "
         f"{low * RPM:.6g} to {high * RPM:.6g} rpm; give rows for these speeds too"

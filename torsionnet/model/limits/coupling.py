@@ -12,10 +12,10 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf
 from torsionnet.model.channels import Sensor
-from torsionnet.model.definition import Definition
 from torsionnet.model.limits.element_limit import ElementLimit, everywhere
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import Line, register_rule
+from torsionnet.model.limits.limit import LimitLine, register_rule
+from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.limit_check import LimitVerdict, RuleText
 
 REFERENCE_HZ = 10.0
@@ -57,12 +57,12 @@ class CouplingLimit(ElementLimit):
     torque_temperature_factor: Any = entry(Value("S_theta, multiplies torques that act", "1", lower=1), 1)
     power_temperature_factor: Any = entry(Value("multiplies P_KV", "1", exclusive=True, below=1 + 1e-9), 1)
 
-    def seen(self, definition: Definition) -> list[Sensor]:
-        del definition
+    def seen(self, subject: LimitSubject) -> list[Sensor]:
+        del subject
         return [self.torque, self.twisting]
 
-    def averaged(self, definition: Definition) -> list[Sensor]:
-        del definition
+    def averaged(self, subject: LimitSubject) -> list[Sensor]:
+        del subject
         found = [self.torque] if self.T_KN is not None or self.T_Kmax is not None else []
         return found + ([self.twisting] if self.twist is not None else [])
 
@@ -82,33 +82,37 @@ class CouplingLimit(ElementLimit):
         nothing = np.zeros(len(evidence.speeds))
         if self.T_KN is not None:
             allowed = everywhere(self.T_KN / factor, evidence)
-            yield from self.total(Line("T_KN", "mean torque", "N*m", nothing, allowed), self.torque, name, evidence)
+            yield from self.total(
+                LimitLine("T_KN", "mean torque", "N*m", nothing, allowed), self.torque, name, evidence
+            )
         if self.T_Kmax is not None:
-            line = Line("T_Kmax", "mean torque and half range", "N*m", size, everywhere(self.T_Kmax / factor, evidence))
+            line = LimitLine(
+                "T_Kmax", "mean torque and half range", "N*m", size, everywhere(self.T_Kmax / factor, evidence)
+            )
             yield from self.total(line, self.torque, name, evidence)
         if self.T_KW is not None:
             yield self.continuous(self._vibratory(evidence), name, evidence)
         if self.P_KV is not None:
             allowed = everywhere(self.P_KV * self.power_temperature_factor, evidence)
-            line = Line("P_KV", "dissipated power", "W", evidence.power(self.element), allowed)
+            line = LimitLine("P_KV", "dissipated power", "W", evidence.power(self.element), allowed)
             yield self.continuous(line, name, evidence)
         yield from self._twists(name, evidence)
 
-    def _vibratory(self, evidence: Evidence) -> Line:
+    def _vibratory(self, evidence: Evidence) -> LimitLine:
         weights = np.ones(evidence.run.frequencies.shape)
         if self.frequency_factor == "din_740_2":
             weights = np.sqrt(np.maximum(evidence.run.frequencies, REFERENCE_HZ) / REFERENCE_HZ)
         values = evidence.weighted_size(self.torque, weights)
         orders = evidence.orders([self.torque]) * weights
         allowed = everywhere(self.T_KW / self.torque_temperature_factor, evidence)
-        return Line("T_KW", "vibratory torque, half range", "N*m", values, allowed, (), orders)
+        return LimitLine("T_KW", "vibratory torque, half range", "N*m", values, allowed, (), orders)
 
     def _twists(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
         size = evidence.size([self.twisting])
         if self.twist is not None:
-            line = Line("twist", "mean twist and half range", "rad", size, everywhere(self.twist, evidence))
+            line = LimitLine("twist", "mean twist and half range", "rad", size, everywhere(self.twist, evidence))
             yield from self.total(line, self.twisting, name, evidence)
         if self.vibratory_twist is not None:
             allowed = everywhere(self.vibratory_twist, evidence)
-            line = Line("vibratory twist", "twist, half range", "rad", size, allowed)
+            line = LimitLine("vibratory twist", "twist, half range", "rad", size, allowed)
             yield self.continuous(line, name, evidence)

@@ -16,11 +16,11 @@ from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault, Path, unknown_name
 from torsionnet.core.expressions import Number
 from torsionnet.model.channels import UNITS, Sensor, named_sensor
-from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.excitations.order_excitation import ORDER
 from torsionnet.model.limits.allowed_curve import ALLOWED, AllowedTable, allowed_at
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import Limit, Line, register_rule
+from torsionnet.model.limits.limit import Limit, LimitLine, register_rule
+from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.model.readings import section_fault
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limit_check import LimitVerdict, RuleText
@@ -68,13 +68,12 @@ class CurveLimit(Limit):
     def named(self) -> tuple[tuple[Path, str, str], ...]:
         return ()
 
-    def switched_off(self, definition: Definition) -> str:
-        sensor = self.sensor(definition)
-        if sensor is None or sensor.is_on_element:
-            there = {element.name for element in definition.active}
-        else:
-            there = set(all_nodes(definition.active))
-        return "" if sensor is None or sensor.of in there else sensor.of
+    def switched_off(self, subject: LimitSubject) -> str:
+        sensor = self.sensor(subject)
+        if sensor is None:
+            return ""
+        there = subject.active if sensor.is_on_element else subject.active_nodes
+        return "" if sensor.of in there else sensor.of
 
     def contradictions(self) -> list[Fault]:
         given = [key for key in ("value", "over_speed", "over_lambda") if getattr(self, key)]
@@ -87,29 +86,27 @@ class CurveLimit(Limit):
             faults.append(Fault("orders go with measure: each_order", ("orders",), on_key=True))
         return faults
 
-    def sensor(self, definition: Definition) -> Sensor | None:
+    def sensor(self, subject: LimitSubject) -> Sensor | None:
         """What it is about: an output, or the angle of a node."""
-        found = named_sensor(self.output, definition.sensors)
+        found = named_sensor(self.output, subject.sensors)
         return found or (Sensor("angle", self.output) if self.output.isidentifier() else None)
 
-    def unfit(self, definition: Definition) -> Iterator[Fault]:
-        sensor = self.sensor(definition)
-        nodes = all_nodes(definition.elements.values())
-        known = definition.elements if sensor and sensor.is_on_element else nodes
+    def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
+        sensor = self.sensor(subject)
+        known = subject.elements if sensor and sensor.is_on_element else subject.nodes
         if sensor is None or sensor.of not in known:
-            names = [*definition.sensors, *known]
+            names = [*subject.sensors, *known]
             what = "output" if sensor is None or sensor.of == self.output else "element or node"
             yield unknown_name(what, self.output if sensor is None else sensor.of, names, ("output",))
             return
-        if sensor.quantity == "stress" and section_fault(definition.elements[sensor.of]):
-            yield Fault(str(section_fault(definition.elements[sensor.of])), ("output",))
+        if sensor.quantity == "stress" and section_fault(subject.elements[sensor.of]):
+            yield Fault(str(section_fault(subject.elements[sensor.of])), ("output",))
             return
         yield from self._wrong_units(sensor)
-        speeds = definition.speeds
-        if self.over_lambda and (speeds is None or speeds.rated is None):
+        if self.over_lambda and subject.rated is None:
             yield Fault("over_lambda needs the rated speed: speeds: {rated: 750 rpm}", ("over_lambda",), on_key=True)
-        elif speeds is not None:
-            yield from self._uncovered(speeds.values, speeds.rated)
+        elif subject.speeds:
+            yield from self._uncovered(subject.speeds, subject.rated)
 
     def _wrong_units(self, sensor: Sensor) -> Iterator[Fault]:
         dimension = DIMENSION_OF[sensor.quantity]
@@ -134,8 +131,8 @@ class CurveLimit(Limit):
             text = f"the table covers {covered}, the speeds go from {speeds[0] * RPM:.6g} to {speeds[-1] * RPM:.6g} rpm"
             yield Fault(f"{text}; the rest is not judged", (key,), "warning", on_key=True)
 
-    def seen(self, definition: Definition) -> list[Sensor]:
-        sensor = self.sensor(definition)
+    def seen(self, subject: LimitSubject) -> list[Sensor]:
+        sensor = self.sensor(subject)
         return [] if sensor is None else [sensor]
 
     def text(self, evidence: Evidence) -> RuleText:
@@ -147,24 +144,24 @@ class CurveLimit(Limit):
         return RuleText(self.source, f"{what} <= value allowed{passing}", "speeds outside of the table")
 
     def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
-        sensor = self.sensor(evidence.definition)
+        sensor = self.sensor(evidence.subject)
         if sensor is None:
             return
         orders = evidence.orders([sensor])
         values = evidence.size([sensor]) if self.measure == "half_range" else self._largest(orders, evidence)
         allowed = self._allowed(evidence)
         quantity = "half range" if self.measure == "half_range" else "largest amplitude of an order"
-        rpm = evidence.run.rpm[~np.isfinite(allowed)]
-        remarks = (
-            (f"{len(rpm)} speeds from {rpm[0]:g} to {rpm[-1]:g} rpm are outside of the table",) if len(rpm) else ()
-        )
+        if not np.isfinite(allowed).any():
+            yield self.open(name, evidence, "continuous", "all speeds are outside of the table")
+            return
+        rpm = evidence.run.rpm[np.isfinite(allowed)]
+        less = len(rpm) < len(allowed)
+        remarks = (f"judged from {rpm[0]:g} to {rpm[-1]:g} rpm; the rest is outside of the table",) if less else ()
         unit = UNITS[sensor.quantity]
-        yield self.continuous(
-            Line("continuous", f"{self.output}, {quantity}", unit, values, allowed, remarks, orders), name, evidence
-        )
+        yield self.continuous(LimitLine("continuous", quantity, unit, values, allowed, remarks, orders), name, evidence)
         if self.transient_factor:
             passing = self.transient_factor * allowed
-            yield self.peak(Line("in passing", f"{self.output}, {quantity}", unit, values, passing, (), orders),
+            yield self.peak(LimitLine("in passing", quantity, unit, values, passing, (), orders),
                             name, evidence)  # fmt: skip
 
     def _largest(self, orders: FloatArray, evidence: Evidence) -> FloatArray:
@@ -180,4 +177,4 @@ class CurveLimit(Limit):
             return np.full(len(evidence.speeds), float(self.value.value))
         if self.over_speed:
             return allowed_at(self.over_speed, evidence.speeds)
-        return allowed_at(self.over_lambda, evidence.speeds / float(evidence.rated or math.nan))
+        return allowed_at(self.over_lambda, evidence.speeds / float(evidence.subject.rated or math.nan))

@@ -13,7 +13,7 @@ from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.channels import Sensor
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import Limit, Line
+from torsionnet.model.limits.limit import Limit, LimitLine
 from torsionnet.response.limit_check import LimitVerdict
 
 
@@ -50,13 +50,13 @@ class ElementLimit(Limit):
             return []
         return [Fault(f"nothing is limited; give one of {', '.join(self.criteria)}", on_key=True)]
 
-    def total(self, line: Line, mean: Sensor, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
+    def total(self, line: LimitLine, mean: Sensor, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
         """A criterion on the mean value with the half range added; the line has the half range."""
         found = evidence.mean(mean)
         if found is None:
             yield self.open(name, evidence, line.criterion, f"the mean value is not known: {evidence.why_no_mean}")
             return
-        whole = Line(line.criterion, line.quantity, line.unit, np.abs(found) + line.values, line.allowed)
+        whole = LimitLine(line.criterion, line.quantity, line.unit, np.abs(found) + line.values, line.allowed)
         yield self.peak(whole, name, evidence)
 
 

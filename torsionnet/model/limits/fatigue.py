@@ -14,7 +14,7 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import Line, register_rule
+from torsionnet.model.limits.limit import LimitLine, register_rule
 from torsionnet.model.limits.shaft_limit import ShaftLimit
 from torsionnet.response.limit_check import LimitVerdict, RuleText
 
@@ -96,19 +96,21 @@ class FatigueLimit(ShaftLimit):
         if mean is None:
             yield self.open(name, evidence, "tau_W", f"the mean stress is not known: {evidence.why_no_mean}")
             return
-        if self.mean_stress == "goodman":
-            strength = self.strength * np.maximum(1 - mean / self.ultimate_strength, 0)
-        else:
-            strength = np.maximum(self.strength - (self.mean_sensitivity or 0) * mean, 0)
+        lost = {
+            "goodman": lambda: self.strength * mean / self.ultimate_strength,
+            "haigh": lambda: self.mean_sensitivity * mean,
+            "none": lambda: 0.0 * mean,
+        }
+        strength = np.maximum(self.strength - lost[self.mean_stress](), 0)
         allowed = strength / (self.safety * self.stress_concentration)
         quantity = "nominal shear stress, half range"
         least = float(np.min(strength / (self.stress_concentration * amplitude)))
-        line = Line("tau_W", quantity, "Pa", amplitude, allowed, (f"safety against fatigue {least:.3g}",), orders)
+        line = LimitLine("tau_W", quantity, "Pa", amplitude, allowed, (f"safety against fatigue {least:.3g}",), orders)
         yield self.continuous(line, name, evidence)
         if self.yield_strength is not None:
             limit = np.full(len(mean), self.yield_strength / self.yield_safety)
             total = "nominal shear stress, mean and half range"
-            yield self.peak(Line("tau_F", total, "Pa", mean + amplitude, limit), name, evidence)
+            yield self.peak(LimitLine("tau_F", total, "Pa", mean + amplitude, limit), name, evidence)
 
     def mean_stress_in(self, evidence: Evidence) -> Any:
         """Mean stress over speed; zero where it is to be left out, None where it is wanted and not known."""

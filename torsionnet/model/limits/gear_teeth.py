@@ -13,10 +13,10 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Flag, Text
 from torsionnet.core.errors import Fault
 from torsionnet.model.channels import Sensor, port_fault
-from torsionnet.model.definition import Definition
 from torsionnet.model.limits.element_limit import ElementLimit, everywhere
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import Line, register_rule
+from torsionnet.model.limits.limit import LimitLine, register_rule
+from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.limit_check import LimitVerdict, RuleText
 
 
@@ -48,12 +48,12 @@ class GearLimit(ElementLimit):
             return [Fault("nothing is limited; give vibratory_share, vibratory_torque or hammer: true", on_key=True)]
         return []
 
-    def unfit(self, definition: Definition) -> Iterator[Fault]:
-        reason = port_fault(definition.elements[self.element], self.at) if self.at else None
+    def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
+        reason = port_fault(subject.elements[self.element], self.at) if self.at else None
         if reason:
             yield Fault(reason, ("at",))
         needs = self.vibratory_share is not None and self.rated_torque is None
-        if needs and (definition.speeds is None or definition.speeds.rated is None):
+        if needs and subject.rated is None:
             text = "a share is of the mean torque at rated speed: give rated_torque, or speeds: {rated: 750 rpm}"
             yield Fault(text, ("vibratory_share",), on_key=True)
 
@@ -61,12 +61,12 @@ class GearLimit(ElementLimit):
     def torque(self) -> Sensor:
         return Sensor("torque", self.element, self.at)
 
-    def seen(self, definition: Definition) -> list[Sensor]:
-        del definition
+    def seen(self, subject: LimitSubject) -> list[Sensor]:
+        del subject
         return [self.torque]
 
-    def averaged(self, definition: Definition) -> list[Sensor]:
-        del definition
+    def averaged(self, subject: LimitSubject) -> list[Sensor]:
+        del subject
         return [self.torque]
 
     def text(self, evidence: Evidence) -> RuleText:
@@ -86,7 +86,7 @@ class GearLimit(ElementLimit):
         quantity = "vibratory torque, half range"
         if self.vibratory_torque is not None:
             allowed = everywhere(self.vibratory_torque, evidence)
-            yield self.continuous(Line("T_v", quantity, "N*m", size, allowed, (), orders), name, evidence)
+            yield self.continuous(LimitLine("T_v", quantity, "N*m", size, allowed, (), orders), name, evidence)
         if self.vibratory_share is not None:
             rated = self._rated_torque(evidence)
             if rated is None:
@@ -94,21 +94,23 @@ class GearLimit(ElementLimit):
             else:
                 allowed = everywhere(self.vibratory_share * rated, evidence)
                 remarks = (f"mean torque at rated speed {rated:.6g} N*m",)
-                yield self.continuous(Line("T_v", quantity, "N*m", size, allowed, remarks, orders), name, evidence)
+                yield self.continuous(LimitLine("T_v", quantity, "N*m", size, allowed, remarks, orders), name, evidence)
         if self.hammer:
             if mean is None:
                 yield self.open(name, evidence, "hammer", _unknown(evidence))
             else:
-                yield self.continuous(Line("hammer", quantity, "N*m", size, np.abs(mean), (), orders), name, evidence)
+                yield self.continuous(
+                    LimitLine("hammer", quantity, "N*m", size, np.abs(mean), (), orders), name, evidence
+                )
 
     def _rated_torque(self, evidence: Evidence) -> float | None:
         mean = evidence.mean(self.torque)
-        if self.rated_torque is not None or mean is None or evidence.rated is None:
+        if self.rated_torque is not None or mean is None or evidence.subject.rated is None:
             return None if self.rated_torque is None else float(self.rated_torque)
         low, high = float(evidence.speeds[0]), float(evidence.speeds[-1])
-        if not low * (1 - 1e-9) <= evidence.rated <= high * (1 + 1e-9):
+        if not low * (1 - 1e-9) <= evidence.subject.rated <= high * (1 + 1e-9):
             return None
-        return float(np.interp(evidence.rated, evidence.speeds, np.abs(mean)))
+        return float(np.interp(evidence.subject.rated, evidence.speeds, np.abs(mean)))
 
 
 def _unknown(evidence: Evidence) -> str:

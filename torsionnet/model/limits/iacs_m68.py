@@ -13,86 +13,32 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
-from torsionnet.model.definition import Definition
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import Line, register_rule
-from torsionnet.model.limits.shaft_limit import Section, ShaftLimit
+from torsionnet.model.limits.limit import LimitLine, register_rule
+from torsionnet.model.limits.m68_stress import (
+    CAPS,
+    FEATURES,
+    HIGHEST,
+    HOLE,
+    NO_BARRED_ABOVE,
+    NOT_COVERED,
+    PROPELLER_CAP,
+    SCF_OF_UNIT,
+    SLOT_BORE,
+    SLOT_LENGTH,
+    SLOT_WIDTH,
+    SOURCE,
+    STRENGTH_FOR_PASSING,
+    STRENGTHS,
+    permissible,
+    size_factor,
+    usual_range,
+)
+from torsionnet.model.limits.shaft_limit import RoundSection, ShaftLimit
+from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.limit_check import (
-    BARRED,
-    FAIL,
-    PASS,
-    LimitVerdict,
-    RuleText,
-    SpeedSpan,
-    joined_spans,
-    spans_above,
-)
-
-FEATURES: dict[str, dict[str, float]] = {
-    "intermediate": {
-        "integral_flange": 1.0,
-        "shrink_fit": 1.0,
-        "tapered_keyway": 0.60,
-        "cylindrical_keyway": 0.45,
-        "radial_hole": 0.50,
-        "longitudinal_slot": 0.30,
-    },
-    "thrust": {"thrust_collar": 0.85, "roller_bearing": 0.85},
-    "propeller": {"flange": 0.55, "keyless": 0.55, "keyed": 0.55, "forward_of_aft_bearing": 0.80},
-}
-"""C_K by kind of shaft and design feature."""
-STRENGTHS = {"carbon": (400e6, 760e6), "carbon_manganese": (400e6, 760e6), "alloy": (400e6, 950e6)}
-"""Tensile strength of the materials that the rule is for, Pa."""
-CAPS = {"carbon": 600e6, "carbon_manganese": 600e6, "alloy": 800e6}
-PROPELLER_CAP = 600e6
-NO_BARRED_ABOVE, HIGHEST = 0.8, 1.05
-"""Speed ratios above which normal firing has no barred range, and the rule says nothing."""
-STRENGTH_FOR_PASSING = 500e6
-SCF_OF_UNIT = 1.45
-"""Stress concentration of a slot, to which C_K = 1 would belong."""
-SLOT_LENGTH, SLOT_BORE, SLOT_WIDTH, HOLE = 0.8, 0.7, 0.15, 0.3
-"""Of the outer diameter: a slot is shorter, its shaft's bore smaller, its width larger; a hole is no larger."""
-SOURCE = (
-    "IACS UR M68, torsional vibration stresses and C_K as in KR Rules Part 5 Chapter 4 (2025), 202 and 206, "
-    "which carry them"
-)
-NOT_COVERED = (
-    "speeds above 1.05 rated; crankshafts, shafts of gears, electric machines and turbines; ice class; shafts exposed "
-    "to sea water; bending; required diameters (M68.4). With a controllable pitch propeller full and zero pitch are "
-    "conditions of their own"
-)
-
-
-def size_factor(diameter: float) -> float:
-    """C_D of an outer diameter in m.
-
-    >>> round(size_factor(0.4), 5)
-    0.63059
-    """
-    return float(0.35 + 0.93 * (1000 * diameter) ** -0.2)
-
-
-def permissible(strength: float, factors: float, ratio: FloatArray) -> FloatArray:
-    """tau_C in Pa over the speed ratio lambda, of a tensile strength in Pa and C_K C_D; NaN above 1.05.
-
-    >>> (permissible(600e6, size_factor(0.4), np.array([0.5, 1.0])) / 1e6).round(3).tolist()
-    [66.562, 36.742]
-    """
-    bracket = np.where(ratio < 0.9, 3 - 2 * ratio**2, 1.38)
-    found = (strength + 160e6) / 18 * factors * bracket
-    return np.asarray(np.where(ratio <= HIGHEST * (1 + 1e-12), found, np.nan))
-
-
-def usual_range(critical: float, rated: float) -> SpeedSpan:
-    """The range to be barred around a critical speed.
-
-    >>> span = usual_range(0.5, 1.0)
-    >>> round(span.low / 0.5, 5), round(span.high / 0.5, 5)
-    (0.91429, 1.09375)
-    """
-    ratio = critical / rated
-    return SpeedSpan(16 * critical / (18 - ratio), (18 - ratio) * critical / 16)
+from torsionnet.response.limit_check import BARRED, FAIL, PASS, LimitVerdict, RuleText
+from torsionnet.response.speed_spans import SpeedSpan, joined_spans, spans_above
 
 
 @register_rule
@@ -163,13 +109,17 @@ class IacsM68(ShaftLimit):
             text = "C_K = 0.30 is for 1, 2 or 3 slots; give the stress_concentration of others"
             yield Fault(text, ("slots",))
 
-    def unfit(self, definition: Definition) -> Iterator[Fault]:
-        yield from super().unfit(definition)
-        if self.rated is None and (definition.speeds is None or definition.speeds.rated is None):
+    def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
+        wrong = list(super().unfit(subject))
+        yield from wrong
+        reason = "" if wrong else self._inapplicable(self.section(subject))
+        if reason:
+            yield Fault(reason, ("feature",))
+        if self.rated is None and subject.rated is None:
             text = "lambda = n/n_rated needs the rated speed: speeds: {rated: 750 rpm}, or rated: of this limit"
             yield Fault(text, on_key=True)
 
-    def _inapplicable(self, section: Section) -> str:
+    def _inapplicable(self, section: RoundSection) -> str:
         """Why C_K does not hold for the hole or slot given; empty where it does."""
         outer = section.outer
         if self.hole_diameter is not None and self.hole_diameter > HOLE * outer:
@@ -208,7 +158,7 @@ class IacsM68(ShaftLimit):
         return FEATURES[self.shaft][self.feature]
 
     def text(self, evidence: Evidence) -> RuleText:
-        size = size_factor(self.section(evidence).outer)
+        size = size_factor(self.section(evidence.subject).outer)
         formula = (
             "tau_C = (sigma_B + 160)/18 C_K C_D (3 - 2 lambda^2), from lambda = 0.9 to 1.05 (sigma_B + 160)/18 C_K C_D "
             f"1.38; tau_T = 1.7 tau_C/sqrt(C_K) up to lambda = 0.8; C_K = {self.feature_factor:g} ({self.feature}), "
@@ -217,23 +167,25 @@ class IacsM68(ShaftLimit):
         return RuleText(SOURCE, formula, NOT_COVERED)
 
     def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
-        why = self._inapplicable(self.section(evidence))
+        why = self._inapplicable(self.section(evidence.subject))
         if why:
             yield self.open(name, evidence, "tau_C", why)
             return
-        rated = float(self.rated or evidence.rated or math.nan)
+        rated = float(self.rated or evidence.subject.rated or math.nan)
         ratio = evidence.speeds / rated
         values, orders = self.stress(evidence)
-        factors = self.feature_factor * size_factor(self.section(evidence).outer)
+        factors = self.feature_factor * size_factor(self.section(evidence.subject).outer)
         allowed = permissible(self.strength, factors, ratio)
         quantity = "nominal shear stress, half range"
-        line = Line("tau_C", quantity, "Pa", values, allowed, (*self._assumed(), *_beyond(evidence, ratio)), orders)
+        line = LimitLine(
+            "tau_C", quantity, "Pa", values, allowed, (*self._assumed(), *_beyond(evidence, ratio)), orders
+        )
         above = spans_above(evidence.speeds, values, allowed)
         wanted = [self._barred(span, evidence, values, rated) for span in above]
         yield self._in_operation(line, name, evidence, wanted, rated)
         passing = np.where(ratio <= NO_BARRED_ABOVE, 1.7 * allowed / math.sqrt(self.feature_factor), np.nan)
         if np.isfinite(passing).any():
-            yield self.peak(Line("tau_T", quantity, "Pa", values, passing, (), orders), name, evidence)
+            yield self.peak(LimitLine("tau_T", quantity, "Pa", values, passing, (), orders), name, evidence)
 
     def _barred(self, above: SpeedSpan, evidence: Evidence, values: FloatArray, rated: float) -> SpeedSpan:
         """All speeds above tau_C and the usual range around the highest, with the tolerance of the tachometer."""
@@ -242,13 +194,13 @@ class IacsM68(ShaftLimit):
         usual = usual_range(critical, rated)
         low, high = min(above.low, usual.low), max(above.high, usual.high)
         limit = NO_BARRED_ABOVE * rated
-        if not evidence.misfiring and above.high * (1 + self.tachometer_tolerance) <= limit:
+        if not evidence.subject.misfiring and above.high * (1 + self.tachometer_tolerance) <= limit:
             # The rule of thumb must cover what exceeds tau_C; beyond that it may stop where ranges must.
             return SpeedSpan(low * (1 - self.tachometer_tolerance), min(high * (1 + self.tachometer_tolerance), limit))
         return SpeedSpan(low * (1 - self.tachometer_tolerance), high * (1 + self.tachometer_tolerance))
 
     def _in_operation(
-        self, line: Line, name: str, evidence: Evidence, wanted: list[SpeedSpan], rated: float
+        self, line: LimitLine, name: str, evidence: Evidence, wanted: list[SpeedSpan], rated: float
     ) -> LimitVerdict:
         barred = joined_spans(wanted)
         if not barred:
@@ -256,13 +208,13 @@ class IacsM68(ShaftLimit):
         remarks = list(self._on_barred())
         limit = NO_BARRED_ABOVE * rated
         beyond = [span for span in barred if span.high > limit * (1 + 1e-12)]
-        if beyond and not evidence.misfiring:
+        if beyond and not evidence.subject.misfiring:
             remarks.insert(0, f"tau_C is exceeded above lambda = 0.8, where no range may be barred: {beyond[0]}")
             return self._verdict(line, name, evidence, FAIL, barred, tuple(remarks))
-        if evidence.misfiring and self.safe_speed is None:
+        if evidence.subject.misfiring and self.safe_speed is None:
             remarks.append("a cylinder misfires: ranges must leave safe navigation possible; give safe_speed")
         lost = [span for span in barred if self.safe_speed is not None and span.holds(self.safe_speed)]
-        if evidence.misfiring and lost:
+        if evidence.subject.misfiring and lost:
             remarks.insert(0, f"safe_speed lies in a range to be barred: {lost[0]}")
             return self._verdict(line, name, evidence, FAIL, barred, tuple(remarks))
         return self._verdict(line, name, evidence, BARRED, barred, tuple(remarks))

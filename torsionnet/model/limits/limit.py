@@ -11,19 +11,11 @@ import numpy as np
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.channels import Sensor
-from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.limits.evidence import Evidence
+from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.limit_check import (
-    BARRED,
-    FAIL,
-    OPEN,
-    PASS,
-    LimitVerdict,
-    RuleText,
-    SpeedSpan,
-    spans_above,
-)
+from torsionnet.response.limit_check import BARRED, FAIL, OPEN, PASS, LimitVerdict, RuleText
+from torsionnet.response.speed_spans import SpeedSpan, spans_above
 
 _RULES: dict[str, type[Limit]] = {}
 L = TypeVar("L", bound="type[Limit]")
@@ -58,18 +50,18 @@ class Limit(Declared):
         """Where it names something of the model: path, "element" or "node", name."""
         raise NotImplementedError
 
-    def unfit(self, definition: Definition) -> Iterator[Fault]:
+    def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
         """What does not fit a drivetrain that has everything it names."""
-        del definition
+        del subject
         yield from ()
 
-    def seen(self, definition: Definition) -> list[Sensor]:
+    def seen(self, subject: LimitSubject) -> list[Sensor]:
         """What it wants to know the orders of."""
         raise NotImplementedError
 
-    def averaged(self, definition: Definition) -> list[Sensor]:
+    def averaged(self, subject: LimitSubject) -> list[Sensor]:
         """What it wants to know the mean value of."""
-        del definition
+        del subject
         return []
 
     def powered(self) -> list[str]:
@@ -86,14 +78,14 @@ class Limit(Declared):
 
     def verdicts(self, name: str, evidence: Evidence) -> list[LimitVerdict]:
         """Verdicts on a condition."""
-        off = self.switched_off(evidence.definition)
+        off = self.switched_off(evidence.subject)
         if off:
             return [self.open(name, evidence, "all", f"{off} is switched off in this condition")]
         return list(self.judged(name, evidence))
 
-    def switched_off(self, definition: Definition) -> str:
+    def switched_off(self, subject: LimitSubject) -> str:
         """What it names that is not there in this condition; empty where all is."""
-        there = {"element": {element.name for element in definition.active}, "node": all_nodes(definition.active)}
+        there = {"element": subject.active, "node": subject.active_nodes}
         return next((what for _, kind, what in self.named if what not in there[kind]), "")
 
     def open(self, name: str, evidence: Evidence, criterion: str, why: str) -> LimitVerdict:
@@ -104,21 +96,21 @@ class Limit(Declared):
             verdict=OPEN, text=self.text(evidence), remarks=(why,),
         )  # fmt: skip
 
-    def peak(self, line: Line, name: str, evidence: Evidence) -> LimitVerdict:
+    def peak(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
         """A criterion that no speed may exceed, not even while it is passed."""
         above = spans_above(evidence.speeds, line.values, line.allowed)
         over = tuple(f"exceeded from {span}" for span in above)
         return self._verdict(line, name, evidence, FAIL if above else PASS, (), over)
 
-    def continuous(self, line: Line, name: str, evidence: Evidence) -> LimitVerdict:
+    def continuous(self, line: LimitLine, name: str, evidence: Evidence) -> LimitVerdict:
         """A criterion for continuous operation: where it is exceeded, speeds are to be barred, if any are left.
 
         In normal firing neither the rated nor the highest speed can be barred.
         """
         above = spans_above(evidence.speeds, line.values, line.allowed)
-        kept = {evidence.rated, float(evidence.speeds[-1])} - {None}
+        kept = {evidence.subject.rated, float(evidence.speeds[-1])} - {None}
         lost = [span for span in above if any(span.holds(speed) for speed in kept if speed is not None)]
-        if lost and not evidence.misfiring:
+        if lost and not evidence.subject.misfiring:
             return self._verdict(line, name, evidence, FAIL, (), (f"exceeded from {lost[0]}: no range to be barred",))
         if len(above) == 1 and above[0] == SpeedSpan(float(evidence.speeds[0]), float(evidence.speeds[-1])):
             return self._verdict(line, name, evidence, FAIL, (), ("exceeded at all speeds",))
@@ -126,22 +118,23 @@ class Limit(Declared):
 
     def _verdict(
         self,
-        line: Line,
+        line: LimitLine,
         name: str,
         evidence: Evidence,
         verdict: str,
         barred: tuple[SpeedSpan, ...],
         remarks: tuple[str, ...],
     ) -> LimitVerdict:
+        case = _worst_case(evidence, line, self.seen(evidence.subject)[0])
         return LimitVerdict(
             limit=name, of=self.of, criterion=line.criterion, quantity=line.quantity, unit=line.unit,
             values=line.values, allowed=line.allowed, verdict=verdict, text=self.text(evidence), barred=barred,
-            remarks=(*remarks, *line.remarks, *_coarse(evidence, line.values)), orders=line.orders,
+            remarks=(*remarks, *line.remarks, *case, *_coarse(evidence, line.values)), orders=line.orders,
         )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class LimitLine:
     """A value over speed and what is allowed there."""
 
     criterion: str
@@ -151,6 +144,14 @@ class Line:
     allowed: FloatArray
     remarks: tuple[str, ...] = ()
     orders: FloatArray | None = None
+
+
+def _worst_case(evidence: Evidence, line: LimitLine, sensor: Sensor) -> tuple[str, ...]:
+    """A remark on the case, as the cylinder that misfires, which is worst at the worst speed."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = int(np.argmax(np.nan_to_num(line.values / line.allowed, nan=-1.0)))
+    case = evidence.worst_case(sensor, at)
+    return (f"worst at {evidence.run.rpm[at]:g} rpm: {case}",) if case else ()
 
 
 def _coarse(evidence: Evidence, values: FloatArray) -> tuple[str, ...]:

@@ -11,11 +11,11 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, Text
 from torsionnet.core.errors import Path
 from torsionnet.model.channels import Sensor
-from torsionnet.model.definition import Definition
 from torsionnet.model.elements.nodes import NodeName
 from torsionnet.model.limits.element_limit import everywhere
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import Limit, Line, register_rule
+from torsionnet.model.limits.limit import Limit, LimitLine, register_rule
+from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.limit_check import LimitVerdict, RuleText
 
 
@@ -45,8 +45,8 @@ class MachineAngleLimit(Limit):
     def named(self) -> tuple[tuple[Path, str, str], ...]:
         return ((("node",), "node", self.node),)
 
-    def seen(self, definition: Definition) -> list[Sensor]:
-        del definition
+    def seen(self, subject: LimitSubject) -> list[Sensor]:
+        del subject
         return [Sensor("angle", self.node)]
 
     def text(self, evidence: Evidence) -> RuleText:
@@ -55,8 +55,8 @@ class MachineAngleLimit(Limit):
         return RuleText(self.source, formula, "swinging of machines that run in parallel against each other")
 
     def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
-        angle = self.seen(evidence.definition)
+        angle = self.seen(evidence.subject)
         values, orders = self.pole_pairs * evidence.size(angle), self.pole_pairs * evidence.orders(angle)
         allowed = everywhere(self.angle, evidence)
-        line = Line("angle", "electrical angle, half range", "rad", values, allowed, (), orders)
+        line = LimitLine("angle", "electrical angle, half range", "rad", values, allowed, (), orders)
         yield self.continuous(line, name, evidence)

@@ -12,20 +12,20 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.channels import Sensor
-from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Element, Values
 from torsionnet.model.limits.evidence import Evidence, torques_of
 from torsionnet.model.limits.limit import Limit
+from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
 
 
 @dataclass(frozen=True)
-class Section:
+class RoundSection:
     """A round section by its outer and inner diameter, m.
 
     Examples
     --------
-    >>> round(Section(0.345).modulus * 1e6)
+    >>> round(RoundSection(0.345).modulus * 1e6)
     8063
     """
 
@@ -61,40 +61,46 @@ class ShaftLimit(Limit):
             return [Fault("the bore must be smaller than the diameter", ("bore",))]
         return []
 
-    def unfit(self, definition: Definition) -> Iterator[Fault]:
-        element = definition.elements[self.element]
+    def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
+        element = subject.elements[self.element]
         if element.diameters is None and self.diameter is None:
             text = f"{self.element}, a {element.kind}, has no diameter, and so no stress"
             yield Fault(f"{text}; give the limit one, diameter: 300 mm, or make the element a shaft", ("element",))
         elif len(element.ports) != 2:
             yield Fault(f"{self.element}, a {element.kind}, is no shaft between two nodes", ("element",))
+        else:
+            section = self.section(subject)
+            if section.inner >= section.outer:
+                key = "diameter" if self.diameter is not None else "bore"
+                text = f"the bore of {self.element}, {1000 * section.inner:g} mm, is no smaller than its diameter"
+                yield Fault(f"{text}, {1000 * section.outer:g} mm", (key,))
 
-    def seen(self, definition: Definition) -> list[Sensor]:
-        return torques_of(definition.elements[self.element])
+    def seen(self, subject: LimitSubject) -> list[Sensor]:
+        return torques_of(subject.elements[self.element])
 
-    def averaged(self, definition: Definition) -> list[Sensor]:
-        del definition
+    def averaged(self, subject: LimitSubject) -> list[Sensor]:
+        del subject
         return [Sensor("torque", self.element)]
 
-    def section(self, evidence: Evidence) -> Section:
+    def section(self, subject: LimitSubject) -> RoundSection:
         """The section that is stressed."""
-        own = _own(evidence.active[self.element], Values(evidence.values)) if self.element in evidence.active else None
+        own = _own(subject.elements[self.element], Values(subject.values))
         outer = self.diameter if self.diameter is not None else own.outer if own else math.nan
-        inner = self.bore if self.bore is not None else own.inner if own and self.diameter is None else 0.0
-        return Section(float(outer), float(inner))
+        inner = self.bore if self.bore is not None else own.inner if own else 0.0
+        return RoundSection(float(outer), float(inner))
 
     def stress(self, evidence: Evidence) -> tuple[FloatArray, FloatArray]:
         """Half range (n_speeds,) and amplitudes by order (n_speeds, n_lines) of the nominal shear stress, Pa."""
-        torques, modulus = torques_of(evidence.active[self.element]), self.section(evidence).modulus
+        torques, modulus = torques_of(evidence.subject.active[self.element]), self.section(evidence.subject).modulus
         return evidence.size(torques) / modulus, evidence.orders(torques) / modulus
 
     def mean_stress_of(self, evidence: Evidence) -> FloatArray | None:
         """Magnitude (n_speeds,) of the mean stress in Pa, None where it is not known."""
         mean = evidence.mean(Sensor("torque", self.element))
-        return None if mean is None else abs(mean) / self.section(evidence).modulus
+        return None if mean is None else abs(mean) / self.section(evidence.subject).modulus
 
 
-def _own(element: Element, value: Values) -> Section | None:
+def _own(element: Element, value: Values) -> RoundSection | None:
     if element.diameters is None:
         return None
-    return Section(*(float(value(diameter)) for diameter in element.diameters))
+    return RoundSection(*(float(value(diameter)) for diameter in element.diameters))

@@ -10,10 +10,10 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.model.channels import Sensor
-from torsionnet.model.definition import Definition
 from torsionnet.model.limits.element_limit import ElementLimit, everywhere
 from torsionnet.model.limits.evidence import Evidence
-from torsionnet.model.limits.limit import Line, register_rule
+from torsionnet.model.limits.limit import LimitLine, register_rule
+from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.limit_check import LimitVerdict, RuleText
 
 
@@ -50,8 +50,8 @@ class DamperLimit(ElementLimit):
         per_area = None if self.power_per_area is None else float(self.power_per_area * self.area)
         return float(self.power) if self.power is not None else per_area
 
-    def seen(self, definition: Definition) -> list[Sensor]:
-        del definition
+    def seen(self, subject: LimitSubject) -> list[Sensor]:
+        del subject
         return [self.twisting]
 
     def powered(self) -> list[str]:
@@ -71,10 +71,10 @@ class DamperLimit(ElementLimit):
     def judged(self, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
         if self.allowed_power is not None:
             allowed = everywhere(self.allowed_power, evidence)
-            line = Line("P", "dissipated power", "W", evidence.power(self.element), allowed)
+            line = LimitLine("P", "dissipated power", "W", evidence.power(self.element), allowed)
             yield self.continuous(line, name, evidence)
         if self.vibratory_twist is not None:
             allowed, twist = everywhere(self.vibratory_twist, evidence), [self.twisting]
             orders = evidence.orders(twist)
-            line = Line("vibratory twist", "twist, half range", "rad", evidence.size(twist), allowed, (), orders)
+            line = LimitLine("vibratory twist", "twist, half range", "rad", evidence.size(twist), allowed, (), orders)
             yield self.continuous(line, name, evidence)

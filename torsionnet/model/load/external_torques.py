@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from torsionnet.core.errors import UsageError, meant_or
@@ -24,76 +26,97 @@ def reference_node(definition: Definition) -> str:
     return next(iter(definition.load.by_node)) if definition.load else ""
 
 
-def operating_speed(definition: Definition, values: Mapping[str, Any]) -> float:
-    """Speed of the reference node in rad/s about which the model is linear: the operating point's, else the rated one.
+@dataclass(frozen=True, eq=False)
+class ExternalTorques:
+    """The mean torques on a drivetrain over its speed: of its load, else those its operating point states.
 
-    Raises
-    ------
-    UsageError
-        Nothing says it.
+    ``values`` are those of the parameters. A driver's torque has the sign of the rotation of its node, an absorber's
+    the opposite one; the reference node turns in the positive sense. Power is shared, so that drivers of unlike speeds
+    have unlike torques.
     """
-    reference = reference_node(definition)
-    speed = mean_speeds(definition, values).get(reference) if definition.operating_point.speed else None
-    rated = definition.speeds.rated if definition.speeds else None
-    found = speed or rated or _rated_of_absorber(definition, values, reference)
-    if not found:
-        raise UsageError(NEEDS_RATED)
-    return float(found)
 
+    definition: Definition
+    values: Mapping[str, Any]
 
-def _rated_of_absorber(definition: Definition, values: Mapping[str, Any], reference: str) -> float | None:
-    """The reference node's speed at which the first absorber with a rated speed of its own has that."""
-    ratios = speed_ratios(definition, values, reference)
-    for node, absorber in definition.load.by_node.items() if definition.load else ():
-        if absorber.rated and ratios.get(node):
-            return float(absorber.rated / abs(ratios[node]))
-    return None
+    @property
+    def reference(self) -> str:
+        return reference_node(self.definition)
 
+    @cached_property
+    def ratios(self) -> dict[str, float]:
+        """Speed of every node over that of the reference, where it follows."""
+        speeds = speeds_with(self.definition, self.values, self.reference)
+        own = speeds.get(self.reference)
+        return {node: speed / own for node, speed in speeds.items()} if own else {}
 
-def load_torques(definition: Definition, values: Mapping[str, Any], speed: float) -> dict[str, float]:
-    """Mean torques of the load in N m by node, at a speed > 0 of the reference node in rad/s.
+    @cached_property
+    def operating_speed(self) -> float:
+        """Speed of the reference in rad/s about which the model is linear: the operating point's, else the rated one.
 
-    A driver's torque has the sign of the rotation of its node, an absorber's the opposite one. Power is shared, so that
-    drivers of unlike speeds have unlike torques.
+        Raises
+        ------
+        UsageError
+            Nothing says it.
+        """
+        definition = self.definition
+        point = mean_speeds(definition, self.values) if definition.operating_point.speed else {}
+        rated = definition.speeds.rated if definition.speeds else None
+        found = point.get(self.reference) or rated or self._rated_of_absorber()
+        if not found:
+            raise UsageError(NEEDS_RATED)
+        return float(found)
 
-    Raises
-    ------
-    UsageError
-        A node does not turn with the reference, nobody drives, or the speed is outside a table.
-    """
-    load = definition.load
-    assert load is not None
-    reference = reference_node(definition)
-    ratios = speed_ratios(definition, values, reference)
-    rated = definition.speeds.rated if definition.speeds else None
-    torques: dict[str, float] = {}
-    power = 0.0
-    for node, absorber in load.by_node.items():
-        ratio = _ratio(definition, ratios, node, reference)
-        if absorber.needs_rated and not rated:
-            raise UsageError(f"{NEEDS_RATED}, or rated of its own")
-        torque = absorber.torque_at(abs(ratio) * speed, abs(ratio) * rated if rated else None)
-        torques[node] = torques.get(node, 0.0) - math.copysign(torque, ratio)
-        power += torque * abs(ratio) * speed
-    for node, share in drivers(definition, load).items():
-        torques[node] = torques.get(node, 0.0) + share * power / (_ratio(definition, ratios, node, reference) * speed)
-    return torques
+    def _rated_of_absorber(self) -> float | None:
+        """The reference's speed at which the first absorber with a rated speed of its own has that."""
+        for node, absorber in self.definition.load.by_node.items() if self.definition.load else ():
+            if absorber.rated and self.ratios.get(node):
+                return float(absorber.rated / abs(self.ratios[node]))
+        return None
 
+    def at(self, speed: float) -> dict[str, float]:
+        """Torques in N m by node at a speed > 0 of the reference in rad/s.
 
-def speed_ratios(definition: Definition, values: Mapping[str, Any], reference: str) -> dict[str, float]:
-    """Speed of every node over that of the reference, where it follows."""
-    speeds = speeds_with(definition, values, reference)
-    own = speeds.get(reference)
-    return {node: speed / own for node, speed in speeds.items()} if own else {}
+        Raises
+        ------
+        UsageError
+            A node does not turn with the reference, nobody drives, the speed is outside a table, or there is no load
+            and the operating point does not state the torques at this speed.
+        """
+        if self.definition.load is not None:
+            return self._of_load(speed, self.definition.load)
+        stated = stated_torques(self.definition, self.values)
+        if not stated or not math.isclose(speed, self.operating_speed):
+            raise UsageError("mean torques over speed need the entry load: {absorbed_at: node, power: ..., ...}")
+        return stated
 
+    def _of_load(self, speed: float, load: Load) -> dict[str, float]:
+        rated = self.definition.speeds.rated if self.definition.speeds else None
+        torques: dict[str, float] = {}
+        power = 0.0
+        for node, absorber in load.by_node.items():
+            ratio = self._ratio(node)
+            if absorber.needs_rated and not rated:
+                raise UsageError(f"{NEEDS_RATED}, or rated of its own")
+            torque = absorber.torque_at(abs(ratio) * speed, abs(ratio) * rated if rated else None)
+            torques[node] = torques.get(node, 0.0) - math.copysign(torque, ratio)
+            power += torque * abs(ratio) * speed
+        for node, share in self._drivers.items():
+            torques[node] = torques.get(node, 0.0) + share * power / (self._ratio(node) * speed)
+        return torques
 
-def _ratio(definition: Definition, ratios: Mapping[str, float], node: str, reference: str) -> float:
-    if node not in all_nodes(definition.active):
-        raise UsageError(f'nothing is attached to "{node}" in this configuration')
-    if not ratios.get(node):
-        why = "does not turn" if node in ratios else "has no fixed ratio to it"
-        raise UsageError(f"{node} {why} when {reference} turns; it can neither drive nor absorb")
-    return ratios[node]
+    @cached_property
+    def _drivers(self) -> dict[str, float]:
+        assert self.definition.load is not None
+        return drivers(self.definition, self.definition.load)
+
+    def _ratio(self, node: str) -> float:
+        ratio = self.ratios.get(node)
+        if ratio:
+            return ratio
+        if node not in all_nodes(self.definition.active):
+            raise UsageError(f'nothing is attached to "{node}" in this configuration')
+        why = "does not turn" if ratio is not None else "has no fixed ratio to it"
+        raise UsageError(f"{node} {why} when {self.reference} turns; it can neither drive nor absorb")
 
 
 def drivers(definition: Definition, load: Load) -> dict[str, float]:
@@ -133,9 +156,10 @@ def unknown_driver(definition: Definition, name: str) -> str | None:
 
 def mean_torques(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:
     """Mean external torque in N m by node at the operating point: of the load, else as the operating point gives it."""
-    if definition.load is not None:
-        return load_torques(definition, values, operating_speed(definition, values))
-    return stated_torques(definition, values)
+    if definition.load is None:
+        return stated_torques(definition, values)
+    torques = ExternalTorques(definition, values)
+    return torques.at(torques.operating_speed)
 
 
 def stated_torques(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:

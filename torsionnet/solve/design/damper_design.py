@@ -26,7 +26,7 @@ from torsionnet.response.damper_optimum import (
     LevelPeak,
 )
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.solve.design.levels import Levels, OrderLevels, ReceptanceLevels
+from torsionnet.solve.design.levels import Levels, OrderLevels, ReceptanceLevels, VariedModel
 from torsionnet.solve.design.minimax import Box, largest, smallest_maximum
 from torsionnet.solve.grid import vibration_range
 from torsionnet.solve.modes import modes
@@ -36,7 +36,7 @@ from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
 
 DECADE = 10.0
 """Bounds, where none are given: a tenth to ten times the value."""
-EFFECT_POINTS = 41
+EFFECT_POINTS = 33
 FREE, LOCKED = 1e-6, 1e6
 """Times the best film: as good as none, which would have infinite peaks, and one that lets nothing slip."""
 MEET = 0.02
@@ -106,7 +106,7 @@ def _levels(
             raise UsageError("a band of frequencies needs the input whose response is meant; over speed give speeds")
         chosen = None if excitations is None else [*excitations]
         run = order_response(drivetrain, output, speeds=speeds, speed_of=speed_of, excitations=chosen)
-        return OrderLevels(varied, output, chosen, run)
+        return OrderLevels(VariedModel(varied), output, chosen, run)
     if speeds is not None or excitations is not None:
         raise UsageError("an input is asked for over frequencies; without it excitations act over speeds")
     low, high = band or vibration_range(modes(drivetrain))

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from functools import cached_property
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -26,8 +27,25 @@ STEP = 1e-4
 """Of a value: the difference from which the slope of a half range is taken."""
 
 
+@dataclass(frozen=True, eq=False)
+class VariedModel:
+    """A model with other values of its unknowns; what does not depend on them is worked out once for all of them."""
+
+    unknowns: Unknowns
+
+    @cached_property
+    def _first(self) -> AssembledModel:
+        return AssembledModel.from_definition(self.unknowns.definition)
+
+    def at(self, values: FloatArray) -> AssembledModel:
+        return self._first.configured(**dict(zip(self.unknowns.parameters, map(float, values), strict=True)))
+
+
 class Levels(Protocol):
     """Levels over points, which are frequencies in Hz or speeds in rad/s."""
+
+    precision: ClassVar[float]
+    """Relative, of levels and of what follows from them."""
 
     def grid(self, values: FloatArray) -> FloatArray:
         """Points (n,) that show every maximum, rising."""
@@ -59,6 +77,7 @@ class ReceptanceLevels:
 
     response: ParametricResponse
     band: tuple[float, float]
+    precision: ClassVar[float] = 1e-10
 
     @property
     def of(self) -> tuple[str, str]:
@@ -71,7 +90,11 @@ class ReceptanceLevels:
         return Channel(f"{output.name}/{measured.name}", f"{output.unit}/({measured.unit})")
 
     def grid(self, values: FloatArray) -> FloatArray:
-        return Adaptive(*self.band).frequencies(modes(_changed(self.response.unknowns, values)))
+        return Adaptive(*self.band).frequencies(modes(self._model.at(values)))
+
+    @cached_property
+    def _model(self) -> VariedModel:
+        return VariedModel(self.response.unknowns)
 
     def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
         found = replace(self.response, frequencies=points).at(values)
@@ -111,10 +134,11 @@ class OrderLevels:
     parameters in any way.
     """
 
-    unknowns: Unknowns
+    model: VariedModel
     output: str | Sensor
     excitations: Sequence[str] | None
     run: OrderResponse
+    precision: ClassVar[float] = 1e-5
 
     @property
     def of(self) -> tuple[str, str]:
@@ -130,7 +154,7 @@ class OrderLevels:
         return self.run.speeds
 
     def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
-        changed, shaft = _changed(self.unknowns, values), self.run.reference
+        changed, shaft = self.model.at(values), self.run.reference
         run = order_response(changed, self.output, speeds=points, speed_of=shaft, excitations=self.excitations)
         return np.asarray(run.half_range[:, 0])
 
@@ -149,11 +173,6 @@ class OrderLevels:
 
     def shown(self, points: FloatArray) -> FloatArray:
         return points * RPM
-
-
-def _changed(unknowns: Unknowns, values: Sequence[float] | FloatArray) -> AssembledModel:
-    numbers = dict(zip(unknowns.parameters, map(float, values), strict=True))
-    return AssembledModel.from_definition(unknowns.definition).configured(**numbers)
 
 
 def _with_ends(levels: FloatArray) -> list[int]:

@@ -11,15 +11,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
+from scipy.optimize import minimize, minimize_scalar
 from scipy.stats import qmc
 
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.solve.design.levels import Levels
 
-ENOUGH = 1e-10
-"""By which the logarithm of the level may be above what the points say."""
-ROUNDS = 40
+ROUNDS, STEPS = 40, 60
+"""Rounds of new points, and steps of the programming in each."""
 SAMPLES, BEST = 16, 2
 """Sets of values, times 2 for each after the first, from which the search may begin, and from how many it does."""
 SAMPLED = 40
@@ -27,6 +26,8 @@ SAMPLED = 40
 WIDE = 3.0
 """Bounds whose ratio is larger are searched by equal factors."""
 TINY = 1e-300
+FINE, FTOL = 1e-8, 1.3
+"""Levels that are known better are worth slopes; power of their precision to which the programming goes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,10 +68,28 @@ class Box:
 
 def smallest_maximum(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
     """The values (n_p,), searched from the start and from samples of the box."""
+    if len(start) == 1 and levels.precision > FINE:
+        return _along_one(levels, box, start)
     places = [box.place(start), *qmc.Sobol(len(start), scramble=False).random(SAMPLES * 2 ** (len(start) - 1))]
     rough = [largest(levels, box.inside(place), refined=False) for place in places]
     found = [_searched(levels, box, places[index]) for index in np.argsort(rough, kind="stable")[:BEST]]
     return box.inside(min(found, key=lambda place: largest(levels, box.inside(place))))
+
+
+def _along_one(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
+    """Of one value, without slopes: the lowest of some places, then by parabolas between its neighbours."""
+    places = np.union1d(np.linspace(0, 1, SAMPLES + 1), box.place(start))
+
+    def level(place: float) -> float:
+        return largest(levels, box.inside(np.array([place])), refined=False)
+
+    rough = [level(place) for place in places]
+    at = int(np.argmin(rough))
+    ends = places[max(at - 1, 0)], places[min(at + 1, len(places) - 1)]
+    search: Any = minimize_scalar
+    found = search(level, bounds=ends, method="bounded", options={"xatol": 0.1 * np.sqrt(levels.precision)})
+    best = found.x if found.fun < rough[at] else places[at]
+    return box.inside(np.array([float(best)]))
 
 
 def largest(levels: Levels, values: FloatArray, *, refined: bool = True) -> float:
@@ -94,7 +113,7 @@ def _searched(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
         top = float(np.log(largest(levels, box.inside(place)) + TINY))
         if top < least:
             best, least = place, top
-        if top <= bound + ENOUGH:
+        if top <= bound + levels.precision:
             break
     return best
 
@@ -118,7 +137,7 @@ def _solved(levels: Levels, box: Box, points: FloatArray, start: FloatArray) -> 
         method="SLSQP",
         bounds=[*((0.0, 1.0) for _ in start), (None, None)],
         constraints={"type": "ineq", "fun": lambda x: x[-1] - logs(x), "jac": slopes},
-        options={"ftol": 1e-13, "maxiter": 60},
+        options={"ftol": levels.precision**FTOL, "maxiter": STEPS},
     )
     place = np.clip(found.x[:-1], 0.0, 1.0)
     return place, float(logs(np.append(place, 0.0)).max())

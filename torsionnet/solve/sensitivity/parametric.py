@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
@@ -16,8 +16,11 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.core.expressions import ExpressionError
 from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.elements import Values
+from torsionnet.model.readings import section_modulus
 from torsionnet.solve.sensitivity.arranged import Arranged, law_stiffness_of
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
+from torsionnet.solve.sensitivity.dual import DUALS, gradient_of
 from torsionnet.solve.sensitivity.unknowns import Unknowns, unknowns
 from torsionnet.solve.starmesh import respond
 from torsionnet.solve.transfer import frequency_response
@@ -89,7 +92,8 @@ class ParametricResponse:
         kappa = law_stiffness_of(whole, omega)
         solved = respond(arranged.problem, kappa)
         y = arranged.values(solved.values, kappa.s)
-        found = self._quotient(y, arranged.slopes(solved.values, whole, kappa.by_law, kappa.s, omega))
+        dy = arranged.slopes(solved.values, whole, kappa.by_law, kappa.s, omega)
+        found = self._quotient(*self._stressed(y, dy, numbers))
         points = np.flatnonzero(solved.doubtful)
         if len(points) and np.isfinite(numbers).all():
             found.values[points] = self._settled(arranged, kappa.at(points), found.values[points], points, numbers)
@@ -106,9 +110,26 @@ class ParametricResponse:
         elements, names = dict(self.unknowns.definition.elements), self.drivetrain.inputs.items()
         channels = {channel: name for name, channel in names}
         values = self.unknowns.values(numbers)
-        arranged = Arranged(system, self.sensors, elements, values, self.loads, channels, self._nodes)
+        torques = [replace(one, quantity="torque") if one.quantity == "stress" else one for one in self.sensors]
+        arranged = Arranged(system, torques, elements, values, self.loads, channels, self._nodes)
         self._known[:] = [(key, arranged)]
         return arranged
+
+    def _stressed(
+        self, y: ComplexArray, dy: ComplexArray, numbers: Sequence[float]
+    ) -> tuple[ComplexArray, ComplexArray]:
+        """Readings and their derivatives, with torques over section moduli where a stress is read.
+
+        The section is no law: it moves readings, and nothing in the equations.
+        """
+        values = Values(self.unknowns.values(numbers), DUALS)
+        for place, sensor in enumerate(self.sensors):
+            if sensor.quantity == "stress":
+                factor = 1 / section_modulus(self.unknowns.definition.elements[sensor.of], values)
+                moved = gradient_of(factor, dy.shape[-1])
+                dy[:, place] = float(factor) * dy[:, place] + y[:, place, :, None] * moved
+                y[:, place] *= float(factor)
+        return y, dy
 
     def _given(self, numbers: Sequence[float]) -> str:
         return ", ".join(f"{name} = {x:.6g}" for name, x in zip(self.names, numbers, strict=True))
@@ -126,7 +147,7 @@ class ParametricResponse:
         def evaluate(some: LawStiffness, turned: bool) -> ComplexArray:
             problem = arranged.problem.otherwise if turned else arranged.problem
             y = arranged.values(respond(problem, some).values, kappa.s)
-            return self._quotient(y, np.zeros((*y.shape, 0))).values
+            return self._quotient(*self._stressed(y, np.zeros((*y.shape, len(numbers)), dtype=complex), numbers)).values
 
         poor = (expected_errors(evaluate, kappa, values) > ENOUGH).any(axis=(1, 2))
         if poor.any():

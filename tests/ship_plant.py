@@ -1,0 +1,7 @@
+"""The ship of the how-to on limits: a direct-drive two-stroke engine, its shafts, and what they bear."""
+
+import re
+from pathlib import Path
+
+PAGE = Path(__file__).parent.parent / "docs" / "how_to" / "limits.md"
+SHIP = re.search(r"```yaml\n(# ship\.yaml\n.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)[1]

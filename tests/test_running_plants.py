@@ -1,0 +1,252 @@
+"""Plants of the library that run: numbers by hand, by closed forms, or from a dense solution made elsewhere."""
+
+import numpy as np
+import pytest
+from forced_plants import reference
+
+import torsionnet as tn
+from torsionnet.model.speeds import total_ratio
+
+RPM = 30 / np.pi
+
+
+def swept(engine):
+    """Volume in m^3 that one piston sweeps."""
+    return np.pi / 4 * engine.bore**2 * engine.stroke
+
+
+def mean_indicated_pressure(engine, kind):
+    """In Pa by the work p dV of the trace, summed with trapezoids over the volume."""
+    p = np.array(getattr(engine.gas, kind))
+    phi = np.linspace(0, engine.cycle * np.pi, len(p) + 1)
+    r, rod = engine.stroke / 2, engine.rod_length
+    volume = np.pi / 4 * engine.bore**2 * (r * (1 - np.cos(phi)) + rod - np.sqrt(rod**2 - (r * np.sin(phi)) ** 2))
+    closed = np.append(p, p[0])
+    return float(((closed[1:] + closed[:-1]) / 2 * np.diff(volume)).sum()) / swept(engine)
+
+
+def engine_of(name):
+    return next(one for one in tn.load(name).definition.excitations.values() if one.kind == "reciprocating_engine")
+
+
+def pole_frequencies(plant):
+    """|lambda|/2 pi in Hz of every vibration."""
+    modes = plant.modes()
+    return np.unique(np.round(np.abs(modes.eigenvalues[modes.eigenvalues.imag > 0]) / (2 * np.pi), 6))
+
+
+def worst_speed(run, order, output):
+    """Speed in r/min at which one order is largest."""
+    return run.rpm[np.argmax(np.abs(run.of_order(order, output)))]
+
+
+@pytest.mark.parametrize(
+    ("name", "power", "rpm", "efficiency", "cylinders"),
+    [
+        ("marine_medium_speed", 3000e3, 750, 0.92, 6),
+        ("engine_generator_set", 1200e3, 900, 0.90, 6),
+        ("front_wheel_drive_car", 200 * 1500 / RPM, 1500, 0.88, 4),
+    ],
+)
+def test_pressure_traces_make_the_power(name, power, rpm, efficiency, cylinders):
+    """Mean indicated pressure of a four-stroke engine: p = P/(eta z V n/2)."""
+    engine = engine_of(name)
+    wanted = power / (efficiency * cylinders * swept(engine) * rpm / 120)
+    assert mean_indicated_pressure(engine, "fired") == pytest.approx(wanted, rel=0.02)  # trapezoids of 5 degrees
+    assert 0 <= mean_indicated_pressure(engine, "motored") < 0.05 * wanted
+
+
+class TestMarine:
+    @pytest.fixture(scope="class")
+    @staticmethod
+    def plant():
+        return tn.load("marine_medium_speed").configured("water=wet")
+
+    def test_undamped_and_damped_frequency_of_the_crankshaft(self, plant):
+        """The film holds the ring: 38.75 Hz, order 3 at 775 r/min, is in truth 26.49 Hz, 530 r/min."""
+        undamped = plant.modes().undamped_natural_frequencies
+        np.testing.assert_allclose(undamped[[1, 2, 4]], [3.52, 10.55, 38.75], atol=6e-3)
+        assert undamped[4] * 60 / 3 == pytest.approx(775, abs=0.1)
+        assert np.abs(pole_frequencies(plant) - 26.49).min() < 0.005
+        assert pole_frequencies(plant)[np.abs(pole_frequencies(plant) - 26.49).argmin()] * 20 == pytest.approx(
+            530, abs=0.2
+        )
+
+    def test_torque_of_the_crankshaft_by_equal_cylinders(self, plant):
+        """Third order with the same torque on all throws in phase: largest at 521 r/min."""
+        rpm = np.arange(450, 651)
+        response = plant.frequency_response("T_crank", [f"T{number}" for number in range(1, 7)], rpm * 3 / 60)
+        assert rpm[np.abs(response.values[:, 0].sum(axis=1)).argmax()] == pytest.approx(521, abs=1)
+
+    def test_lowest_modes_meet_half_orders(self, plant):
+        low = plant.modes().undamped_natural_frequencies
+        assert low[1] * 60 / 0.5 == pytest.approx(423, abs=1)
+        assert low[2] * 60 / 1.5 == pytest.approx(422, abs=1)
+
+    def test_misfire_brings_order_one_half(self, plant):
+        normal, misfire = (
+            plant.configured(f"firing={name}").order_response("T_cpl") for name in ("normal", "misfire_6")
+        )
+        half = [np.abs(run.of_order(0.5, "T_cpl")).max() for run in (normal, misfire)]
+        assert half[1] > 20 * half[0]
+        assert worst_speed(misfire, 0.5, "T_cpl") == pytest.approx(423, abs=15)
+
+    def test_mean_torque_and_stress_of_the_tail_shaft(self, plant):
+        """188.7 kN m by P/omega, 23.4 N/mm^2 by 16 T/(pi d^3)."""
+        found = plant.mean_response(["T_tail", "stress(prop_shaft)"], speeds=[750 / RPM])
+        torque = 3000e3 / (750 / 4.94 / RPM)
+        assert torque == pytest.approx(188.7e3, rel=1e-3)
+        np.testing.assert_allclose(np.abs(found.values[0]), [torque, 16 * torque / (np.pi * 0.345**3)], rtol=1e-3)
+        assert abs(found.values[0, 1]) / 1e6 == pytest.approx(23.4, abs=0.05)
+
+    def test_damping_of_the_propeller_is_archers(self, plant):
+        """c = a Q/n, a = 30, n in r/min."""
+        assert plant.parameters["c_prop"] == pytest.approx(30 * 188.7e3 / 151.8, rel=1e-3)
+
+
+class TestTwoStroke:
+    @pytest.fixture(scope="class")
+    @staticmethod
+    def plant():
+        return tn.load("two_stroke_ship")
+
+    def test_natural_frequencies(self, plant):
+        """Those of the plant of the validation page; the intermediate shaft and the tail by their geometry."""
+        expected = reference("forced_two_stroke_propulsion")["undamped_natural_frequencies_hz"]
+        np.testing.assert_allclose(plant.modes().undamped_natural_frequencies, expected, rtol=5e-5, atol=1e-9)
+
+    @pytest.mark.parametrize(("configuration", "key"), [("normal", None), ("misfire_2", "motored")])
+    def test_half_ranges(self, plant, configuration, key):
+        """Against the dense solution, whose traces have steps of one degree: a percent at most."""
+        data = reference("forced_two_stroke_propulsion")
+        run = plant.configured(configuration).order_response(["T_int", "T_tail"])
+        for case in data["misfire"][key] if key else data["normal"]:
+            at = np.argmin(np.abs(run.rpm - case["rpm"]))
+            expected = [case["half_range"][name] for name in ("intermediate", "tail")]
+            np.testing.assert_allclose(run.half_range[at], expected, rtol=5e-3)
+
+    def test_order_six_is_at_52(self, plant):
+        run = plant.order_response("T_int")
+        assert worst_speed(run, 6, "T_int") == pytest.approx(5.2121 * 60 / 6, abs=1)
+
+
+class TestCar:
+    @pytest.fixture(scope="class")
+    @staticmethod
+    def plant():
+        return tn.load("front_wheel_drive_car").configured("gear=III")
+
+    def test_order_two_meets_the_dual_mass_flywheel(self, plant):
+        """|lambda|/2 pi 23.59 Hz is 708 r/min, 20.86 Hz undamped is 626; the twist is largest at 704 to 706."""
+        assert np.abs(pole_frequencies(plant) - 23.59).min() < 0.005
+        assert np.abs(plant.modes().undamped_natural_frequencies - 20.86).min() < 0.005
+        assert 23.59 * 30 == pytest.approx(708, abs=0.5)
+        run = plant.order_response("tw_dmf")
+        assert 703 <= worst_speed(run, 2, "tw_dmf") <= 707
+
+    def test_four_cylinders_on_one_node_leave_even_orders(self, plant):
+        run = plant.order_response("tw_dmf")
+        largest = {line.order: np.abs(run.of_order(line.order, "tw_dmf")).max() for line in run.lines}
+        assert max(size for order, size in largest.items() if order % 2) < 1e-9 * largest[2]
+
+    def test_ratio_of_a_gear(self, plant):
+        """Twice engaged, twice turned around: gear III by 3.45."""
+        assert float(total_ratio(plant.definition, plant.exact_values, "prim", "cage")) == pytest.approx(1.257 * 3.45)
+
+
+class TestGeneratingSet:
+    @pytest.fixture(scope="class")
+    @staticmethod
+    def plant():
+        return tn.load("engine_generator_set")
+
+    def test_mode_of_the_coupling(self, plant):
+        """Two masses, all of the engine and all of the generator, on the coupling; its film is soft there."""
+        engine, generator = 6 * 4.2 + 58 + 1.6, 96 + 2.4
+        two_masses = np.sqrt(62e3 * (1 / engine + 1 / generator)) / (2 * np.pi)
+        assert plant.modes().undamped_natural_frequencies[2] == pytest.approx(two_masses, rel=5e-3)
+
+    def test_misfire_of_any_cylinder_shakes_the_coupling_alike(self, plant):
+        """Below its crank modes the engine is one mass: order 1/2 is that of one missing cylinder at 690 r/min."""
+        sizes = []
+        for name in ("misfire_1", "misfire_6"):
+            slow = np.arange(500, 900, 2) / RPM
+            run = plant.configured(f"firing={name}").order_response("T_cpl", speeds=slow)
+            assert worst_speed(run, 0.5, "T_cpl") == pytest.approx(5.75 * 120, abs=10)
+            sizes.append(np.abs(run.of_order(0.5, "T_cpl")).max())
+        assert sizes[0] == pytest.approx(sizes[1], rel=0.02)
+
+    def test_load_comes_at_rated_speed(self, plant):
+        found = plant.mean_response("T_cpl", speeds=np.array([600, 900]) / RPM)
+        np.testing.assert_allclose(np.abs(found.values[:, 0]), [0, 12.73e3], rtol=1e-6, atol=1e-6)
+        assert 12.73e3 * 900 / RPM == pytest.approx(1200e3, rel=1e-3)
+
+
+class TestCompressor:
+    @pytest.fixture(scope="class")
+    @staticmethod
+    def plant():
+        return tn.load("reciprocating_compressor_train")
+
+    def test_indicated_power_is_the_load(self, plant):
+        """Work of the net trace of four cylinders a turn, against the torque that the load takes."""
+        engine = plant.definition.excitations["compressor"]
+        work = -4 * mean_indicated_pressure(engine, "fired") * swept(engine)
+        taken = sum(one.torque for one in plant.definition.load.by_node.values())
+        assert work / (2 * np.pi) == pytest.approx(taken, rel=0.01)
+
+    def test_ideal_work_of_one_end(self, plant):
+        """n/(n - 1) p_s (V_1 - V_4)((p_d/p_s)^((n - 1)/n) - 1) with clearance 14 %, n = 1.28, both ends."""
+        engine = plant.definition.excitations["compressor"]
+        n, ratio = 1.28, 11 / 4
+        taken_in = swept(engine) * (1.14 - 0.14 * ratio ** (1 / n))
+        ideal = n / (n - 1) * 4e5 * taken_in * (ratio ** ((n - 1) / n) - 1) * 1.96
+        assert -mean_indicated_pressure(engine, "fired") * swept(engine) == pytest.approx(ideal, rel=0.01)
+
+    def test_orders_that_opposed_throws_cancel(self, plant):
+        """Top dead centres a quarter of a turn apart: of a stiff crankshaft only every fourth order is left."""
+        engine = plant.definition.excitations["compressor"]
+        sums = np.abs(engine.torques(np.array([50.0])).amplitudes[0].sum(axis=1))
+        assert (sums[engine.acting_orders % 4 != 0] < 1e-9 * sums.max()).all()
+
+    def test_a_lost_head_end_meets_the_coupling_with_order_two(self, plant):
+        low = plant.modes().undamped_natural_frequencies[1]
+        run = plant.configured("one_head_end_lost").order_response("T_cpl")
+        assert worst_speed(run, 2, "T_cpl") == pytest.approx(low * 60 / 2 * 2.96, rel=0.01)
+        full = plant.configured("full").order_response("T_cpl")
+        assert run.half_range.max() > 2 * full.half_range.max()
+
+
+class TestWindTurbine:
+    @pytest.fixture(scope="class")
+    @staticmethod
+    def plant():
+        return tn.load("wind_turbine_3mw")
+
+    def test_ratio_through_a_housing_on_springs(self, plant):
+        """(1 + 99/21)(1 + 94/20)(97/29): orders of the generator are 109 times as many of the rotor."""
+        run = plant.order_response("T_hs", speeds=[1.2], excitations=["generator"])
+        ratio = (1 + 99 / 21) * (1 + 94 / 20) * 97 / 29
+        assert sorted(float(line.relative) for line in run.lines) == pytest.approx([2 * ratio, 12 * ratio])
+
+    def test_weight_of_three_blades_does_not_reach_the_shaft(self, plant):
+        run = plant.order_response(
+            ["T_ms", "torque(edgeA)"], speeds=[1.2], excitations=["weight_A", "weight_B", "weight_C"]
+        )
+        assert abs(run.of_order(1, "T_ms")[0]) < 1e-6 * abs(run.of_order(1, "torque(edgeA)")[0])
+
+    def test_three_times_a_turn(self, plant):
+        """Ninth order meets the first vibration of rotor against generator."""
+        run = plant.order_response("T_ms", excitations=["tower"])
+        first = plant.modes().damped_frequencies
+        near = first[np.abs(first - 1.685).argmin()]
+        assert worst_speed(run, 9, "T_ms") == pytest.approx(near * 60 / 9, abs=0.05)
+
+    def test_teeth_meet_at_their_frequency(self, plant):
+        """29 times the pinion is 97 times the wheel."""
+        run = plant.order_response("T_hs", speeds=[1.2], excitations=["teeth_pinion", "teeth_wheel"])
+        pinion, wheel = (
+            sorted(line.relative for line in run.lines if line.excitation == name)
+            for name in ("teeth_pinion", "teeth_wheel")
+        )
+        assert pinion == pytest.approx(wheel, rel=1e-12)

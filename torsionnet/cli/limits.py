@@ -1,0 +1,132 @@
+"""``torsionnet limits``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.cli.cases import ConfiguredCase, ModelCommand
+from torsionnet.cli.command import TABLE, Answer, click_command
+from torsionnet.cli.declarations import option
+from torsionnet.cli.options import ANGLE
+
+if TYPE_CHECKING:
+    from torsionnet.response import Conventions
+    from torsionnet.response.limit_check import LimitCheck, LimitVerdict
+    from torsionnet.response.table import Table
+
+EXCEEDED = 5
+"""Exit code where a limit does not hold."""
+
+
+class LimitsCommand(ModelCommand):
+    """Whether shafts, couplings, gears and dampers bear what an engine does to them, and which speeds are barred.
+
+    The model says what they bear in its entry limits: and what runs in excitations: and speeds:. Every limit is judged
+    at its worst speed: "pass", "barred range" (it holds outside of the speeds given), "fail", or "not judged". Exit
+    code 5 if one fails; a barred range is no failure. --csv writes value and value allowed at every speed.
+
+    \b
+    torsionnet limits plant.yaml -c all
+    torsionnet limits plant.yaml -c misfire --plot misfire.png --csv misfire.csv
+    """
+
+    forms = TABLE
+    picture = "orders over speed with their limits and barred ranges"
+
+    limits: tuple[str, ...] = option(
+        "--limit", metavar="NAME", help="Only this limit. Repeatable.  [default: all of the model]"
+    )
+    angle: str = ANGLE
+
+    def answer(self) -> Answer:
+        from torsionnet.response import Conventions
+        from torsionnet.response.limit_check import FAIL
+
+        conventions = Conventions(angle=self.angle)
+        cases = self.cases()
+        found = [case.drivetrain.check_limits(self.limits or None) for case in cases]
+        return Answer(
+            screen=lambda: self._shown(cases, found, conventions),
+            data=lambda: [_as_data(one) for one in found],
+            csv=lambda: [("", self.joined(cases, [one.long_table() for one in found]))],
+            figures=lambda plot: [
+                (case.configuration, plot.limit_check(one, conventions=conventions))
+                for case, one in zip(cases, found, strict=True)
+            ],
+            exit_code=EXCEEDED if any(one.verdict == FAIL for one in found) else 0,
+        )
+
+    def _shown(
+        self, cases: list[ConfiguredCase], found: list[LimitCheck], conventions: Conventions
+    ) -> Iterator[Table | str]:
+        table = self.joined(cases, [one.table(conventions) for one in found])
+        yield replace(table, title=f"{cases[0].drivetrain.name}: limits", notes=())
+        yield ""
+        yield from table.notes
+        yield ""
+        for one in found:
+            yield f"{one.title}: {_conclusion(one)}"
+
+
+def _conclusion(check: LimitCheck) -> str:
+    """What follows from all verdicts in one condition."""
+    from torsionnet.response.limit_check import BARRED, FAIL, OPEN
+
+    failed = list(dict.fromkeys(one.limit for one in check.verdicts if one.verdict == FAIL))
+    unjudged = list(dict.fromkeys(one.limit for one in check.verdicts if one.verdict == OPEN))
+    barred = ", ".join(map(str, check.barred))
+    parts = [f"{', '.join(failed)} {'do' if len(failed) > 1 else 'does'} not hold"] if failed else []
+    if any(one.verdict == BARRED for one in check.verdicts) and not failed:
+        parts.append(f"limits hold with {barred} of {check.reference} barred")
+    elif barred:
+        parts.append(f"to be barred: {barred} of {check.reference}")
+    parts += [f"{', '.join(unjudged)} not judged"] if unjudged else []
+    return "; ".join(parts) or "all limits hold at all speeds"
+
+
+def _as_data(check: LimitCheck) -> dict[str, Any]:
+    return {
+        "title": check.title,
+        "configuration": check.configuration,
+        "speed_of": check.reference,
+        "misfiring": check.misfiring,
+        "verdict": check.verdict,
+        "barred_rpm": _spans(check.barred),
+        "speeds_rpm": check.rpm.tolist(),
+        "limits": [_verdict_as_data(check, one) for one in check.verdicts],
+        "notes": list(check.notes),
+    }
+
+
+def _verdict_as_data(check: LimitCheck, one: LimitVerdict) -> dict[str, Any]:
+    at = one.worst
+    return {
+        "limit": one.limit,
+        "of": one.of,
+        "criterion": one.criterion,
+        "quantity": one.quantity,
+        "unit": one.unit,
+        "verdict": one.verdict,
+        "worst_rpm": None if at is None else float(check.rpm[at]),
+        "value": None if at is None else float(one.values[at]),
+        "allowed": None if at is None else float(one.allowed[at]),
+        "utilisation": None if at is None else float(one.utilisation[at]),
+        "barred_rpm": _spans(one.barred),
+        "values": one.values.tolist(),
+        "allowed_over_speed": one.allowed.tolist(),
+        "source": one.text.source,
+        "formula": one.text.formula,
+        "not_covered": one.text.not_covered,
+        "remarks": list(one.remarks),
+    }
+
+
+def _spans(spans: Any) -> list[list[float]]:
+    from torsionnet.response.order_response import RPM
+
+    return [[span.low * RPM, span.high * RPM] for span in spans]
+
+
+command = click_command("limits", LimitsCommand)

@@ -1,0 +1,152 @@
+"""Columns of a recording by order or frequency: what is in them, told by their headings."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import EntryError
+from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArray
+
+FORM = "order, amplitude [N*m], phase [deg]"
+POWERS = {"torque": 0, "angle": 0, "speed": 1, "acceleration": 2}
+"""What may have been recorded, and by how often time divides its angle."""
+PEAKS = {"amplitude": 1.0, "rms": np.sqrt(2), "peak_to_peak": 0.5}
+"""Columns that have the size of a line, and what makes its peak value of them."""
+KEYS = ("order", "frequency", "speed")
+KNOWN = (*KEYS, *PEAKS, "phase", "real", "imag")
+_HEADING = re.compile(r"\s*(\w+)\s*(?:\[([^\]]*)\])?\s*")
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredLines:
+    """What was recorded of each order or frequency.
+
+    Attributes
+    ----------
+    quantity : str
+        torque, angle, speed or acceleration.
+    by_frequency : bool
+        Whether ``keys`` are frequencies in Hz; else they are orders.
+    keys : (n_lines,) array
+    speeds : tuple of (n,) arrays
+        rad/s, rising, of each line; empty where the recording has no speeds.
+    values : tuple of (n,) complex arrays
+        Peak values in SI; one where there are no speeds.
+    """
+
+    quantity: str
+    by_frequency: bool
+    keys: FloatArray
+    speeds: tuple[FloatArray, ...]
+    values: tuple[ComplexArray, ...]
+
+    def at(self, line: int, speeds: FloatArray) -> ComplexArray:
+        """Peak values of a line at speeds in rad/s; between those recorded magnitude and phase run straight."""
+        values = self.values[line]
+        if not self.speeds:
+            return np.full(len(speeds), values[0])
+        size = np.interp(speeds, self.speeds[line], np.abs(values))
+        return np.asarray(size * np.exp(1j * np.interp(speeds, self.speeds[line], np.unwrap(np.angle(values)))))
+
+
+def measured_lines(headings: Sequence[str], rows: FloatArray) -> MeasuredLines:
+    """The lines in rows (n, n_columns) under these headings.
+
+    Raises
+    ------
+    UsageError
+        A column that means nothing, that is missing, or has no unit; rows that say one thing twice.
+
+    Examples
+    --------
+    >>> found = measured_lines(["order", "rms [N*m]", "phase [deg]"], np.array([[2.0, 10, 90], [4, 1, 0]]))
+    >>> found.keys.tolist(), found.quantity, [complex(value[0].round(3)) for value in found.values]
+    ([2.0, 4.0], 'torque', [14.142j, (1.414+0j)])
+    """
+    columns = _columns(headings)
+    key = _key(columns)
+    numbers = {name: rows[:, place] for name, (place, _) in columns.items()}
+    quantity, values = _values(columns, numbers)
+    keys = numbers[key] * (_factor(columns[key][1], "frequency", key) if key == "frequency" else 1)
+    if (keys <= 0).any():
+        raise UsageError(f"{key} is above 0; the mean value is no vibration, leave its row out")
+    speeds = numbers["speed"] * _factor(columns["speed"][1], "speed", "speed") if "speed" in columns else None
+    found = np.unique(keys)
+    groups = [np.flatnonzero(keys == one) for one in found]
+    if speeds is None:
+        _require(
+            all(len(group) == 1 for group in groups), f"every {key} has one row, unless there is a column of speeds"
+        )
+        return MeasuredLines(quantity, key == "frequency", found, (), tuple(values[group] for group in groups))
+    sorted_groups = [group[np.argsort(speeds[group])] for group in groups]
+    _require(
+        all((np.diff(speeds[group]) > 0).all() for group in sorted_groups), f"every {key} has one row at each speed"
+    )
+    at, of = tuple(speeds[group] for group in sorted_groups), tuple(values[group] for group in sorted_groups)
+    return MeasuredLines(quantity, key == "frequency", found, at, of)
+
+
+def _require(holds: bool, text: str) -> None:
+    if not holds:
+        raise UsageError(text)
+
+
+def _columns(headings: Sequence[str]) -> dict[str, tuple[int, str]]:
+    """Place and unit by name."""
+    found: dict[str, tuple[int, str]] = {}
+    for place, heading in enumerate(headings):
+        match = _HEADING.fullmatch(heading)
+        name = match[1] if match else heading
+        if match is None or name not in KNOWN:
+            hint = did_you_mean(name, KNOWN)
+            raise UsageError(f'"{heading}" is no heading of a recording{hint}; there are {", ".join(KNOWN)}, as {FORM}')
+        _require(name not in found, f"{name} stands twice among the headings")
+        found[name] = place, (match[2] or "").strip()
+    return found
+
+
+def _key(columns: dict[str, tuple[int, str]]) -> str:
+    given = [name for name in ("order", "frequency") if name in columns]
+    _require(len(given) == 1, f"a recording has a column order or frequency [Hz], one of the two, as {FORM}")
+    return given[0]
+
+
+def _values(columns: dict[str, tuple[int, str]], numbers: dict[str, FloatArray]) -> tuple[str, ComplexArray]:
+    """What was recorded, and peak values in SI."""
+    if "real" in columns and "imag" in columns:
+        quantity, factor = _quantity("real", columns["real"][1])
+        _require(_quantity("imag", columns["imag"][1]) == (quantity, factor), "real and imag have one unit")
+        return quantity, np.asarray(factor * (numbers["real"] + 1j * numbers["imag"]))
+    sizes = [name for name in PEAKS if name in columns]
+    _require(len(sizes) == 1, f"a recording has one column of {', '.join(PEAKS)}, or real and imag, as {FORM}")
+    quantity, factor = _quantity(sizes[0], columns[sizes[0]][1])
+    values = np.asarray(factor * PEAKS[sizes[0]] * numbers[sizes[0]], dtype=np.complex128)
+    if "phase" in columns:
+        values *= np.exp(1j * numbers["phase"] * _factor(columns["phase"][1], "angle", "phase"))
+    return quantity, values
+
+
+def _quantity(name: str, unit: str) -> tuple[str, float]:
+    for quantity in POWERS:
+        try:
+            return quantity, _factor(unit, quantity, name)
+        except UsageError:
+            continue
+    raise UsageError(f'"{unit}" is no unit of a torque, an angle or its rates; write the heading as {name} [N*m]')
+
+
+def _factor(unit: str, dimension: str, name: str) -> float:
+    """What makes SI of a column."""
+    example = {"speed": "rpm", "angle": "deg", "frequency": "Hz"}.get(dimension, "N*m")
+    if not unit or unit == "1":
+        raise UsageError(f"the column {name} has no unit; write its heading as {name} [{example}]")
+    try:
+        return Value(name, dimension).coerce(f"1 {unit}")
+    except EntryError:
+        raise UsageError(f'"{unit}" is no unit of the column {name}; write its heading as {name} [{example}]') from None

@@ -1,0 +1,73 @@
+"""Numbers and formulas of IACS UR M68 on torsional vibration stresses."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.speed_spans import SpeedSpan
+
+FEATURES: dict[str, dict[str, float]] = {
+    "intermediate": {
+        "integral_flange": 1.0,
+        "shrink_fit": 1.0,
+        "tapered_keyway": 0.60,
+        "cylindrical_keyway": 0.45,
+        "radial_hole": 0.50,
+        "longitudinal_slot": 0.30,
+    },
+    "thrust": {"thrust_collar": 0.85, "roller_bearing": 0.85},
+    "propeller": {"flange": 0.55, "keyless": 0.55, "keyed": 0.55, "forward_of_aft_bearing": 0.80},
+}
+"""C_K by kind of shaft and design feature."""
+STRENGTHS = {"carbon": (400e6, 760e6), "carbon_manganese": (400e6, 760e6), "alloy": (400e6, 950e6)}
+"""Tensile strength of the materials that the rule is for, Pa."""
+CAPS = {"carbon": 600e6, "carbon_manganese": 600e6, "alloy": 800e6}
+PROPELLER_CAP = 600e6
+NO_BARRED_ABOVE, HIGHEST = 0.8, 1.05
+"""Speed ratios above which normal firing has no barred range, and the rule says nothing."""
+STRENGTH_FOR_PASSING = 500e6
+SCF_OF_UNIT = 1.45
+"""Stress concentration of a slot, to which C_K = 1 would belong."""
+SLOT_LENGTH, SLOT_BORE, SLOT_WIDTH, HOLE = 0.8, 0.7, 0.15, 0.3
+"""Of the outer diameter: a slot is shorter, its shaft's bore smaller, its width larger; a hole is no larger."""
+SOURCE = (
+    "IACS UR M68, torsional vibration stresses and C_K as in KR Rules Part 5 Chapter 4 (2025), 202 and 206, "
+    "which carry them"
+)
+NOT_COVERED = (
+    "speeds above 1.05 rated; crankshafts, shafts of gears, electric machines and turbines; ice class; shafts exposed "
+    "to sea water; bending; required diameters (M68.4). With a controllable pitch propeller full and zero pitch are "
+    "conditions of their own"
+)
+
+
+def size_factor(diameter: float) -> float:
+    """C_D of an outer diameter in m.
+
+    >>> round(size_factor(0.4), 5)
+    0.63059
+    """
+    return float(0.35 + 0.93 * (1000 * diameter) ** -0.2)
+
+
+def permissible(strength: float, factors: float, ratio: FloatArray) -> FloatArray:
+    """tau_C in Pa over the speed ratio lambda, of a tensile strength in Pa and C_K C_D; NaN above 1.05.
+
+    >>> (permissible(600e6, size_factor(0.4), np.array([0.5, 1.0])) / 1e6).round(3).tolist()
+    [66.562, 36.742]
+    """
+    bracket = np.where(ratio < 0.9, 3 - 2 * ratio**2, 1.38)
+    found = (strength + 160e6) / 18 * factors * bracket
+    return np.asarray(np.where(ratio <= HIGHEST * (1 + 1e-12), found, np.nan))
+
+
+def usual_range(critical: float, rated: float) -> SpeedSpan:
+    """The range to be barred around a critical speed.
+
+    >>> span = usual_range(0.5, 1.0)
+    >>> round(span.low / 0.5, 5), round(span.high / 0.5, 5)
+    (0.91429, 1.09375)
+    """
+    ratio = critical / rated
+    return SpeedSpan(16 * critical / (18 - ratio), (18 - ratio) * critical / 16)

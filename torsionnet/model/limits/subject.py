@@ -1,0 +1,43 @@
+"""What limits may know of a model in one condition: a view of its definition, which itself knows of limits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.model.channels import Sensor
+from torsionnet.model.elements import Element
+
+
+@dataclass(frozen=True, eq=False)
+class LimitSubject:
+    """A model in one condition.
+
+    Attributes
+    ----------
+    elements, active : mapping
+        All elements by name, and those that are switched on.
+    nodes, active_nodes : tuple of str
+        Of these.
+    sensors : mapping
+        As declared, by name.
+    speeds : tuple of float
+        At which it is examined, rad/s of the reference shaft; empty where the model does not say.
+    rated : float, optional
+        Rated speed of that shaft, rad/s.
+    misfiring : bool
+        Whether a cylinder does not fire.
+    values : mapping
+        Exact value of every parameter.
+    """
+
+    elements: Mapping[str, Element]
+    active: Mapping[str, Element]
+    nodes: tuple[str, ...]
+    active_nodes: tuple[str, ...]
+    sensors: Mapping[str, Sensor]
+    speeds: tuple[float, ...]
+    rated: float | None
+    misfiring: bool
+    values: Mapping[str, Any]

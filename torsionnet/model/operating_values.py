@@ -1,0 +1,175 @@
+"""Parameters that follow the operating point: their values at a speed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+from torsionnet.core.errors import Fault, UsageError, unknown_name
+from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.elements import Constraint, Law, Values
+from torsionnet.model.elimination import reduce_rows
+from torsionnet.model.kinematics import UNIT, exact_row, owned_parts
+from torsionnet.model.load.external_torques import ExternalTorques
+from torsionnet.model.lookup_table import interpolated
+from torsionnet.model.parameters import AMPLITUDE, Parameter, resolve
+from torsionnet.model.readings import port_of
+
+RPM = 9.549296585513721
+
+
+def following(definition: Definition) -> dict[str, Parameter]:
+    """The parameters that follow the operating point."""
+    return {name: parameter for name, parameter in definition.parameters.items() if parameter.by is not None}
+
+
+def unknown_in_parameters(definition: Definition) -> Iterator[Fault]:
+    """Nodes and elements that parameters follow and the model does not have."""
+    nodes = all_nodes(definition.elements.values())
+    for name, parameter in following(definition).items():
+        what, known = ("node", nodes) if parameter.by in ("speed", "load") else ("element", definition.elements)
+        if parameter.of not in known:
+            yield unknown_name(what, parameter.of, known, ("parameters", name, "of"))
+
+
+def unfit_parameters(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
+    """Parameters for which nothing says the operating point, or whose table ends within the range of speeds."""
+    if not following(definition):
+        return []
+    points = OperatingPoints(definition, values)
+    try:
+        speeds = [points.external.operating_speed]
+    except UsageError as error:
+        return [Fault(str(error), ("parameters", name, "by")) for name in following(definition)]
+    if definition.speeds is not None and (definition.load or not definition.operating_point.torque):
+        speeds += [definition.speeds.values[0], definition.speeds.values[-1]]
+    faults: dict[str, Fault] = {}
+    for speed in speeds:
+        for name, parameter in following(definition).items():
+            try:
+                points.value(parameter, speed)
+            except UsageError as error:
+                faults.setdefault(name, Fault(str(error), ("parameters", name), on_key=True))
+    return list(faults.values())
+
+
+@dataclass(frozen=True, eq=False)
+class OperatingPoints:
+    """The parameters of a drivetrain that follow the operating point, over the speed of the reference node.
+
+    ``values`` are those of all parameters at any point: ratios and shares of torque do not depend on it.
+    """
+
+    definition: Definition
+    values: Mapping[str, Any]
+
+    @cached_property
+    def external(self) -> ExternalTorques:
+        return ExternalTorques(self.definition, self.values)
+
+    def at(self, speed: float) -> dict[str, float]:
+        """Values in SI by name at a speed in rad/s; of those that follow a vibration that of the smallest one.
+
+        Raises
+        ------
+        UsageError
+            Nothing says the torques, a torque is statically indeterminate, or a table ends before.
+        """
+        found = {}
+        for name, parameter in following(self.definition).items():
+            try:
+                found[name] = self.value(parameter, speed)
+            except UsageError as error:
+                raise UsageError(f"{name}: {error}") from None
+        return found
+
+    def value(self, parameter: Parameter, speed: float) -> float:
+        """As :meth:`at`, of one parameter."""
+        if parameter.by == AMPLITUDE:
+            return float(parameter.table[0][1].value)
+        size = abs(self._followed(parameter, speed))
+        if not parameter.table:
+            return size
+        try:
+            return interpolated(parameter.table, size)
+        except UsageError as error:
+            shown = f"{size * RPM:.6g} rpm" if parameter.by == "speed" else f"{size:.6g} N*m"
+            where = f"{self.external.reference} at {speed * RPM:.6g} rpm"
+            what = str(parameter.by).replace("_", " ")
+            raise UsageError(f"the {what} of {parameter.of} is {shown} with {where}; {error}") from None
+
+    def _followed(self, parameter: Parameter, speed: float) -> float:
+        if parameter.by == "speed":
+            ratio = self.external.ratios.get(parameter.of)
+            if ratio is None:
+                raise UsageError(f"{parameter.of} has no fixed ratio to {self.external.reference}")
+            return ratio * speed
+        torques = self.external.at(speed)
+        if parameter.by == "load":
+            if parameter.of not in torques:
+                raise UsageError(f"{parameter.of} neither drives nor absorbs; the load acts on {', '.join(torques)}")
+            return torques[parameter.of]
+        if parameter.of not in self._motions:
+            self._motions[parameter.of] = opening(self.definition, self.values, parameter.of)
+        return sum(torque * self._motions[parameter.of].get(node, 0.0) for node, torque in torques.items())
+
+    @cached_property
+    def _motions(self) -> dict[str, dict[str, float]]:
+        return {}
+
+
+def operated(definition: Definition, values: Mapping[str, float]) -> Definition:
+    """The definition with values of parameters that follow the operating point."""
+    if not values:
+        return definition
+    parameters = {name: definition.parameters[name].operated(value) for name, value in values.items()}
+    return replace(definition, parameters={**definition.parameters, **parameters})
+
+
+def at_operating_point(definition: Definition) -> Definition:
+    """The definition with the values at its own operating point; as it is where nothing says that."""
+    if not following(definition):
+        return definition
+    points = OperatingPoints(definition, resolve(definition.parameters)[0])
+    try:
+        return operated(definition, points.at(points.external.operating_speed))
+    except UsageError:
+        return definition
+
+
+def opening(definition: Definition, values: Mapping[str, Any], name: str) -> dict[str, float]:
+    """Torque through an element at its first port per torque from outside on each node, by equilibrium alone.
+
+    It is the virtual motion of the nodes that opens the element by one and leaves all other springs and constraints at
+    rest. Torques from outside are in balance, so it does not matter what else moves; nor does the sign.
+
+    Raises
+    ------
+    UsageError
+        The element is switched off, or shares its torque with others by stiffness.
+    """
+    element = next((one for one in definition.active if one.name == name), None)
+    if element is None:
+        raise UsageError(f"{name} is switched off in this configuration")
+    node, _ = port_of(element, None)
+    rows = [
+        (owned.element, owned.part.row) for owned in owned_parts(definition, Values(values)) if _hands_on(owned.part)
+    ]
+    own = [number for number, (owner, row) in enumerate(rows) if owner == name and node in row]
+    if len(own) != 1:
+        raise UsageError(f"{name} hands on no mean torque")
+    opened = {**exact_row(rows[own[0]][1]), UNIT: Fraction(-1)}
+    order = {one: index for index, one in enumerate(all_nodes(definition.active))}
+    others = [exact_row(row) for number, (_, row) in enumerate(rows) if number != own[0]]
+    reduction = reduce_rows([*others, opened], order, {UNIT})
+    if reduction.blocked:
+        raise UsageError(f"{name} shares its mean torque with others by stiffness; nothing can follow it")
+    factor = float(opened[node])
+    return {one: factor * float(row[UNIT]) for one, row in reduction.solved.items() if UNIT in row}
+
+
+def _hands_on(part: object) -> bool:
+    return isinstance(part, Constraint) or (isinstance(part, Law) and part.holds_at_rest)

@@ -1,0 +1,107 @@
+"""Limits over speed: orders and their sum, the lines they have to stay below, barred ranges shaded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import torsionnet.plot.style as style
+from torsionnet.core.errors import UsageError
+from torsionnet.core.number_text import typeset_unit
+from torsionnet.response import Conventions
+from torsionnet.response.conventions import SI
+from torsionnet.response.limit_check import LimitCheck, LimitVerdict
+from torsionnet.response.order_response import RPM
+
+MOST_LINES = 4
+LIMIT_COLOR = "#B00020"
+BARRED_COLOR = "#B00020"
+LIMIT_DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)))
+
+
+def limit_check(
+    check: LimitCheck,
+    limits: str | Sequence[str] | None = None,
+    *,
+    most: int = MOST_LINES,
+    conventions: Conventions = SI,
+    title: str | None = None,
+) -> Figure:
+    """Every value judged over speed: the sum of all orders in black, the largest orders below it, limits in red.
+
+    Ranges to be barred are shaded.
+
+    Parameters
+    ----------
+    check : LimitCheck
+    limits : str or sequence of str, optional
+        By default all that were judged, one below the other.
+    most : int
+        Orders drawn.
+    conventions : Conventions, optional
+        Unit of angles.
+    title : str, optional
+        By default that of the check.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    UsageError
+        No such limit, or none was judged.
+    """
+    names = [limits] if isinstance(limits, str) else limits
+    panels = _panels(check, names)
+    figure = style.new_figure(style.WIDTH, 0.8 + 2.6 * len(panels))
+    axes = figure.subplots(len(panels), 1, sharex=True, squeeze=False)[:, 0]
+    for panel, verdicts in zip(axes, panels, strict=True):
+        _draw(panel, check, verdicts, most, conventions)
+    axes[-1].set_xlabel(f"speed of {check.reference} [r/min]")
+    if len(check.rpm) > 1:
+        axes[-1].set_xlim(check.rpm[0], check.rpm[-1])
+    style.heading(figure, check.title if title is None else title)
+    return figure
+
+
+def _panels(check: LimitCheck, names: Sequence[str] | None) -> list[list[LimitVerdict]]:
+    """Verdicts of one limit on one quantity share a panel."""
+    known = {one.limit for one in check.verdicts}
+    for name in names or ():
+        if name not in known:
+            raise UsageError(f'no limit "{name}" was checked; there are {", ".join(sorted(known))}')
+    found: dict[tuple[str, str], list[LimitVerdict]] = {}
+    for one in check.verdicts:
+        if len(one.values) and (names is None or one.limit in names):
+            found.setdefault((one.limit, one.quantity), []).append(one)
+    if not found:
+        raise UsageError("nothing to draw: none of these limits was judged")
+    return list(found.values())
+
+
+def _draw(
+    panel: Axes, check: LimitCheck, verdicts: Sequence[LimitVerdict], most: int, conventions: Conventions
+) -> None:
+    first = verdicts[0]
+    scale = conventions.scale(first.unit)
+    style.dress(panel)
+    for number, span in enumerate(span for one in verdicts for span in one.barred):
+        label = None if number else "to be barred"
+        panel.axvspan(span.low * RPM, span.high * RPM, color=BARRED_COLOR, alpha=0.12, linewidth=0, label=label)
+    panel.plot(check.rpm, first.values * scale, color=style.INK, linewidth=2.0, label="all orders")
+    if first.orders is not None:
+        for number, line in enumerate(np.argsort(-first.orders.max(axis=0), kind="stable")[:most].tolist()):
+            panel.plot(check.rpm, first.orders[:, line] * scale, label=check.lines[line], **style.line_style(number))
+    for number, one in enumerate(verdicts):
+        dashes = LIMIT_DASHES[number % len(LIMIT_DASHES)]
+        panel.plot(
+            check.rpm, one.allowed * scale, color=LIMIT_COLOR, linestyle=dashes, linewidth=1.6, label=one.criterion
+        )
+    panel.set_title(f"{first.limit}: {first.of}, {first.quantity}", fontsize=style.FONT, color=style.INK, loc="left")
+    panel.set_ylabel(f"[{typeset_unit(conventions.unit(first.unit))}]")
+    panel.set_ylim(bottom=0)
+    panel.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))

@@ -1,0 +1,60 @@
+"""Running machinery whose parameters follow the operating point: every speed is solved with its own values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
+from typing import TypeAlias, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.model.load.external_torques import reference_node
+from torsionnet.model.operating_values import OperatingPoints, following
+from torsionnet.model.speeds import total_ratio
+
+Settled: TypeAlias = Mapping[str, FloatArray]
+Places: TypeAlias = NDArray[np.intp]
+Model = TypeVar("Model", bound=AssembledModel)
+
+
+def at_operating_points(
+    drivetrain: Model, reference: str, speeds: FloatArray, settled: Settled = MappingProxyType({})
+) -> Iterator[tuple[Model, Places]]:
+    """The drivetrain with the parameters of each speed, and the places of the speeds that have these in common.
+
+    It is one group of all speeds where no parameter follows the operating point.
+
+    Parameters
+    ----------
+    drivetrain : AssembledModel
+    reference : str
+        The node whose speeds are meant.
+    speeds : (n_speeds,) array
+        rad/s.
+    settled : mapping
+        Parameter -> (n_speeds,) values found otherwise.
+
+    Raises
+    ------
+    UsageError
+        A speed outside a table.
+    """
+    if not following(drivetrain.definition):
+        yield drivetrain, np.arange(len(speeds))
+        return
+    groups: dict[tuple[tuple[str, float], ...], list[int]] = {}
+    points = OperatingPoints(drivetrain.definition, drivetrain.exact_values)
+    for place, speed in enumerate((speeds * _ratio(drivetrain, reference)).tolist()):
+        values = points.at(speed) | {name: float(found[place]) for name, found in settled.items()}
+        groups.setdefault(tuple(values.items()), []).append(place)
+    for group, places in groups.items():
+        yield drivetrain.operated(dict(group)), np.array(places)
+
+
+def _ratio(drivetrain: AssembledModel, reference: str) -> float:
+    """Speed of the model's own reference node over that of another one."""
+    own = reference_node(drivetrain.definition) or reference
+    return abs(float(total_ratio(drivetrain.definition, drivetrain.exact_values, own, reference)))
