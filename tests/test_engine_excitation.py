@@ -1,18 +1,26 @@
 """Engines: traces from files, harmonics, loads, banks, misfires; against closed forms and second ways to the same."""
 
 import itertools
+import json
+import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from forced_plants import plant, reference
+from test_cli import run
+from test_document import blocks, of, rows
 
 import torsionnet as tn
+from torsionnet.core.expression_reading import scalar
 from torsionnet.model.excitations.firing import banked_phases
 from torsionnet.model.excitations.pressure_file import read_pressure_file
 from torsionnet.model.excitations.pressure_trace import PressureTrace
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.model.excitations.slider_crank import inertia_harmonics
+from torsionnet.model.files.changing import Place, changed_text
+from torsionnet.report import make_report
+from torsionnet.report.document_tree import TableBlock
 
 ORDERS = np.arange(0.5, 12.1, 0.5)
 OMEGA = np.array([60.0, 80.0])
@@ -207,6 +215,13 @@ class TestModelFiles:
         full, half = (torque(rig.configured(name).definition.excitations["engine"]) for name in ("full", "half"))
         assert half == pytest.approx(full / 2)
         assert tn.loads(rig.to_yaml()) == rig
+
+    def test_a_changed_parameter_leaves_the_names_of_files(self, tmp_path):
+        path = in_file(tmp_path, "{fired: p100.csv}", "parameters: {J: 0.1}\n")
+        text = path.read_text().replace("node: c2, inertia: 0.1", "node: c2, inertia: J")
+        definition = tn.loads(text, folder=tmp_path).definition
+        changed = changed_text(text, definition, {Place("J"): scalar("0.2 kg*m^2")}, "plant.yaml", tmp_path)
+        assert changed == text.replace("{J: 0.1}", "{J: 0.2 kg*m^2}")
 
     def test_a_folder_below(self, tmp_path):
         csv(tmp_path, "traces/p.csv", np.arange(720), bar(np.arange(720)).tolist())
@@ -566,3 +581,50 @@ class TestCompressor:
         rate = np.sin(phi) * (1 + 0.2 * np.cos(phi) / np.sqrt(1 - (0.2 * np.sin(phi)) ** 2))
         expected = [force * 0.06 * 2 / 4096 * (rate * np.exp(-1j * order * phi)).sum() for order in (1, 2)]
         assert torque(one)[0, :, 0] == pytest.approx(expected, rel=1e-9, abs=1e-9)
+
+
+class TestWhereItShows:
+    MORE = "sensors: {T: {torque: crank}}\nconfigurations: {firing: {normal: {}, misfire: {engine.misfire: each}}}\n"
+
+    @pytest.fixture(autouse=True)
+    def folder(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        in_file(tmp_path, "{fired: p100.csv, motored: motored.csv}", self.MORE)
+
+    def test_command(self):
+        shown = run("orders", "plant.yaml", "-c", "misfire", "--output", "torque(crank)").stdout
+        assert re.search(r"at every speed the worst of 2 cases; at \d+ rpm: misfire of cylinder [12]", shown)
+        data = json.loads(run("orders", "plant.yaml", "-c", "all", "--output", "torque(crank)", "--json").stdout)
+        normal, misfire = (one["outputs"][0] for one in data)
+        assert normal["cases"] is None
+        assert len(misfire["cases"]) == len(misfire["half_range"])
+
+    def test_report(self):
+        document = make_report(tn.load("plant.yaml"), sections=["excitations"])
+        tables = [
+            one for one in of(TableBlock, blocks(document, "excitations")) if "Excitation engine" in str(one.caption)
+        ]
+        values = {row[0]: row[1] for row in rows(tables[0])}
+        assert values["gas: fired"] == "720 pressures of p100.csv, 2.003 to 100 bar"
+
+    def test_report_names_the_worst_cylinder(self):
+        document = make_report(tn.load("plant.yaml"), sections=["orders"])
+        tables = [
+            one for one in of(TableBlock, blocks(document, "orders")) if "largest over the speeds" in str(one.caption)
+        ]
+        shown = [row[0] for row in rows(tables[0])]
+        assert shown[0] == "normal"
+        assert re.fullmatch(r"misfire: misfire of cylinder [12]", shown[1])
+
+
+class TestPower:
+    def test_power_is_that_of_one_case(self):
+        """Outputs of different worst cylinders are never multiplied with each other."""
+        data = reference("forced_inline_six")
+        rig = TestWorstCase().rig(misfire="each")
+        name = next(spring["name"] for spring in data["model"]["springs"] if spring.get("damping"))
+        singly = [TestWorstCase().rig(misfire=[number]).dissipated_power(name).values for number in range(1, 7)]
+        assert rig.dissipated_power(name).values == pytest.approx(np.max(singly, axis=0), rel=1e-9)
+        with pytest.warns(tn.TorsionnetWarning, match="that without the spread of cylinders"):
+            spread = TestWorstCase().rig(spread="5 %").dissipated_power(name).values
+        assert spread == pytest.approx(TestWorstCase().rig().dissipated_power(name).values, rel=1e-12)

@@ -95,6 +95,8 @@ def _compared(run: OrderResponse, tests: Tests, conventions: Any) -> Iterator[Ta
 
 
 def _as_data(case: ConfiguredCase, run: OrderResponse, tests: Tests) -> dict[str, Any]:
+    from torsionnet.response.worst_response import WorstResponse
+
     return {
         "title": run.title,
         "configuration": case.configuration,
@@ -107,6 +109,7 @@ def _as_data(case: ConfiguredCase, run: OrderResponse, tests: Tests) -> dict[str
                 "unit": channel.unit,
                 "half_range": run.half_range[:, place].tolist(),
                 "rms": run.rms[:, place].tolist(),
+                "cases": list(run.cases(channel.name)) if isinstance(run, WorstResponse) else None,
                 "orders": [
                     {
                         "excitation": line.excitation,

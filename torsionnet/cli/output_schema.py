@@ -238,6 +238,7 @@ OUTPUTS: dict[str, Schema] = {
                     unit=TEXT,
                     half_range=NUMBERS,
                     rms=NUMBERS,
+                    cases={"type": ["array", "null"], "items": TEXT, "description": "what is worst at each speed"},
                     orders=listed(
                         record(
                             excitation=TEXT,

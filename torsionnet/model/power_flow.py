@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from torsionnet.core.errors import TorsionnetWarning
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import GROUND, Element, Law, Values
 from torsionnet.response.frequency_response import FloatArray
@@ -46,12 +48,14 @@ def power_sensors(flows: Sequence[PowerFlow]) -> list[Sensor]:
 
 
 def mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
-    """W over speed, shape (n_speeds,), from a response that has these sensors among its outputs.
+    """W over speed, shape (n_speeds,), the largest of all cases; these sensors are among the outputs."""
+    if isinstance(run, WorstResponse) and run.scattered:
+        text = f"{run.title}: dissipated power is that without the spread of cylinders"
+        warnings.warn(text, TorsionnetWarning, stacklevel=2)
+    return np.asarray(np.max([_mean_power(case, flows) for case in run.coherent], axis=0))
 
-    Of several cases (a misfire of each cylinder) the largest; torque and motion have to be of one case.
-    """
-    if isinstance(run, WorstResponse) and run.alternatives:
-        return np.asarray(np.max([mean_power(case, flows) for case in run.alternatives.values()], axis=0))
+
+def _mean_power(run: OrderResponse, flows: Sequence[PowerFlow]) -> FloatArray:
     rates = replace(run, values=run.values * (2j * math.pi * run.frequencies)[:, :, None]).by_frequency()
     amplitudes = run.by_frequency()
     total = np.zeros(len(run.speeds))

@@ -59,7 +59,7 @@ def order_response(
         place = response.output(name)
         unit = response.outputs[place].unit
         scale = conventions.scale(unit)
-        sizes = np.abs(response.values[:, :, place]) * scale
+        sizes = response.sizes[:, :, place] * scale
         style.dress(panel)
         exact = response.revolutions is not None
         label = "all orders, half range" if exact else "half ranges, added"

@@ -75,6 +75,16 @@ class OrderResponse:
         fixed = np.array([line.fixed for line in self.lines])
         return np.asarray(self.speeds[:, None] * relative / (2 * math.pi) + fixed)
 
+    @property
+    def sizes(self) -> FloatArray:
+        """Amplitude of every line, shape (n_speeds, n_lines, n_out); of several cases the largest."""
+        return np.abs(self.values)
+
+    @property
+    def coherent(self) -> tuple[OrderResponse, ...]:
+        """Responses of which all outputs belong to one case: this one where there is no other."""
+        return (self,)
+
     @cached_property
     def revolutions(self) -> int | None:
         """Revolutions of the reference shaft after which everything repeats; None where nothing or too many do it."""
@@ -253,14 +263,14 @@ class OrderResponse:
         place = self.output(output)
         channel, total = self.outputs[place], self.half_range[:, place]
         scale, worst = conventions.scale(channel.unit), int(np.argmax(total))
-        sizes = np.abs(self.values[:, :, place])
+        sizes, shown = self.sizes[:, :, place], np.abs(self.values[worst, :, place])
         chosen = np.argsort(-sizes.max(axis=0), kind="stable")[:most]
         exact = self.revolutions is not None
         first = "synthesised, half range" if exact else f"half ranges {self._of_whom}, added"
         rows: list[tuple[object, ...]] = [(first, self.rpm[worst], total[worst] * scale, total[worst] * scale)]
         for line in chosen.tolist():
             at = int(np.argmax(sizes[:, line]))
-            rows.append((str(self.lines[line]), self.rpm[at], sizes[at, line] * scale, sizes[worst, line] * scale))
+            rows.append((str(self.lines[line]), self.rpm[at], sizes[at, line] * scale, shown[line] * scale))
         unit = conventions.unit(channel.unit)
         columns = (
             Column("order"),

@@ -25,7 +25,7 @@ class WorstResponse(OrderResponse):
     chosen : (n_speeds, n_out) array of int
         Which case the amplitudes are of.
     alternatives : mapping
-        Label -> response of that case alone.
+        Label -> response of that case alone, nothing scattered; a single case has no label.
     scattered : tuple of str
         What differs from its rated value, up or down.
     signs : (n_speeds, n_out, n_scattered) array of int
@@ -40,6 +40,14 @@ class WorstResponse(OrderResponse):
     scattered: tuple[str, ...] = ()
     signs: NDArray[np.int8] = field(default_factory=lambda: np.zeros((0, 0, 0), dtype=np.int8))
     largest: FloatArray = field(default_factory=lambda: np.zeros((0, 0, 0)))
+
+    @property
+    def sizes(self) -> FloatArray:
+        return self.largest
+
+    @property
+    def coherent(self) -> tuple[OrderResponse, ...]:
+        return tuple(self.alternatives.values())
 
     def cases(self, output: str | None = None) -> tuple[str, ...]:
         """What is worst for an output at each speed."""

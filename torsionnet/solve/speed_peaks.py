@@ -98,7 +98,7 @@ class _Search:
         self.channels = run.outputs
         lines = {(line.order, line.fixed): place for place, line in enumerate(run.lines)}
         return [
-            np.abs(run.values[np.searchsorted(speeds, grid), lines[one.order, one.fixed]])
+            run.sizes[np.searchsorted(speeds, grid), lines[one.order, one.fixed]]
             for one, grid in zip(crossings, grids, strict=True)
         ]
 

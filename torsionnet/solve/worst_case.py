@@ -79,7 +79,7 @@ def worst_case(
         nominal.title,
         labels=tuple(cases) if alternatives else (),
         chosen=chosen,
-        alternatives={label: case for label, (case, _) in found.items()} if alternatives else {},
+        alternatives={label: case for label, (case, _) in cases.items()},
         scattered=tuple(name for one in scatter for name in _named(one, scatter)),
         signs=_picked([signs for _, signs in found.values()], chosen),
         largest=largest,

@@ -44,6 +44,11 @@ class PressureTrace:
     place: Position | None = field(default=None, compare=False)
     note: str = field(default="", compare=False)
 
+    def __str__(self) -> str:
+        low, high = min(self.values) / 1e5, max(self.values) / 1e5
+        source = f" of {self.file}" if self.file else ""
+        return f"{len(self.values)} pressures{source}, {low:.4g} to {high:.4g} bar"
+
     @property
     def origin(self) -> str:
         """How messages begin that speak of it."""

@@ -49,11 +49,10 @@ class ReciprocatingEngine(EngineEntries):
         return list(engine_remarks(self, speeds))
 
     def phase_vectors(self, order: float) -> dict[str, tuple[str, complex]]:
-        silent = {*self.misfire, *self.gas_off}
-        return {
-            str(number): (node, 0j if number in silent else complex(np.exp(-1j * order * self.firing_phases[number])))
-            for number, node in self.numbers.items()
-        }
+        silent = {*self._without_injection, *self.gas_off}
+        sizes = {number: 0.0 if number in silent else self._factor(number) for number in self.numbers}
+        turned = {number: np.exp(-1j * order * angle) for number, angle in self.firing_phases.items()}
+        return {str(number): (node, complex(sizes[number] * turned[number])) for number, node in self.numbers.items()}
 
     def torques(self, speeds: FloatArray) -> OrderTorques:
         orders, nodes = self.acting_orders, self.nodes
@@ -65,18 +64,15 @@ class ReciprocatingEngine(EngineEntries):
         found = np.zeros((len(speeds), len(orders), len(nodes)), dtype=complex)
         for number, node in self.numbers.items():
             found[:, :, nodes.index(node)] += moving * turned[number] + gas[number]
-        without = {
-            number: motored * turned[number] - gas[number] for number in self.numbers if number not in self.gas_off
-        }
-        injected = [number for number in without if number not in self._without_injection]
+        sound = [number for number in self.numbers if number not in self.gas_off]
+        misfires = {number: motored * turned[number] - gas[number] for number in sound}
+        scatter = {number: self.spread * gas[number] for number in sound if number not in self._without_injection}
         return OrderTorques(
             orders,
             nodes,
             found,
-            alternatives=self._shares("misfire of cylinder", without) if self.misfire == EACH else None,
-            scatter=self._shares("cylinder", {number: self.spread * gas[number] for number in injected})
-            if self.spread
-            else None,
+            alternatives=self._shares("misfire of cylinder", misfires) if self.misfire == EACH else None,
+            scatter=self._shares("cylinder", scatter) if self.spread else None,
         )
 
     def _shares(self, what: str, torques: Mapping[int, ComplexArray]) -> TorqueShares:
@@ -98,7 +94,11 @@ class ReciprocatingEngine(EngineEntries):
             return np.zeros_like(fired)
         if number in self._without_injection:
             return motored
-        return np.asarray(fired * (self.factors or {}).get(str(number), 1.0))
+        return np.asarray(fired * self._factor(number))
+
+    def _factor(self, number: int) -> float:
+        """Gas torque of a cylinder over that of the others."""
+        return float((self.factors or {}).get(str(number), 1.0))
 
     def _fired(self, speeds: FloatArray) -> ComplexArray:
         shape = (len(speeds), len(self.acting_orders))

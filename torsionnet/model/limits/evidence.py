@@ -48,8 +48,7 @@ class Evidence:
 
     def orders(self, sensors: Sequence[Sensor]) -> FloatArray:
         """Amplitudes (n_speeds, n_lines), of every order the largest of the sensors and of all cases."""
-        sizes = self.run.largest if isinstance(self.run, WorstResponse) else np.abs(self.run.values)
-        return np.asarray(np.max([sizes[:, :, self._place(one)] for one in sensors], axis=0))
+        return np.asarray(np.max([self.run.sizes[:, :, self._place(one)] for one in sensors], axis=0))
 
     def weighted_size(self, sensor: Sensor, weights: FloatArray) -> FloatArray:
         """Half range of the sum of all lines times their weights (n_speeds, n_lines), the largest of all cases."""
@@ -62,8 +61,8 @@ class Evidence:
 
     @property
     def _cases(self) -> tuple[OrderResponse, ...]:
-        several = self.run.alternatives if isinstance(self.run, WorstResponse) else {}
-        return tuple(several.values()) or (self.run,)
+        """What is worst without weights, and each case alone."""
+        return (self.run, *self.run.coherent) if isinstance(self.run, WorstResponse) else (self.run,)
 
     def worst_case(self, sensor: Sensor, at: int) -> str:
         """Which case is worst for a sensor at a speed, by its place; empty where there is one case alone."""

@@ -6,9 +6,11 @@ import numpy as np
 
 from torsionnet.core.number_text import aligned
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Paragraph, Picture, Section, TableBlock
-from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_words import named, plain, unit
+from torsionnet.response.order_response import OrderResponse
+from torsionnet.response.worst_response import WorstResponse
 
 MOST_CURVES = 7
 """Configurations that can be told apart in one plot."""
@@ -75,7 +77,7 @@ def _worst(subject: ReportData, name: str) -> TableBlock:
         Heading("its amplitude", shown, numeric=True),
     )
     cells: list[list[Cell]] = [
-        [case.configuration for case in subject.cases],
+        [_condition(case, run, name, index) for case, (run, index) in zip(subject.cases, worst, strict=True)],
         list(aligned([float(run.rpm[index]) for run, index in worst])),
         list(aligned([float(run.half_range[index, place]) * scale for run, index in worst])),
         list(aligned([float(run.rms[index, place]) * scale for run, index in worst])),
@@ -83,3 +85,10 @@ def _worst(subject: ReportData, name: str) -> TableBlock:
         list(aligned([float(size.max()) * scale for size in sizes])),
     ]
     return table((named(name), ": largest over the speeds"), columns, list(zip(*cells, strict=True)))
+
+
+def _condition(case: Case, run: OrderResponse, name: str, index: int) -> str:
+    """A configuration with what is worst in it at a speed, where it has several cases."""
+    if not isinstance(run, WorstResponse):
+        return case.configuration
+    return ": ".join(part for part in (case.configuration, plain(run.cases(name)[index])) if part)
