@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.drivetrain import Drivetrain
@@ -34,8 +35,8 @@ def load(model: str | os.PathLike[str]) -> Drivetrain:
     return _drivetrain(*read_file(path), path.name)
 
 
-def loads(text: str, file: str = "<text>") -> Drivetrain:
-    """The drivetrain a model file with this text describes.
+def loads(text: str, file: str = "<text>", folder: str | os.PathLike[str] | None = None) -> Drivetrain:
+    """The drivetrain a model file with this text describes; files that it names lie in ``folder``.
 
     Examples
     --------
@@ -43,7 +44,7 @@ def loads(text: str, file: str = "<text>") -> Drivetrain:
     >>> loads(text).name
     'wheel'
     """
-    return _drivetrain(*read_text(text, file), file)
+    return _drivetrain(*read_text(text, file, None if folder is None else Path(folder)), file)
 
 
 def _drivetrain(definition: Definition | None, faults: list[Fault], title: str) -> Drivetrain:

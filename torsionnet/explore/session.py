@@ -44,6 +44,8 @@ class Session:
     overlay : FrequencyResponse, optional
         A test.
     overlay_name : str
+    folder : Path, optional
+        Where files that the text names lie.
     """
 
     model: str
@@ -54,6 +56,7 @@ class Session:
     pairs: tuple[ResponseChoice, ...] = ()
     overlay: FrequencyResponse | None = None
     overlay_name: str = ""
+    folder: Path | None = None
     _chosen: dict[str, Drivetrain] = field(default_factory=dict, repr=False)
 
     def chosen(self, choice: Mapping[str, str]) -> Drivetrain:
@@ -118,7 +121,7 @@ class Session:
         """
         changed = self.varied(state).parameter_definitions
         changes = {place_of(self.base.definition, state.choice, name): changed[name].value for name in state.values}
-        return changed_text(self.text, self.base.definition, changes, self.file)
+        return changed_text(self.text, self.base.definition, changes, self.file, self.folder)
 
 
 def open_session(
@@ -161,15 +164,16 @@ def open_session(
     {'gear': 'V'}
     """
     path = Path("model.yaml") if text is not None else find_model(model)
+    folder = path.parent if text is None else None
     text = decode(path.read_bytes(), str(path)) if text is None else text
-    base = loads(text, str(path))
+    base = loads(text, str(path), folder)
     test = None if overlay is None else _read_test(overlay)
     choice = parse_choice(configuration, base.definition.configurations) if configuration else {}
     base.configured(configuration, **(settings or {}))  # refuses what is impossible before a page is opened
     first = pairs[0] if pairs else default_pair(base, test)
     start = State(choice, dict(settings or {}), first.output, first.input, band=band or _band(base))
     name = "" if overlay is None else Path(overlay).name
-    session = Session(str(model), path.name, text, base, start, tuple(pairs), test, name)
+    session = Session(str(model), path.name, text, base, start, tuple(pairs), test, name, folder)
     for pair in pairs:
         asked = session.completed(replace(start, output=pair.output, input=pair.input))
         base.frequency_response(asked.output, asked.input, [1.0], excitation=asked.excitation or None)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from torsionnet.core.entries.composite import Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.format_version import KEY, VERSION, version_faults
+from torsionnet.core.entries.nearby import names_a_file
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import NAME_SCHEMA, Text, name_fault
 from torsionnet.core.errors import Fault
@@ -171,6 +172,28 @@ class Definition(Declared):
         return {KEY: VERSION, "name": self.name, **super().to_data()}
 
 
+def _with_files_read(definition: Definition) -> Definition:
+    """Alternatives that name files for entries of excitations get their content: they are laid over later."""
+    axes = {
+        axis: {label: replace(one, entries=_settled(definition, one.entries)) for label, one in names.items()}
+        for axis, names in definition.configurations.items()
+        if any(names_a_file(value) for one in names.values() for value in one.entries.values())
+    }
+    return replace(definition, configurations={**definition.configurations, **axes}) if axes else definition
+
+
+def _settled(definition: Definition, changes: Mapping[str, Any]) -> dict[str, Any]:
+    """What cannot be read stays as it is; checks say why."""
+    found = dict(changes)
+    for key, raw in changes.items():
+        name, _, field = key.partition(".")
+        specs = dict(definition.excitations[name].specs()) if name in definition.excitations else {}
+        value, faults = specs[field].read(raw) if field in specs and names_a_file(raw) else (None, [])
+        if value is not None and not faults:
+            found[key] = specs[field].plain(value)
+    return found
+
+
 def all_nodes(elements: Iterable[Element]) -> tuple[str, ...]:
     """Nodes in the order of their first mention, without ground."""
     nodes: dict[str, None] = {}
@@ -214,4 +237,5 @@ def read_definition(data: Any) -> tuple[Definition, list[Fault]]:
 def define(entries: Mapping[str, Any]) -> tuple[Definition, list[Fault]]:
     """The definition holds what could be read of the entries, the faults say what could not."""
     values, faults = Definition.read_entries(entries)
-    return Definition(**{name: value for name, value in values.items() if value is not None}), faults
+    definition = Definition(**{name: value for name, value in values.items() if value is not None})
+    return _with_files_read(definition), faults

@@ -51,7 +51,7 @@ def _clamp(definition: Definition, speeds: Sequence[Elimination]) -> Rows:
 
 
 def _held_by_springs(definition: Definition, values: Mapping[str, Any], speeds: Sequence[Elimination]) -> Rows:
-    """Rows of what springs tie to ground, such as a housing on its mounts, where the speeds in question allow it."""
+    """Rows of what springs tie to ground, as a housing on its mounts, where the speeds in question stay possible."""
     added: Rows = []
     for row in _at_rest(definition, values):
         if not any(speed.blocked or speed.blocks(row) for speed in speeds):

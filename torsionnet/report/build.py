@@ -13,12 +13,14 @@ from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_words import listed, sentence
 from torsionnet.report.sections.checks import checks_section
 from torsionnet.report.sections.comparison import comparison_section
+from torsionnet.report.sections.critical_speeds import critical_speeds_section
 from torsionnet.report.sections.elements import elements_section
 from torsionnet.report.sections.equations import equations_section
 from torsionnet.report.sections.excitations import excitations_section
 from torsionnet.report.sections.fits import fit_section
 from torsionnet.report.sections.formulas import formulas_section
 from torsionnet.report.sections.kinematics import kinematics_section
+from torsionnet.report.sections.mean_torques import mean_torques_section
 from torsionnet.report.sections.modes import modes_section
 from torsionnet.report.sections.orders import orders_section
 from torsionnet.report.sections.parameters import parameters_section
@@ -40,6 +42,8 @@ BUILDERS: dict[str, Callable[[ReportData], Section | None]] = {
     "simplified": simplified_section,
     "responses": responses_section,
     "excitations": excitations_section,
+    "mean_torques": mean_torques_section,
+    "critical_speeds": critical_speeds_section,
     "orders": orders_section,
     "test": comparison_section,
     "fit": fit_section,

@@ -151,6 +151,19 @@ class ReportData:
         return tuple(case.drivetrain.order_response(list(self.order_outputs)) for case in self.cases)
 
     @cached_property
+    def different(self) -> tuple[tuple[Case, ...], ...]:
+        """Cases by what vibrates: those that differ by nothing but what runs are one."""
+        found: list[list[Case]] = []
+        for case in self.cases:
+            laws = case.drivetrain.assembly.laws
+            alike = next((cases for cases in found if cases[0].drivetrain.assembly.laws == laws), None)
+            if alike is None:
+                found.append([case])
+            else:
+                alike.append(case)
+        return tuple(map(tuple, found))
+
+    @cached_property
     def band(self) -> tuple[float, float]:
         """Hz."""
         return self.request.plan.band or vibration_range(*self.modes)

@@ -2,9 +2,36 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
+from typing import Any
 
-from torsionnet.report.document_tree import Cell, Heading, Inline, NumberText, TableBlock, TableGroup, inlines
+from torsionnet.core.number_text import aligned
+from torsionnet.report.document_tree import Cell, Heading, Inline, Math, NumberText, TableBlock, TableGroup, inlines
+from torsionnet.report.report_words import capital, plain, unit
+from torsionnet.response.table import Table
+
+FEW_DIGITS = 4
+"""Significant digits of the smallest number of a column."""
+
+
+FEW_DIGITS = 4
+"""Significant digits of the smallest number of a column."""
+LONGEST = 100
+"""Numbers of the next prefix from which on it is used."""
+SYMBOLS: dict[str, Cell] = {
+    "J": Math("J"),
+    "J referred": (Math("J"), " referred"),
+    "theta": Math(r"\theta"),
+    "J w^2 theta": Math(r"J\omega^{2}\theta"),
+    "to the next by": "Link",
+    "k": Math("k"),
+    "k referred": (Math("k"), " referred"),
+    "|lambda|/2pi": Math(r"\left|\lambda\right|/2\pi"),
+    "|lambda| /2pi": ("Of ", Math(r"\left|\lambda\right|/2\pi")),
+    "damped Im lambda/2pi": Math(r"\mathrm{Im}\,\lambda/2\pi"),
+}
+"""Headings of results that are symbols."""
 
 
 def table(
@@ -25,6 +52,46 @@ def table(
         tuple(map(inlines, notes)),
         len(merged) - len(kept),
     )
+
+
+def of_results(found: Table, caption: Cell, *, notes: bool = True, most: int | None = None) -> TableBlock:
+    """A table of results as it stands on the screen, in the form of a report; empty columns are left out."""
+    columns = []
+    cells: list[list[Cell]] = []
+    for index, column in enumerate(found.columns):
+        values = [row[index] for row in found.rows]
+        heading = SYMBOLS.get(column.name, capital(column.name))
+        if found.is_numeric(index):
+            prefix, factor = _prefix(values) if column.unit.startswith("N*m") else ("", 1.0)
+            columns.append(Heading(heading, unit(prefix + column.unit) if column.unit else "", numeric=True))
+            cells.append(_numbers(values, column.digits, factor))
+        else:
+            columns.append(Heading(heading, unit(column.unit) if column.unit else ""))
+            cells.append([_text(value) for value in values])
+    rows = list(zip(*cells, strict=True))
+    return table(caption, columns, rows, [plain(note) for note in found.notes] if notes else [], most)
+
+
+def _prefix(values: Sequence[Any]) -> tuple[str, float]:
+    """What makes torques and stiffnesses of large machines short enough for a column."""
+    largest = max((abs(value) for value in values if value is not None), default=0.0)
+    return next(((prefix, size) for prefix, size in (("M", 1e6), ("k", 1e3)) if largest >= LONGEST * size), ("", 1.0))
+
+
+def _numbers(values: Sequence[Any], digits: int, factor: float) -> list[Cell]:
+    """Numbers of a column over a factor; nothing at all where none stands."""
+    if all(isinstance(value, int) for value in values):
+        return [str(value) for value in values]
+    known = [None if value is None or math.isnan(value) else float(value) / factor for value in values]
+    return (
+        ["" for _ in values]
+        if not any(value is not None for value in known)
+        else list(aligned(known, min(digits, FEW_DIGITS)))
+    )
+
+
+def _text(value: Any) -> Cell:
+    return "" if value is None else plain(f"{value:.6g}" if isinstance(value, float) else str(value))
 
 
 def alike(rows: Sequence[tuple[Cell, ...]]) -> tuple[tuple[Cell, ...], ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
@@ -23,6 +23,7 @@ from torsionnet.response.vibration_mode import VibrationMode
 from torsionnet.solve.generalised_force import generalised_force, star_diagram
 from torsionnet.solve.mode_pairs import vibration_modes
 from torsionnet.solve.modes import modes
+from torsionnet.solve.modes_over_speed import ModesOverSpeed
 from torsionnet.solve.order_response import order_response
 from torsionnet.solve.speed_peaks import with_peaks
 
@@ -68,7 +69,8 @@ def critical_speeds(
     )
     if isinstance(outputs, (list, tuple)) and not outputs:
         return found
-    peaks, channels = with_peaks(changed, found.crossings, outputs, reference, question.limits)
+    limits = question.speed_range if question.over_speed.follow else question.limits
+    peaks, channels = with_peaks(changed, found.crossings, outputs, reference, limits)
     return replace(found, crossings=peaks, outputs=channels)
 
 
@@ -110,6 +112,7 @@ class _Question:
         self.drivetrain, self.speed_range, self.rule, self.reach = drivetrain, speed_range, rule, reach
         self.limits = (speed_range[0] * (1 - reach), speed_range[1] * (1 + reach))
         self.modes = vibration_modes(drivetrain, modes(drivetrain))[:lowest]
+        self.over_speed = ModesOverSpeed(drivetrain, reference, speed_range)
         self.turning = {
             node: speed
             for node, speed in speeds_with(drivetrain.definition, drivetrain.exact_values, reference).items()
@@ -118,7 +121,7 @@ class _Question:
 
     def of_excitation(self, name: str, lines: Sequence[OrderLine]) -> list[CriticalSpeed]:
         """Its lines against every mode."""
-        blank = [self._crossing(mode, name, line) for mode in self.modes for line in lines]
+        blank = [self._settled(self._crossing(mode, name, line), line) for mode in self.modes for line in lines]
         near = [one for one in blank if self._is_near(one)]
         return list(self._with_forces(near, self.drivetrain.definition.excitations[name]))
 
@@ -136,6 +139,18 @@ class _Question:
         margin = min(_distance(value, *ends) for value in natural)
         required = self.rule.required(line.order) if self.rule else None
         return CriticalSpeed(mode, name, line.order, line.ratio, fixed, margin, required)
+
+    def _settled(self, one: CriticalSpeed, line: OrderLine) -> CriticalSpeed:
+        """With the mode at the critical speed itself, where parameters follow the operating point."""
+        if not self.over_speed.follow or not one.order:
+            return one
+        return self._crossing(self.over_speed.settled(one.mode, self._natural(one)), one.excitation, line)
+
+    @staticmethod
+    def _natural(one: CriticalSpeed) -> Callable[[VibrationMode], float]:
+        """The critical speed of ``|lambda|/2pi``, else of the undamped frequency, for any mode in place of its own."""
+        which = "undamped" if math.isnan(one.mode.natural_frequency) else "natural"
+        return lambda mode: replace(one, mode=mode).speed(which)
 
     def _is_near(self, one: CriticalSpeed) -> bool:
         if not one.order:

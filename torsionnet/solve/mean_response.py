@@ -26,7 +26,7 @@ from torsionnet.model.load.external_torques import ExternalTorques, stated_torqu
 from torsionnet.model.speeds import mean_speeds
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.mean_response import MeanResponse
-from torsionnet.solve.operating_groups import Places, over_operating_points
+from torsionnet.solve.operating_groups import Places, at_speeds
 from torsionnet.solve.quotient import transfer_functions
 from torsionnet.solve.transfer_request import TransferRequest, ask
 
@@ -58,7 +58,7 @@ def mean_response(
     if drivetrain.definition.load is None:  # the one speed at which the parameters have their values already
         found = values(drivetrain, np.arange(len(at)))
     else:
-        found = over_operating_points(drivetrain, reference, at, values)
+        found = np.concatenate([values(rig, places) for rig, places in at_speeds(drivetrain, reference, at)])
     channels = tuple(one.channel for one in wanted)
     return MeanResponse(at, reference, found, channels, drivetrain.title, tuple(dict.fromkeys(notes)))
 

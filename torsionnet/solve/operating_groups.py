@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
+from itertools import groupby
 from types import MappingProxyType
-from typing import Any, TypeAlias, TypeVar
+from typing import TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,16 +21,12 @@ Places: TypeAlias = NDArray[np.intp]
 Model = TypeVar("Model", bound=AssembledModel)
 
 
-def over_operating_points(
-    drivetrain: Model,
-    reference: str,
-    speeds: FloatArray,
-    solve: Callable[[Model, Places], Any],
-    settled: Settled = MappingProxyType({}),
-) -> Any:
-    """What ``solve`` gives at each speed with the parameters of that speed, shape (n_speeds, ...).
+def at_speeds(
+    drivetrain: Model, reference: str, speeds: FloatArray, settled: Settled = MappingProxyType({})
+) -> Iterator[tuple[Model, Places]]:
+    """The drivetrain with the parameters of every speed, and the places of the speeds at which they hold, in order.
 
-    Speeds with the same values are solved together; all of them where no parameter follows the operating point.
+    Neighbouring speeds with the same values come together; all speeds where no parameter follows the operating point.
 
     Parameters
     ----------
@@ -38,8 +35,6 @@ def over_operating_points(
         The node whose speeds are meant.
     speeds : (n_speeds,) array
         rad/s.
-    solve : callable
-        (drivetrain, places of some speeds) -> array whose first axis is these speeds.
     settled : mapping
         Parameter -> (n_speeds,) values found otherwise.
 
@@ -49,18 +44,16 @@ def over_operating_points(
         A speed outside a table.
     """
     if not following(drivetrain.definition):
-        return solve(drivetrain, np.arange(len(speeds)))
-    groups: dict[tuple[tuple[str, float], ...], list[int]] = {}
+        yield drivetrain, np.arange(len(speeds))
+        return
     points = OperatingPoints(drivetrain.definition, drivetrain.exact_values)
-    for place, speed in enumerate((speeds * _ratio(drivetrain, reference)).tolist()):
-        values = points.at(speed) | {name: float(found[place]) for name, found in settled.items()}
-        groups.setdefault(tuple(values.items()), []).append(place)
-    found: Any = None
-    for group, places in groups.items():
-        part = solve(drivetrain.operated(dict(group)), np.array(places))
-        found = np.empty((len(speeds), *part.shape[1:]), dtype=part.dtype) if found is None else found
-        found[places] = part
-    return found
+    values = [points.at(speed) for speed in (speeds * _ratio(drivetrain, reference)).tolist()]
+    for name, found in settled.items():
+        for place, value in enumerate(found.tolist()):
+            values[place][name] = value
+    for _, places in groupby(range(len(speeds)), key=lambda place: values[place]):
+        some = np.array(list(places))
+        yield drivetrain.operated(values[some[0]]), some
 
 
 def _ratio(drivetrain: AssembledModel, reference: str) -> float:

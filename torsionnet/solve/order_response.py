@@ -20,10 +20,13 @@ from torsionnet.model.speeds import total_ratio
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
-from torsionnet.solve.operating_groups import Places, Settled, over_operating_points
+from torsionnet.response.worst_response import joined
+from torsionnet.solve.operating_groups import Settled, at_speeds
 from torsionnet.solve.posed import twisted_law
 from torsionnet.solve.settling import settled_by_vibration
 from torsionnet.solve.shared_response import shared_response
+from torsionnet.solve.worst_case import contributions, worst_case
+from torsionnet.solve.worst_combination import Contributions
 
 TOGETHER = 500
 """Speeds that are solved together, which bounds the memory."""
@@ -49,14 +52,13 @@ def order_response(
     senses = {name: _senses(held, one, reference) for name, one in acting.items()}
 
     def run(wanted: Any, settled: Settled) -> OrderResponse:
-        blocks: list[OrderResponse] = []
-
-        def amplitudes(rig: AssembledModel, places: Places) -> ComplexArray:
-            blocks[:] = [_block(rig, wanted, acting, ratios, senses, reference, part) for part in _parts(at[places])]
-            return np.concatenate([block.values for block in blocks])
-
-        values = over_operating_points(held, reference, at, amplitudes, settled)
-        return replace(blocks[0], speeds=at, values=values, title=drivetrain.title)
+        groups = at_speeds(held, reference, at, settled)
+        blocks = [
+            _block(rig, wanted, acting, ratios, senses, reference, part)
+            for rig, places in groups
+            for part in _parts(at[places])
+        ]
+        return joined(blocks, at, drivetrain.title)
 
     def vibration(elements: Sequence[str], settled: Settled) -> FloatArray:
         return run([Sensor("torque", name) for name in elements], settled).half_range
@@ -121,8 +123,12 @@ def _sense(drivetrain: AssembledModel, node: str, reference: str) -> float:
 class _Acting:
     """What one excitation does at some speeds: its lines, and by input the amplitudes (n_speeds, n_lines)."""
 
+    name: str
     lines: tuple[OrderLine, ...]
     loads: Mapping[Input, ComplexArray]
+    torques: OrderTorques
+    inputs: Mapping[str, tuple[Input, float]]
+    """By node: the input, and the sign with which a torque acts there."""
 
 
 def _acts(name: str, one: OrderExcitation, ratio: Fraction, senses: Senses, found: OrderTorques) -> _Acting:
@@ -132,10 +138,9 @@ def _acts(name: str, one: OrderExcitation, ratio: Fraction, senses: Senses, foun
     if not ratio and found.orders.any():
         raise UsageError(f"{one.shaft} does not turn, so it has no orders; {name} can act at frequencies there")
     columns = {place: column for column, place in enumerate(found.nodes) if place in senses}
-    loads = {
-        Input(one.quantity, place): senses[place] * found.amplitudes[:, :, column] for place, column in columns.items()
-    }
-    return _Acting(lines, loads)
+    inputs = {place: (Input(one.quantity, place), senses[place]) for place in columns}
+    loads = {channel: sense * found.amplitudes[:, :, columns[place]] for place, (channel, sense) in inputs.items()}
+    return _Acting(name, lines, loads, found, inputs)
 
 
 def _block(
@@ -165,7 +170,23 @@ def _block(
     hertz[np.abs(hertz) < STILL * np.abs(turning)] = 0
     gains, channels = _gains(drivetrain, outputs, inputs, hertz)
     values = np.einsum("slon,sln->slo", gains, loads)
-    return OrderResponse(at, reference, lines, values, channels)
+    return _worst(OrderResponse(at, reference, lines, values, channels), found, gains, inputs)
+
+
+def _worst(
+    nominal: OrderResponse, acting: Sequence[_Acting], gains: ComplexArray, inputs: Sequence[Input]
+) -> OrderResponse:
+    """The worst of what excitations offer besides: a misfire of each cylinder, spread between cylinders."""
+    alternatives: list[Contributions] = []
+    scatter: list[Contributions] = []
+    first = 0
+    for each in acting:
+        lines = slice(first, first := first + len(each.lines))
+        columns = {node: (inputs.index(channel), sense) for node, (channel, sense) in each.inputs.items()}
+        for shares, those in ((each.torques.alternatives, alternatives), (each.torques.scatter, scatter)):
+            if shares is not None:
+                those.append(contributions(each.name, shares, gains, lines, columns))
+    return worst_case(nominal, alternatives, scatter)
 
 
 def _gains(

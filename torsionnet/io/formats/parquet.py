@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from torsionnet.core.atomic import replacing
+from torsionnet.core.delimited.headings import split_heading
 from torsionnet.io.foreign import Stored
 from torsionnet.io.formats.extras import content_of, needed
-from torsionnet.io.formats.text.record_headings import split_heading
 from torsionnet.io.records.arrays import channel_of
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.io.records.stored import KEY, saved_columns, stored, with_stored

@@ -5,7 +5,7 @@ record: channels with names and units as they stand in the file, and a reader of
 ``write(recording, path)`` writes one, through :func:`torsionnet.core.atomic.replacing`. ``read_response(path)`` and
 ``write_response(response, path)`` are for frequency responses. ``npz.py`` is a short module to begin from,
 ``text/record_text.py`` one for text; what is written carries ``stored(recording)`` and is read with ``with_stored``;
-``arrays.array_source`` makes a source of named arrays, ``record_headings.split_heading`` takes a unit off a name, and
+``arrays.array_source`` makes a source of named arrays, ``headings.split_heading`` takes a unit off a name, and
 ``extras.content_of`` asks a library in a process of its own. What is wrong with a file is a ValueError in words, with
 the line where there is one: :func:`reading` adds the name of the file.
 """

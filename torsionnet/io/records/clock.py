@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsionnet.core.delimited.number_rows import MOST_FAULTS
 from torsionnet.core.errors import Fault
 from torsionnet.io.records.source import Source
 from torsionnet.response.recording import FloatArray
 
 UNIFORM = 0.01  # of a sampling interval: so far may stamps be off, as rounded decimals are
 SAME_RATE = 1e-3
-MOST_FAULTS = 20
 LATEST = 1e15
 """Seconds; thirty million years, in whatever unit a clock counted."""
 

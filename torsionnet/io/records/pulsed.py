@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Fault, ModelError, SolveError, UsageError, unknown_name
 from torsionnet.core.units import parse_unit
 from torsionnet.io.records.assembling import Wanted, recordings
-from torsionnet.io.records.quantities import plain_unit
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.recording import FloatArray, Recording, Signal
 from torsionnet.signals.bandlimited import Rotation

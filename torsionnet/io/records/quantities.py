@@ -4,22 +4,13 @@ from __future__ import annotations
 
 import re
 
+from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.units import ANGLES, DIMENSIONS, Dimension, UnitError, parse_unit
 from torsionnet.response.recording import QUANTITY_UNITS
 
 _DIMENSIONS = {"torque": "torque", "angle": "angle", "velocity": "speed", "acceleration": "acceleration"}
 """A pressure may be that of a gas: only who measures stress can say so."""
 _ANGULAR = re.compile("|".join([*sorted(ANGLES), "°"]))
-_OTHER_WORDS = {
-    "°/s": "deg/s",
-    "1/min": "rpm",
-    "min-1": "rpm",
-    "min^-1": "rpm",
-    "U/min": "rpm",
-    "r/min": "rpm",
-    "RPM": "rpm",
-    "grad": "",
-}
 
 
 def quantity_of(unit: str) -> str:
@@ -52,13 +43,3 @@ def factor_to_si(unit: str, quantity: str) -> float:
     if read.dimension != DIMENSIONS[_DIMENSIONS.get(quantity, "pressure")]:
         raise UnitError(f'"{unit}" is no unit of {quantity}; expected one like {QUANTITY_UNITS[quantity]}')
     return float(read.factor)
-
-
-def plain_unit(unit: str) -> str:
-    """A unit as ``parse_unit`` reads it: recorders write revolutions per minute in many ways.
-
-    >>> plain_unit(" 1/min ")
-    'rpm'
-    """
-    bare = unit.strip()
-    return _OTHER_WORDS.get(bare, bare)

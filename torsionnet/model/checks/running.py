@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.errors import Fault, ModelError, Path, UsageError, unknown_name
-from torsionnet.core.expressions import ExpressionError
 from torsionnet.model.checks.load_fits import unknown_in_load
 from torsionnet.model.definition import LOAD, Definition, all_nodes
 from torsionnet.model.elements import Values
@@ -34,7 +36,9 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
     if definition.load is not None:
         faults += unknown_in_load(definition, definition.load)
     faults += _overrides(definition)
-    return faults or [*_against_the_drivetrain(definition), *_on_imposed(definition)]
+    if faults or not _has_values(definition):
+        return faults
+    return [*_against_the_drivetrain(definition), *_on_imposed(definition)] or [*_remarks(definition)]
 
 
 def _overrides(definition: Definition) -> Iterator[Fault]:
@@ -62,7 +66,7 @@ def _wrong_value(definition: Definition, value: object, key: str, path: Path) ->
         definition.overlaid(Overlay(entries={key: value}))
     except ModelError as error:
         for fault in error.faults:
-            yield Fault(fault.message, path)
+            yield replace(fault, path=path)
 
 
 def _unfit_elements(definition: Definition) -> Iterator[Fault]:
@@ -75,6 +79,12 @@ def _unfit_elements(definition: Definition) -> Iterator[Fault]:
             yield unknown_name("element", element, definition.elements, ("excitations", name, *path))
         else:
             yield from (fault.under("excitations", name) for fault in excitation.misfits(definition.elements))
+
+
+def _has_values(definition: Definition) -> bool:
+    """Whether every parameter that elements name has a value; what has none is said elsewhere."""
+    known = resolve(definition.parameters)[0]
+    return all(one.names <= known.keys() for element in definition.active for _, _, one, _ in element.expressions())
 
 
 def _against_the_drivetrain(definition: Definition) -> Iterator[Fault]:
@@ -95,8 +105,6 @@ def _against_the_drivetrain(definition: Definition) -> Iterator[Fault]:
         except UsageError as error:
             yield Fault(str(error), ("excitations", name, "speed_of"))
             continue
-        except ExpressionError:  # a ratio without a value, which has been said
-            return
         low, high = (abs(float(ratio)) * edge for edge in (definition.speeds.values[0], definition.speeds.values[-1]))
         for table in excitation.covered_speeds:
             if low < table.low * (1 - 1e-9) or high > table.high * (1 + 1e-9):
@@ -113,3 +121,15 @@ def _on_imposed(definition: Definition) -> Iterator[Fault]:
             if node in imposed and node not in one.reactions:
                 text = f'the motion of "{node}" is imposed by {imposed[node]}; a torque there does nothing'
                 yield Fault(text, ("excitations", name, *path))
+
+
+def _remarks(definition: Definition) -> Iterator[Fault]:
+    """What the excitations themselves have to say, at the speeds of their shafts where these are known."""
+    known, faults = resolve(definition.parameters)
+    for name, excitation in definition.excitations.items():
+        speeds = None
+        if definition.speeds is not None and not faults and excitation.shaft:
+            ratio = abs(float(total_ratio(definition, known, excitation.shaft, definition.speeds.of)))
+            speeds = np.array(definition.speeds.values) * ratio
+        for fault in excitation.remarks(speeds):
+            yield fault.under("excitations", name)

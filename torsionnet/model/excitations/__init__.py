@@ -3,9 +3,14 @@
 import importlib
 import pkgutil
 
-from torsionnet.model.excitations.order_excitation import OrderExcitation, OrderTorques, excitation_kinds
+from torsionnet.model.excitations.order_excitation import (
+    OrderExcitation,
+    OrderTorques,
+    TorqueShares,
+    excitation_kinds,
+)
 
 for _name in sorted(module.name for module in pkgutil.iter_modules(__path__)):
     importlib.import_module(f"{__name__}.{_name}")
 
-__all__ = ["OrderExcitation", "OrderTorques", "excitation_kinds"]
+__all__ = ["OrderExcitation", "OrderTorques", "TorqueShares", "excitation_kinds"]

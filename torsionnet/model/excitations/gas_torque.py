@@ -1,27 +1,51 @@
-"""The pressure in a cylinder over the crank angle, and the torque it makes."""
+"""The gas in a cylinder: pressure traces or tangential harmonics, and the tangential pressure they make by order."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
 
-from torsionnet.core.entries.composite import Listed, Nested
+from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
-from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
 from torsionnet.core.entries.words import OneOf
-from torsionnet.core.errors import Fault
+from torsionnet.core.errors import Fault, Path
+from torsionnet.model.excitations.by_pressure import ByPressure, interpolated
+from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArray
+from torsionnet.model.excitations.pressure_trace import PressureTrace
+from torsionnet.model.excitations.tangential_harmonics import PHASES, HarmonicTables, amplitudes
+from torsionnet.model.excitations.trace_entry import TraceEntry
 
-PRESSURE = Value("a pressure", "pressure", lower=None)
-_TRACE = Listed(
-    "pressure at even steps over the cycle, from firing top dead centre on", PRESSURE, form="a list of pressures"
-)
-LEAST_SAMPLES = 24
-CLOSING = 0.02
-"""Share of the peak by which the ends of a trace with both of them may differ."""
+FIRING_TDC = "firing_tdc"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ZeroEntry(Spec):
+    """Where firing top dead centre is in the angles of a trace; stored in rad."""
+
+    def coerce(self, raw: Any) -> float:
+        if raw == FIRING_TDC:
+            return 0.0
+        try:
+            return _ANGLE.coerce(raw)
+        except EntryError:
+            text = f"expected {FIRING_TDC}, or the crank angle of the traces at firing top dead centre (360 deg)"
+            raise EntryError(f"{text}, got {raw!r}") from None
+
+    def plain(self, value: Any) -> Any:
+        return _ANGLE.plain(value)
+
+    def schema(self) -> Schema:
+        return {"type": ["number", "string"], "description": self.description}
+
+
+_ANGLE = Value("crank angle", "angle", lower=None)
+_TRACE = "pressure over the cycle: p100.csv, or a list at even steps from firing top dead centre on"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,35 +54,109 @@ class GasPressure(Declared):
 
     kind: ClassVar[str] = "gas"
     article: ClassVar[str] = "the gas of an engine"
-    form: ClassVar[str] = "{fired: [...], motored: [...], crankcase: 1 bar}"
+    form: ClassVar[str] = "{fired: p100.csv, motored: compression.csv, crankcase: 1 bar}"
 
-    fired: Any = entry(_TRACE)
-    motored: Any = entry(
-        Listed("the same without injection, but with compression", PRESSURE, form="a list of pressures"), ()
+    fired: Any = entry(TraceEntry(_TRACE), None)
+    traces: Any = entry(
+        ByPressure("instead: several by mean indicated pressure, {27 bar: p100.csv, 14 bar: p50.csv}", TraceEntry("")),
+        None,
+    )
+    harmonics: Any = entry(
+        HarmonicTables("instead: tangential pressure by order, one table or several by mean indicated pressure"), None
+    )
+    phase_of: str = entry(OneOf("what phases of harmonics are those of", PHASES), "cosine")
+    motored: Any = entry(TraceEntry("the pressure without injection, but with compression"), None)
+    motored_harmonics: Any = entry(HarmonicTables("instead: tangential pressure by order without injection"), None)
+    crank_end: Any = entry(
+        TraceEntry("pressure below the piston of a double-acting cylinder, over the same angles as above it"), None
     )
     reference: str = entry(OneOf("what the pressures are over", ("absolute", "gauge")), "absolute")
+    zero: Any = entry(ZeroEntry(f"{FIRING_TDC}, or the angle of the traces at firing top dead centre"), 0.0)
     crankcase: Any = entry(Value("absolute pressure below the pistons", "pressure"), "1 bar")
-    rated: Any = entry(Value("speed to which the pressures belong, of exponent", "speed", exclusive=True), None)
+    rated: Any = entry(Value("speed to which a single trace belongs, of exponent", "speed", exclusive=True), None)
     exponent: Any = entry(Value("gas torque follows speed/rated to this power", "1", lower=None), 0)
 
     def contradictions(self) -> list[Fault]:
-        faults = [fault.under(key) for key in ("fired", "motored") for fault in _trace_faults(getattr(self, key))]
-        if self.motored and len(_open(self.motored)) != len(_open(self.fired)):
-            faults.append(
-                Fault("the trace without injection has other steps than that with it", ("motored",), on_key=True)
-            )
+        return [*self._wrong_sources(), *self._wrong_scaling()]
+
+    def _wrong_sources(self) -> Iterator[Fault]:
+        given = [key for key in ("fired", "traces", "harmonics") if getattr(self, key)]
+        if len(given) != 1:
+            text = "gas is given by fired, by traces or by harmonics, one of the three"
+            yield Fault(f"{text}; here are {' and '.join(given) or 'none'}", tuple(given[1:2]), on_key=True)
+        if self.motored and self.motored_harmonics:
+            text = "compression without injection is given by motored or by motored_harmonics, one of the two"
+            yield Fault(text, ("motored_harmonics",), on_key=True)
+        if self.motored_harmonics and None not in self.motored_harmonics:
+            text = "there is one table without injection, by order: a misfiring cylinder has no indicated pressure"
+            yield Fault(text, ("motored_harmonics",), on_key=True)
+
+    def _wrong_scaling(self) -> Iterator[Fault]:
         if self.exponent and self.rated is None:
-            faults.append(
-                Fault("an exponent needs the speed to which the pressures belong: rated: 105 rpm", ("exponent",))
-            )
-        return faults
+            yield Fault("an exponent needs the speed to which the pressures belong: rated: 105 rpm", ("exponent",))
+        if self.exponent and self.is_by_pressure:
+            text = "what is given by mean indicated pressure follows the load of the engine, and no exponent"
+            yield Fault(text, ("exponent",), on_key=True)
 
-    def over_crankcase(self, *, motored: bool = False) -> np.ndarray[Any, Any]:
-        """Pressure difference across the piston in Pa at even steps, one end of the cycle."""
-        below = self.crankcase if self.reference == "absolute" else 0.0
-        return np.array(_open(self.motored if motored else self.fired)) - below
+    @property
+    def is_by_pressure(self) -> bool:
+        """Whether the mean indicated pressure decides."""
+        return bool(self.traces) or (bool(self.harmonics) and None not in self.harmonics)
 
-    def factor(self, speeds: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    @property
+    def has_motored(self) -> bool:
+        return bool(self.motored or self.motored_harmonics)
+
+    @property
+    def all_traces(self) -> Iterator[tuple[Path, PressureTrace]]:
+        """Every trace and where it stands."""
+        for key in ("fired", "motored", "crank_end"):
+            if getattr(self, key):
+                yield (key,), getattr(self, key)
+        for pressure, trace in (self.traces or {}).items():
+            yield ("traces", f"{pressure:g}"), trace
+
+    @property
+    def own_orders(self) -> tuple[tuple[str, float], ...]:
+        """Entry and order of everything given by order."""
+        keys = ("harmonics", "motored_harmonics")
+        tables = [(key, table) for key in keys for table in (getattr(self, key) or {}).values()]
+        return tuple((key, float(order)) for key, table in tables for order in table)
+
+    def fired_harmonics(self, crank: Crank, orders: FloatArray, pressures: FloatArray | None) -> ComplexArray:
+        """Torque of a firing cylinder in N m, (n_pressures or 1, n_orders), at mean indicated pressures in Pa."""
+        tables: dict[float | None, ComplexArray] = {}
+        for pressure, trace in (self.traces or {None: self.fired} if not self.harmonics else {}).items():
+            tables[pressure] = self._of_trace(trace, crank, orders)
+        for pressure, table in (self.harmonics or {}).items():
+            tables[pressure] = crank.factor * amplitudes(table, orders, self.phase_of)
+        values = np.array(list(tables.values())) + self._below_piston(crank, orders)
+        known = [pressure for pressure in tables if pressure is not None]
+        return values if not known or pressures is None else interpolated(known, values, pressures)
+
+    def motored_harmonics_at(self, crank: Crank, orders: FloatArray) -> ComplexArray:
+        """The same without injection, (n_orders,)."""
+        if self.motored:
+            return self._of_trace(self.motored, crank, orders) + self._below_piston(crank, orders)
+        if self.motored_harmonics:
+            return np.asarray(crank.factor * amplitudes(self.motored_harmonics[None], orders, self.phase_of))
+        return np.zeros(len(orders), dtype=complex)
+
+    def _of_trace(self, trace: PressureTrace, crank: Crank, orders: FloatArray) -> ComplexArray:
+        return np.asarray(crank.factor * trace.harmonics(crank.ratio, crank.revolutions, orders, self.zero, self.below))
+
+    def _below_piston(self, crank: Crank, orders: FloatArray) -> ComplexArray:
+        """What acts on the other side of the piston, less the rod that goes through there."""
+        if not self.crank_end:
+            return np.zeros(len(orders), dtype=complex)
+        return -self._of_trace(self.crank_end, crank, orders) * crank.lower_share
+
+    @property
+    def below(self) -> float:
+        """Pressure below the pistons in the reference of the traces, Pa."""
+        return float(self.crankcase) if self.reference == "absolute" else 0.0
+
+    def factor(self, speeds: FloatArray) -> FloatArray:
         """Gas torque at speeds in rad/s over that of the traces."""
         return np.asarray((speeds / self.rated) ** self.exponent if self.exponent else np.ones(len(speeds)))
 
@@ -66,27 +164,36 @@ class GasPressure(Declared):
 GAS = Nested("pressure in the cylinders", lambda: GasPressure, "gas")
 
 
-def _open(trace: tuple[float, ...]) -> tuple[float, ...]:
-    """A trace with both ends of the cycle loses the second: 721 values at 0 to 720 degrees are 720 steps."""
-    return trace[:-1] if len(trace) % 2 else trace
+@dataclass(frozen=True)
+class Crank:
+    """What makes a torque of a pressure, sizes in m; ``rod_diameter`` is that of a piston rod on the lower side."""
 
+    bore: float
+    stroke: float
+    rod_length: float
+    revolutions: int
+    rod_diameter: float = 0.0
 
-def _trace_faults(trace: tuple[float, ...]) -> list[Fault]:
-    if not trace:
-        return []
-    if len(trace) < LEAST_SAMPLES:
-        return [Fault(f"{len(trace)} pressures are too few for a cycle; give {LEAST_SAMPLES} or more", on_key=True)]
-    peak = max(map(abs, trace))
-    if len(trace) % 2 and abs(trace[0] - trace[-1]) > CLOSING * peak:
-        text = f"the trace does not close: it begins with {trace[0]:.6g} Pa and ends with {trace[-1]:.6g} Pa"
-        return [Fault(f"{text}; give the whole cycle, with or without its last point", on_key=True)]
-    if peak < 1e3:
-        return [
-            Fault(f"a peak of {peak:g} Pa is no pressure in a cylinder; a bare number is Pa, write 98 bar", on_key=True)
-        ]
-    return []
+    @property
+    def ratio(self) -> float:
+        """Crank radius over rod length."""
+        return self.stroke / 2 / self.rod_length
 
+    @property
+    def radius(self) -> float:
+        return self.stroke / 2
 
-def piston_area(bore: float) -> float:
-    """m^2."""
-    return math.pi * bore**2 / 4
+    @property
+    def factor(self) -> float:
+        """Piston area times crank radius, m^3: torque over tangential pressure."""
+        return math.pi * self.bore**2 / 4 * self.radius
+
+    @property
+    def swept_volume(self) -> float:
+        """Of one cylinder, m^3."""
+        return 2 * self.factor
+
+    @property
+    def lower_share(self) -> float:
+        """Area of the piston's lower side over that of the upper one."""
+        return 1 - (self.rod_diameter / self.bore) ** 2

@@ -26,6 +26,27 @@ T = TypeVar("T", bound="type[OrderExcitation]")
 
 
 @dataclass(frozen=True, eq=False)
+class TorqueShares:
+    """Torques that come on top, one or another: each acts on one node.
+
+    Attributes
+    ----------
+    labels : tuple of str
+    nodes : tuple of str
+        The node of each.
+    amplitudes : (n_shares, n_speeds, n_orders) complex array
+        N m, peak values.
+    parts : tuple of str
+        The part of the machine that each is of: a part that misfires does not scatter.
+    """
+
+    labels: tuple[str, ...]
+    nodes: tuple[str, ...]
+    amplitudes: ComplexArray
+    parts: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class OrderTorques:
     """Torques on nodes, T(t) = Re sum_i T_i exp(j (h_i phi + 2 pi f_i t)), phi the angle of the shaft.
 
@@ -43,12 +64,18 @@ class OrderTorques:
         N m or rad, peak values.
     fixed : (n_lines,) array, optional
         Frequencies f_i in Hz that go with the orders; without, all lines follow the speed.
+    alternatives : TorqueShares, optional
+        One of these comes on top, whichever is worst.
+    scatter : TorqueShares, optional
+        All of these come on top with factors from -1 to 1, in the worst combination.
     """
 
     orders: FloatArray
     nodes: tuple[str, ...]
     amplitudes: ComplexArray
     fixed: FloatArray | None = None
+    alternatives: TorqueShares | None = None
+    scatter: TorqueShares | None = None
 
 
 @dataclass(frozen=True)
@@ -125,6 +152,11 @@ class OrderExcitation(Declared):
         """What acts with a phase of its own: its node and ``exp(-j order alpha)``, or 0 where it is out of action."""
         del order
         return {node: (node, 1.0 + 0j) for node in self.nodes}
+
+    def remarks(self, speeds: FloatArray | None) -> list[Fault]:
+        """What is wrong at speeds of its shaft in rad/s, where these are known, and what is worth a warning or note."""
+        del speeds
+        return []
 
 
 def register_excitation(cls: T) -> T:

@@ -6,6 +6,7 @@ import itertools
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path as FolderPath
 
 from torsionnet.core.entries.scalars import plain_scalar
 from torsionnet.core.errors import ModelError, Path
@@ -66,7 +67,13 @@ def changed_definition(definition: Definition, changes: Mapping[Place, Expressio
     return replace(definition, parameters=parameters, configurations=axes)
 
 
-def changed_text(text: str, definition: Definition, changes: Mapping[Place, Expression], file: str = "") -> str:
+def changed_text(
+    text: str,
+    definition: Definition,
+    changes: Mapping[Place, Expression],
+    file: str = "",
+    folder: FolderPath | None = None,
+) -> str:
     """The text of a model file with other values; only their characters differ.
 
     Where that cannot be (a value that is an alias of another one), the model is written anew, without comments.
@@ -80,6 +87,8 @@ def changed_text(text: str, definition: Definition, changes: Mapping[Place, Expr
         Place -> new value.
     file : str, optional
         Its name; of a ``.json`` file the new values are JSON.
+    folder : path, optional
+        Where files that the text names lie.
 
     Examples
     --------
@@ -90,7 +99,7 @@ def changed_text(text: str, definition: Definition, changes: Mapping[Place, Expr
     """
     wanted = changed_definition(definition, changes)
     edited = _edited(text, changes, file)
-    found = None if edited is None else read_text(edited, file)[0]
+    found = None if edited is None else read_text(edited, file, folder)[0]
     if edited is None or found is None or found.to_data() != wanted.to_data():
         return dump(wanted)
     return edited

@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from torsionnet.core.collecting import collector_paused
+from torsionnet.core.entries.nearby import files_beside
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.model.checks import has_errors
 from torsionnet.model.definition import Definition, read_definition
@@ -30,20 +31,21 @@ def read_file(path: str | os.PathLike[str]) -> tuple[Definition | None, list[Fau
         text = decode(raw, str(found))
     except ModelError as error:
         return None, list(error.faults)
-    return read_text(text, str(found))
+    return read_text(text, str(found), found.parent)
 
 
 @collector_paused()
-def read_text(text: str, file: str) -> tuple[Definition | None, list[Fault]]:
-    """As :func:`read_file`, for text that is already at hand."""
+def read_text(text: str, file: str, folder: Path | None = None) -> tuple[Definition | None, list[Fault]]:
+    """As :func:`read_file`, for text that is already at hand; files that it names lie in ``folder``."""
     try:
         document = compose(text.removeprefix("\ufeff"), file)
     except ModelError as error:
         return None, presentable(error.faults)
     if not isinstance(document.data, dict):
         return None, [_no_model(document)]
-    definition, faults = read_definition(document.data)
-    faults = check_what_was_read(definition, document, faults)
+    with files_beside(folder):
+        definition, faults = read_definition(document.data)
+        faults = check_what_was_read(definition, document, faults)
     found = placed([*document.faults, *faults], document)
     return (None if has_errors(found) else definition), found
 

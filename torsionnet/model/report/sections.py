@@ -14,6 +14,8 @@ SECTIONS = {
     "simplified": "the same without elements that hardly matter, with the error, if asked for or `simplify` is given",
     "responses": "transfer functions over frequency, overlaid by configuration",
     "excitations": "what runs, at which speeds, and the torques it excites with by order",
+    "mean_torques": "mean torque, stress and power of every element under the load",
+    "critical_speeds": "orders against natural frequencies, interference diagram, Holzer tables",
     "orders": "amplitudes over speed by order, and all orders together, in every configuration",
     "test": "tests over the model",
     "fit": "fitted parameters with intervals",

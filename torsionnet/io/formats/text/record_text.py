@@ -8,10 +8,10 @@ from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
 
+from torsionnet.core.delimited.dialect import Dialect, data_start, encoding_of, sniffed
+from torsionnet.core.delimited.headings import Headings, headings
+from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.errors import Fault, ModelError, Position
-from torsionnet.io.formats.text.dialect import Dialect, data_start, sniffed
-from torsionnet.io.formats.text.number_rows import NumberRows
-from torsionnet.io.formats.text.record_headings import Headings, headings
 from torsionnet.io.formats.text.writing import description_in, write_columns
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.io.records.stored import KEY, TIME, checked_names, plain_keys, stored, with_stored
@@ -24,7 +24,7 @@ SAMPLE = 400
 @contextlib.contextmanager
 def opened(path: Path, separator: str | None = None, decimal: str | None = None) -> Iterator[Source]:
     """A text file; ``separator`` and ``decimal`` are found out where they are not given."""
-    encoding = _encoding(path)
+    encoding = encoding_of(path)
     with path.open(encoding=encoding, newline=None) as file:
         lines = list(islice(file, SAMPLE))
         comments = [line for line in lines if line.startswith(("#", "%"))]
@@ -49,18 +49,6 @@ def _with_notes(source: Source, notes: tuple[str, ...]) -> Source:
     found = source.with_time_found()
     source.discovered[:0] = notes
     return found
-
-
-def _encoding(path: Path) -> str:
-    with path.open("rb") as file:
-        start = file.read(1 << 16)
-    if start.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return "utf-16"
-    try:
-        start[: start.rfind(b"\n") + 1].decode("utf-8")
-    except UnicodeDecodeError:
-        return "cp1252"
-    return "utf-8-sig"
 
 
 def _notes(dialect: Dialect, encoding: str, preamble: int, heading: Headings) -> tuple[str, ...]:

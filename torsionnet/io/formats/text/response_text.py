@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from torsionnet.core.delimited.dialect import Dialect
+from torsionnet.core.delimited.number_rows import NumberRows
 from torsionnet.core.errors import Fault, ModelError, Position
-from torsionnet.io.formats.text.dialect import Dialect
-from torsionnet.io.formats.text.number_rows import NumberRows
 from torsionnet.io.formats.text.response_headings import ColumnHeading, headings
 from torsionnet.io.formats.text.writing import description_in, write_columns
 from torsionnet.io.responses.described import KEY, described, description, limit_in, words

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.core.units import UnitError, parse_unit
 from torsionnet.io.formats.uff.datasets import (
@@ -21,7 +22,7 @@ from torsionnet.io.formats.uff.datasets import (
     UNITS,
     text_in,
 )
-from torsionnet.io.records.quantities import factor_to_si, of_dimension, plain_unit
+from torsionnet.io.records.quantities import factor_to_si, of_dimension
 from torsionnet.io.responses.described import limit_in
 from torsionnet.io.responses.matrix import Matrix, Single
 from torsionnet.response import FrequencyResponse

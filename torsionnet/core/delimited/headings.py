@@ -6,13 +6,23 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from torsionnet.core.delimited.dialect import Dialect
 from torsionnet.core.units import UnitError, parse_unit
-from torsionnet.io.formats.text.dialect import Dialect
-from torsionnet.io.records.quantities import plain_unit
 
 _BRACKETED = re.compile(r"(?P<name>.*?)\s*\[(?P<unit>[^\[\]]*)\]")
 _IN_PARENTHESES = re.compile(r"(?P<name>.*?\S)\s*\((?P<unit>[^()]*(?:\([^()]*\))?[^()]*)\)")
 _WITH_SLASH = re.compile(r"(?P<name>.*?\S)\s+(?:/|in)\s+(?P<unit>\S.*)")
+
+_OTHER_WORDS = {
+    "°/s": "deg/s",
+    "1/min": "rpm",
+    "min-1": "rpm",
+    "min^-1": "rpm",
+    "U/min": "rpm",
+    "r/min": "rpm",
+    "RPM": "rpm",
+    "grad": "",
+}
 
 
 @dataclass(frozen=True)
@@ -62,6 +72,16 @@ def is_unit(text: str) -> bool:
     except UnitError:
         return False
     return True
+
+
+def plain_unit(unit: str) -> str:
+    """A unit as ``parse_unit`` reads it: recorders write revolutions per minute in many ways.
+
+    >>> plain_unit(" 1/min ")
+    'rpm'
+    """
+    bare = unit.strip()
+    return _OTHER_WORDS.get(bare, bare)
 
 
 def _is_units(cells: Sequence[str], width: int) -> bool:

@@ -7,6 +7,7 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
+from pathlib import Path
 
 SEPARATORS = (";", "\t", ",", " ")
 _NAMES = {";": "semicolon", "\t": "tab", ",": "comma", " ": "white space"}
@@ -81,3 +82,16 @@ def data_start(dialect: Dialect, lines: Sequence[str]) -> int:
     widths = [len(dialect.cells(line)) if dialect.is_data(line) else 0 for line in lines]
     usual = Counter(filter(None, widths)).most_common(1)
     return widths.index(usual[0][0]) if usual else len(lines)
+
+
+def encoding_of(path: Path) -> str:
+    """How the characters of a text file are stored, by its beginning."""
+    with path.open("rb") as file:
+        start = file.read(1 << 16)
+    if start.startswith((b"\xff\xfe", b"\xfe\xff")):
+        return "utf-16"
+    try:
+        start[: start.rfind(b"\n") + 1].decode("utf-8")
+    except UnicodeDecodeError:
+        return "cp1252"
+    return "utf-8-sig"

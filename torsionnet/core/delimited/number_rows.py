@@ -7,14 +7,16 @@ from dataclasses import dataclass, field
 from itertools import islice
 
 import numpy as np
+from numpy.typing import NDArray
 
+from torsionnet.core.delimited.dialect import Dialect
+from torsionnet.core.delimited.early_end import ENOUGH, early_end
 from torsionnet.core.errors import Fault, ModelError, Position
-from torsionnet.io.formats.text.dialect import Dialect
-from torsionnet.io.formats.text.early_end import ENOUGH, early_end
-from torsionnet.io.records.clock import MOST_FAULTS
-from torsionnet.response.recording import FloatArray
 
+FloatArray = NDArray[np.float64]
 PIECE = 20_000
+MOST_FAULTS = 20
+"""Of one kind in one file; more say nothing new."""
 
 
 def _other_width(cells: int, width: int) -> str:

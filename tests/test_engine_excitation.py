@@ -1,0 +1,568 @@
+"""Engines: traces from files, harmonics, loads, banks, misfires; against closed forms and second ways to the same."""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from forced_plants import plant, reference
+
+import torsionnet as tn
+from torsionnet.model.excitations.firing import banked_phases
+from torsionnet.model.excitations.pressure_file import read_pressure_file
+from torsionnet.model.excitations.pressure_trace import PressureTrace
+from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.model.excitations.slider_crank import inertia_harmonics
+
+ORDERS = np.arange(0.5, 12.1, 0.5)
+OMEGA = np.array([60.0, 80.0])
+
+
+def bar(degrees, revolutions=2):
+    """A pressure in bar with its peak 8 degrees after firing top dead centre, smooth over the cycle."""
+    x = np.radians(np.asarray(degrees, dtype=float) - 8)
+    return 2 + 90 * np.exp(40 * (np.cos(x / revolutions) - 1)) + 8 * np.exp(4 * (np.cos(x) - 1))
+
+
+def engine(count=2, **entries):
+    given = {
+        "speed_of": "c1", "cycle": 4, "cylinders": {number: f"c{number}" for number in range(1, count + 1)},
+        "bore": 0.1, "stroke": 0.12, "rod_length": 0.24, "reciprocating_mass": 0.0, "orders": ORDERS.tolist(),
+    }  # fmt: skip
+    if "firing_angles" not in entries:
+        given["firing_order"] = list(range(1, count + 1))
+    return ReciprocatingEngine(**{**given, **entries})
+
+
+def torque(one, speeds=OMEGA):
+    return one.torques(speeds).amplitudes
+
+
+def csv(folder, name, degrees, pressures, heading="crank angle [deg];pressure [bar]", decimal=".", end="\n"):
+    rows = [f"{angle:.8g};{value!r}".replace(".", decimal) for angle, value in zip(degrees, pressures, strict=True)]
+    path = folder / name
+    path.parent.mkdir(exist_ok=True)
+    path.write_text("\n".join([heading, *rows]) + end, encoding="utf-8")
+    return path
+
+
+def exact(trace, revolutions=2, radius=0.06, rod=0.24, bore=0.1):
+    """Harmonics of samples in bar at even steps from firing TDC on, by the sum over them, in N m (complex steps)."""
+    phi = 2 * np.pi * revolutions * np.arange(len(trace)) / len(trace)
+    ratio = radius / rod
+
+    def way(angle):
+        return 1 - np.cos(angle) + (1 - np.sqrt(1 - (ratio * np.sin(angle)) ** 2)) / ratio
+
+    area = np.pi * bore**2 / 4
+    acting = (np.asarray(trace) - 1) * 1e5 * area * radius * way(phi + 1e-30j).imag / 1e-30
+    return np.array([2 / len(phi) * (acting * np.exp(-1j * order * phi)).sum() for order in ORDERS])
+
+
+class TestFiles:
+    """Whatever the step, the ends and the dialect: the harmonics are those of the samples."""
+
+    @pytest.mark.parametrize(
+        ("degrees", "options"),
+        [
+            (np.arange(720), {}),
+            (np.arange(721), {"decimal": ","}),
+            (np.arange(-360, 360, 0.5), {"heading": "Kurbelwinkel [°KW];Druck [bar]", "decimal": ","}),
+            (np.arange(-360, 361), {"heading": "angle (deg CA);p / bar"}),
+            (np.arange(0, 720, 1.5), {"heading": "# measured on cylinder 3\nangle;pressure\ndeg;bar"}),
+            (np.arange(0, 1440) * 0.5, {"end": ""}),
+        ],
+    )
+    def test_even_steps_are_taken_as_they_are(self, tmp_path, degrees, options):
+        path = csv(tmp_path, "p.csv", degrees, bar(degrees).tolist(), **options)
+        count = round(720 / (degrees[1] - degrees[0]))
+        expected = exact(bar(np.arange(count) * 720 / count))
+        found = torque(engine(gas={"fired": path}))[0, :, 0]
+        assert found == pytest.approx(expected, rel=1e-9, abs=1e-9 * abs(expected).max())
+
+    def test_steps_that_miss_top_dead_centre_keep_their_phase(self, tmp_path):
+        """Samples at 0.25, 1.25, ... degrees: the sums over them, at those angles."""
+        at = np.arange(720) + 0.25
+        path = csv(tmp_path, "p.csv", at - 360, bar(at - 360).tolist())
+        phi = np.radians(at)
+        rate = np.sin(phi) * (1 + 0.25 * np.cos(phi) / np.sqrt(1 - (0.25 * np.sin(phi)) ** 2))
+        acting = (bar(at) - 1) * 1e5 * np.pi * 0.01 / 4 * 0.06 * rate
+        expected = [2 / 720 * (acting * np.exp(-1j * order * phi)).sum() for order in ORDERS]
+        one = engine(gas={"fired": path})
+        assert torque(one)[0, :, 0] == pytest.approx(expected, rel=1e-9, abs=1e-6)
+        again = engine(gas=one.gas.to_data())
+        assert torque(again) == pytest.approx(torque(one), rel=1e-12, abs=1e-9)
+
+    def test_uneven_steps_are_interpolated_and_that_is_said(self, tmp_path):
+        at = np.r_[np.arange(-360, -30, 1.0), np.arange(-30, 60, 0.2), np.arange(60, 361, 1.0)]
+        trace = read_pressure_file(csv(tmp_path, "p.csv", at, bar(at).tolist()))
+        assert len(trace.values) == 3600
+        assert trace.note == "p.csv has uneven steps; it is interpolated linearly at 3600 steps of a cycle"
+        assert np.array(trace.values) / 1e5 == pytest.approx(bar(np.arange(3600) * 0.2), rel=2e-3)
+
+    def test_zero_elsewhere_and_pressures_over_atmosphere(self, tmp_path):
+        """0 at gas exchange: firing top dead centre is at 360 degrees."""
+        at = np.arange(720)
+        usual = csv(tmp_path, "usual.csv", at, bar(at).tolist())
+        shifted = csv(tmp_path, "shifted.csv", at, (bar(at - 360) - 1.2).tolist())
+        plain = engine(gas={"fired": usual, "crankcase": "1.2 bar"})
+        other = engine(gas={"fired": shifted, "zero": "360 deg", "reference": "gauge", "crankcase": "1.2 bar"})
+        assert torque(other) == pytest.approx(torque(plain), rel=1e-9, abs=1e-7)
+
+    @pytest.mark.parametrize(
+        ("degrees", "pressures", "heading", "line", "text"),
+        [
+            (np.arange(700), None, None, 701, "covers 0 to 699 deg; a cycle is 720 deg"),
+            (np.arange(721), lambda at: bar(at) + at / 50, None, 722, "does not close: it begins with"),
+            (np.arange(720), lambda at: bar(at) + at / 50, None, 721, "does not close: it begins with"),
+            (np.arange(720), None, "angle [deg];pressure", 1, "the column pressure has no unit; write its heading as"),
+            (np.arange(720), None, "angle;pressure [bar]", 1, "the column angle has no unit; write its heading as angle"),
+            (np.arange(720), None, "angle [deg];pressure [Nm]", 1, '"Nm" is no unit of pressure'),
+            (np.arange(720), None, "time [s];pressure [bar]", 1, '"s" is no unit of angle'),
+            (np.arange(720), None, "angle [deg];p [Pa]", 1, r"a peak of 100 Pa \(0.001 bar\) is no pressure"),
+            (np.r_[0:5, 3, 6:720], None, None, 7, "the angle 3 deg follows 4 deg; angles increase"),
+            (np.arange(720), lambda at: np.where(at == 7, np.nan, bar(at)), None, 9, "a number is missing"),
+            (np.arange(0, 720, 36), None, None, 21, "20 pressures are too few"),
+        ],
+    )  # fmt: skip
+    def test_a_fault_is_told_with_its_line(self, tmp_path, degrees, pressures, heading, line, text):
+        values = (pressures or bar)(degrees).tolist()
+        path = csv(tmp_path, "p.csv", degrees, values, **({"heading": heading} if heading else {}))
+        with pytest.raises(tn.ModelError, match=text) as caught:
+            engine(gas={"fired": path})
+        (fault,) = caught.value.faults
+        assert (fault.position.file, fault.position.line) == ("p.csv", line)
+
+    @pytest.mark.parametrize(
+        ("content", "text"),
+        [
+            ("angle [deg];p [bar];T [Nm]\n" + "".join(f"{at};1;2\n" for at in range(99)), "3 columns; a pressure trace"),
+            ("".join(f"{at};1\n" for at in range(99)), "no heading; the first line says what the columns are"),
+            ("nothing here\n", "found no rows of numbers"),
+            ("", "found no rows of numbers"),
+            ("angle [deg];p [bar]\n" + "".join(f"{at};{1 if at != 40 else 'x'}\n" for at in range(99)), '"x" is not a number'),
+        ],
+    )  # fmt: skip
+    def test_no_trace_at_all(self, tmp_path, content, text):
+        path = tmp_path / "p.csv"
+        path.write_text(content)
+        with pytest.raises(tn.ModelError, match=text):
+            read_pressure_file(path)
+
+    def test_a_cycle_of_one_revolution_does_not_suit_a_four_stroke(self, tmp_path):
+        path = csv(tmp_path, "p.csv", np.arange(360), bar(np.arange(360), 1).tolist())
+        with pytest.raises(
+            tn.ModelError, match=r"p\.csv covers 360 deg; the cycle of a four-stroke engine has 720 deg"
+        ):
+            engine(gas={"fired": path})
+        assert engine(cycle=2, orders=[1, 2], gas={"fired": path}).gas.fired.revolutions == 1
+
+
+PLANT = """torsionnet: 1
+name: two cylinders
+elements:
+  throw_1: {type: inertia, node: c1, inertia: 0.1}
+  crank: {type: spring, nodes: [c1, c2], stiffness: 1 MN*m/rad}
+  throw_2: {type: inertia, node: c2, inertia: 0.1}
+speeds: {of: c1, range: 600..1200 rpm, step: 100 rpm}
+excitations:
+  engine:
+    type: reciprocating_engine
+    speed_of: c1
+    cycle: 4
+    cylinders: {1: c1, 2: c2}
+    firing_order: [1, 2]
+    bore: 100 mm
+    stroke: 120 mm
+    rod_length: 240 mm
+    gas: GAS
+"""
+
+
+def in_file(folder, gas, more=""):
+    """A model file beside the traces p100.csv (1.0), p50.csv (0.5) and motored.csv (0.2)."""
+    at = np.arange(720)
+    for name, share in {"p100": 1.0, "p50": 0.5, "motored": 0.2}.items():
+        csv(folder, f"{name}.csv", at, (1 + share * (bar(at) - 1)).tolist())
+    path = folder / "plant.yaml"
+    path.write_text(PLANT.replace("GAS", gas) + more)
+    return path
+
+
+class TestModelFiles:
+    def test_files_are_read_once_and_the_model_is_written_with_their_numbers(self, tmp_path):
+        path = in_file(tmp_path, "{fired: p100.csv, motored: motored.csv}")
+        rig = tn.load(path)
+        for name in ("p100", "motored"):
+            (tmp_path / f"{name}.csv").unlink()
+        again = tn.loads(rig.to_yaml())
+        assert again == rig
+        assert torque(again.definition.excitations["engine"]) == pytest.approx(
+            torque(rig.definition.excitations["engine"])
+        )
+
+    def test_an_alternative_may_name_another_file(self, tmp_path):
+        more = "configurations: {load: {full: {}, half: {engine.gas: {fired: p50.csv}}}}\n"
+        rig = tn.load(in_file(tmp_path, "{fired: p100.csv}", more))
+        full, half = (torque(rig.configured(name).definition.excitations["engine"]) for name in ("full", "half"))
+        assert half == pytest.approx(full / 2)
+        assert tn.loads(rig.to_yaml()) == rig
+
+    def test_a_folder_below(self, tmp_path):
+        csv(tmp_path, "traces/p.csv", np.arange(720), bar(np.arange(720)).tolist())
+        assert (
+            tn.load(in_file(tmp_path, "{fired: traces/p.csv}")).definition.excitations["engine"].gas.fired.file
+            == "p.csv"
+        )
+
+    @pytest.mark.parametrize(
+        ("name", "text"),
+        [
+            ("p10.csv", 'there is no file "p10.csv" beside the model file; did you mean "p100.csv"?'),
+            ("../p100.csv", "leads out of the folder of the model file"),
+            ("traces/../../p100.csv", "leads out of the folder of the model file"),
+            ("/etc/passwd", "leads out of the folder of the model file"),
+            ("'C:\\p100.csv'", "leads out of the folder of the model file"),
+            ("link.csv", "is a link that leads out of the folder"),
+        ],
+    )
+    def test_files_elsewhere_are_refused(self, tmp_path, name, text):
+        folder = tmp_path / "model"
+        folder.mkdir()
+        (folder / "link.csv").symlink_to(csv(tmp_path, "p100.csv", np.arange(720), bar(np.arange(720)).tolist()))
+        with pytest.raises(tn.ModelError) as caught:
+            tn.load(in_file(folder, f"{{fired: {name}}}"))
+        (fault,) = caught.value.faults
+        assert text in fault.message
+        assert (fault.position.line, fault.position.column) == (18, 18)
+
+    def test_text_has_no_folder(self, tmp_path):
+        text = in_file(tmp_path, "{fired: p100.csv}").read_text()
+        with pytest.raises(tn.ModelError, match="this model is text without a folder; save it and load the file"):
+            tn.loads(text)
+        assert tn.loads(text, folder=tmp_path) == tn.load(tmp_path / "plant.yaml")
+
+    def test_a_fault_in_a_file_comes_with_those_of_the_model(self, tmp_path):
+        path = in_file(tmp_path, "{fired: p100.csv}", "inputs: {x: {torque: c9}}\n")
+        csv(tmp_path, "p100.csv", np.arange(720), bar(np.arange(720)).tolist(), heading="angle [deg];p")
+        with pytest.raises(tn.ModelError) as caught:
+            tn.load(path)
+        assert {(fault.position.file.split("/")[-1], fault.position.line) for fault in caught.value.faults} == {
+            ("p100.csv", 1), ("plant.yaml", 19),
+        }  # fmt: skip
+
+    @pytest.mark.parametrize(
+        ("old", "new", "where", "text"),
+        [
+            ("GAS", "{traces: {27: p100.csv}}", (18, 20), r"27 Pa \(0.00027 bar\) is no mean indicated pressure"),
+            ("GAS", "{traces: {27 bar: p100.csv, 9 bar: p50.csv}}", (18, 5), "which mean indicated pressure acts"),
+            ("GAS", "{fired: p100.csv, traces: {9 bar: p50.csv}}", (18, 28), "one of the three; here are fired and traces"),
+            ("GAS", "{motored: motored.csv}", (18, 5), "one of the three; here are none"),
+            ("GAS", "{harmonics: {0.7: {amplitude: 1 bar, phase: 0 deg}}}", (18, 22), "are multiples of 0.5, not 0.7"),
+            ("GAS", "{harmonics: {1: {amplitude: 1 bar, sine: 1 bar}}}", (18, 23), "amplitude and phase, or cosine and sine"),
+            ("GAS", "{fired: p100.csv, zero: tdc}", (18, 34), "expected firing_tdc, or the crank angle"),
+            ("GAS", "{fired: p100.csv}\n    misfire: each", (19, 5), "give gas: {motored: compression.csv}"),
+            ("GAS", "{fired: p100.csv}\n    load: {power: 10 kW, rated: 900 rpm}", (19, 12), "mechanical_efficiency: 0.92"),
+            ("GAS", "{fired: p100.csv}\n    load: {mean_indicated_pressure: 9 bar}", (19, 5), "a single trace follows rated"),
+            ("GAS", "{fired: p100.csv}\n    load: {mean_indicated_pressure: 9}", (19, 37), "write 9 bar"),
+            ("GAS", "{fired: p100.csv}\n    factors: {3: 0.8}", (19, 15), "there is no cylinder 3"),
+            ("gas: GAS", "spread: 5 %", (18, 5), "spread is about gas torque"),
+            ("gas: GAS", "banks: {A: [1], B: [2]}", (18, 5), "banks need the angle"),
+            ("gas: GAS", "banks: {A: [1], B: [3]}\n    bank_angle: 90 deg", (18, 5), "banks miss cylinder 2"),
+            ("gas: GAS", "bank_angle: 90 deg", (18, 5), "a bank angle needs banks"),
+            ("gas: GAS", "piston_rod: 100 mm", (18, 17), "fills the bore"),
+        ],
+    )  # fmt: skip
+    def test_faults_in_the_model(self, tmp_path, old, new, where, text):
+        path = in_file(tmp_path, "{fired: p100.csv}")
+        path.write_text(PLANT.replace(old, new))
+        with pytest.raises(tn.ModelError, match=text) as caught:
+            tn.load(path)
+        assert where in [(fault.position.line, fault.position.column) for fault in caught.value.faults]
+
+
+class TestMeanIndicatedPressure:
+    def test_of_the_reference_engine(self):
+        """The validation file has that of its pressures, from the work of a cycle."""
+        data = reference("forced_inline_six")
+        made = data["engine"]
+        trace = PressureTrace(tuple(made["pressure"]["pressure_Pa"]))
+        found = trace.mean_indicated_pressure(made["stroke"] / 2 / made["rod_length"], 2)
+        assert found == pytest.approx(data["mean_indicated_pressure_Pa"], rel=1e-9)
+
+    def test_traces_are_interpolated_to_the_load(self):
+        at = np.arange(720)
+        low, high = (1 + share * (bar(at) - 1) for share in (0.5, 1.0))
+        traces = {"8 bar": (low * 1e5).tolist(), "16 bar": (high * 1e5).tolist()}
+        load = {"mean_indicated_pressure": "16 bar", "rated": "100 rad/s", "exponent": 1}
+        one = engine(gas={"traces": traces}, load=load)
+        found = torque(one, np.array([50.0, 75.0, 100.0]))[:, :, 0]
+        for row, share in zip(found, (0.5, 0.75, 1.0), strict=True):
+            assert row == pytest.approx(share * exact(high), rel=1e-9, abs=1e-6)
+
+    def test_power_and_efficiency_make_a_mean_indicated_pressure(self):
+        """3000 kW at 750 rpm, 0.92, of six cylinders 320 x 400: P_i = p_i V n/2, by hand."""
+        traces = {f"{pressure} bar": (bar(np.arange(720)) * 1e5).tolist() for pressure in (1, 40)}
+        load = {"power": "3000 kW", "rated": "750 rpm", "exponent": 2, "mechanical_efficiency": 0.92}
+        one = engine(6, gas={"traces": traces}, load=load, bore=0.32, stroke=0.4, rod_length=0.84)
+        expected = 3e6 / 0.92 / (6 * np.pi * 0.32**2 / 4 * 0.4 * 750 / 60 / 2)
+        found = one.indicated_pressures(np.array([375, 750]) * np.pi / 30)
+        assert found == pytest.approx([expected / 4, expected], rel=1e-12)
+        assert expected == pytest.approx(27.03e5, rel=1e-3)
+
+    def test_nothing_is_extrapolated(self, tmp_path):
+        gas = "{traces: {9 bar: p100.csv, 6 bar: p50.csv}}"
+        load = "\n    load: {mean_indicated_pressure: 9 bar, rated: 1200 rpm, exponent: 2}"
+        with pytest.raises(
+            tn.ModelError, match=r"2\.25 bar is asked for, gas is known for 6 to 9 bar; give what"
+        ) as caught:
+            tn.load(in_file(tmp_path, gas + load))
+        assert [(fault.position.line, fault.position.column) for fault in caught.value.faults] == [(19, 11)]
+        with pytest.raises(tn.UsageError, match="10 bar is asked for, gas is known for 9 bar only"):
+            torque(engine(gas={"traces": {"9 bar": (bar(np.arange(720)) * 1e5).tolist()}},
+                          load={"mean_indicated_pressure": "10 bar"}))  # fmt: skip
+
+    def test_a_trace_that_is_not_what_it_is_said_to_be(self, tmp_path):
+        at = np.arange(720)
+        true = PressureTrace(tuple(bar(at) * 1e5)).mean_indicated_pressure(0.25, 2) / 1e5
+        for said, count in ((true * 1.05, 0), (true * 1.3, 1)):
+            rig = tn.load(in_file(tmp_path, f"{{traces: {{{said:.4g} bar: p100.csv}}}}"))
+            found = [fault.message for fault in rig.check() if "indicated" in fault.message]
+            assert len(found) == count
+        assert f"p100.csv: its mean indicated pressure is {true:.4g} bar, it stands under" in found[0]
+
+    def test_a_peak_far_from_firing_is_asked_about(self, tmp_path):
+        rig = tn.load(in_file(tmp_path, "{fired: p100.csv, zero: 360 deg}"))
+        (found,) = [fault for fault in rig.check() if "highest" in fault.message]
+        assert found.severity == "warning"
+        assert "-352 deg after firing top dead centre; is zero: right?" in found.message
+
+
+class TestHarmonics:
+    """Tables of tangential pressure, made of a trace, act as the trace does."""
+
+    AMPLITUDES = exact(bar(np.arange(720))) / (np.pi * 0.01 / 4 * 0.06)  # Pa
+
+    def table(self, form):
+        forms = {
+            "cosine": lambda t: {"amplitude": abs(t), "phase": np.angle(t)},
+            "sine": lambda t: {"amplitude": abs(t), "phase": np.angle(t) + np.pi / 2},
+            "parts": lambda t: {"cosine": t.real, "sine": -t.imag},
+        }
+        return {order: forms[form](t) for order, t in zip(ORDERS.tolist(), self.AMPLITUDES, strict=True)}
+
+    @pytest.mark.parametrize("form", ["cosine", "sine", "parts"])
+    def test_every_way_to_write_them(self, form):
+        gas = {"harmonics": self.table(form), "phase_of": "sine" if form == "sine" else "cosine"}
+        one = engine(gas=gas)
+        assert torque(one)[0, :, 0] == pytest.approx(exact(bar(np.arange(720))), rel=1e-9, abs=1e-6)
+        again = ReciprocatingEngine(**one.to_data())
+        assert torque(again) == pytest.approx(torque(one), rel=1e-12)
+
+    def test_tables_by_mean_indicated_pressure(self):
+        gas = {
+            "harmonics": {
+                "5 bar": {1: {"cosine": "1 bar", "sine": 0}},
+                "9 bar": {1: {"cosine": "3 bar", "sine": "2 bar"}},
+            }
+        }
+        one = engine(gas=gas, load={"mean_indicated_pressure": "6 bar"}, orders=[1])
+        expected = complex(1.5, -0.5) * 1e5 * np.pi * 0.01 / 4 * 0.06
+        assert torque(one)[:, 0, 0] == pytest.approx([expected, expected])
+        assert ReciprocatingEngine(**one.to_data()).gas.harmonics == one.gas.harmonics
+
+    def test_misfire_by_harmonics_and_orders_of_a_table(self):
+        fired, motored = {0.5: {"cosine": "2 bar", "sine": 0}}, {13: {"cosine": "1 bar", "sine": 0}}
+        one = engine(1, gas={"harmonics": fired, "motored_harmonics": motored}, misfire=[1], orders=[])
+        found = one.torques(OMEGA)
+        assert found.orders[-1] == 13
+        assert found.amplitudes[0, -1, 0] == pytest.approx(1e5 * np.pi * 0.01 / 4 * 0.06)
+        assert abs(found.amplitudes[0, :-1, 0]).max() == 0
+
+
+V8 = {"B": [2, 4, 6, 8], "A": [1, 3, 5, 7]}
+
+
+class TestBanks:
+    """Sums of phase vectors over a rigid crank; inertia at top dead centre of each bank."""
+
+    def v8(self, **entries):
+        """Cross-plane, 1-8-4-3-6-5-7-2, cylinders 1-2, 3-4, 5-6, 7-8 on a pin each."""
+        throws = {number: f"c{(number + 1) // 2}" for number in range(1, 9)}
+        given = {
+            "cylinders": throws,
+            "banks": V8,
+            "bank_angle": "90 deg",
+            "firing_order": [1, 8, 4, 3, 6, 5, 7, 2],
+        }
+        return engine(8, **{**given, **entries})
+
+    def sums(self, one, orders, numbers=None):
+        angles = np.array([one.firing_phases[number] for number in numbers or one.numbers])
+        return [abs(np.exp(-1j * order * angles).sum()) for order in orders]
+
+    def test_cross_plane_v8(self):
+        """Evenly every 90 degrees: 8 at order 4 and its multiples; a bank alone fires at 0, 270, 450, 540 degrees."""
+        one = self.v8()
+        degrees = {number: round(np.degrees(angle)) for number, angle in one.firing_phases.items()}
+        assert degrees == {1: 0, 8: 90, 4: 180, 3: 270, 6: 360, 5: 450, 7: 540, 2: 630}
+        assert self.sums(one, (0.5, 1, 1.5, 2, 4, 8)) == pytest.approx([0, 0, 0, 0, 8, 8], abs=1e-12)
+        alone = [abs(1 + 1j**3 + 1j + 1j**2), abs(1 - 1 - 1 + 1)]  # orders 1 and 2
+        assert self.sums(one, (1, 2), V8["A"]) == pytest.approx(alone, abs=1e-12)
+
+    def test_order_from_banks_and_even_firing_agree_where_both_are_possible(self):
+        evenly = engine(8, cylinders=self.v8().cylinders, firing_order=[1, 8, 4, 3, 6, 5, 7, 2])
+        assert self.v8().firing_phases == pytest.approx(evenly.firing_phases, abs=1e-12)
+
+    @pytest.mark.parametrize(("angle", "between"), [(60, [60] * 12), (45, [45, 75] * 6), (90, [90, 30] * 6)])
+    def test_v12_fires_by_its_bank_angle(self, angle, between):
+        """Two sixes 120 degrees apart, the second a bank angle later: |6 (1 + e^(-j 3 beta))| at order 3."""
+        a, b = [1, 5, 3, 6, 2, 4], [7, 11, 9, 12, 8, 10]
+        order = [number for pair in zip(a, b, strict=True) for number in pair]
+        one = engine(12, cylinders={number: f"c{(number - 1) % 6 + 1}" for number in range(1, 13)}, firing_order=order,
+                     banks={"A": sorted(a), "B": sorted(b)}, bank_angle=f"{angle} deg")  # fmt: skip
+        angles = np.degrees([one.firing_phases[number] for number in order])
+        assert np.diff([*angles, 720]) == pytest.approx(between)
+        assert self.sums(one, [3, 6, 1.5]) == pytest.approx(
+            [6 * abs(1 + np.exp(-3j * np.radians(angle))), 6 * abs(1 + np.exp(-6j * np.radians(angle))), 0], abs=1e-9
+        )
+
+    def test_the_other_bank_may_fire_a_revolution_later(self):
+        """The same V12 with bank B 60 + 360 degrees behind the cylinder on its pin."""
+        a, b = [1, 5, 3, 6, 2, 4], [12, 8, 10, 7, 11, 9]
+        order = [number for pair in zip(a, b, strict=True) for number in pair]
+        throws = {number: f"c{(number - 1) % 6 + 1}" for number in range(1, 13)}
+        places = {number: np.pi / 3 * (number > 6) for number in throws}
+        found = banked_phases(order, 4 * np.pi, throws, places)
+        assert np.degrees(found[7] - found[1]) == pytest.approx(420)
+        assert np.diff(np.degrees(list(found.values()))) == pytest.approx([60] * 11)
+
+    def test_inertia_acts_at_top_dead_centre_of_each_bank(self):
+        """Two pistons 90 degrees apart on a pin: order 2 cancels, order 4 doubles, order 1 is sqrt(2), by closed form."""
+        one = engine(cylinders={1: "c1", 2: "c1"}, banks={"A": [1], "B": [2]}, bank_angle="90 deg",
+                     firing_angles={1: 0, 2: "450 deg"}, reciprocating_mass=2.0, orders=[0.5, 1, 2, 4])  # fmt: skip
+        single = 2.0 * 0.06**2 * OMEGA[0] ** 2 * abs(inertia_harmonics(0.25, np.array([1.0, 2, 4])))
+        found = abs(torque(one)[0, :, 0])
+        assert found == pytest.approx([0, np.sqrt(2) * single[0], 0, 2 * single[2]], abs=1e-12)
+
+    def test_inertia_orders(self):
+        sines = -inertia_harmonics(0.25, np.arange(1.0, 5.0)).imag
+        assert sines == pytest.approx([0.063506, -0.500130, -0.192056, -0.016129], abs=5e-7)
+
+    def test_firing_angles_against_the_crank(self):
+        angles = {1: 0, 2: "100 deg"}
+        with pytest.raises(tn.ModelError, match="cylinders 1 and 2 are on one throw, 90 deg apart by their banks: they fire "
+                                                "90 or 450 deg apart, not 100; on split pins leave out banks"):  # fmt: skip
+            engine(cylinders={1: "c1", 2: "c1"}, banks={"A": [1], "B": [2]}, bank_angle="90 deg", firing_angles=angles)
+        engine(cylinders={1: "c1", 2: "c1"}, firing_angles=angles)
+
+    def test_an_order_that_the_pins_do_not_allow(self):
+        """The same order with the banks the other way round."""
+        with pytest.raises(
+            tn.ModelError, match="does not follow from banks that share crank pins, or follows in two ways"
+        ):
+            self.v8(banks={"A": V8["A"], "B": V8["B"]})
+
+
+class TestWorstCase:
+    SPRINGS = ("twist(crank3)", "twist(crank5)", "angle(hub)")
+
+    def rig(self, **entries):
+        """The inline six of the references with other entries of its engine."""
+        rig = plant(reference("forced_inline_six"))
+        data = rig.definition.excitations["engine"].to_data()
+        changed = {"engine": {"type": "reciprocating_engine", **data, **entries}}
+        return tn.Drivetrain("six", rig.elements.values(), speeds=rig.definition.speeds, excitations=changed)
+
+    def half_ranges(self, **entries):
+        return self.rig(**entries).order_response(list(self.SPRINGS)).half_range
+
+    def test_misfire_of_each_cylinder_is_the_worst_of_all(self):
+        run = self.rig(misfire="each").order_response(list(self.SPRINGS))
+        singly = np.array([self.half_ranges(misfire=[number]) for number in range(1, 7)])
+        assert run.half_range == pytest.approx(singly.max(axis=0), rel=1e-9)
+        assert run.labels == tuple(f"misfire of cylinder {number}" for number in range(1, 7))
+        for place, name in enumerate(self.SPRINGS):
+            worst = 1 + singly[:, :, place].argmax(axis=0)
+            assert run.cases(name) == tuple(f"misfire of cylinder {number}" for number in worst)
+        fourth = run.alternatives["misfire of cylinder 4"]
+        assert fourth.values == pytest.approx(self.rig(misfire=[4]).order_response(list(self.SPRINGS)).values, rel=1e-9)
+        assert run.largest == pytest.approx(
+            abs(np.array([one.values for one in run.alternatives.values()])).max(axis=0)
+        )
+
+    def test_spread_against_all_combinations(self):
+        run = self.rig(spread="5 %").order_response(list(self.SPRINGS))
+        sound = self.rig().order_response(list(self.SPRINGS))
+        singly = [self.rig(factors={number: 1.05}).order_response(list(self.SPRINGS)) for number in range(1, 7)]
+        corners = [
+            replace(sound, values=sound.values + sum(sign * (one.values - sound.values) for sign, one in zip(signs, singly, strict=True)))
+            for signs in itertools.product((-1, 1), repeat=6)
+        ]  # fmt: skip
+        assert run.half_range == pytest.approx(np.array([one.half_range for one in corners]).max(axis=0), rel=1e-6)
+        assert run.largest == pytest.approx(np.array([abs(one.values) for one in corners]).max(axis=0), rel=1e-9)
+        assert (run.half_range > self.half_ranges()).all()
+
+    def test_spread_on_top_of_a_misfire(self):
+        run = self.rig(misfire="each", spread="3 %").order_response("twist(crank3)")
+        worst = int(run.half_range[:, 0].argmax())
+        label, up = run.cases()[worst].split("; ")
+        factors = {
+            number: 1.03 if f"cylinder {number}" in up.split(" up")[0].split(", ") else 0.97 for number in range(1, 7)
+        }
+        again = self.rig(misfire=[int(label[-1])], factors=factors).order_response("twist(crank3)")
+        assert run.half_range[worst, 0] == pytest.approx(again.half_range[worst, 0], rel=1e-9)
+
+    def test_one_weak_cylinder(self):
+        data = reference("forced_inline_six")["engine"]["pressure"]
+        weak = self.rig(factors={3: 0.8}).definition.excitations["engine"]
+        sound = self.rig().definition.excitations["engine"]
+        gas_only = self.rig(gas_off=[3]).definition.excitations["engine"]
+        assert torque(weak) == pytest.approx(
+            torque(gas_only) + 0.8 * (torque(sound) - torque(gas_only)), rel=1e-9, abs=1e-9
+        )
+        assert len(data["pressure_Pa"]) == 720
+
+    def test_parts_of_the_speeds_do_not_matter(self, monkeypatch):
+        whole = self.rig(misfire="each", spread="2 %").order_response("twist(crank3)")
+        monkeypatch.setattr("torsionnet.solve.order_response.TOGETHER", 2)
+        parts = self.rig(misfire="each", spread="2 %").order_response("twist(crank3)")
+        assert parts.values == pytest.approx(whole.values, rel=1e-12)
+        assert parts.cases() == whole.cases()
+        assert parts.alternatives["misfire of cylinder 2"].values.shape == whole.values.shape
+
+    def test_tables_name_the_case(self):
+        run = self.rig(misfire="each").order_response("twist(crank3)")
+        worst = int(run.half_range[:, 0].argmax())
+        assert f"at {run.rpm[worst]:.6g} rpm: {run.cases()[worst]}" in run.table().to_text()
+        assert [row[-1] for row in run.long_table().rows[:: len(run.lines)]] == list(run.cases())
+
+    def test_two_engines_misfire_together(self):
+        """Every pair of cylinders is a case."""
+        elements = [tn.Inertia("a", node="a", inertia=1), tn.Spring("s", nodes=("a", "b"), stiffness=1e5),
+                    tn.Inertia("b", node="b", inertia=2)]  # fmt: skip
+
+        def one(node):
+            traces = {"fired": (bar(np.arange(720)) * 1e5).tolist(), "motored": (bar(np.arange(720)) * 2e4).tolist()}
+            data = engine(cylinders={1: node, 2: node}, speed_of=node, gas=traces, misfire="each").to_data()
+            return {"type": "reciprocating_engine", **data}
+
+        rig = tn.Drivetrain("twins", elements, speeds={"of": "a", "list": [60, 70]},
+                            excitations={"port": one("a"), "starboard": one("b")})  # fmt: skip
+        run = rig.order_response("twist(s)")
+        assert run.labels[1] == "port: misfire of cylinder 1, starboard: misfire of cylinder 2"
+        assert len(run.labels) == 4
+
+
+class TestCompressor:
+    def test_double_acting_cylinder(self):
+        """Constant pressures: (p_head - p_0) A - (p_crank - p_0) (A - A_rod), times r x' by order."""
+        one = ReciprocatingEngine(
+            speed_of="c", cycle=2, cylinders={1: "c"}, firing_order=[1], bore=0.2, stroke=0.12, rod_length=0.3,
+            piston_rod=0.06, orders=[1, 2], gas={"fired": [9e5] * 360, "crank_end": [4e5] * 360, "crankcase": 1e5},
+        )  # fmt: skip
+        force = 8e5 * np.pi * 0.01 - 3e5 * np.pi * (0.01 - 0.0009)
+        phi = 2 * np.pi * np.arange(4096) / 4096
+        rate = np.sin(phi) * (1 + 0.2 * np.cos(phi) / np.sqrt(1 - (0.2 * np.sin(phi)) ** 2))
+        expected = [force * 0.06 * 2 / 4096 * (rate * np.exp(-1j * order * phi)).sum() for order in (1, 2)]
+        assert torque(one)[0, :, 0] == pytest.approx(expected, rel=1e-9, abs=1e-9)

@@ -1,0 +1,73 @@
+"""Files that a file names: they lie beside it or in folders below, nowhere else."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
+from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import Any
+
+from torsionnet.core.entries.spec import EntryError
+from torsionnet.core.errors import did_you_mean
+
+_FOLDER: ContextVar[Path | None] = ContextVar("folder of the file that is being read", default=None)
+LARGEST = 8_000_000
+_SUFFIXED = re.compile(r"\.[A-Za-z]\w{0,4}$")
+
+
+@contextmanager
+def files_beside(folder: Path | None) -> Iterator[None]:
+    """Within, names of files are those in ``folder``; with None there is no place to look for any."""
+    before = _FOLDER.set(folder)
+    try:
+        yield
+    finally:
+        _FOLDER.reset(before)
+
+
+def nearby_file(name: str) -> Path:
+    """The file of that name beside the one being read.
+
+    Raises
+    ------
+    EntryError
+        There is none, it lies elsewhere or is too large, or what is being read is no file.
+    """
+    folder = _FOLDER.get()
+    if folder is None:
+        text = f'the file "{name}" is meant to lie beside the model file, but this model is text without a folder'
+        raise EntryError(f"{text}; save it and load the file, or give the numbers in a list")
+    pure = PurePosixPath(name.replace("\\", "/"))
+    if pure.is_absolute() or PureWindowsPath(name).drive or ".." in pure.parts or "\0" in name:
+        raise EntryError(f'"{name}" leads out of the folder of the model file; put the file beside it or below')
+    path = folder / pure
+    try:
+        there, inside = path.is_file(), path.resolve().is_relative_to(folder.resolve())
+        size = path.stat().st_size if there else 0
+    except OSError:
+        there, inside, size = False, True, 0
+    if not there:
+        raise EntryError(f'there is no file "{name}" beside the model file{_others(path)}')
+    if not inside:
+        raise EntryError(f'"{name}" is a link that leads out of the folder of the model file; put the file there')
+    if size > LARGEST:
+        raise EntryError(f'"{name}" is too large: more than {LARGEST // 1_000_000} MB')
+    return path
+
+
+def names_a_file(raw: Any) -> bool:
+    """Whether the name of a file stands anywhere in what was written."""
+    if isinstance(raw, Mapping):
+        return any(names_a_file(part) for part in raw.values())
+    if isinstance(raw, list | tuple):
+        return any(names_a_file(part) for part in raw)
+    return isinstance(raw, Path) or (isinstance(raw, str) and _SUFFIXED.search(raw) is not None)
+
+
+def _others(path: Path) -> str:
+    try:
+        return did_you_mean(path.name, [entry.name for entry in path.parent.iterdir() if entry.is_file()])
+    except OSError:
+        return ""

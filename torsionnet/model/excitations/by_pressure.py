@@ -1,0 +1,93 @@
+"""Tables over mean indicated pressure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from torsionnet.core.entries.composite import Composite
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.errors import Fault, UsageError
+from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArray
+
+MEAN_PRESSURE = Value("a mean indicated pressure", "pressure")
+LEAST_PRESSURE = 1e3
+"""Pa; an engine that gives less than 0.01 bar, but not nothing, was given bar without the unit."""
+ROUNDING = 1e-6
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ByPressure(Composite):
+    """A table by mean indicated pressure; stored by Pa, rising."""
+
+    of: Spec
+
+    def read(self, raw: Any) -> tuple[dict[float, Any], list[Fault]]:
+        if not isinstance(raw, Mapping) or not raw:
+            return {}, [Fault(f"expected mean indicated pressures, {{27 bar: {self.of.example}}}, got {raw!r}")]
+        table: dict[float, Any] = {}
+        faults: list[Fault] = []
+        for key, value in raw.items():
+            try:
+                pressure = mean_pressure(key)
+            except EntryError as error:
+                faults.append(Fault(str(error), (key,), on_key=True))
+                continue
+            if pressure in table:
+                faults.append(Fault(f"{key} stands twice", (key,), on_key=True))
+                continue
+            table[pressure], found = self.of.read(value)
+            faults += [fault.under(key) for fault in found]
+        return dict(sorted(table.items())), faults
+
+    def plain(self, value: Any) -> Any:
+        return {f"{pressure!r} Pa": self.of.plain(one) for pressure, one in value.items()}
+
+    def schema(self) -> Schema:
+        return {
+            "type": "object",
+            "description": self.description,
+            "additionalProperties": self.of.schema(),
+            "minProperties": 1,
+        }
+
+    def definitions(self) -> Schema:
+        return self.of.definitions()
+
+
+def mean_pressure(raw: Any) -> float:
+    """A mean indicated pressure in Pa, of a size that an engine has."""
+    try:
+        pressure = MEAN_PRESSURE.coerce(raw)
+    except EntryError as error:
+        raise EntryError(f"a mean indicated pressure has its unit, as 27 bar: {error}") from None
+    if 0 < pressure < LEAST_PRESSURE:
+        shown = f"{pressure:g} Pa ({pressure / 1e5:.2g} bar)"
+        raise EntryError(f"{shown} is no mean indicated pressure; a bare number is Pa, write {pressure:g} bar")
+    return pressure
+
+
+def interpolated(known: Sequence[float], values: ComplexArray, wanted: FloatArray) -> ComplexArray:
+    """Rows of ``values``, which belong to ``known`` pressures, linearly at those ``wanted``.
+
+    Raises
+    ------
+    UsageError
+        A pressure outside of the table.
+    """
+    low, high = known[0], known[-1]
+    outside = wanted[(wanted < low * (1 - ROUNDING)) | (wanted > high * (1 + ROUNDING))]
+    if len(outside):
+        text = f"a mean indicated pressure of {outside[0] / 1e5:.4g} bar is asked for"
+        there = f"{low / 1e5:.4g} to {high / 1e5:.4g} bar" if len(known) > 1 else f"{low / 1e5:.4g} bar only"
+        raise UsageError(f"{text}, gas is known for {there}; give what holds there, nothing is extrapolated")
+    if len(known) == 1:
+        return np.repeat(values, len(wanted), axis=0)
+    places = np.clip(np.searchsorted(known, wanted), 1, len(known) - 1)
+    pressures = np.asarray(known)
+    share = np.clip((wanted - pressures[places - 1]) / (pressures[places] - pressures[places - 1]), 0, 1)[:, None]
+    return np.asarray(values[places - 1] * (1 - share) + values[places] * share)

@@ -1,0 +1,51 @@
+"""Entries that name cylinders."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.core.entries.composite import Listed, Named
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import Schema
+from torsionnet.core.entries.words import Count
+from torsionnet.core.errors import Fault
+
+CYLINDER = Count("number of a cylinder", 1, 99)
+EACH = "each"
+
+
+def number_fault(name: str) -> str | None:
+    """Why a cylinder cannot be called so."""
+    return None if name.isdecimal() and 0 < int(name) <= 99 else f'cylinders have numbers from 1 to 99, not "{name}"'
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class CylindersEntry(Listed):
+    """A list of cylinders, or ``each``: one after the other, as conditions of their own."""
+
+    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+        if raw == EACH:
+            return EACH, []
+        if isinstance(raw, str):
+            return (), [Fault(f"expected {self.form}, got {raw!r}")]
+        return super().read(raw)
+
+    def plain(self, value: Any) -> Any:
+        return value if value == EACH else super().plain(value)
+
+    def schema(self) -> Schema:
+        return {"description": self.description, "anyOf": [{"const": EACH}, super().schema()]}
+
+
+FACTOR = Value("gas torque of a cylinder over that of a sound one", "1", below=10)
+
+
+def by_cylinder(description: str, of: Value, form: str) -> Named:
+    """A table by number of cylinder."""
+    return Named(description, of, refused=number_fault, form=form)
+
+
+def listed(numbers: Iterable[int]) -> str:
+    return ", ".join(map(str, numbers))

@@ -1,0 +1,152 @@
+"""The entries of a reciprocating engine, and what follows from them alone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from torsionnet.core.entries.composite import Listed, Named
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count
+from torsionnet.core.errors import Path
+from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.excitations.cylinder_entries import CYLINDER, FACTOR, CylindersEntry, by_cylinder, number_fault
+from torsionnet.model.excitations.engine_load import LOAD
+from torsionnet.model.excitations.firing import banked_phases, even_phases
+from torsionnet.model.excitations.gas_torque import GAS, Crank
+from torsionnet.model.excitations.order_excitation import ORDER, FloatArray, OrderExcitation
+
+HIGHEST = {4: 12.0, 2: 15.0}
+"""Orders unless others are given."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EngineEntries(OrderExcitation):
+    """Cylinders on a crankshaft, when they fire, and what is in them."""
+
+    speed_of: Any = entry(NodeName("a node of the crankshaft; orders count its revolutions", allow_ground=False))
+    cycle: Any = entry(Count("strokes of a cycle: 2 or 4", 2, 4))
+    cylinders: Any = entry(
+        Named(
+            "number of each cylinder -> the node its throw is on",
+            NodeName("", allow_ground=False),
+            form="{1: c1, 2: c2}",
+            fewest=1,
+            refused=number_fault,
+        )
+    )
+    firing_order: Any = entry(
+        Listed("the cylinders as they fire, evenly but for banks", CYLINDER, form="a list of cylinders"),
+        (),
+    )
+    firing_angles: Any = entry(
+        by_cylinder(
+            "instead: cylinder -> crank angle after the first at which it fires",
+            Value("angle at which a cylinder fires", "angle", lower=None),
+            "{1: 0 deg, 2: 90 deg}",
+        ),
+        None,
+    )
+    banks: Any = entry(
+        Named(
+            "of a V engine: name of each bank -> its cylinders, in the direction of rotation",
+            Listed("its cylinders", CYLINDER, form="a list of cylinders"),
+            form="{A: [1, 2, 3], B: [4, 5, 6]}",
+        ),
+        None,
+    )
+    bank_angle: Any = entry(
+        Value("from a bank to the next, in the direction of rotation", "angle", exclusive=True), None
+    )
+    bore: Any = entry(Value("diameter of a cylinder", "length", exclusive=True))
+    stroke: Any = entry(Value("twice the crank radius", "length", exclusive=True))
+    rod_length: Any = entry(Value("connecting rod between its centres", "length", exclusive=True))
+    piston_rod: Any = entry(Value("diameter of the rod below a double-acting piston", "length"), 0)
+    reciprocating_mass: Any = entry(Value("piston, pin and the rod's share, of one cylinder", "mass"), 0)
+    gas: Any = entry(GAS, None)
+    load: Any = entry(LOAD, None)
+    misfire: Any = entry(
+        CylindersEntry(
+            "cylinders without injection, which follow the motored trace; each: one after the other, the worst counts",
+            CYLINDER,
+            form="a list of cylinders, or each",
+        ),
+        (),
+    )
+    gas_off: Any = entry(
+        Listed(
+            "cylinders without any gas torque, as with the running gear removed", CYLINDER, form="a list of cylinders"
+        ),
+        (),
+    )
+    factors: Any = entry(
+        by_cylinder("gas torque of cylinders that differ, over that of the others", FACTOR, "{3: 0.8}"), None
+    )
+    spread: Any = entry(Value("gas torques differ by as much up or down, in the worst combination", "1", below=1), 0)
+    orders: Any = entry(
+        Listed(
+            "the orders that act; default: 0.5 to 12 of a four-stroke, 1 to 15 of a two-stroke engine",
+            ORDER,
+            form="a list of orders",
+        ),
+        (),
+    )
+
+    @property
+    def revolutions(self) -> int:
+        """Of a cycle."""
+        return int(self.cycle) // 2
+
+    @cached_property
+    def numbers(self) -> Mapping[int, str]:
+        """Node by number of cylinder."""
+        return {int(number): node for number, node in self.cylinders.items()}
+
+    @property
+    def shaft(self) -> str:
+        return str(self.speed_of)
+
+    @property
+    def node_entries(self) -> tuple[tuple[Path, str], ...]:
+        return tuple((("cylinders", number), node) for number, node in self.cylinders.items())
+
+    @cached_property
+    def bank_places(self) -> dict[int, float]:
+        """Angle of the bank of each cylinder in rad, 0 without banks."""
+        banks = (self.banks or {}).values()
+        return {number: place * self.bank_angle for place, bank in enumerate(banks) for number in bank}
+
+    @cached_property
+    def firing_phases(self) -> dict[int, float]:
+        """Crank angle in rad at which each cylinder fires."""
+        if self.firing_angles:
+            return {int(number): float(angle) for number, angle in self.firing_angles.items()}
+        cycle = self.cycle * math.pi
+        if self.banks:
+            return banked_phases(self.firing_order, cycle, self.numbers, self.bank_places) or {}
+        return even_phases(self.firing_order, cycle)
+
+    @cached_property
+    def acting_orders(self) -> FloatArray:
+        """The orders, rising: those given, or the usual ones and those of tables of harmonics."""
+        if self.orders:
+            return np.array(sorted(self.orders))
+        step = 2 / self.cycle
+        own = [order for _, order in self.gas.own_orders] if self.gas else []
+        return np.array(sorted({*np.arange(step, HIGHEST[self.cycle] + step / 2, step).tolist(), *own}))
+
+    @cached_property
+    def crank(self) -> Crank:
+        return Crank(self.bore, self.stroke, self.rod_length, self.revolutions, self.piston_rod)
+
+    def indicated_pressures(self, speeds: FloatArray) -> FloatArray | None:
+        """Mean indicated pressure in Pa at speeds in rad/s, None where a single trace does not depend on it."""
+        if self.load is None:
+            return None
+        return np.asarray(self.load.at(speeds, self.crank.swept_volume * len(self.numbers), self.revolutions))

@@ -1,0 +1,172 @@
+"""What can be wrong with the entries of an engine together, and what is worth a remark."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from torsionnet.core.errors import Fault, UsageError
+from torsionnet.model.excitations.cylinder_entries import EACH, listed
+from torsionnet.model.excitations.engine_entries import EngineEntries
+from torsionnet.model.excitations.firing import unlike_crank
+from torsionnet.model.excitations.order_excitation import FloatArray
+
+CLEARLY = 0.1
+"""Share by which the mean indicated pressure of a trace may differ from what is said of it."""
+LATEST_PEAK = math.radians(60)
+"""After firing top dead centre, or before: where a cylinder of a four-stroke engine has its highest pressure."""
+STROKES = {2: "two", 4: "four"}
+
+
+def engine_faults(engine: EngineEntries) -> Iterator[Fault]:
+    """Faults of entries that are fine alone but not together."""
+    if engine.cycle not in STROKES:
+        yield Fault("a cycle has 2 or 4 strokes", ("cycle",))
+        return
+    yield from _mechanism(engine)
+    firing = [*_banks(engine), *_firing(engine)]
+    yield from firing or _angles(engine)
+    yield from _cylinders(engine)
+    yield from _gas(engine)
+    yield from _traces(engine)
+
+
+def _mechanism(engine: EngineEntries) -> Iterator[Fault]:
+    radius, per_cycle = engine.stroke / 2, engine.cycle / 2
+    if engine.rod_length <= radius:
+        text = f"a rod of {engine.rod_length:g} m is shorter than the crank radius {radius:g} m"
+        yield Fault(text, ("rod_length",))
+    if engine.piston_rod >= engine.bore:
+        yield Fault(f"a piston rod of {engine.piston_rod:g} m fills the bore {engine.bore:g} m", ("piston_rod",))
+    own = engine.gas.own_orders if engine.gas else ()
+    for path, orders in {
+        ("orders",): list(engine.orders),
+        ("gas", "harmonics"): [order for key, order in own if key == "harmonics"],
+        ("gas", "motored_harmonics"): [order for key, order in own if key == "motored_harmonics"],
+    }.items():
+        odd = [f"{order:g}" for order in orders if abs(order * per_cycle - round(order * per_cycle)) > 1e-9]
+        if odd:
+            text = f"orders of a {STROKES[engine.cycle]}-stroke engine are multiples of {1 / per_cycle:g}"
+            yield Fault(f"{text}, not {', '.join(odd)}", path)
+
+
+def _banks(engine: EngineEntries) -> Iterator[Fault]:
+    if not engine.banks:
+        if engine.bank_angle:
+            yield Fault("a bank angle needs banks: {A: [1, 2, 3], B: [4, 5, 6]}", ("bank_angle",), on_key=True)
+        return
+    if not engine.bank_angle:
+        yield Fault("banks need the angle from one to the next: bank_angle: 60 deg", ("banks",), on_key=True)
+    yield from _incomplete(engine, "banks", [number for bank in engine.banks.values() for number in bank])
+
+
+def _firing(engine: EngineEntries) -> Iterator[Fault]:
+    if bool(engine.firing_order) == bool(engine.firing_angles):
+        yield Fault("an engine needs firing_order or firing_angles, one of the two", on_key=True)
+        return
+    key = "firing_order" if engine.firing_order else "firing_angles"
+    yield from _incomplete(engine, key, list(engine.firing_order) or [int(number) for number in engine.firing_angles])
+
+
+def _incomplete(engine: EngineEntries, key: str, given: list[int]) -> Iterator[Fault]:
+    """An entry that should hold every cylinder once."""
+    verb = ("miss", "have", "have") if key in ("firing_angles", "banks") else ("misses", "has", "has")
+    found = {
+        f"{verb[0]} cylinder": [number for number in engine.numbers if number not in given],
+        f"{verb[1]} twice cylinder": sorted({number for number in given if given.count(number) > 1}),
+        f"{verb[2]} a cylinder that the engine lacks:": [number for number in given if number not in engine.numbers],
+    }
+    for text, wrong in found.items():
+        if wrong:
+            yield Fault(f"{key} {text} {listed(wrong)}; there are {listed(engine.numbers)}", (key,), on_key=True)
+
+
+def _angles(engine: EngineEntries) -> Iterator[Fault]:
+    """Firing angles against the crank pins that banks share."""
+    if not engine.banks:
+        return
+    phases, key = engine.firing_phases, "firing_angles" if engine.firing_angles else "firing_order"
+    if not phases:
+        text = "this order does not follow from banks that share crank pins, or follows in two ways"
+        hint = "do the banks stand in the direction of rotation? Else give firing_angles"
+        yield Fault(f"{text}; {hint}", (key,), on_key=True)
+        return
+    unlike = unlike_crank(phases, engine.numbers, engine.bank_places)
+    if unlike:
+        one, other, apart, due = unlike
+        turn = f" or {math.degrees(due) + 360:g}" if engine.cycle == 4 else ""
+        text = (
+            f"cylinders {one} and {other} are on one throw, {math.degrees(due):g} deg apart by their banks: they fire "
+            f"{math.degrees(due):g}{turn} deg apart, not {math.degrees(apart):g}; on split pins leave out banks"
+        )
+        yield Fault(text, (key,), on_key=True)
+
+
+def _cylinders(engine: EngineEntries) -> Iterator[Fault]:
+    lists = {"misfire": () if engine.misfire == EACH else engine.misfire, "gas_off": engine.gas_off}
+    for key, numbers in lists.items():
+        for index, number in enumerate(numbers):
+            if number not in engine.numbers:
+                yield Fault(f"there is no cylinder {number}; there are {listed(engine.numbers)}", (key, index))
+    for number in engine.factors or {}:
+        if int(number) not in engine.numbers:
+            text = f"there is no cylinder {number}; there are {listed(engine.numbers)}"
+            yield Fault(text, ("factors", number), on_key=True)
+
+
+def _gas(engine: EngineEntries) -> Iterator[Fault]:
+    gas = engine.gas
+    if engine.misfire and (gas is None or not gas.has_motored):
+        text = "a cylinder without injection follows the motored trace; give gas: {motored: compression.csv}"
+        yield Fault(text, ("misfire",), on_key=True)
+    for key in ("factors", "spread", "load"):
+        if getattr(engine, key) and gas is None:
+            yield Fault(f"{key} is about gas torque; give gas: {{fired: p100.csv}}", (key,), on_key=True)
+    if gas is None:
+        return
+    if gas.is_by_pressure and engine.load is None and len(gas.traces or gas.harmonics) > 1:
+        text = "which mean indicated pressure acts? give load: {mean_indicated_pressure: 27 bar}"
+        yield Fault(f"gas is given by mean indicated pressure: {text}", ("gas",), on_key=True)
+    if engine.load is not None and not gas.is_by_pressure:
+        text = "a load chooses between traces by mean indicated pressure; a single trace follows rated and exponent"
+        yield Fault(text, ("load",), on_key=True)
+    if gas.crank_end and gas.harmonics:
+        yield Fault("the pressure below the piston goes with fired: or traces:", ("gas", "crank_end"), on_key=True)
+
+
+def _traces(engine: EngineEntries) -> Iterator[Fault]:
+    """Files that cover another cycle than that of the engine."""
+    for path, trace in engine.gas.all_traces if engine.gas else ():
+        if trace.revolutions not in (None, engine.revolutions):
+            text = f"{trace.file} covers {360 * trace.revolutions} deg"
+            text += f"; the cycle of a {STROKES[engine.cycle]}-stroke engine has {360 * engine.revolutions} deg"
+            yield Fault(text, ("gas", *path), position=trace.place)
+
+
+def engine_remarks(engine: EngineEntries, speeds: FloatArray | None) -> Iterator[Fault]:
+    """Traces that do not look like what is said of them, and loads that no trace covers."""
+    gas = engine.gas
+    if gas is None:
+        return
+    for path, trace in gas.all_traces:
+        if trace.note:
+            yield Fault(trace.note, ("gas", *path), severity="note")
+    fired = {"fired": gas.fired} if gas.fired else {}
+    for trace in (*fired.values(), *(gas.traces or {}).values()):
+        angles, _ = trace.tangential(engine.crank.ratio, engine.revolutions, gas.zero, 0.0)
+        late = math.remainder(float(angles[int(np.argmax(trace.values))]), engine.cycle * math.pi)
+        if engine.cycle == 4 and abs(late) > LATEST_PEAK:
+            text = f"{trace.origin}the pressure is highest {math.degrees(late):.4g} deg after firing top dead centre"
+            yield Fault(f"{text}; is zero: right?", ("gas",), severity="warning")
+    for pressure, trace in (gas.traces or {}).items():
+        found = trace.mean_indicated_pressure(engine.crank.ratio, engine.revolutions, gas.zero)
+        if abs(found - pressure) > CLEARLY * max(pressure, 1e5):
+            text = f"{trace.origin}its mean indicated pressure is {found / 1e5:.4g} bar"
+            yield Fault(f"{text}, it stands under {pressure / 1e5:.4g} bar", ("gas", "traces"), severity="warning")
+    if speeds is not None:
+        try:
+            gas.fired_harmonics(engine.crank, engine.acting_orders[:1], engine.indicated_pressures(speeds))
+        except UsageError as error:
+            yield Fault(str(error), ("load",))

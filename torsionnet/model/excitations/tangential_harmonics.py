@@ -1,0 +1,87 @@
+"""Gas torque by order: tangential pressures as makers of engines list them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from torsionnet.core.entries.composite import Composite, Nested
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import Schema, entry
+from torsionnet.core.errors import Fault
+from torsionnet.model.excitations.by_pressure import ByPressure
+from torsionnet.model.excitations.harmonic_torque import ByOrder
+from torsionnet.model.excitations.order_excitation import ComplexArray, FloatArray
+
+PHASES = ("cosine", "sine")
+_SIGNED = Value("tangential pressure", "pressure", lower=None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TangentialHarmonic(Declared):
+    """One order of the tangential pressure: amplitude and phase, or cosine and sine."""
+
+    kind: ClassVar[str] = "tangential harmonic"
+    article: ClassVar[str] = "an order"
+    form: ClassVar[str] = "{amplitude: 2.1 bar, phase: 30 deg}, or {cosine: 1.8 bar, sine: -1.1 bar}"
+
+    amplitude: Any = entry(Value("peak value over piston area and crank radius", "pressure"), None)
+    phase: Any = entry(Value("of the cosine, or of the sine where phase_of says so", "angle", lower=None), None)
+    cosine: Any = entry(_SIGNED, None)
+    sine: Any = entry(_SIGNED, None)
+
+    def contradictions(self) -> list[Fault]:
+        polar, parts = (self.amplitude, self.phase), (self.cosine, self.sine)
+        given = [pair for pair in (polar, parts) if any(one is not None for one in pair)]
+        if len(given) != 1 or None in given[0]:
+            return [Fault(f"an order has amplitude and phase, or cosine and sine: {self.form}", on_key=True)]
+        return []
+
+    def complex_amplitude(self, phase_of: str) -> complex:
+        """T in t(phi) = Re t exp(j h phi), Pa; phi is 0 at firing top dead centre."""
+        if self.amplitude is None:
+            return complex(self.cosine, -self.sine)
+        return complex(self.amplitude * np.exp(1j * self.phase) * (-1j if phase_of == "sine" else 1))
+
+
+_BY_ORDER = ByOrder("order -> tangential pressure", Nested("", lambda: TangentialHarmonic, "tangential_harmonic"))
+_BY_PRESSURE = ByPressure("mean indicated pressure -> orders", _BY_ORDER)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HarmonicTables(Composite):
+    """One table by order, or several by mean indicated pressure; stored by Pa, None for one that stands alone."""
+
+    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+        if isinstance(raw, Mapping) and (None in raw or any(_names_pressure(key) for key in raw)):
+            if None in raw:
+                return dict(raw), []
+            return _BY_PRESSURE.read(raw)
+        table, faults = _BY_ORDER.read(raw)
+        return {None: table}, faults
+
+    def plain(self, value: Any) -> Any:
+        return _BY_ORDER.plain(value[None]) if None in value else _BY_PRESSURE.plain(value)
+
+    def schema(self) -> Schema:
+        return {**_BY_PRESSURE.schema(), "description": self.description, "additionalProperties": True}
+
+    def definitions(self) -> Schema:
+        return _BY_PRESSURE.definitions()
+
+
+def _names_pressure(key: Any) -> bool:
+    """``27 bar`` and not an order; a table that was read before has Pa."""
+    return (isinstance(key, str) and any(sign.isalpha() for sign in key)) or (isinstance(key, float) and key >= 1e4)
+
+
+def amplitudes(table: Mapping[float, TangentialHarmonic], orders: FloatArray, phase_of: str) -> ComplexArray:
+    """Tangential pressure by order in Pa, 0 at orders that the table lacks."""
+    found = np.zeros(len(orders), dtype=complex)
+    for order, one in table.items():
+        found[np.isclose(orders, order)] = one.complex_amplitude(phase_of)
+    return found

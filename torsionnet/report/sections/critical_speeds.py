@@ -1,0 +1,113 @@
+"""Critical speeds: where orders meet modes, how near the operating range, and what excites them; Holzer tables."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from torsionnet.report.document_tree import Block, Details, Paragraph, Picture, Section
+from torsionnet.report.report_data import Case, ReportData
+from torsionnet.report.report_tables import of_results
+from torsionnet.report.report_words import listed, plain
+
+if TYPE_CHECKING:
+    from torsionnet.response.critical_speeds import CriticalSpeeds
+    from torsionnet.response.table import Table
+
+MOST_DRAWN, MOST_HOLZER = 3, 4
+"""Drivetrains whose interference diagram is drawn, and modes whose Holzer table is printed."""
+MOST_ROWS = 30
+LEFT_OUT = ("on its shaft", "amplifi- cation")
+"""Columns for which a page has no room."""
+REAL = ("J", "k")
+"""Quantities of a shaft's own speed, beside which a Holzer table has the referred ones."""
+INTRODUCTION = (
+    "A critical speed is one at which an order meets a natural frequency. Damping shifts natural frequencies: both the "
+    "undamped and the damped one are given. A crossing that is not excited in one condition may be in another, as with "
+    "a misfire."
+)
+
+
+def critical_speeds_section(subject: ReportData) -> Section | None:
+    if not subject.running:
+        return None
+    blocks: list[Block] = [Paragraph((INTRODUCTION,))]
+    for number, cases in enumerate(subject.different, 1):
+        blocks += _of_drivetrain(cases, number, several=len(subject.different) > 1)
+    return Section("critical_speeds", ("Critical speeds",), tuple(blocks))
+
+
+def _of_drivetrain(cases: tuple[Case, ...], number: int, *, several: bool) -> list[Block]:
+    """Modes, diagram and crossings of what vibrates alike, with the conditions that excite each."""
+    runs = [case.drivetrain.critical_speeds() for case in cases]
+    found = runs[0].in_conditions(runs) if len(runs) > 1 else runs[0]
+    names = [case.configuration for case in cases if case.configuration]
+    where = f" in configuration {listed(names)}" if several and names else ""
+    excited, others = _split(found, len(runs))
+    blocks: list[Block] = [of_results(_reached(found), f"Natural frequencies without and with damping{where}")]
+    if number <= MOST_DRAWN:
+        blocks.append(_diagram(found, number, where))
+    chosen = _largest(excited)
+    few = f", the {MOST_ROWS} with the largest generalised force" if len(excited.crossings) > MOST_ROWS else ""
+    blocks.append(of_results(_narrow(chosen), f"Critical speeds{where}{few}"))
+    if others.crossings:
+        rest = of_results(_narrow(_largest(others)), f"Crossings that no condition here excites{where}", notes=False)
+        count = len(others.crossings)
+        instead = (f"{count} further crossings are not excited in these conditions.",)
+        blocks.append(Details(("Crossings that are not excited",), (rest,), instead))
+    if number == 1:
+        blocks += _holzer_tables(cases[0], excited)
+    return blocks
+
+
+def _reached(found: CriticalSpeeds) -> Table:
+    """Natural frequencies up to the highest that any order meets, and one more."""
+    last = max((one.mode.number for one in found.crossings), default=MOST_HOLZER) + 1
+    return replace(found, modes=found.modes[:last]).mode_table()
+
+
+def _largest(found: CriticalSpeeds) -> CriticalSpeeds:
+    """The crossings with the largest generalised force, in the order of modes."""
+    forces = [one.generalised_force for one in found.crossings]
+    sizes = sorted((force for force in forces if not math.isnan(force)), reverse=True)
+    least = sizes[MOST_ROWS - 1] if len(sizes) >= MOST_ROWS else 0.0
+    return replace(found, crossings=tuple(one for one in found.crossings if not one.generalised_force < least))
+
+
+def _narrow(found: CriticalSpeeds) -> Table:
+    table = found.table()
+    return table.chosen([index for index, column in enumerate(table.columns) if column.name not in LEFT_OUT])
+
+
+def _split(found: CriticalSpeeds, conditions: int) -> tuple[CriticalSpeeds, CriticalSpeeds]:
+    """Crossings that some condition excites, and the others."""
+    acts = [one.excited is not False or (conditions > 1 and bool(one.excited_in)) for one in found.crossings]
+    pairs = list(zip(found.crossings, acts, strict=True))
+    return (
+        replace(found, crossings=tuple(one for one, excited in pairs if excited)),
+        replace(found, crossings=tuple(one for one, excited in pairs if not excited)),
+    )
+
+
+def _diagram(found: CriticalSpeeds, number: int, where: str) -> Picture:
+    from torsionnet.plot.interference_diagram import interference_diagram
+
+    caption = (f"Interference diagram{where}: natural frequencies and orders over speed.",)
+    alt = f"Interference diagram{where}: {len(found.modes)} modes, {len(found.crossings)} crossings"
+    return Picture(f"interference_{number}", interference_diagram(found, title=""), caption, alt)
+
+
+def _holzer_tables(case: Case, excited: CriticalSpeeds) -> list[Block]:
+    """Of the lowest modes that anything excites."""
+    modes = sorted({one.mode.number for one in excited.crossings})[:MOST_HOLZER]
+    blocks: list[Block] = []
+    for mode in modes:
+        holzer = case.drivetrain.holzer_table(mode)
+        first = plain(holzer.branches[0].stations[0].node)
+        for place, branch in enumerate(holzer.tables(referred=True), 1):
+            part = f", branch {place}" if len(holzer.branches) > 1 else ""
+            shown = branch.chosen([index for index, one in enumerate(branch.columns) if one.name not in REAL])
+            what = f"Holzer table of mode {mode}, {holzer.frequency:.5g} Hz{part}; 1 rad at {first}"
+            blocks.append(of_results(shown, f"{what}, referred to {plain(holzer.referred_to)}"))
+    return blocks

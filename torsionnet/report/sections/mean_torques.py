@@ -1,0 +1,29 @@
+"""Mean torques, stresses and power under the load."""
+
+from __future__ import annotations
+
+from torsionnet.core.errors import UsageError
+from torsionnet.report.document_tree import Block, Section
+from torsionnet.report.report_data import ReportData
+from torsionnet.report.report_tables import of_results
+
+MOST = 3
+"""Loads that are listed."""
+
+
+def mean_torques_section(subject: ReportData) -> Section | None:
+    definition = subject.model.definition
+    if definition.load is None or definition.speeds is None:
+        return None
+    blocks: list[Block] = []
+    shown: list[object] = []
+    for case in subject.cases:
+        try:
+            state = case.drivetrain.static_state()
+        except UsageError:  # what drives or absorbs is switched off in this configuration
+            continue
+        if state.loads not in shown and len(shown) < MOST:
+            where = f" in configuration {case.configuration}" if case.configuration and len(subject.cases) > 1 else ""
+            shown.append(state.loads)
+            blocks.append(of_results(state.table(subject.conventions), f"Mean torques of the elements{where}"))
+    return Section("mean_torques", ("Mean torques and stresses",), tuple(blocks)) if blocks else None
