@@ -100,6 +100,9 @@ class TestAtTheOperatingPoint:
         run = rig.order_response("torque(coupling)")
         assert run.values == pytest.approx(ship().order_response("torque(coupling)").values)
 
+    def test_what_it_follows_is_shown(self):
+        assert "by mean torque of coupling" in ship(K_TABLE)._repr_html_()
+
     def test_what_is_written_can_be_read_again(self):
         rig = ship(K_TABLE, "30*Q*pi/30/n", ARCHER)
         assert tn.loads(rig.to_yaml()) == rig
