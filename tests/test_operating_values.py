@@ -100,6 +100,9 @@ class TestAtTheOperatingPoint:
         run = rig.order_response("torque(coupling)")
         assert run.values == pytest.approx(ship().order_response("torque(coupling)").values)
 
+    def test_what_it_follows_is_shown(self):
+        assert "by mean torque of coupling" in ship(K_TABLE)._repr_html_()
+
     def test_what_is_written_can_be_read_again(self):
         rig = ship(K_TABLE, "30*Q*pi/30/n", ARCHER)
         assert tn.loads(rig.to_yaml()) == rig
@@ -199,3 +202,24 @@ class TestVibration:
         )  # fmt: skip
         with pytest.raises(tn.UsageError, match=r"k and the vibration do not settle .* the first 954.93 rpm"):
             rig.order_response("torque(s)")
+
+
+class TestCriticalSpeeds:
+    def test_a_mode_meets_its_order_with_the_stiffness_of_that_speed(self):
+        """Two masses with k = k0 (n/n0)^2 over speed in closed form: the mode follows n, and a table is near it."""
+        keys = np.linspace(100, 1000, 19)
+        rows = {f"{n:g} rpm": 2e5 * (0.25 + 0.75 * n / 1000) for n in keys}
+        rig = tn.Drivetrain(
+            "two", [tn.Inertia("A", node="a", inertia=20), tn.Inertia("B", node="b", inertia=30),
+                    tn.Spring("s", nodes=("a", "b"), stiffness="k")],
+            parameters={"k": {"by": "speed", "of": "a", "table": rows}},
+            speeds={"of": "a", "range": ["100 rpm", "1000 rpm"], "step": "50 rpm", "rated": "1000 rpm"},
+            excitations={"e": {"type": "harmonic", "node": "a", "orders": {2: {"amplitude": 1}}}},
+        )  # fmt: skip
+        (one,) = rig.critical_speeds().crossings
+        # (2 w)^2 = k(w) (1/20 + 1/30), k linear in w: 4 w^2 - c w/w0 * 0.75 - 0.25 c = 0
+        c, top = 2e5 / 12, 1000 * RPM
+        b = 0.75 * c / top
+        expected = (b + np.sqrt(b**2 + 4 * c)) / 8
+        assert one.speed("natural") == pytest.approx(expected, rel=1e-6)
+        assert rig.modes().natural_frequencies[-1] * 2 * np.pi == pytest.approx(np.sqrt(c))

@@ -141,7 +141,7 @@ def parameters_table(rig: Model) -> Table:
     units = parameter_units(rig.definition)
     columns = (Column("parameter"), Column("value"), Column("unit"), Column("as written"), Column("description"))
     rows = tuple(
-        (name, rig.parameters[name], units[name], str(parameter.value), parameter.description)
+        (name, rig.parameters[name], units[name], parameter.written, parameter.description)
         for name, parameter in rig.parameter_definitions.items()
     )
     return Table("Parameters", columns, rows)

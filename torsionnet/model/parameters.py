@@ -128,6 +128,11 @@ class Parameter(Declared):
     def is_derived(self) -> bool:
         return bool(self.value.names)
 
+    @property
+    def written(self) -> str:
+        """Its value or expression, or what it follows."""
+        return str(self.value) if self.by is None else f"by {self.by.replace('_', ' ')} of {self.of}"
+
     def given(self, value: Expression) -> Parameter:
         """The parameter with a value that holds whatever it depended on."""
         return replace(self, value=value, by=None, of="", table=())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -23,6 +23,7 @@ from torsionnet.response.vibration_mode import VibrationMode
 from torsionnet.solve.generalised_force import generalised_force, star_diagram
 from torsionnet.solve.mode_pairs import vibration_modes
 from torsionnet.solve.modes import modes
+from torsionnet.solve.modes_over_speed import ModesOverSpeed
 from torsionnet.solve.order_response import input_senses, order_response, with_motions_held
 from torsionnet.solve.speed_peaks import with_peaks
 
@@ -73,7 +74,8 @@ def critical_speeds(
     )
     if isinstance(outputs, (list, tuple)) and not outputs:
         return found
-    peaks, channels = with_peaks(changed, found.crossings, outputs, reference, question.limits)
+    limits = question.speed_range if question.over_speed.follow else question.limits
+    peaks, channels = with_peaks(changed, found.crossings, outputs, reference, limits)
     return replace(found, crossings=peaks, outputs=channels)
 
 
@@ -117,6 +119,7 @@ class _Question:
         self.rule, self.reach, self.reference = rule, reach, reference
         self.limits = (speed_range[0] * (1 - reach), speed_range[1] * (1 + reach))
         self.modes = vibration_modes(drivetrain, modes(drivetrain))[:lowest]
+        self.over_speed = ModesOverSpeed(drivetrain, reference, speed_range)
         self.turning = {
             node: speed
             for node, speed in speeds_with(drivetrain.definition, drivetrain.exact_values, reference).items()
@@ -125,7 +128,7 @@ class _Question:
 
     def crossings(self, name: str, lines: Sequence[OrderLine]) -> list[CriticalSpeed]:
         """The lines of one excitation against every mode."""
-        blank = [self._crossing(mode, line) for mode in self.modes for line in lines]
+        blank = [self._settled(self._crossing(mode, line), line) for mode in self.modes for line in lines]
         near = [one for one in blank if self._is_near(one)]
         excitation = self.drivetrain.definition.excitations.get(name)
         return near if excitation is None else list(self._with_forces(near, excitation))
@@ -137,6 +140,18 @@ class _Question:
         margin = min(_distance(value, float(low), float(high)) for value in natural)
         required = self.rule.required(line.order) if self.rule else None
         return CriticalSpeed(mode, line.excitation, line.order, line.ratio, line.fixed, margin, required)
+
+    def _settled(self, one: CriticalSpeed, line: OrderLine) -> CriticalSpeed:
+        """With the mode at the critical speed itself, where parameters follow the operating point."""
+        if not self.over_speed.follow or not one.order:
+            return one
+        return self._crossing(self.over_speed.settled(one.mode, self._natural(one)), line)
+
+    @staticmethod
+    def _natural(one: CriticalSpeed) -> Callable[[VibrationMode], float]:
+        """The critical speed of ``|lambda|/2pi``, else of the undamped frequency, for any mode in place of its own."""
+        which = "undamped" if math.isnan(one.mode.natural_frequency) else "natural"
+        return lambda mode: replace(one, mode=mode).speed(which)
 
     def _is_near(self, one: CriticalSpeed) -> bool:
         if not one.order:

@@ -7,7 +7,7 @@ one node each. What that node takes is what the torques leave over, which is not
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -26,14 +26,12 @@ from torsionnet.model.load.external_torques import ExternalTorques, stated_torqu
 from torsionnet.model.speeds import mean_speeds
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.mean_response import MeanResponse
-from torsionnet.solve.operating_groups import Places, at_operating_points
+from torsionnet.solve.operating_groups import Places, at_speeds
 from torsionnet.solve.quotient import transfer_functions
 from torsionnet.solve.transfer_request import TransferRequest, ask
 
 NOTHING = 1e-13
 """What rounding leaves of a sum over its terms."""
-EXACT = 1e-9
-"""Share of the largest torque that rounding may leave over."""
 
 
 def mean_response(
@@ -47,22 +45,21 @@ def mean_response(
     wanted = ask(drivetrain, outputs, nodes, None).outputs
     _require_determined(drivetrain, wanted)
     acting = np.array([torques[node] for node in nodes]).T
-    notes: list[str] = []
-
-    def values(rig: AssembledModel, places: Places) -> FloatArray:
-        per_torque, left_over = _solved(rig, wanted, nodes)
-        notes.extend(_balance(rig, left_over, acting[places]))
-        found, sizes = acting[places] @ per_torque.T, np.abs(acting[places]) @ np.abs(per_torque.T)
-        return np.where(np.abs(found) > NOTHING * sizes, found, 0.0)
-
-    groups = [(drivetrain, np.arange(len(at)))]
-    if drivetrain.definition.load is not None:  # else there is one speed, and the parameters have its values already
-        groups = list(at_operating_points(drivetrain, reference, at))
-    found = np.empty((len(at), len(wanted)))
+    held = _held(drivetrain)
+    request = _request(held, wanted, nodes)
+    if drivetrain.definition.load is None:  # the one speed at which the parameters have their values already
+        groups: Iterable[tuple[AssembledModel, Places]] = [(held, np.arange(len(at)))]
+    else:
+        groups = at_speeds(held, reference, at)
+    values, left_over = np.zeros((len(at), len(wanted))), np.zeros((len(at), len(request.outputs) - len(wanted)))
     for rig, places in groups:
-        found[places] = values(rig, places)
+        per_torque = _per_torque(rig, request)
+        found, sizes = acting[places] @ per_torque.T, np.abs(acting[places]) @ np.abs(per_torque.T)
+        found = np.where(np.abs(found) > NOTHING * sizes, found, 0.0)
+        values[places], left_over[places] = found[:, : len(wanted)], found[:, len(wanted) :]
+        _require_balance(found[:, len(wanted) :], sizes[:, len(wanted) :])
     channels = tuple(one.channel for one in wanted)
-    return MeanResponse(at, reference, found, channels, drivetrain.title, tuple(dict.fromkeys(notes)))
+    return MeanResponse(at, reference, values, channels, drivetrain.title, _rest(drivetrain, left_over))
 
 
 def external_torques(
@@ -118,21 +115,27 @@ def undetermined(drivetrain: AssembledModel, output: Functional) -> str | None:
     return "the drivetrain turns freely there" if any(left.reduced(dict(term.exact)) for term in motions) else None
 
 
-def _solved(
-    drivetrain: AssembledModel, outputs: Sequence[Functional], nodes: Sequence[str]
-) -> tuple[FloatArray, FloatArray]:
-    """Values (n_out, n_nodes) per torque on a node, and torques (n_held, n_nodes) left over in the nodes held."""
+def _held(drivetrain: AssembledModel) -> AssembledModel:
+    """The drivetrain with every motion that no spring resists held in one node."""
     definition = drivetrain.definition
-    held = _holders(definition.elements, rigid_motions(drivetrain.assembly.kinematics))
-    elements = {**definition.elements, **{one.name: one for one in held}}
-    fixed = drivetrain.with_definition(replace(definition, elements=elements))
-    sensors = [*(one.sensor for one in outputs if one.sensor), *(Sensor("torque", one.name) for one in held)]
-    readings = tuple(functional(fixed, sensor) for sensor in sensors)
+    holders = _holders(definition.elements, rigid_motions(drivetrain.assembly.kinematics))
+    elements = {**definition.elements, **{one.name: one for one in holders}}
+    return drivetrain.with_definition(replace(definition, elements=elements))
+
+
+def _request(held: AssembledModel, outputs: Sequence[Functional], nodes: Sequence[str]) -> TransferRequest:
+    """The outputs, and after them what is left over in the nodes held, per torque on each node."""
+    sensors = [one.sensor for one in outputs if one.sensor]
+    sensors += [Sensor("torque", name) for name, one in held.elements.items() if isinstance(one, _Holder)]
+    readings = tuple(functional(held, sensor) for sensor in sensors)
     excitations = tuple(Input("torque", node) for node in nodes)
-    request = TransferRequest(readings, (), excitations, is_measured=False, assembly=fixed.assembly)
-    found = transfer_functions(request, _at_rest(law_stiffness([fixed.assembly.system], np.zeros(1))), "graph")
-    values = np.asarray(found.values[0].real)
-    return values[: len(outputs)], values[len(outputs) :]
+    return TransferRequest(readings, (), excitations, is_measured=False, assembly=held.assembly)
+
+
+def _per_torque(held: AssembledModel, request: TransferRequest) -> FloatArray:
+    """Readings (n_readings, n_nodes) per torque on a node."""
+    kappa = _at_rest(law_stiffness([held.assembly.system], np.zeros(1)))
+    return np.asarray(transfer_functions(request, kappa, "graph").values[0].real)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -167,16 +170,18 @@ def _at_rest(kappa: LawStiffness) -> LawStiffness:
     return LawStiffness(nothing, nothing, stiffness, kappa.omega)
 
 
-def _balance(drivetrain: AssembledModel, left_over: FloatArray, acting: FloatArray) -> tuple[str, ...]:
-    """A note on torques that rounded figures leave over; more than that is refused."""
-    if not len(left_over):
-        return ()
-    rest = np.abs(acting @ left_over.T).max()
-    largest = np.abs(left_over[:, None, :] * acting).max()
-    if rest <= EXACT * largest:
-        return ()
-    text = f"the mean torques leave {rest:.4g} N*m over"
-    if rest > TOLERANCE * largest:
+def _require_balance(left_over: FloatArray, sizes: FloatArray) -> None:
+    """Refuse torques that leave more over than rounded figures do; ``sizes`` are the sums of their magnitudes."""
+    over = np.abs(left_over) > TOLERANCE * sizes
+    if over.any():
+        text = f"the mean torques leave {np.abs(left_over[over]).max():.4g} N*m over"
         raise UsageError(f"{text}; a drivetrain that turns freely needs torques in balance")
+
+
+def _rest(drivetrain: AssembledModel, left_over: FloatArray) -> tuple[str, ...]:
+    """A note on torques that rounded figures leave over."""
+    largest = np.abs(left_over).max(initial=0.0)
+    if not largest:
+        return ()
     nodes = ", ".join(rigid_motions(drivetrain.assembly.kinematics))
-    return (f"{text}, taken at {nodes}",)
+    return (f"the mean torques leave {largest:.4g} N*m over, taken at {nodes}",)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from itertools import groupby
 from types import MappingProxyType
 from typing import TypeAlias, TypeVar
 
@@ -20,12 +21,12 @@ Places: TypeAlias = NDArray[np.intp]
 Model = TypeVar("Model", bound=AssembledModel)
 
 
-def at_operating_points(
+def at_speeds(
     drivetrain: Model, reference: str, speeds: FloatArray, settled: Settled = MappingProxyType({})
 ) -> Iterator[tuple[Model, Places]]:
-    """The drivetrain with the parameters of each speed, and the places of the speeds that have these in common.
+    """The drivetrain with the parameters of every speed, and the places of the speeds at which they hold, in order.
 
-    It is one group of all speeds where no parameter follows the operating point.
+    Neighbouring speeds with the same values come together; all speeds where no parameter follows the operating point.
 
     Parameters
     ----------
@@ -45,13 +46,14 @@ def at_operating_points(
     if not following(drivetrain.definition):
         yield drivetrain, np.arange(len(speeds))
         return
-    groups: dict[tuple[tuple[str, float], ...], list[int]] = {}
     points = OperatingPoints(drivetrain.definition, drivetrain.exact_values)
-    for place, speed in enumerate((speeds * _ratio(drivetrain, reference)).tolist()):
-        values = points.at(speed) | {name: float(found[place]) for name, found in settled.items()}
-        groups.setdefault(tuple(values.items()), []).append(place)
-    for group, places in groups.items():
-        yield drivetrain.operated(dict(group)), np.array(places)
+    values = [points.at(speed) for speed in (speeds * _ratio(drivetrain, reference)).tolist()]
+    for name, found in settled.items():
+        for place, value in enumerate(found.tolist()):
+            values[place][name] = value
+    for _, places in groupby(range(len(speeds)), key=lambda place: values[place]):
+        some = np.array(list(places))
+        yield drivetrain.operated(values[some[0]]), some
 
 
 def _ratio(drivetrain: AssembledModel, reference: str) -> float:

@@ -21,7 +21,7 @@ from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.worst_response import joined
-from torsionnet.solve.operating_groups import Places, Settled, at_operating_points
+from torsionnet.solve.operating_groups import Places, Settled, at_speeds
 from torsionnet.solve.posed import twisted_law
 from torsionnet.solve.settling import settled_by_vibration
 from torsionnet.solve.shared_response import shared_response
@@ -54,7 +54,7 @@ def order_response(
     def run(wanted: Any, settled: Settled) -> OrderResponse:
         found = [
             (_block(rig, wanted, acting, ratios, senses, reference, at[part]), part)
-            for rig, places in at_operating_points(held, reference, at, settled)
+            for rig, places in at_speeds(held, reference, at, settled)
             for part in _parts(places)
         ]
         return joined(found, at, drivetrain.title)

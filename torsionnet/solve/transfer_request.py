@@ -107,7 +107,7 @@ def stressed_sections(
     """Section moduli of the shafts whose stress is asked for: what a reading depends on beside the rows."""
     found = []
     for entry in entries:
-        for one in [entry] if isinstance(entry, str | Sensor) else entry:
+        for one in entry if isinstance(entry, list | tuple) else [entry]:
             sensor = named_sensor(one, drivetrain.sensors) if isinstance(one, str | Sensor) else None
             if sensor is not None and sensor.quantity == "stress" and sensor.of in drivetrain.elements:
                 found.append(section_modulus(drivetrain.elements[sensor.of], Values(drivetrain.exact_values)))

@@ -9,7 +9,6 @@ import numpy as np
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.errors import Fault, ModelError, Path, UsageError, unknown_name
-from torsionnet.core.expressions import ExpressionError
 from torsionnet.model.checks.load_fits import unknown_in_load
 from torsionnet.model.definition import LOAD, Definition, all_nodes
 from torsionnet.model.elements import Values
@@ -36,11 +35,10 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
     if definition.load is not None:
         faults += unknown_in_load(definition, definition.load)
     faults += _overrides(definition)
-    return (
-        faults
-        or [*_without_ratio(definition), *_rigid(definition), *_on_imposed(definition)]
-        or [*_remarks(definition)]
-    )
+    if faults or not _has_values(definition):
+        return faults
+    found = [*_without_ratio(definition), *_rigid(definition), *_on_imposed(definition)]
+    return found or [*_remarks(definition)]
 
 
 def _overrides(definition: Definition) -> Iterator[Fault]:
@@ -83,6 +81,12 @@ def _unfit_elements(definition: Definition) -> Iterator[Fault]:
             yield from (fault.under("excitations", name) for fault in excitation.misfits(definition.elements))
 
 
+def _has_values(definition: Definition) -> bool:
+    """Whether every parameter that elements name has a value; what has none is said elsewhere."""
+    known = resolve(definition.parameters)[0]
+    return all(one.names <= known.keys() for element in definition.active for _, _, one, _ in element.expressions())
+
+
 def _rigid(definition: Definition) -> Iterator[Fault]:
     """Elements that give no way to a twist imposed in them."""
     known, faults = resolve(definition.parameters)
@@ -105,8 +109,6 @@ def _without_ratio(definition: Definition) -> Iterator[Fault]:
             total_ratio(definition, known, excitation.shaft, definition.speeds.of)
         except UsageError as error:
             yield Fault(str(error), ("excitations", name, "speed_of"))
-        except ExpressionError:  # a ratio without a value, which has been said
-            return
 
 
 def _remarks(definition: Definition) -> Iterator[Fault]:
@@ -115,10 +117,7 @@ def _remarks(definition: Definition) -> Iterator[Fault]:
     for name, excitation in definition.excitations.items():
         speeds = None
         if definition.speeds is not None and not faults:
-            try:
-                ratio = abs(float(total_ratio(definition, known, excitation.shaft, definition.speeds.of)))
-            except ExpressionError:  # a ratio without a value, which has been said
-                return
+            ratio = abs(float(total_ratio(definition, known, excitation.shaft, definition.speeds.of)))
             speeds = np.array(definition.speeds.values) * ratio
         for fault in excitation.remarks(speeds):
             yield fault.under("excitations", name)

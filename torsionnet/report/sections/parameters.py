@@ -66,6 +66,8 @@ def _parameters(rig: Drivetrain, settings: dict[str, str]) -> TableBlock:
 
 def _written(parameter: Parameter) -> Cell:
     value = parameter.value
+    if parameter.by is not None:
+        return parameter.written
     if isinstance(value, Number):
         return typeset_unit(str(value))
     return Math(expression_latex(value))
