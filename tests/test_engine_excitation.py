@@ -21,6 +21,7 @@ from torsionnet.model.excitations.slider_crank import inertia_harmonics
 from torsionnet.model.files.changing import Place, changed_text
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import TableBlock
+from torsionnet.solve.worst_combination import Contributions, largest_amplitudes
 
 ORDERS = np.arange(0.5, 12.1, 0.5)
 OMEGA = np.array([60.0, 80.0])
@@ -517,6 +518,20 @@ class TestWorstCase:
         assert run.half_range == pytest.approx(np.array([one.half_range for one in corners]).max(axis=0), rel=1e-6)
         assert run.largest == pytest.approx(np.array([abs(one.values) for one in corners]).max(axis=0), rel=1e-9)
         assert (run.half_range > self.half_ranges()).all()
+
+    @pytest.mark.parametrize("count", [1, 2, 5])
+    def test_largest_amplitude_is_that_of_the_best_corner(self, count):
+        """Also where contributions are parallel or vanish."""
+        rng = np.random.default_rng(count)
+        shares = rng.normal(size=(count + 2, 4, 3, 2)) + 1j * rng.normal(size=(count + 2, 4, 3, 2))
+        shares[-1], shares[-2, 0] = -2 * shares[0], 0
+        values = rng.normal(size=(4, 3, 2)) + 0j
+        names = tuple(map(str, range(count + 2)))
+        corners = [
+            abs(values + np.tensordot(signs, shares, 1)) for signs in itertools.product((-1, 1), repeat=count + 2)
+        ]
+        found = largest_amplitudes(values, [Contributions("engine", names, slice(0, 3), shares, names)])
+        assert found == pytest.approx(np.max(corners, axis=0), rel=1e-12)
 
     def test_spread_on_top_of_a_misfire(self):
         run = self.rig(misfire="each", spread="3 %").order_response("twist(crank3)")

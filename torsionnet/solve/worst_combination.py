@@ -58,8 +58,8 @@ class Contributions:
 def largest_amplitudes(values: ComplexArray, scatter: Sequence[Contributions]) -> FloatArray:
     """Largest amplitude of every line over all combinations, exactly; (n_speeds, n_lines, n_out).
 
-    Combinations fill a polygon around the amplitude without deviations. One of its corners lies furthest out. At both
-    ends of an edge, contributions along it change together, and all others have the sign of their part across it.
+    Combinations fill a polygon around the amplitude without deviations. One of its corners lies furthest out, and at
+    every corner an edge begins: contributions along it have the sign of that edge, others that of their part across it.
     """
     found = np.abs(values)
     for one in scatter:
@@ -67,10 +67,9 @@ def largest_amplitudes(values: ComplexArray, scatter: Sequence[Contributions]) -
         for edge in one.values:
             product = one.values * edge.conj()
             is_along = np.abs(product.imag) <= PARALLEL * np.abs(product)
-            across = (np.where(is_along, 0, np.sign(product.imag)) * one.values).sum(axis=0)
-            along = (np.where(is_along, np.sign(product.real), 0) * one.values).sum(axis=0)
-            for corner in (across + along, across - along):
-                best = np.maximum(best, np.maximum(np.abs(centre + corner), np.abs(centre - corner)))
+            signs = np.sign(np.where(is_along, product.real, product.imag))
+            corner = (signs * one.values).sum(axis=0)
+            best = np.maximum(best, np.maximum(np.abs(centre + corner), np.abs(centre - corner)))
         found[:, one.lines] = best
     return np.asarray(found)
 
