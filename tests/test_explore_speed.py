@@ -94,13 +94,13 @@ class TestWhileOneDrags:
         assert (rough["rpm"][0], rough["rpm"][-1]) == (whole["rpm"][0], whole["rpm"][-1])
         kept = [whole["rpm"].index(rpm) for rpm in rough["rpm"]]
         assert rough["half_range"] == pytest.approx([whole["half_range"][place] for place in kept], rel=1e-9)
-        assert set(np.diff(kept)) == {1, 2}
+        assert set(np.diff(kept)) == {3, 4}
 
     def test_few_speeds_are_all_taken(self, path):
         model = json.loads(path.read_text(encoding="utf-8"))
-        model["speeds"]["step"] = "10 rpm"
+        model["speeds"]["step"] = "20 rpm"
         orders = answer(open_session(str(path), text=json.dumps(model)), State(output="T", axis="speed", rough=True))
-        assert (len(orders["orders"]["rpm"]), orders["orders"]["thinned"]) == (121, False)
+        assert (len(orders["orders"]["rpm"]), orders["orders"]["thinned"]) == (61, False)
 
 
 class TestRefusals:

@@ -13,7 +13,7 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.order_response import RPM, OrderResponse
 
 MOST_ORDERS = 5
-ROUGH = 250
+ROUGH = 120
 """Speeds that are enough while a slider moves; a plot has a few pixels for each."""
 
 
