@@ -149,7 +149,7 @@ class RunningMachinery(AssembledModel):
         ...     tn.Spring("shaft", nodes=("a", "ground"), stiffness=8e4),
         ...     tn.ViscousDamper("damper", node="a", ring_inertia=1, damping=100)])
         >>> found = crank.damper_design("a", {"damper.damping": (20, 2000)}, input="a")
-        >>> round(found.values["damper.damping"] / (2 * 1 * 200), 4)  # Den Hartog: sqrt(2/15)
+        >>> round(float(found.values["damper.damping"]) / (2 * 1 * 200), 4)  # Den Hartog: sqrt(2/15)
         0.3651
         """
         from torsionnet.solve.design import damper_design
