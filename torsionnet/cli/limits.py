@@ -67,23 +67,7 @@ class LimitsCommand(ModelCommand):
         yield from table.notes
         yield ""
         for one in found:
-            yield f"{one.title}: {_conclusion(one)}"
-
-
-def _conclusion(check: LimitCheck) -> str:
-    """What follows from all verdicts in one condition."""
-    from torsionnet.response.limit_check import BARRED, FAIL, OPEN
-
-    failed = list(dict.fromkeys(one.limit for one in check.verdicts if one.verdict == FAIL))
-    unjudged = list(dict.fromkeys(one.limit for one in check.verdicts if one.verdict == OPEN))
-    barred = ", ".join(map(str, check.barred))
-    parts = [f"{', '.join(failed)} {'do' if len(failed) > 1 else 'does'} not hold"] if failed else []
-    if any(one.verdict == BARRED for one in check.verdicts) and not failed:
-        parts.append(f"limits hold with {barred} of {check.reference} barred")
-    elif barred:
-        parts.append(f"to be barred: {barred} of {check.reference}")
-    parts += [f"{', '.join(unjudged)} not judged"] if unjudged else []
-    return "; ".join(parts) or "all limits hold at all speeds"
+            yield f"{one.title}: {one.conclusion}"
 
 
 def _as_data(check: LimitCheck) -> dict[str, Any]:

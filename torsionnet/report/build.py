@@ -20,6 +20,7 @@ from torsionnet.report.sections.excitations import excitations_section
 from torsionnet.report.sections.fits import fit_section
 from torsionnet.report.sections.formulas import formulas_section
 from torsionnet.report.sections.kinematics import kinematics_section
+from torsionnet.report.sections.limits import limits_section
 from torsionnet.report.sections.mean_torques import mean_torques_section
 from torsionnet.report.sections.modes import modes_section
 from torsionnet.report.sections.orders import orders_section
@@ -45,6 +46,7 @@ BUILDERS: dict[str, Callable[[ReportData], Section | None]] = {
     "mean_torques": mean_torques_section,
     "critical_speeds": critical_speeds_section,
     "orders": orders_section,
+    "limits": limits_section,
     "test": comparison_section,
     "fit": fit_section,
     "checks": checks_section,

@@ -21,6 +21,7 @@ from torsionnet.solve.transfer_request import usable
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.response.frequency_response import FloatArray
+    from torsionnet.response.limit_check import LimitCheck
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
@@ -149,6 +150,13 @@ class ReportData:
     def order_responses(self) -> tuple[OrderResponse, ...]:
         """Of every case."""
         return tuple(case.drivetrain.order_response(list(self.order_outputs)) for case in self.cases)
+
+    @cached_property
+    def limit_checks(self) -> tuple[LimitCheck, ...]:
+        """Verdicts on the limits of every case; none where the model has no limits."""
+        if not self.running or not self.model.definition.limits:
+            return ()
+        return tuple(case.drivetrain.check_limits() for case in self.cases)
 
     @cached_property
     def different(self) -> tuple[tuple[Case, ...], ...]:

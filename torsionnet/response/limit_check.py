@@ -121,6 +121,20 @@ class LimitCheck:
         """Speeds that any limit wants barred, joined where they overlap."""
         return joined_spans([span for one in self.verdicts for span in one.barred])
 
+    @property
+    def conclusion(self) -> str:
+        """What follows from all verdicts, in a sentence."""
+        failed = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == FAIL))
+        unjudged = list(dict.fromkeys(one.limit for one in self.verdicts if one.verdict == OPEN))
+        barred = ", ".join(map(str, self.barred))
+        parts = [f"{', '.join(failed)} {'do' if len(failed) > 1 else 'does'} not hold"] if failed else []
+        if any(one.verdict == BARRED for one in self.verdicts) and not failed:
+            parts.append(f"limits hold with {barred} of {self.reference} barred")
+        elif barred:
+            parts.append(f"to be barred: {barred} of {self.reference}")
+        parts += [f"{', '.join(unjudged)} not judged"] if unjudged else []
+        return "; ".join(parts) or "all limits hold at all speeds"
+
     def of(self, limit: str, criterion: str | None = None) -> LimitVerdict:
         """The verdict on a limit, on one of its criteria where there are several.
 

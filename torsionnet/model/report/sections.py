@@ -17,6 +17,7 @@ SECTIONS = {
     "mean_torques": "mean torque, stress and power of every element under the load",
     "critical_speeds": "orders against natural frequencies, interference diagram, Holzer tables",
     "orders": "amplitudes over speed by order, and all orders together, in every configuration",
+    "limits": "stresses, couplings, gears and dampers against what they bear; barred ranges and the conclusion",
     "test": "tests over the model",
     "fit": "fitted parameters with intervals",
     "checks": "findings of the checks, and how well the numbers agree with a second way to them",
