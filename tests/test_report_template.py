@@ -295,6 +295,9 @@ NOT_REPLACED = {
     ("elements", " on "), ("elements", " frequencies, "), ("elements", "; … and "), ("elements", "table of "),
     ("formulas", " in "), ("kinematics", "input "), ("modes", "spread over many, at most "), ("modes", "\xa0% in "),
     ("parameters", "; changed for this report"),
+    ("critical_speeds", " modes, "), ("critical_speeds", " crossings"), ("limits", " over speed with its limits"),
+    ("orders", "Orders of "), ("orders", "Half range of "), ("excitations", "Hz"),
+    ("excitations", "at "), ("excitations", " bar "),
 }  # fmt: skip
 """Strings that look like a text of a report and cannot be replaced; the page about templates says so."""
 

@@ -54,13 +54,18 @@ BUILDERS: dict[str, Callable[[ReportData], Section | None]] = {
 }
 
 
+OF_DRIVETRAINS = ("schematic", "elements", "kinematics", "equations", "modes", "formulas", "simplified", "responses")
+"""Sections that have nothing to say about what runs."""
+
+
 def build(subject: ReportData, version: str) -> Report:
     """The report on a subject; ``version`` is that of the program."""
     plan = subject.request.plan
     with warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always", TorsionnetWarning)
         subject = replace(subject, warned=warned)
-        made = [BUILDERS[name](subject) for name in SECTIONS if subject.request.wants(name)]
+        wanted = [name for name in SECTIONS if subject.request.wants(name)]
+        made = [BUILDERS[name](subject.by_drivetrain if name in OF_DRIVETRAINS else subject) for name in wanted]
     return Report(
         title=plan.title or subject.model.name,
         subtitle="Torsional vibration report",

@@ -13,6 +13,7 @@ import numpy as np
 
 from torsionnet.core.errors import UsageError
 from torsionnet.model.report import Pair
+from torsionnet.report.report_words import listed
 from torsionnet.report.request import Request
 from torsionnet.response import Conventions, FrequencyResponse, Modes
 from torsionnet.solve.grid import Adaptive, vibration_range
@@ -159,12 +160,22 @@ class ReportData:
         return tuple(case.drivetrain.check_limits() for case in self.cases)
 
     @cached_property
+    def by_drivetrain(self) -> ReportData:
+        """The same with one case for all that differ by nothing but what runs: they have the same modes."""
+        if len(self.different) == len(self.cases):
+            return self
+        cases = (
+            Case(listed([case.configuration for case in alike], FEW_CASES), alike[0].drivetrain)
+            for alike in self.different
+        )
+        return replace(self, cases=tuple(cases))
+
+    @cached_property
     def different(self) -> tuple[tuple[Case, ...], ...]:
         """Cases by what vibrates: those that differ by nothing but what runs are one."""
         found: list[list[Case]] = []
         for case in self.cases:
-            laws = case.drivetrain.assembly.laws
-            alike = next((cases for cases in found if cases[0].drivetrain.assembly.laws == laws), None)
+            alike = next((cases for cases in found if _vibrate_alike(case.drivetrain, cases[0].drivetrain)), None)
             if alike is None:
                 found.append([case])
             else:
@@ -240,6 +251,16 @@ def _same_structure(rig: Drivetrain, other: Drivetrain) -> bool:
         return False
     pairs = ((rig.assembly.T, other.assembly.T), (rig.assembly.system.rows, other.assembly.system.rows))
     return all(np.array_equal(one != 0, two != 0) for one, two in pairs)
+
+
+def _vibrate_alike(rig: Drivetrain, other: Drivetrain) -> bool:
+    """Whether two configurations have the same laws and ratios, so that they differ by what runs alone."""
+    one, two = rig.assembly, other.assembly
+    if (one.nodes, one.laws, one.exact_rows) != (two.nodes, two.laws, two.exact_rows):
+        return False
+    return (
+        one.node_rows.maps == two.node_rows.maps and rig.definition.operating_point == other.definition.operating_point
+    )
 
 
 def _derived(rig: Drivetrain) -> dict[str, str]:

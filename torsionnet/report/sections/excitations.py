@@ -30,6 +30,7 @@ RPM = 60 / (2 * math.pi)
 LONG = 12
 """Numbers of a list that are written out."""
 MOST_ORDERS = 30
+OWN_SHAFT = " Orders of an excitation are multiples of the speed of its own shaft."
 Row = tuple[Cell, ...]
 
 
@@ -37,7 +38,7 @@ def excitations_section(subject: ReportData) -> Section | None:
     if not subject.running:
         return None
     definition = subject.model.definition
-    blocks: list[Block] = [Paragraph((_speeds(definition.speeds),))] if definition.speeds else []
+    blocks: list[Block] = [Paragraph((_speeds(definition.speeds), OWN_SHAFT))] if definition.speeds else []
     for name, excitation in definition.excitations.items():
         blocks.append(_entries(name, excitation))
         blocks.append(_torques(subject.cases[0], name, excitation))
@@ -52,8 +53,7 @@ def _speeds(speeds: SpeedRange) -> str:
     low, high = speeds.values[0] * RPM, speeds.values[-1] * RPM
     rated = f"; rated speed {speeds.rated * RPM:.6g} r/min" if speeds.rated else ""
     return (
-        f"The speed of {plain(speeds.of)} runs from {low:.6g} to {high:.6g} r/min, {len(speeds.values)} values{rated}. "
-        "Every excitation acts at multiples of the speed of its own shaft."
+        f"The speed of {plain(speeds.of)} runs from {low:.6g} to {high:.6g} r/min, {len(speeds.values)} values{rated}."
     )
 
 
@@ -107,21 +107,25 @@ def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
     where = np.argmax(sizes, axis=1)
     largest = sizes[np.arange(len(where)), where]
     phases = np.degrees(np.angle(torques.amplitudes[0][np.arange(len(where)), where]))
+    fixed = np.zeros(len(where)) if torques.fixed is None else torques.fixed
     columns = (
         Heading("Order", numeric=True),
-        Heading("Amplitude", unit("N m"), numeric=True),
+        Heading("Frequency beside it", "Hz", numeric=True),
+        Heading("Amplitude", unit("N*m" if excitation.quantity == "torque" else "rad"), numeric=True),
         Heading("Phase", "deg", numeric=True),
         Heading("Node"),
     )
     rows = zip(
         [NumberText(float(order), 6) for order in torques.orders],
+        [NumberText(hertz, 6) for hertz in fixed.tolist()] if fixed.any() else [""] * len(fixed),
         aligned(largest.tolist()),
         [NumberText(float(phase), 4, 1) for phase in phases],
         [plain(torques.nodes[place]) for place in where],
         strict=True,
     )
     other = "" if math.isclose(own, speed) else f", where the reference shaft has {speed * RPM:.6g} r/min"
-    caption = f"Torques of {plain(name)} by order of its shaft at {own * RPM:.6g} r/min{other}"
+    what = "Torques of " if excitation.quantity == "torque" else "Imposed motion of "
+    caption = f"{what}{plain(name)} by order of its shaft at {own * RPM:.6g} r/min{other}"
     notes = ["Of several nodes the one with the largest amplitude; cylinders differ in phase."]
     return table(caption, columns, list(rows), notes if len(torques.nodes) > 1 else [], most=MOST_ORDERS)
 

@@ -44,7 +44,7 @@ def conclusion(subject: ReportData) -> TableBlock:
     """One sentence for every condition."""
     columns = (Heading("Configuration"), Heading("Verdict"), Heading("Conclusion", wide=True))
     rows = [(check.configuration, check.verdict, plain(check.conclusion)) for check in subject.limit_checks]
-    return table("Conclusion", columns, rows)
+    return table("Conclusion on stresses and limits", columns, rows)
 
 
 def _verdicts(subject: ReportData, name: str) -> TableBlock:

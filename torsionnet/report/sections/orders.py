@@ -14,6 +14,11 @@ from torsionnet.response.worst_response import WorstResponse
 
 MOST_CURVES = 7
 """Configurations that can be told apart in one plot."""
+TOGETHER = (
+    "All orders act at once. The half range is (max − min)/2 of their sum with the phases they have, not the sum of "
+    "their magnitudes; amplitudes of single orders are peak values."
+)
+NO_CYCLE = " What has no short common cycle takes every position to each other: such half ranges are added."
 
 
 def orders_section(subject: ReportData) -> Section | None:
@@ -26,15 +31,8 @@ def orders_section(subject: ReportData) -> Section | None:
 
 
 def _introduction(subject: ReportData) -> tuple[Inline, ...]:
-    text = (
-        "All orders act at once. The half range is (max − min)/2 of their sum with the phases they have, not the sum "
-        "of their magnitudes; amplitudes of single orders are peak values."
-    )
-    if any(run.revolutions is None for run in subject.order_responses):
-        text += (
-            " Shafts that have no short common cycle take every position to each other: their half ranges are added."
-        )
-    return (text,)
+    has_cycle = all(run.revolutions is not None for run in subject.order_responses)
+    return (TOGETHER,) if has_cycle else (TOGETHER, NO_CYCLE)
 
 
 def _output(subject: ReportData, name: str, number: int) -> list[Block]:
