@@ -108,6 +108,7 @@ def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
     largest = sizes[np.arange(len(where)), where]
     phases = np.degrees(np.angle(torques.amplitudes[0][np.arange(len(where)), where]))
     fixed = np.zeros(len(where)) if torques.fixed is None else torques.fixed
+    beside: list[Cell] = [NumberText(hertz, 6) if fixed.any() else "" for hertz in fixed.tolist()]
     columns = (
         Heading("Order", numeric=True),
         Heading("Frequency beside it", "Hz", numeric=True),
@@ -117,7 +118,7 @@ def _torques(case: Case, name: str, excitation: OrderExcitation) -> TableBlock:
     )
     rows = zip(
         [NumberText(float(order), 6) for order in torques.orders],
-        [NumberText(hertz, 6) for hertz in fixed.tolist()] if fixed.any() else [""] * len(fixed),
+        beside,
         aligned(largest.tolist()),
         [NumberText(float(phase), 4, 1) for phase in phases],
         [plain(torques.nodes[place]) for place in where],
