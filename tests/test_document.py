@@ -30,7 +30,7 @@ from torsionnet.report.document_tree import (
     inlines,
 )
 
-RUNNING = ("excitations", "orders")
+RUNNING = ("excitations", "mean_torques", "critical_speeds", "orders", "limits")
 """Sections of models in which machinery runs."""
 
 

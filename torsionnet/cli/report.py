@@ -30,8 +30,8 @@ class ReportCommand(ModelCommand):
     """Write a report on a model: schematic, values, equations, modes, transfer functions, checks, validity.
 
     What is in it says the report: section of the model file; options say it for this time. Sections: summary,
-    schematic, elements, parameters, kinematics, equations, modes, formulas, simplified, responses, excitations, orders,
-    test, fit, checks, validity.
+    schematic, elements, parameters, kinematics, equations, modes, formulas, simplified, responses, excitations,
+    mean_torques, critical_speeds, orders, limits, test, fit, checks, validity.
 
     \b
     torsionnet report amt_rig
