@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 import torsionnet as tn
-from fuzz import drawing, sources
+from fuzz import drawing, running, sources
 from fuzz.mutating import Chance, mutated, mutated_bytes
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import ExpressionError
@@ -44,6 +44,16 @@ class Kind:
 
 def _encoded(text: str) -> bytes:
     return text.encode("utf-8", errors="surrogatepass")
+
+
+def _running(chance: Chance, folder: Path) -> bytes:
+    del folder
+    text = running.plant(chance)
+    if chance.random() < 0.7:
+        # What runs is damaged more often than what it runs in.
+        at = text.index("speeds:") if chance.random() < 0.8 else 0
+        text = text[:at] + mutated(text[at:], chance)
+    return _encoded(text)
 
 
 def _text(of: Callable[[], tuple[str, ...]], chance: Chance, folder: Path) -> bytes:
@@ -114,6 +124,35 @@ def use_model(path: Path) -> None:
         model.frequency_response(next(iter(model.sensors)), driven, FREQUENCIES, excitation=driven)
 
 
+def use_running(path: Path) -> None:
+    plant = tn.load(path)
+    assert tn.loads(dump(plant.definition), folder=path.parent).definition.to_data() == plant.definition.to_data()
+    names = list(plant.configurations)
+    plant = plant.configured(names[path.stat().st_size % len(names)]) if names else plant
+    outputs, faults = ["torque(rubber)", "stress(shaft)", "angle(c1)"], []
+    for question in (
+        lambda: plant.order_response(outputs).half_range,
+        lambda: plant.mean_response(outputs[:2]),
+        lambda: plant.static_state(),
+        lambda: plant.critical_speeds(outputs[:1]),
+        lambda: plant.dissipated_power("rubber"),
+        lambda: plant.check_limits(),
+        lambda: plant.holzer_table(1),
+    ):
+        try:
+            question()
+        except EXPECTED as fault:
+            faults.append(fault)
+    if faults:
+        raise faults[0]
+
+
+def _use_beside(text: str, path: Path) -> None:
+    plant = path.with_name("plant.yaml")
+    plant.write_text(text, encoding="utf-8")
+    tn.load(plant).order_response("torque(rubber)")
+
+
 def use_bench(path: Path) -> None:
     bench = tn.load_bench(path)
     if bench.plan.acquisition.rate * bench.plan.excitation.length <= MOST_SAMPLES:
@@ -156,6 +195,21 @@ KINDS = {
     for kind in (
         Kind("expression", ".txt", _expression, use_expression, lambda _: b"2*k"),
         Kind("model", ".yaml", _model, use_model, lambda _: sources.RIG.encode()),
+        Kind("running", ".yaml", _running, use_running, lambda _: running.SOUND.encode()),
+        Kind(
+            "pressure",
+            ".csv",
+            partial(_text, running.traces),
+            partial(_use_beside, running.TRACED),
+            lambda _: running.traces()[0].encode(),
+        ),
+        Kind(
+            "orders",
+            ".csv",
+            partial(_text, lambda: running.ORDERS),
+            partial(_use_beside, running.RECORDED),
+            lambda _: running.ORDERS[0].encode(),
+        ),
         Kind("bench", ".yaml", _bench, use_bench, lambda _: sources.BENCH.encode()),
         Kind("fit", ".yaml", _fit, use_fit, lambda _: sources.FIT.encode(), seconds=10.0),
         Kind("report", ".yaml", _report, use_report, lambda _: sources.WHOLE_REPORT.encode()),

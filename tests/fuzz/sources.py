@@ -11,6 +11,7 @@ from foreign_files import matlab_73, record, written
 from tors_models import THRUSTER
 
 import torsionnet as tn
+from fuzz import running
 from torsionnet.io import to_tors, write_frequency_response
 from torsionnet.model.files import library_models
 from torsionnet.signals import write_recording
@@ -86,6 +87,7 @@ def furnish(folder: Path) -> None:
     write_recording(tn.load_bench(folder / "bench.yaml").run(), folder / "run.npz")
     response = tn.load(folder / "rig.yaml").configured("hard").frequency_response("phi", "T", np.linspace(1, 25, 25))
     write_frequency_response(response, folder / "frf.csv")
+    running.furnish(folder)
 
 
 @cache

@@ -7,6 +7,7 @@ import sys
 import textwrap
 from collections.abc import Iterable
 from dataclasses import replace
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -105,21 +106,32 @@ def _aligned(table: Table) -> list[str]:
         lines = _broken(column.name, column.unit, max(content, NARROWEST))
         headings.append(lines)
         widths.append(max([content, *map(len, lines)]))
-    room = WIDTH - sum(widths[:-1]) - BETWEEN_COLUMNS * (len(widths) - 1)
-    if widths and not right[-1] and LEAST_ROOM <= room < widths[-1]:
-        widths[-1], cells = room, _folded(cells, room)
+    narrower = _narrower(widths, right)
+    if narrower != widths:
+        widths, cells = narrower, _folded(cells, narrower)
     height = max((len(lines) for lines in headings), default=0)
     padded = [[*lines, *[""] * (height - len(lines))] for lines in headings]
     rows = [*([lines[level] for lines in padded] for level in range(height)), ["-" * width for width in widths], *cells]
     return [*([table.title] if table.title else []), *(_line(row, widths, right) for row in rows)]
 
 
-def _folded(cells: list[list[str]], room: int) -> list[list[str]]:
-    """Texts of the last column over as many lines as they need."""
+def _narrower(widths: list[int], right: list[bool]) -> list[int]:
+    """Less for the text of the last column, or of the last two where one alone leaves too little room."""
+    for count in (1, 2):
+        if len(widths) < count or any(right[-count:]):
+            break
+        room = (WIDTH - sum(widths[:-count]) - BETWEEN_COLUMNS * (len(widths) - 1)) // count
+        if room >= LEAST_ROOM:
+            return [*widths[:-count], *(min(room, width) for width in widths[-count:])]
+    return widths
+
+
+def _folded(cells: list[list[str]], widths: list[int]) -> list[list[str]]:
+    """Texts over as many lines as they need."""
     folded = []
     for row in cells:
-        first, *rest = wrapped(row[-1], room) or [""]
-        folded += [[*row[:-1], first], *([*[""] * (len(row) - 1), line] for line in rest)]
+        lines = [wrapped(cell, width) if len(cell) > width else [cell] for cell, width in zip(row, widths, strict=True)]
+        folded += [list(line) for line in zip_longest(*lines, fillvalue="")]
     return folded
 
 

@@ -57,6 +57,7 @@ def critical_speeds(
     held = with_motions_held(changed, {name: changed.definition.excitations[name] for name in lines})
     title = drivetrain.title + ("" if dampers == AS_MODELLED else f", damper ring {dampers}")
     question = _Question(held, title, reference, speed_range, rule, reach, lowest)
+    question.known = {name: question.known_speeds(name, float(group[0].ratio)) for name, group in lines.items()}
     if line_frequency:
         lines[LINE] = [OrderLine(LINE, 0.0, Fraction(1), times * line_frequency) for times in (1, 2)]
     crossings = [one for name, group in lines.items() for one in question.crossings(name, group)]
@@ -71,10 +72,13 @@ def critical_speeds(
         rule=question.rule,
         title=title,
         condition=drivetrain.configuration,
+        notes=tuple(question.notes()),
     )
     if isinstance(outputs, (list, tuple)) and not outputs:
         return found
-    limits = question.speed_range if question.over_speed.follow else question.limits
+    ends = [question.limits, *question.known.values()]
+    common = max(low for low, _ in ends), min(high for _, high in ends)
+    limits = question.speed_range if question.over_speed.follow else common
     peaks, channels = with_peaks(changed, found.crossings, outputs, reference, limits)
     return replace(found, crossings=peaks, outputs=channels)
 
@@ -118,6 +122,7 @@ class _Question:
         self.drivetrain, self.title, self.speed_range = drivetrain, title, speed_range
         self.rule, self.reach, self.reference = rule, reach, reference
         self.limits = (speed_range[0] * (1 - reach), speed_range[1] * (1 + reach))
+        self.known: dict[str, tuple[float, float]] = {}
         self.modes = vibration_modes(drivetrain, modes(drivetrain))[:lowest]
         self.over_speed = ModesOverSpeed(drivetrain, reference, speed_range)
         self.turning = {
@@ -131,7 +136,22 @@ class _Question:
         blank = [self._settled(self._crossing(mode, line), line) for mode in self.modes for line in lines]
         near = [one for one in blank if self._is_near(one)]
         excitation = self.drivetrain.definition.excitations.get(name)
-        return near if excitation is None else list(self._with_forces(near, excitation))
+        return near if excitation is None else list(self._with_forces(near, excitation, self.known[name]))
+
+    def known_speeds(self, name: str, ratio: float) -> tuple[float, float]:
+        """The operating range, and what is listed beyond it where the data of an excitation go so far."""
+        excitation = self.drivetrain.definition.excitations[name]
+        low, high = (
+            beyond if _has_torques(excitation, beyond * ratio) else end
+            for beyond, end in zip(self.limits, self.speed_range, strict=True)
+        )
+        return low, high
+
+    def notes(self) -> Iterator[str]:
+        for name, known in self.known.items():
+            if known != self.limits:
+                text = f"the data of {name} do not go beyond the operating range"
+                yield f"{text}; its forces at critical speeds outside are those at the end of it"
 
     def _crossing(self, mode: VibrationMode, line: OrderLine) -> CriticalSpeed:
         ends = line.frequency(np.array(self.speed_range))
@@ -159,10 +179,13 @@ class _Question:
         low, high = self.limits
         return any(low <= one.speed(which) <= high for which in FREQUENCIES)
 
-    def _with_forces(self, near: Sequence[CriticalSpeed], excitation: OrderExcitation) -> Iterator[CriticalSpeed]:
+    def _with_forces(
+        self, near: Sequence[CriticalSpeed], excitation: OrderExcitation, known: tuple[float, float]
+    ) -> Iterator[CriticalSpeed]:
         if not near:
             return
-        found = excitation.torques(np.array([self._acting_speed(one) for one in near]) * float(near[0].ratio))
+        speeds = np.clip([self._acting_speed(one) for one in near], *known)
+        found = excitation.torques(speeds * float(near[0].ratio))
         frequencies = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
         lines = list(zip(found.orders.tolist(), frequencies.tolist(), strict=True))
         # A torque drives the shaft it is on, whichever way that turns.
@@ -207,6 +230,15 @@ class _Question:
         if own is None:
             return abs(shape[shaft])
         return max(abs(shape[node] * own / speed) for node, speed in self.turning.items() if node in shape)
+
+
+def _has_torques(excitation: OrderExcitation, speed: float) -> bool:
+    """Whether its data reach so far."""
+    try:
+        excitation.torques(np.array([speed]))
+    except UsageError:
+        return False
+    return True
 
 
 def _distance(natural: float, low: float, high: float) -> float:
