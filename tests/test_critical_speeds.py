@@ -1,11 +1,12 @@
 """Critical speeds: against closed forms, the numbers of two plants, and what a user may ask wrongly."""
 
 import csv
+import itertools
 import math
 
 import numpy as np
 import pytest
-from running_plants import INLINE_SIX, car, engine, marine, two_mass
+from running_plants import INLINE_SIX, PRESSURE, car, engine, marine, two_mass
 from test_cli import run
 
 import torsionnet as tn
@@ -519,3 +520,35 @@ class TestPictures:
     def test_no_stars(self):
         with pytest.raises(tn.UsageError, match="no star diagram to draw"):
             star_diagrams([])
+
+
+class TestWorstOfSeveralCases:
+    """A misfire of each cylinder, or spread: the largest sum of all cases, and never called not excited."""
+
+    def crossings(self, **faults):
+        gas = {**INLINE_SIX["gas"], "motored": (PRESSURE * 0.6 + 1e5).round(1).tolist()}
+        engine_entry = {**INLINE_SIX, "gas": gas, "orders": [0.5, 1, 1.5, 3], **faults}
+        return marine({"engine": engine_entry}).critical_speeds(lowest=2)
+
+    def test_each_misfire_is_the_worst_of_six_single_ones(self):
+        each = self.crossings(misfire="each")
+        single = {number: self.crossings(misfire=[number]) for number in range(1, 7)}
+        assert len(each.crossings) > 2
+        for one in each.crossings:
+            forces = {n: found.of(one.mode.number, one.order).generalised_force for n, found in single.items()}
+            worst = max(forces, key=forces.get)
+            assert one.generalised_force == pytest.approx(forces[worst], rel=1e-9)
+            assert one.excited
+            assert one.remark == f"misfire of cylinder {worst}"
+            assert one.star.sum == pytest.approx(single[worst].of(one.mode.number, one.order).star.sum, abs=1e-9)
+
+    def test_half_order_is_excited_by_a_misfire_only(self):
+        assert self.crossings().of(1, 0.5).excited is False
+        assert self.crossings(misfire="each").of(1, 0.5).relative_force > 0.1
+
+    def test_spread_is_the_worst_of_all_combinations(self):
+        found = self.crossings(spread=0.1).of(1, 0.5)
+        combinations = [dict(zip(range(1, 7), one, strict=True)) for one in itertools.product((0.9, 1.1), repeat=6)]
+        forces = [self.crossings(factors=one).of(1, 0.5).generalised_force for one in combinations]
+        assert found.excited
+        assert found.generalised_force == pytest.approx(max(forces), rel=1e-9)

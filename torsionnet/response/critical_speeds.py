@@ -65,6 +65,8 @@ class CriticalSpeed:
         None where nothing says what acts at a frequency.
     excited_in : tuple of str
         Other conditions that excite it.
+    case : str
+        Where several are examined, as a misfire of each cylinder: the one with the largest generalised force.
     peaks : tuple of SpeedPeak
     """
 
@@ -80,6 +82,7 @@ class CriticalSpeed:
     star: StarDiagram | None = None
     excited: bool | None = None
     excited_in: tuple[str, ...] = ()
+    case: str = ""
     peaks: tuple[SpeedPeak, ...] = ()
 
     def speed(self, which: str = "undamped") -> float:
@@ -113,6 +116,8 @@ class CriticalSpeed:
         if self.excited is False:
             elsewhere = f", but in {', '.join(self.excited_in)}" if self.excited_in else " in this condition"
             said.append(f"not excited{elsewhere}")
+        elif self.case:
+            said.append(self.case)
         return "; ".join(said)
 
     @property

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError
 from torsionnet.model.damper_states import AS_MODELLED, with_dampers
-from torsionnet.model.excitations import OrderExcitation
+from torsionnet.model.excitations import OrderExcitation, OrderTorques
 from torsionnet.model.speeds import speeds_with
 from torsionnet.response.critical_speeds import FREQUENCIES, CriticalSpeed, CriticalSpeeds
 from torsionnet.response.margin_rules import MarginRule, margin_rule
@@ -191,31 +191,29 @@ class _Question:
         # A torque drives the shaft it is on, whichever way that turns.
         senses = input_senses(self.drivetrain, excitation, self.reference)
         for number, one in enumerate(near):
-            amplitudes = found.amplitudes[number, lines.index((one.order, one.fixed))]
-            loads = dict(zip(found.nodes, amplitudes.tolist(), strict=True))
             shape = dict(zip(self.drivetrain.assembly.nodes, one.mode.shape.tolist(), strict=True))
             shape |= {node: sense * shape[node] for node, sense in senses.items() if node in shape}
-            yield self._with_force(one, excitation, loads, shape, float(np.abs(found.amplitudes[number]).max()))
+            yield self._with_force(one, excitation, found, (number, lines.index((one.order, one.fixed))), shape)
 
     def _with_force(
         self,
         one: CriticalSpeed,
         excitation: OrderExcitation,
-        loads: Mapping[str, complex],
+        found: OrderTorques,
+        at: tuple[int, int],
         shape: Mapping[str, complex],
-        strongest: float,
     ) -> CriticalSpeed:
         if excitation.quantity != "torque":
-            return replace(one, excited=any(loads.values()))
-        largest = self._largest(shape, excitation.shaft)
-        force = generalised_force(excitation, one.order, loads, shape, largest, strongest)
-        title = f"{self.title}, mode {one.mode.number}"
+            return replace(one, excited=bool(found.amplitudes[at].any()))
+        force = generalised_force(excitation, found, at, shape, self._largest(shape, excitation.shaft))
+        title = f"{self.title}, mode {one.mode.number}" + (f", {force.case}" if force.case else "")
         return replace(
             one,
-            generalised_force=abs(force.value),
+            generalised_force=force.value,
             relative_force=force.relative,
-            star=star_diagram(excitation, one.excitation, one.order, shape, title),
+            star=star_diagram(excitation, one.excitation, one.order, shape, title, force.part),
             excited=force.acts,
+            case=force.case,
         )
 
     def _acting_speed(self, one: CriticalSpeed) -> float:
