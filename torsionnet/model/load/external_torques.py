@@ -13,10 +13,16 @@ from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.load.load_section import Load
 from torsionnet.model.speeds import mean_speeds, speeds_with
 
+UNKNOWN = "the load determines no mean torques here"
+
 ENGINE = "reciprocating_engine"
 """The type of excitation that drives where nothing else is said."""
 
 NEEDS_RATED = "the load needs the rated speed: speeds: {of: node, rated: 750 rpm, ...}"
+
+
+class LoadCutOff(UsageError):
+    """A driver or absorber does not turn with the reference node in this configuration, as behind an open clutch."""
 
 
 def reference_node(definition: Definition) -> str:
@@ -131,9 +137,10 @@ class ExternalTorques:
         if ratio:
             return ratio
         if node not in all_nodes(self.definition.active):
-            raise UsageError(f'nothing is attached to "{node}" in this configuration')
-        why = "does not turn" if ratio is not None else "has no fixed ratio to it"
-        raise UsageError(f"{node} {why} when {self.reference} turns; it can neither drive nor absorb")
+            raise LoadCutOff(f'nothing is attached to "{node}" in this configuration; {UNKNOWN}')
+        why = "stands still" if ratio is not None else "turns independently"
+        text = f"{node} {why} when {self.reference} turns, so that it can neither drive nor absorb"
+        raise LoadCutOff(f"{text}; {UNKNOWN}")
 
 
 def drivers(definition: Definition, load: Load) -> dict[str, float]:
@@ -172,8 +179,14 @@ def unknown_driver(definition: Definition, name: str) -> str | None:
 
 
 def mean_torques(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:
-    """Mean external torque in N m by node at the operating point: of the load, else as the operating point gives it."""
-    return ExternalTorques(definition, values).at_operating_point
+    """Mean external torque in N m by node at the operating point: of the load, else as the operating point gives it.
+
+    None where the load is cut off.
+    """
+    try:
+        return ExternalTorques(definition, values).at_operating_point
+    except LoadCutOff:
+        return {}
 
 
 def stated_torques(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:
