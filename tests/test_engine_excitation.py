@@ -555,7 +555,7 @@ class TestWorstCase:
 
     def test_parts_of_the_speeds_do_not_matter(self, monkeypatch):
         whole = self.rig(misfire="each", spread="2 %").order_response("twist(crank3)")
-        monkeypatch.setattr("torsionnet.solve.order_response.TOGETHER", 2)
+        monkeypatch.setattr("torsionnet.solve.operating_groups.TOGETHER", 2)
         parts = self.rig(misfire="each", spread="2 %").order_response("twist(crank3)")
         assert parts.values == pytest.approx(whole.values, rel=1e-12)
         assert parts.cases() == whole.cases()

@@ -23,7 +23,7 @@ class LawStiffness:
     Attributes
     ----------
     inertia, damping, stiffness : (n_variants, n_laws) arrays
-    omega : (n_f,) array
+    omega : (n_f,) array, or (n_variants, n_f) where every variant has frequencies of its own
         rad/s.
     sampled : tuple of (law index, (n_variants, n_f) complex array)
         What is no polynomial in omega, N m/rad.
@@ -41,13 +41,23 @@ class LawStiffness:
 
     @property
     def n_points(self) -> int:
-        return len(self.stiffness) * len(self.omega)
+        return len(self.stiffness) * self.n_frequencies
+
+    @property
+    def n_frequencies(self) -> int:
+        return int(self.omega.shape[-1])
 
     @property
     def s(self) -> ComplexArray:
         """Of every point, rad/s."""
-        s: ComplexArray = np.asarray(1j * self.omega, dtype=np.complex128)
-        return s if len(self.stiffness) == 1 else np.tile(s, len(self.stiffness))
+        return np.asarray(1j * self._all_omega, dtype=np.complex128)
+
+    @property
+    def _all_omega(self) -> FloatArray:
+        """Of every point, rad/s."""
+        if self.omega.size == self.n_points:
+            return self.omega.ravel()
+        return np.tile(self.omega, len(self.stiffness))
 
     def of(self, law: int) -> ComplexArray:
         """Dynamic stiffness of one law, shape (n_points,), N m/rad."""
@@ -63,7 +73,7 @@ class LawStiffness:
     @property
     def by_law(self) -> ComplexArray:
         """Of every law, shape (n_laws, n_points): the points of a law lie next to each other."""
-        kappa = np.empty((self.n_laws, len(self.stiffness), len(self.omega)), dtype=complex)
+        kappa = np.empty((self.n_laws, len(self.stiffness), self.n_frequencies), dtype=complex)
         J, c, k = (np.ascontiguousarray(part.T)[:, :, None] for part in (self.inertia, self.damping, self.stiffness))
         np.multiply(J, -(self.omega * self.omega), out=kappa.real)
         kappa.real += k
@@ -74,7 +84,7 @@ class LawStiffness:
 
     def at(self, points: NDArray[np.intp]) -> LawStiffness:
         """Some points, as frequencies of one variant."""
-        some = replace(self, omega=self.omega[points % len(self.omega)])
+        some = replace(self, omega=self._all_omega[points])
         return some.sampled_as(self.by_law[:, points])
 
     def sampled_as(self, values: ComplexArray) -> LawStiffness:
@@ -151,11 +161,11 @@ class LawStiffness:
         J, _, k = self._columns[law]
         if J is None or (k is None and law not in self._samples):
             return None
-        return np.asarray(np.broadcast_to(-self._squares * J, (len(self.stiffness), len(self.omega))).ravel())
+        return np.asarray(np.broadcast_to(-self._squares * J, (len(self.stiffness), self.n_frequencies)).ravel())
 
     def blocks(self, size: int) -> Iterator[LawStiffness]:
         """Parts of at most ``size`` points that follow each other: several variants, or frequencies of one."""
-        n_f = len(self.omega)
+        n_f = self.n_frequencies
         together = max(1, size // max(1, n_f))
         for first in range(0, len(self.stiffness), together):
             variants = slice(first, first + together)
@@ -168,13 +178,13 @@ class LawStiffness:
             inertia=self.inertia[variants],
             damping=self.damping[variants],
             stiffness=self.stiffness[variants],
-            omega=self.omega[frequencies],
+            omega=self.omega[frequencies] if self.omega.ndim == 1 else self.omega[variants, frequencies],
             sampled=tuple((law, values[variants, frequencies]) for law, values in self.sampled),
         )
 
 
 def law_stiffness(systems: Sequence[RowSystem], omega: FloatArray) -> LawStiffness:
-    """Of variants of one system, at omega in rad/s.
+    """Of variants of one system, at omega in rad/s, (n_f,) or (n_variants, n_f).
 
     Examples
     --------
@@ -189,8 +199,8 @@ def law_stiffness(systems: Sequence[RowSystem], omega: FloatArray) -> LawStiffne
     c = np.array([system.damping for system in systems])
     k = np.array([system.stiffness for system in systems])
     laws = dict.fromkeys(law for system in systems for law, _ in system.dynamic)
-    sampled = {law: np.zeros((len(systems), len(omega)), dtype=complex) for law in laws}
+    sampled = {law: np.zeros((len(systems), omega.shape[-1]), dtype=complex) for law in laws}
     for variant, system in enumerate(systems):
         for law, at in system.dynamic:
-            sampled[law][variant] += at(omega)
+            sampled[law][variant] += at(omega if omega.ndim == 1 else omega[variant])
     return LawStiffness(J, c, k, omega, tuple(sampled.items()))

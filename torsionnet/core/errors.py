@@ -31,7 +31,7 @@ class Position:
 
 
 USELESS = "useless"
-"""Kind of a fault of an input or sensor that cannot be used in this configuration, while another may allow it."""
+"""Kind of a fault of an entry that cannot be used in this configuration, while another may allow it."""
 
 
 @dataclass(frozen=True)

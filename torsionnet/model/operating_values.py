@@ -35,13 +35,14 @@ def unknown_in_parameters(definition: Definition) -> Iterator[Fault]:
             yield unknown_name(what, parameter.of, known, ("parameters", name, "of"))
 
 
-def unfit_parameters(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
+def unfit_parameters(external: ExternalTorques) -> list[Fault]:
     """Parameters for which nothing says the operating point, or whose table ends within the range of speeds."""
+    definition = external.definition
     if not following(definition):
         return []
-    points = OperatingPoints(definition, values)
+    points = OperatingPoints(external)
     try:
-        speeds = [points.external.operating_speed]
+        speeds = [external.operating_speed]
     except UsageError as error:
         return [Fault(str(error), ("parameters", name, "by")) for name in following(definition)]
     if definition.speeds is not None and (definition.load or not definition.operating_point.torque):
@@ -60,15 +61,10 @@ def unfit_parameters(definition: Definition, values: Mapping[str, Any]) -> list[
 class OperatingPoints:
     """The parameters of a drivetrain that follow the operating point, over the speed of the reference node.
 
-    ``values`` are those of all parameters at any point: ratios and shares of torque do not depend on it.
+    ``external`` has the values of all parameters at any point: ratios and shares of torque do not depend on it.
     """
 
-    definition: Definition
-    values: Mapping[str, Any]
-
-    @cached_property
-    def external(self) -> ExternalTorques:
-        return ExternalTorques(self.definition, self.values)
+    external: ExternalTorques
 
     def at(self, speed: float) -> dict[str, float]:
         """Values in SI by name at a speed in rad/s; of those that follow a vibration that of the smallest one.
@@ -79,7 +75,7 @@ class OperatingPoints:
             Nothing says the torques, a torque is statically indeterminate, or a table ends before.
         """
         found = {}
-        for name, parameter in following(self.definition).items():
+        for name, parameter in following(self.external.definition).items():
             try:
                 found[name] = self.value(parameter, speed)
             except UsageError as error:
@@ -113,7 +109,7 @@ class OperatingPoints:
                 raise UsageError(f"{parameter.of} neither drives nor absorbs; the load acts on {', '.join(torques)}")
             return torques[parameter.of]
         if parameter.of not in self._motions:
-            self._motions[parameter.of] = opening(self.definition, self.values, parameter.of)
+            self._motions[parameter.of] = opening(self.external.definition, self.external.values, parameter.of)
         return sum(torque * self._motions[parameter.of].get(node, 0.0) for node, torque in torques.items())
 
     @cached_property
@@ -133,7 +129,7 @@ def at_operating_point(definition: Definition) -> Definition:
     """The definition with the values at its own operating point; as it is where nothing says that."""
     if not following(definition):
         return definition
-    points = OperatingPoints(definition, resolve(definition.parameters)[0])
+    points = OperatingPoints(ExternalTorques(definition, resolve(definition.parameters)[0]))
     try:
         return operated(definition, points.at(points.external.operating_speed))
     except UsageError:

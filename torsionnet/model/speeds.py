@@ -25,9 +25,14 @@ Rows: TypeAlias = list[dict[str, Fraction]]
 
 def holding_rows(definition: Definition, values: Mapping[str, Any]) -> Rows:
     """Rows that vanish at steady mean speed."""
+    return _rows_on_average(definition, values)[0]
+
+
+def _rows_on_average(definition: Definition, values: Mapping[str, Any]) -> tuple[Rows, Rows]:
+    """Rows that vanish at steady mean speed, and those of nodes that springs tie to ground."""
     value = Values(values)
     rows = [exact_row(row) for element in definition.active for row in element.holds(value)]
-    return [row for row in rows if len(row) > 1]
+    return [row for row in rows if len(row) > 1], [row for row in rows if len(row) == 1]
 
 
 def _clamps(definition: Definition) -> Iterator[dict[str, Fraction]]:
@@ -50,10 +55,10 @@ def _clamp(definition: Definition, speeds: Sequence[Elimination]) -> Rows:
     return added
 
 
-def _held_by_springs(definition: Definition, values: Mapping[str, Any], speeds: Sequence[Elimination]) -> Rows:
+def _held_by_springs(rest: Rows, speeds: Sequence[Elimination]) -> Rows:
     """Rows of what springs tie to ground, as a housing on its mounts, where the speeds in question stay possible."""
     added: Rows = []
-    for row in _at_rest(definition, values):
+    for row in rest:
         if not any(speed.blocked or speed.blocks(row) for speed in speeds):
             added.append(row)
             for speed in speeds:
@@ -82,11 +87,11 @@ def total_ratio(definition: Definition, values: Mapping[str, Any], first: str, s
         if node not in nodes:
             raise UsageError(f'no node is named "{node}"{did_you_mean(node, nodes)}')
     order = {node: index for index, node in enumerate(nodes)}
-    rows = holding_rows(definition, values)
+    rows, rest = _rows_on_average(definition, values)
     turning = [
         _eliminated([{node: Fraction(1), UNIT: Fraction(-1)}, *rows], order) for node in dict.fromkeys((first, second))
     ]
-    still = [*_clamp(definition, turning), *_held_by_springs(definition, values, turning)]
+    still = [*_clamp(definition, turning), *_held_by_springs(rest, turning)]
     reduction = reduce_rows([*rows, *still], order)
     row, other = (reduction.reduced({node: Fraction(1)}) for node in (first, second))
     if not other:
@@ -114,40 +119,38 @@ def mean_speeds(definition: Definition, values: Mapping[str, Any]) -> dict[str, 
     return {node: row.get(UNIT, 0.0) for node, row in speeds.items() if row.keys() <= {UNIT}}
 
 
-def speeds_with(definition: Definition, values: Mapping[str, Any], reference: str) -> dict[str, float]:
+def speeds_with(
+    definition: Definition, values: Mapping[str, Any], reference: str, mean: Mapping[str, float] | None = None
+) -> dict[str, float]:
     """Speed of every node while ``reference`` turns: the mean speeds where the operating point has them.
+
+    ``mean`` are those of :func:`mean_speeds`, where they are known already.
 
     What springs tie to ground stands still then, and the outputs of an open differential turn alike, unless the rest
     speaks against it. Nodes that turn independently all the same are not among the result.
     """
     order = {node: index for index, node in enumerate(all_nodes(definition.active))}
     point = _numbers(definition.operating_point, values)
-    given = point if mean_speeds(definition, values).get(reference) else {reference: Fraction(1)}
+    determined = mean_speeds(definition, values) if mean is None and point else mean or {}
+    given = point if determined.get(reference) else {reference: Fraction(1)}
     turning: Rows = [{node: Fraction(1), UNIT: -speed} for node, speed in given.items() if node in order]
-    elimination = _eliminated([*turning, *holding_rows(definition, values)], order)
+    holding, rest = _rows_on_average(definition, values)
+    elimination = _eliminated([*turning, *holding], order)
     _clamp(definition, [elimination])
-    for row in _at_ease(definition, values):
+    for row in (*rest, *_alike(definition)):
         if not elimination.blocks(row):
             elimination.add(row)
     reduction = Reduction(elimination)
-    rows = {node: reduction.in_floats({node: 1}) for node in order if not reduction.is_free(node)}
-    return {node: row.get(UNIT, 0.0) for node, row in rows.items() if row.keys() <= {UNIT}}
+    speeds = {node: reduction.in_floats({node: 1}) for node in order if not reduction.is_free(node)}
+    return {node: row.get(UNIT, 0.0) for node, row in speeds.items() if row.keys() <= {UNIT}}
 
 
-def _at_ease(definition: Definition, values: Mapping[str, Any]) -> Iterator[dict[str, Fraction]]:
-    """What holds on average although nothing compels it: springs to ground at rest, outputs that turn alike."""
-    yield from _at_rest(definition, values)
+def _alike(definition: Definition) -> Iterator[dict[str, Fraction]]:
+    """Outputs of a differential that turn alike although nothing compels them."""
     for element in definition.active:
         if element.glyph == "differential":
             left, right = element.ports["left"], element.ports["right"]
             yield {left: Fraction(1), right: Fraction(-1)}
-
-
-def _at_rest(definition: Definition, values: Mapping[str, Any]) -> Iterator[dict[str, Fraction]]:
-    """Nodes that springs tie to ground."""
-    value = Values(values)
-    for element in definition.active:
-        yield from (exact_row(row) for row in element.holds(value) if len(row) == 1)
 
 
 def _numbers(point: OperatingPoint, values: Mapping[str, Any]) -> dict[str, Fraction]:

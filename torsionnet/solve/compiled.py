@@ -38,10 +38,11 @@ def sweep(tape: Tape, kappa: LawStiffness) -> tuple[ComplexArray, NDArray[np.boo
     doubtful = np.zeros(kappa.n_points, dtype=bool)
     place, sampled = _sampled(kappa)
     registers = np.empty((tape.n_registers, 2, POINTS))
-    n_f = len(kappa.omega)
+    n_f = kappa.n_frequencies
+    omega = np.ascontiguousarray(np.broadcast_to(kappa.omega, (len(kappa.stiffness), n_f)))
     for variant in range(len(kappa.stiffness)):
         _walk(tape.operations, tape.factors, kappa.inertia[variant], kappa.damping[variant], kappa.stiffness[variant],
-              place, sampled[:, variant], kappa.omega, registers, values, doubtful, variant * n_f)  # fmt: skip
+              place, sampled[:, variant], omega[variant], registers, values, doubtful, variant * n_f)  # fmt: skip
     return values, doubtful
 
 
@@ -50,7 +51,7 @@ def _sampled(kappa: LawStiffness) -> tuple[Any, ComplexArray]:
     place = np.full(kappa.n_laws, -1)
     place[[law for law, _ in kappa.sampled]] = np.arange(len(kappa.sampled))
     values = [at for _, at in kappa.sampled]
-    nothing = np.zeros((0, len(kappa.stiffness), len(kappa.omega)), dtype=complex)
+    nothing = np.zeros((0, len(kappa.stiffness), kappa.n_frequencies), dtype=complex)
     return place, np.stack(values) if values else nothing
 
 

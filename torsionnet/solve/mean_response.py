@@ -26,7 +26,7 @@ from torsionnet.model.load.external_torques import ExternalTorques, stated_torqu
 from torsionnet.model.speeds import mean_speeds
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.mean_response import MeanResponse
-from torsionnet.solve.operating_groups import Places, at_speeds
+from torsionnet.solve.operating_groups import Places, at_speeds, solved_together
 from torsionnet.solve.quotient import transfer_functions
 from torsionnet.solve.transfer_request import TransferRequest, ask
 
@@ -46,15 +46,15 @@ def mean_response(
     _require_determined(drivetrain, wanted)
     acting = np.array([torques[node] for node in nodes]).T
     held = _held(drivetrain)
-    request = _request(held, wanted, nodes)
     if drivetrain.definition.load is None:  # the one speed at which the parameters have their values already
         groups: Iterable[tuple[AssembledModel, Places]] = [(held, np.arange(len(at)))]
     else:
         groups = at_speeds(held, reference, at)
-    values, left_over = np.zeros((len(at), len(wanted))), np.zeros((len(at), len(request.outputs) - len(wanted)))
-    for rig, places in groups:
-        per_torque = _per_torque(rig, request)
-        found, sizes = acting[places] @ per_torque.T, np.abs(acting[places]) @ np.abs(per_torque.T)
+    values, left_over = np.zeros((len(at), len(wanted))), np.zeros((len(at), len(_held_in(held))))
+    for rigs, places in solved_together(groups):
+        per_torque, torques_there = _per_torque(rigs, _request(rigs[0], wanted, nodes)), acting[places, None, :]
+        found = (torques_there * per_torque).sum(axis=2)
+        sizes = (np.abs(torques_there) * np.abs(per_torque)).sum(axis=2)
         found = np.where(np.abs(found) > NOTHING * sizes, found, 0.0)
         values[places], left_over[places] = found[:, : len(wanted)], found[:, len(wanted) :]
         _require_balance(found[:, len(wanted) :], sizes[:, len(wanted) :])
@@ -126,16 +126,20 @@ def _held(drivetrain: AssembledModel) -> AssembledModel:
 def _request(held: AssembledModel, outputs: Sequence[Functional], nodes: Sequence[str]) -> TransferRequest:
     """The outputs, and after them what is left over in the nodes held, per torque on each node."""
     sensors = [one.sensor for one in outputs if one.sensor]
-    sensors += [Sensor("torque", name) for name, one in held.elements.items() if isinstance(one, _Holder)]
+    sensors += [Sensor("torque", name) for name in _held_in(held)]
     readings = tuple(functional(held, sensor) for sensor in sensors)
     excitations = tuple(Input("torque", node) for node in nodes)
     return TransferRequest(readings, (), excitations, is_measured=False, assembly=held.assembly)
 
 
-def _per_torque(held: AssembledModel, request: TransferRequest) -> FloatArray:
-    """Readings (n_readings, n_nodes) per torque on a node."""
-    kappa = _at_rest(law_stiffness([held.assembly.system], np.zeros(1)))
-    return np.asarray(transfer_functions(request, kappa, "graph").values[0].real)
+def _held_in(held: AssembledModel) -> list[str]:
+    return [name for name, one in held.elements.items() if isinstance(one, _Holder)]
+
+
+def _per_torque(rigs: Sequence[AssembledModel], request: TransferRequest) -> FloatArray:
+    """Readings (n_rigs, n_readings, n_nodes) per torque on a node."""
+    kappa = _at_rest(law_stiffness([rig.assembly.system for rig in rigs], np.zeros(1)))
+    return np.asarray(transfer_functions(request, kappa, "graph").values.real)
 
 
 @dataclass(frozen=True, eq=False, repr=False)

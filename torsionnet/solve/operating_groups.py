@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from itertools import groupby
 from types import MappingProxyType
 from typing import TypeAlias, TypeVar
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.model.load.external_torques import reference_node
+from torsionnet.model.load.external_torques import ExternalTorques, reference_node
 from torsionnet.model.operating_values import OperatingPoints, following
 from torsionnet.model.speeds import total_ratio
 
@@ -46,7 +46,7 @@ def at_speeds(
     if not following(drivetrain.definition):
         yield drivetrain, np.arange(len(speeds))
         return
-    points = OperatingPoints(drivetrain.definition, drivetrain.exact_values)
+    points = OperatingPoints(ExternalTorques(drivetrain.definition, drivetrain.exact_values))
     values = [points.at(speed) for speed in (speeds * _ratio(drivetrain, reference)).tolist()]
     for name, found in settled.items():
         for place, value in enumerate(found.tolist()):
@@ -54,6 +54,30 @@ def at_speeds(
     for _, places in groupby(range(len(speeds)), key=lambda place: values[place]):
         some = np.array(list(places))
         yield drivetrain.operated(values[some[0]]), some
+
+
+TOGETHER = 500
+"""Speeds that are solved together, which bounds the memory."""
+
+
+def _nothing(_: AssembledModel) -> Hashable:
+    return None
+
+
+def solved_together(
+    groups: Iterable[tuple[Model, Places]], apart: Callable[[Model], Hashable] = _nothing
+) -> Iterator[tuple[Sequence[Model], Places]]:
+    """The groups of :func:`at_speeds` in portions: one drivetrain for all speeds, or one for each, of the same rows.
+
+    ``apart`` gives what else drivetrains that are solved together have in common.
+    """
+    for _, alike in groupby(groups, key=lambda group: (group[0].assembly.system.memo, apart(group[0]))):
+        some = list(alike)
+        rigs = [rig for rig, places in some for _ in places.tolist()]
+        every = np.concatenate([places for _, places in some])
+        for start in range(0, len(every), TOGETHER):
+            part = slice(start, start + TOGETHER)
+            yield rigs[:1] if len(some) == 1 else rigs[part], every[part]
 
 
 def _ratio(drivetrain: AssembledModel, reference: str) -> float:

@@ -21,15 +21,15 @@ from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.worst_response import joined
-from torsionnet.solve.operating_groups import Places, Settled, at_speeds
+from torsionnet.solve.operating_groups import Settled, at_speeds, solved_together
 from torsionnet.solve.posed import twisted_law
 from torsionnet.solve.settling import settled_by_vibration
 from torsionnet.solve.shared_response import shared_response
+from torsionnet.solve.transfer import evaluate, warn_infinite
+from torsionnet.solve.transfer_request import remembered, stressed_sections
 from torsionnet.solve.worst_case import contributions, worst_case
 from torsionnet.solve.worst_combination import Contributions
 
-TOGETHER = 500
-"""Speeds that are solved together, which bounds the memory."""
 STILL = 1e-9
 """Share of its parts below which the difference of two frequencies is none."""
 
@@ -53,9 +53,10 @@ def order_response(
 
     def run(wanted: Any, settled: Settled) -> OrderResponse:
         found = [
-            (_block(rig, wanted, acting, ratios, senses, reference, at[part]), part)
-            for rig, places in at_speeds(held, reference, at, settled)
-            for part in _parts(places)
+            (_block(rigs, wanted, acting, ratios, senses, reference, at[part]), part)
+            for rigs, part in solved_together(
+                at_speeds(held, reference, at, settled), lambda rig: stressed_sections(rig, (wanted,))
+            )
         ]
         return joined(found, at, drivetrain.title)
 
@@ -72,11 +73,6 @@ def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, fl
     speed = float(given.rated) if given and given.rated else float(at[-1])
     shaft = drivetrain.definition.excitations[excitation].shaft
     return speed, speed * abs(float(_turning(drivetrain, shaft, reference)))
-
-
-def _parts(places: Places) -> list[Places]:
-    """Speeds that are solved together."""
-    return [places[start : start + TOGETHER] for start in range(0, len(places), TOGETHER)]
 
 
 def with_motions_held(drivetrain: AssembledModel, acting: Mapping[str, OrderExcitation]) -> AssembledModel:
@@ -143,7 +139,7 @@ def _acts(name: str, one: OrderExcitation, ratio: Fraction, senses: Senses, foun
 
 
 def _block(
-    drivetrain: AssembledModel,
+    rigs: Sequence[AssembledModel],
     outputs: str | Sensor | Sequence[str | Sensor],
     acting: Mapping[str, OrderExcitation],
     ratios: Mapping[str, Fraction],
@@ -151,7 +147,7 @@ def _block(
     reference: str,
     at: FloatArray,
 ) -> OrderResponse:
-    """The responses at some speeds."""
+    """The responses at some speeds, of one drivetrain or of one for each."""
     found = [
         _acts(name, one, ratios[name], senses[name], one.torques(at * abs(float(ratios[name]))))
         for name, one in acting.items()
@@ -167,7 +163,7 @@ def _block(
     turning = at[:, None] * np.array([float(line.relative) for line in lines]) / (2 * math.pi)
     hertz = turning + np.array([line.fixed for line in lines])
     hertz[np.abs(hertz) < STILL * np.abs(turning)] = 0
-    gains, channels = _gains(drivetrain, outputs, inputs, hertz)
+    gains, channels = _gains(rigs[0], outputs, inputs, hertz) if len(rigs) == 1 else _each(rigs, outputs, inputs, hertz)
     values = np.einsum("slon,sln->slo", gains, loads)
     return _worst(OrderResponse(at, reference, lines, values, channels), found, gains, inputs)
 
@@ -204,11 +200,33 @@ def _gains(
     response = shared_response(drivetrain, outputs, driving, frequencies[~still])
     values = np.zeros((len(frequencies), *response.values.shape[1:]), dtype=complex)
     values[~still] = response.values
-    gains = values[where.reshape(hertz.shape)]
+    return _forward(values[where.reshape(hertz.shape)], hertz), response.outputs
+
+
+def _each(
+    rigs: Sequence[AssembledModel],
+    outputs: str | Sensor | Sequence[str | Sensor],
+    inputs: Sequence[Any],
+    hertz: FloatArray,
+) -> tuple[ComplexArray, tuple[Channel, ...]]:
+    """As :func:`_gains`, with a drivetrain of its own at every speed; all have the same rows."""
+    frequencies, where = np.unique(np.abs(hertz), axis=1, return_inverse=True)
+    still = frequencies == 0
+    frequencies[still] = 1.0  # any: what comes of it is not used
+    request = remembered(rigs[0], outputs, inputs, None)
+    found = evaluate([rig.assembly for rig in rigs], request, frequencies)
+    warn_infinite(found.values, found.conditioning, frequencies)
+    found.values[still] = 0.0
+    channels = tuple(reading.channel for reading in request.outputs)
+    return _forward(found.values[:, where.ravel()], hertz), channels
+
+
+def _forward(gains: ComplexArray, hertz: FloatArray) -> ComplexArray:
+    """Responses at frequencies of either sign from those at their magnitudes."""
     backward = hertz < 0
     if backward.any():
         gains[backward] = gains[backward].conj()
-    return gains, response.outputs
+    return gains
 
 
 def _require_moving(drivetrain: AssembledModel, name: str, excitation: OrderExcitation) -> None:

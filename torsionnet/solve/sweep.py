@@ -59,7 +59,7 @@ def _walk(
     walk: list[tuple[int, int, int, int, float]], kappa: LawStiffness, registers: Array, values: Array, doubt: Doubt
 ) -> None:
     *r, spare = registers
-    parts = registers.reshape(len(registers), len(kappa.stiffness), len(kappa.omega))
+    parts = registers.reshape(len(registers), len(kappa.stiffness), kappa.n_frequencies)
     real, imag = list(parts.real), list(parts.imag) if np.iscomplexobj(parts) else [None] * len(parts)
     for code, t, a, b, factor in walk:
         if code == ops.PRODUCT:

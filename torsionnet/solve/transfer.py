@@ -129,7 +129,7 @@ def evaluate(
     assemblies : sequence of Assembly
         Variants with the same rows.
     request : TransferRequest
-    frequencies : (n_f,) array
+    frequencies : (n_f,) or (n_variants, n_f) array
         Hz.
     method : str
     """
@@ -137,9 +137,9 @@ def evaluate(
     found = transfer_functions(request, kappa, method)
     if method != "dense":
         found = settled(assemblies, request, frequencies, kappa, found)
+    shape = (len(assemblies), frequencies.shape[-1])
     if request.is_measured:
-        _warn_poor(found.conditioning, request, np.tile(frequencies, len(assemblies)))
-    shape = (len(assemblies), len(frequencies))
+        _warn_poor(found.conditioning, request, np.broadcast_to(frequencies, shape).ravel())
     return Evaluated(found.values.reshape(*shape, *found.values.shape[1:]), found.conditioning.reshape(shape))
 
 

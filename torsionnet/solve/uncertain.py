@@ -38,7 +38,7 @@ def settled(
     assemblies : sequence of Assembly
         One for each variant.
     request : TransferRequest
-    frequencies : (n_f,) array
+    frequencies : (n_f,) or (n_variants, n_f) array
         Hz.
     kappa : LawStiffness
         Of all points.
@@ -70,7 +70,7 @@ def settled(
         else:
             values[points[place]] = np.where(errors[place] > ENOUGH, known, values[points[place]])
     if uncertain:
-        _warn(uncertain, np.tile(frequencies, len(assemblies)))
+        _warn(uncertain, exact.frequencies.ravel())
     return replace(found, values=values)
 
 
@@ -100,7 +100,8 @@ class _ManyPoints:
     """FrequencyPoints in many digits."""
 
     def __init__(self, assemblies: Sequence[Assembly], request: TransferRequest, frequencies: FloatArray) -> None:
-        self.assemblies, self.request, self.frequencies = assemblies, request, frequencies
+        self.assemblies, self.request = assemblies, request
+        self.frequencies = np.broadcast_to(frequencies, (len(assemblies), frequencies.shape[-1]))
         self.asked: dict[int, ManyDigits] = {}
 
     def transfer_function(self, point: int) -> ComplexArray | None:
@@ -113,11 +114,11 @@ class _ManyPoints:
         """
         import mpmath
 
-        variant, number = divmod(point, len(self.frequencies))
+        variant, number = divmod(point, self.frequencies.shape[1])
         with mpmath.workdps(DIGITS):
             if variant not in self.asked:
                 self.asked[variant] = ManyDigits(self.assemblies[variant], self.request)
-            omega = 2 * mpmath.pi * mpmath.mpf(self.frequencies[number])
+            omega = 2 * mpmath.pi * mpmath.mpf(self.frequencies[variant, number])
             try:
                 found = self.asked[variant].transfer(mpmath.mpc(0, omega))
             except SolveError:

@@ -4,27 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 from torsionnet.core.errors import Fault
 from torsionnet.model.checks.motions import left_free
-from torsionnet.model.definition import Definition
 from torsionnet.model.kinematics import Kinematics
-from torsionnet.model.load.external_torques import mean_torques
+from torsionnet.model.load.external_torques import ExternalTorques
 
 TOLERANCE = 0.05
 """Of the largest torque: what figures rounded for a data sheet, and drag in bearings, leave over."""
 
 
-def unbalanced_torques(definition: Definition, kinematics: Kinematics, values: Mapping[str, Any]) -> list[Fault]:
+def unbalanced_torques(external: ExternalTorques, kinematics: Kinematics) -> list[Fault]:
     """Mean torques on a part that turns freely, which would run away or stop: often a load with the sign of a drive.
 
     Springs hand mean torques on and dampers stand for vibration, so neither takes any. A single torque is half of what
     acts there, and says nothing. Those of a load are in balance as a whole: what is left on one part is an error.
     """
-    given = {
-        node: torque for node, torque in mean_torques(definition, values).items() if torque and node in kinematics.nodes
-    }
+    definition = external.definition
+    acting = external.at_operating_point
+    given = {node: torque for node, torque in acting.items() if torque and node in kinematics.nodes}
     if len(given) < 2:
         return []
     fewest = 2 if definition.load is None else 1

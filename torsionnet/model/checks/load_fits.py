@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
 
-from torsionnet.core.errors import Fault, Path, UsageError, unknown_name
+from torsionnet.core.errors import USELESS, Fault, Path, UsageError, unknown_name
 from torsionnet.model.definition import Definition, all_nodes
-from torsionnet.model.load.external_torques import ExternalTorques, stated_torques, unknown_driver
+from torsionnet.model.load.external_torques import ExternalTorques, LoadCutOff, stated_torques, unknown_driver
 from torsionnet.model.load.load_section import Load
 
 AGREE = 0.01
@@ -28,16 +27,18 @@ def unknown_in_load(definition: Definition, load: Load) -> Iterator[Fault]:
             yield Fault(fault, ("load", "driven_by", name), on_key=True)
 
 
-def unfit_load(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
+def unfit_load(external: ExternalTorques) -> list[Fault]:
     """A load that does not turn with the drivetrain, has no rated speed, leaves its table or is contradicted."""
+    definition = external.definition
     if definition.load is None:
         return []
-    external = ExternalTorques(definition, values)
     try:
         at = external.operating_speed
-        torques = external.at(abs(at))
+        torques = external.at_operating_point if at > 0 else external.at(abs(at))
         for speed in _extremes(definition):
             external.at(speed)
+    except LoadCutOff as error:
+        return [Fault(str(error), ("load",), "note", on_key=True, kind=USELESS)]
     except UsageError as error:
         return [Fault(str(error), ("load",), on_key=True)]
     if at < 0:

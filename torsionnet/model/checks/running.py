@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -35,10 +36,12 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
     if definition.load is not None:
         faults += unknown_in_load(definition, definition.load)
     faults += _overrides(definition)
-    if faults or not _has_values(definition):
+    values, wrong = resolve(definition.parameters)
+    if faults or not _has_values(definition, values):
         return faults
-    found = [*_without_ratio(definition), *_rigid(definition), *_on_imposed(definition)]
-    return found or [*_remarks(definition)]
+    ratios, without = ({}, []) if wrong else _shaft_ratios(definition, values)
+    found = [*without, *(() if wrong else _rigid(definition, values)), *_on_imposed(definition)]
+    return found or [*_remarks(definition, ratios)]
 
 
 def _overrides(definition: Definition) -> Iterator[Fault]:
@@ -81,44 +84,41 @@ def _unfit_elements(definition: Definition) -> Iterator[Fault]:
             yield from (fault.under("excitations", name) for fault in excitation.misfits(definition.elements))
 
 
-def _has_values(definition: Definition) -> bool:
+def _has_values(definition: Definition, values: Mapping[str, Any]) -> bool:
     """Whether every parameter that elements name has a value; what has none is said elsewhere."""
-    known = resolve(definition.parameters)[0]
-    return all(one.names <= known.keys() for element in definition.active for _, _, one, _ in element.expressions())
+    return all(one.names <= values.keys() for element in definition.active for _, _, one, _ in element.expressions())
 
 
-def _rigid(definition: Definition) -> Iterator[Fault]:
+def _rigid(definition: Definition, values: Mapping[str, Any]) -> Iterator[Fault]:
     """Elements that give no way to a twist imposed in them."""
-    known, faults = resolve(definition.parameters)
     for name, excitation in definition.excitations.items():
-        if excitation.element_entry is not None and not faults:
+        if excitation.element_entry is not None:
             path, element = excitation.element_entry
-            fault = twist_fault(definition.elements[element], definition.elements[element].parts(Values(known)))
+            fault = twist_fault(definition.elements[element], definition.elements[element].parts(Values(values)))
             if fault:
                 yield Fault(fault, ("excitations", name, *path))
 
 
-def _without_ratio(definition: Definition) -> Iterator[Fault]:
-    if definition.speeds is None or not definition.excitations:
-        return
-    known, faults = resolve(definition.parameters)
-    if faults:
-        return
+def _shaft_ratios(definition: Definition, values: Mapping[str, Any]) -> tuple[dict[str, float], list[Fault]]:
+    """Speed of the shaft of every excitation over that of the reference, and excitations that have no such ratio."""
+    ratios: dict[str, float] = {}
+    faults: list[Fault] = []
+    if definition.speeds is None:
+        return ratios, faults
     for name, excitation in definition.excitations.items():
         try:
-            total_ratio(definition, known, excitation.shaft, definition.speeds.of)
+            ratios[name] = abs(float(total_ratio(definition, values, excitation.shaft, definition.speeds.of)))
         except UsageError as error:
-            yield Fault(str(error), ("excitations", name, "speed_of"))
+            faults.append(Fault(str(error), ("excitations", name, "speed_of")))
+    return ratios, faults
 
 
-def _remarks(definition: Definition) -> Iterator[Fault]:
+def _remarks(definition: Definition, ratios: Mapping[str, float]) -> Iterator[Fault]:
     """What the excitations themselves have to say, at the speeds of their shafts where these are known."""
-    known, faults = resolve(definition.parameters)
     for name, excitation in definition.excitations.items():
         speeds = None
-        if definition.speeds is not None and not faults:
-            ratio = abs(float(total_ratio(definition, known, excitation.shaft, definition.speeds.of)))
-            speeds = np.array(definition.speeds.values) * ratio
+        if definition.speeds is not None and name in ratios:
+            speeds = np.array(definition.speeds.values) * ratios[name]
         for fault in excitation.remarks(speeds):
             yield fault.under("excitations", name)
 

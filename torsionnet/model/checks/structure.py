@@ -19,8 +19,8 @@ from torsionnet.model.kinematics import (
     torques_are_determinate,
     virtual_motion,
 )
+from torsionnet.model.load.external_torques import ExternalTorques
 from torsionnet.model.operating_values import unfit_parameters
-from torsionnet.model.speeds import mean_speeds
 
 MOST_GROUPS = 10
 """Unconnected groups that are reported one by one."""
@@ -181,12 +181,10 @@ def rigid_motions(kinematics: Kinematics) -> list[str]:
     return [name for name in kinematics.coordinates if left.is_free(name)]
 
 
-def inconsistent_speeds(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
+def inconsistent_speeds(external: ExternalTorques) -> list[Fault]:
     """Mean speeds that the gear ratios do not allow together."""
-    if not definition.operating_point.speed:
-        return []
     try:
-        mean_speeds(definition, values)
+        _ = external.mean_speeds
     except ModelError as error:
         return list(error.faults)
     return []
@@ -209,7 +207,10 @@ def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
     if faults:
         return faults
     faults = [fault for check in CHECKS for fault in check(definition, kinematics)]
-    faults += inconsistent_speeds(definition, values)
+    external = ExternalTorques(definition, values)
+    faults += inconsistent_speeds(external)
     sound = all(fault.severity != "error" for fault in faults)
-    unfit = (unfit_load(definition, values) or unfit_parameters(definition, values)) if sound else []
-    return faults + unfit if unfit else faults + unbalanced_torques(definition, kinematics, values)
+    if not sound:
+        return faults if definition.load else faults + unbalanced_torques(external, kinematics)
+    unfit = unfit_load(external) or unfit_parameters(external)
+    return faults + (unfit or unbalanced_torques(external, kinematics))

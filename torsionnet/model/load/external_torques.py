@@ -13,10 +13,16 @@ from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.load.load_section import Load
 from torsionnet.model.speeds import mean_speeds, speeds_with
 
+UNKNOWN = "the load determines no mean torques here"
+
 ENGINE = "reciprocating_engine"
 """The type of excitation that drives where nothing else is said."""
 
 NEEDS_RATED = "the load needs the rated speed: speeds: {of: node, rated: 750 rpm, ...}"
+
+
+class LoadCutOff(UsageError):
+    """A driver or absorber does not turn with the reference node in this configuration, as behind an open clutch."""
 
 
 def reference_node(definition: Definition) -> str:
@@ -43,9 +49,20 @@ class ExternalTorques:
         return reference_node(self.definition)
 
     @cached_property
+    def mean_speeds(self) -> dict[str, float]:
+        """Speed in rad/s of every node that the operating point determines.
+
+        Raises
+        ------
+        ModelError
+            The speeds of the operating point do not fit the ratios.
+        """
+        return mean_speeds(self.definition, self.values) if self.definition.operating_point.speed else {}
+
+    @cached_property
     def ratios(self) -> dict[str, float]:
         """Speed of every node over that of the reference, where it follows."""
-        speeds = speeds_with(self.definition, self.values, self.reference)
+        speeds = speeds_with(self.definition, self.values, self.reference, self.mean_speeds)
         own = speeds.get(self.reference)
         return {node: speed / own for node, speed in speeds.items()} if own else {}
 
@@ -59,9 +76,8 @@ class ExternalTorques:
             Nothing says it.
         """
         definition = self.definition
-        point = mean_speeds(definition, self.values) if definition.operating_point.speed else {}
         rated = definition.speeds.rated if definition.speeds else None
-        found = point.get(self.reference) or rated or self._rated_of_absorber()
+        found = self.mean_speeds.get(self.reference) or rated or self._rated_of_absorber()
         if not found:
             raise UsageError(NEEDS_RATED)
         return float(found)
@@ -72,6 +88,13 @@ class ExternalTorques:
             if absorber.rated and self.ratios.get(node):
                 return float(absorber.rated / abs(self.ratios[node]))
         return None
+
+    @cached_property
+    def at_operating_point(self) -> dict[str, float]:
+        """Torques in N m by node at the operating point: of the load, else as stated there."""
+        if self.definition.load is None:
+            return stated_torques(self.definition, self.values)
+        return self.at(self.operating_speed)
 
     def at(self, speed: float) -> dict[str, float]:
         """Torques in N m by node at a speed > 0 of the reference in rad/s.
@@ -114,9 +137,10 @@ class ExternalTorques:
         if ratio:
             return ratio
         if node not in all_nodes(self.definition.active):
-            raise UsageError(f'nothing is attached to "{node}" in this configuration')
-        why = "does not turn" if ratio is not None else "has no fixed ratio to it"
-        raise UsageError(f"{node} {why} when {self.reference} turns; it can neither drive nor absorb")
+            raise LoadCutOff(f'nothing is attached to "{node}" in this configuration; {UNKNOWN}')
+        why = "stands still" if ratio is not None else "turns independently"
+        text = f"{node} {why} when {self.reference} turns, so that it can neither drive nor absorb"
+        raise LoadCutOff(f"{text}; {UNKNOWN}")
 
 
 def drivers(definition: Definition, load: Load) -> dict[str, float]:
@@ -155,11 +179,14 @@ def unknown_driver(definition: Definition, name: str) -> str | None:
 
 
 def mean_torques(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:
-    """Mean external torque in N m by node at the operating point: of the load, else as the operating point gives it."""
-    if definition.load is None:
-        return stated_torques(definition, values)
-    torques = ExternalTorques(definition, values)
-    return torques.at(torques.operating_speed)
+    """Mean external torque in N m by node at the operating point: of the load, else as the operating point gives it.
+
+    None where the load is cut off.
+    """
+    try:
+        return ExternalTorques(definition, values).at_operating_point
+    except LoadCutOff:
+        return {}
 
 
 def stated_torques(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:
