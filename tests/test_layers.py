@@ -52,6 +52,7 @@ SAME_THING = {
         "kinematics",
         "library",
         "limit_check",
+        "limits",
         "mean_response",
         "modes",
         "order_response",
