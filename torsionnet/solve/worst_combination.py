@@ -17,8 +17,11 @@ from torsionnet.response.order_response import OrderResponse
 
 PER_PERIOD = 8
 """Points for each period of the highest order, where combinations are looked for; the one found is summed finely."""
-COARSE = 8
-"""Points from one to the next place of the highest value with which the search begins."""
+COARSE = 2
+"""Points from one to the next place of the highest value with which the search begins.
+
+With 8 of them combinations were missed by up to 7 %, with these by less than 1 %; all of them find no more.
+"""
 ROUNDS = 3
 TOGETHER = 50
 """Speeds that are searched together, which bounds the memory."""
