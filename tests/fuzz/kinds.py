@@ -133,10 +133,10 @@ def use_running(path: Path) -> None:
     for question in (
         lambda: plant.order_response(outputs).half_range,
         lambda: plant.mean_response(outputs[:2]),
-        lambda: plant.static_state(),
+        plant.static_state,
         lambda: plant.critical_speeds(outputs[:1]),
         lambda: plant.dissipated_power("rubber"),
-        lambda: plant.check_limits(),
+        plant.check_limits,
         lambda: plant.holzer_table(1),
     ):
         try:
