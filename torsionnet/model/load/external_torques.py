@@ -21,7 +21,7 @@ ENGINE = "reciprocating_engine"
 NEEDS_RATED = "the load needs the rated speed: speeds: {of: node, rated: 750 rpm, ...}"
 
 
-class LoadCutOff(UsageError):
+class CutOffError(UsageError):
     """A driver or absorber does not turn with the reference node in this configuration, as behind an open clutch."""
 
 
@@ -137,10 +137,10 @@ class ExternalTorques:
         if ratio:
             return ratio
         if node not in all_nodes(self.definition.active):
-            raise LoadCutOff(f'nothing is attached to "{node}" in this configuration; {UNKNOWN}')
+            raise CutOffError(f'nothing is attached to "{node}" in this configuration; {UNKNOWN}')
         why = "stands still" if ratio is not None else "turns independently"
         text = f"{node} {why} when {self.reference} turns, so that it can neither drive nor absorb"
-        raise LoadCutOff(f"{text}; {UNKNOWN}")
+        raise CutOffError(f"{text}; {UNKNOWN}")
 
 
 def drivers(definition: Definition, load: Load) -> dict[str, float]:
@@ -185,7 +185,7 @@ def mean_torques(definition: Definition, values: Mapping[str, Any]) -> dict[str,
     """
     try:
         return ExternalTorques(definition, values).at_operating_point
-    except LoadCutOff:
+    except CutOffError:
         return {}
 
 
