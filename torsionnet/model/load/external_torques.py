@@ -178,13 +178,13 @@ def unknown_driver(definition: Definition, name: str) -> str | None:
     return f'no node or excitation is named "{name}"{meant_or(name, known, "driven_by has nodes or excitations")}'
 
 
-def mean_torques(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:
+def mean_torques(external: ExternalTorques) -> dict[str, float]:
     """Mean external torque in N m by node at the operating point: of the load, else as the operating point gives it.
 
     None where the load is cut off.
     """
     try:
-        return ExternalTorques(definition, values).at_operating_point
+        return external.at_operating_point
     except CutOffError:
         return {}
 
