@@ -245,3 +245,65 @@ class TestWhatIsWrong:
     def test_a_wrong_override(self, key, what):
         with pytest.raises(tn.ModelError, match=what):
             ship(f"{LOAD}\nconfigurations: {{load: {{half: {{{key}: 3 kg}}}}}}")
+
+
+class TestLoadCutOff:
+    """A clutch that some configurations open."""
+
+    TEXT = """torsionnet: 1
+name: fan
+elements:
+  engine: {type: inertia, node: e, inertia: 2}
+  clutch: {type: rigid_coupling, nodes: [e, d]}
+  disc: {type: inertia, node: d, inertia: 0.1}
+  shaft: {type: spring, nodes: [d, p], stiffness: 1e6}
+  fan: {type: inertia, node: p, inertia: 1}
+speeds: {of: e, list: [50, 100], rated: 100}
+load: {absorbed_at: p, power: 100 kW, torque_exponent: 2, driven_by: {e: 1}}
+configurations:
+  closed: {}
+  open: {off: [clutch]}
+"""
+    WHY = "p turns independently when e turns, so that it can neither drive nor absorb"
+
+    def test_it_is_a_note_that_names_the_configuration(self):
+        (note,) = (fault for fault in tn.loads(self.TEXT).check() if fault.path == ("load",))
+        assert (note.severity, note.configuration) == ("note", "open")
+        assert note.message.startswith(self.WHY)
+
+    def test_the_other_configurations_have_mean_torques(self):
+        rig = tn.loads(self.TEXT)
+        assert rig.configured("closed").mean_response("torque(shaft)").values[:, 0] == pytest.approx([250, 1000])
+        assert rig.configured("open").mean_torques == {}
+
+    def test_there_it_is_said_why_there_are_none(self):
+        rig = tn.loads(self.TEXT).configured("open")
+        for ask in (rig.static_state, lambda: rig.mean_response("torque(shaft)")):
+            with pytest.raises(tn.UsageError, match=self.WHY):
+                ask()
+
+    def test_a_load_that_is_cut_off_everywhere_is_an_error(self):
+        always = self.TEXT.replace("[e, d]}", "[e, d], enabled: false}")
+        with pytest.raises(tn.ModelError, match=self.WHY):
+            tn.loads(always)
+        with pytest.raises(tn.ModelError, match=self.WHY):
+            tn.loads(always[: always.index("configurations")])
+        assert tn.loads(always.replace("closed: {}", "closed: {on: [clutch]}")).configured("closed").mean_torques
+
+    def test_all_configurations_at_once(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "fan.yaml").write_text(self.TEXT, encoding="utf-8")
+        done = run("static", "fan.yaml", "-c", "all")
+        assert "1000" in done.stdout
+        assert f"left out open: {self.WHY}" in done.stderr
+        assert self.WHY in run("static", "fan.yaml", "-c", "open", code=2).stderr
+
+    def test_the_car(self):
+        """Gear III: 200 N m of the engine at 1500 rpm, times half of 1.257 x 3.45 at each wheel."""
+        car = tn.load("front_wheel_drive_car")
+        state = car.configured("gear=III,clutch=closed").static_state()
+        assert {one.element: one.torque for one in state.loads}["half_l"] == pytest.approx(
+            200 * 1.257 * 3.45 / 2, rel=1e-5
+        )
+        with pytest.raises(tn.UsageError, match="turns independently"):
+            car.configured("gear=N").static_state()

@@ -57,6 +57,21 @@ class TestOrderResponse:
     def test_damping_by_speed(self):
         self.agrees(ship(K, C_TABLE), lambda rpm: {"c_prop": 15e3 + 25e3 * (rpm / 5 - 60) / 100})
 
+    def test_damping_that_is_none_at_some_speeds(self):
+        """The damper is there at some speeds alone, and speeds with equal values stand beside others."""
+        rows = "80 rpm: 0 N*m*s/rad, 100 rpm: 0 N*m*s/rad, 130 rpm: 20 kN*m*s/rad, 150 rpm: 20 kN*m*s/rad"
+        table = f"{{by: speed, of: prop, table: {{{rows}}}}}"
+        self.agrees(ship(K, table), lambda rpm: {"c_prop": np.interp(rpm / 5, [80, 100, 130, 150], [0, 0, 20e3, 20e3])})
+
+    def test_stiffness_that_depends_on_the_frequency_too(self):
+        """A complex stiffness that follows the speed, where every speed has frequencies of its own."""
+        text = SHIP.format(k_cpl=K_TABLE, c_prop=C, more="").replace("type: spring", "type: hysteretic_spring")
+        text = text.replace("damping: 400 N*m*s/rad", "loss_factor: 0.18")
+        rig, run = tn.loads(text), tn.loads(text).order_response(self.OUTPUTS)
+        for place, rpm in enumerate(run.rpm):
+            fixed = rig.configured(k_cpl=coupling_stiffness(rpm)).order_response(self.OUTPUTS, speeds=[rpm * RPM])
+            assert run.values[place] == pytest.approx(fixed.values[0], rel=1e-10)
+
     def test_archer_as_an_expression(self):
         """c = a Q/n follows the speed as the load does: with Q ~ n^2, c ~ n."""
         rated = 30 * 3e6 / (150 * RPM) / 150

@@ -197,6 +197,22 @@ class TestSumOverOrders:
         assert both.revolutions is None
         assert both.half_range[0, 0] == pytest.approx((total.max() - total.min()) / 2, rel=2e-4)
 
+    def test_long_common_cycle(self):
+        """Orders that all crest at one angle, between any points; odd counts, so that the trough is as deep."""
+        counts, sizes, angle = np.array([175, 333, 611, 1777]), np.array([1.0, 0.4, 0.2, 0.03]), 1.234567
+        lines = tuple(OrderLine("a", float(count), Fraction(1, 7)) for count in counts)
+        run = response(lines, [sizes * np.exp(-1j * counts * angle), 2j * sizes * np.exp(-1j * counts * angle)])
+        assert run.revolutions == 7
+        assert run.half_range[0, 0] == pytest.approx(sizes.sum(), rel=1e-12)
+        phi = np.linspace(0, 2 * np.pi, 2_000_001)
+        turned = (2 * sizes[:, None] * np.cos(np.outer(counts, phi - angle) + np.pi / 2)).sum(axis=0)
+        assert run.half_range[1, 0] == pytest.approx((turned.max() - turned.min()) / 2, rel=1e-5)
+
+    def test_long_common_cycle_of_equal_crests(self):
+        """More of them than are followed one by one."""
+        lines = (OrderLine("a", 1001.0, Fraction(1, 2)), OrderLine("b", 1.0, Fraction(1)))
+        assert response(lines, [[1, 1e-9j]]).half_range[0, 0] == pytest.approx(1, rel=1e-6)
+
     def test_lines_of_one_frequency_add_up_with_their_phases(self):
         lines = (OrderLine("a", 2, Fraction(1)), OrderLine("b", 1, Fraction(2)))
         assert response(lines, [[1, -1]]).half_range[0, 0] == pytest.approx(0, abs=1e-12)

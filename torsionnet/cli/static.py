@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
-from torsionnet.cli.cases import ModelCommand
+from typing import TYPE_CHECKING
+
+from torsionnet.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.cli.command import TABLE, Answer, click_command, spaced
 from torsionnet.cli.declarations import option
 from torsionnet.cli.options import ANGLE, Written
+from torsionnet.cli.terminal import message
+
+if TYPE_CHECKING:
+    from torsionnet.response.static_state import StaticState
 
 
 class StaticCommand(ModelCommand):
@@ -32,8 +38,7 @@ class StaticCommand(ModelCommand):
         from torsionnet.response import Conventions
 
         conventions = Conventions(angle=self.angle)
-        cases = self.cases()
-        found = [case.drivetrain.static_state(self.speed) for case in cases]
+        cases, found = self._found()
         return Answer(
             screen=lambda: spaced(state.table(conventions) for state in found),
             data=lambda: [
@@ -42,6 +47,25 @@ class StaticCommand(ModelCommand):
             ],
             csv=lambda: [("", self.joined(cases, [state.table(conventions) for state in found]))],
         )
+
+    def _found(self) -> tuple[list[ConfiguredCase], list[StaticState]]:
+        """The cases in which the load determines mean torques; of several, others are named."""
+        from torsionnet.model.load.external_torques import CutOffError
+
+        asked = self.cases()
+        cases: list[ConfiguredCase] = []
+        found: list[StaticState] = []
+        for case in asked:
+            try:
+                found.append(case.drivetrain.static_state(self.speed))
+                cases.append(case)
+            except CutOffError as error:
+                if len(asked) == 1:
+                    raise
+                message("note", f"left out {case.configuration}: {error}")
+        if not found:
+            raise CutOffError("the load determines no mean torques in any of these configurations")
+        return cases, found
 
 
 command = click_command("static", StaticCommand)

@@ -14,7 +14,7 @@ from torsionnet.model.checks import check_definition, check_variant, has_errors
 from torsionnet.model.configurations import Overlay, combinations, known_elements, label, parse_choice, read_overrides
 from torsionnet.model.definition import Definition, all_nodes, collect_elements, define
 from torsionnet.model.elements import Element
-from torsionnet.model.load.external_torques import mean_torques
+from torsionnet.model.load.external_torques import ExternalTorques, mean_torques
 from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.operating_values import at_operating_point, operated
 from torsionnet.model.parameters import Parameter, resolve
@@ -234,6 +234,11 @@ class Model:
         return float(total_ratio(self._definition, self.exact_values, first, second))
 
     @cached_property
+    def external_torques(self) -> ExternalTorques:
+        """Mean torques from outside over speed, and the ratios of speeds that they need."""
+        return ExternalTorques(self._definition, self.exact_values)
+
+    @cached_property
     def mean_speeds(self) -> Mapping[str, float]:
         """Mean speed in rad/s of every node the operating point determines."""
         return MappingProxyType(mean_speeds(self._definition, self.exact_values))
@@ -241,7 +246,7 @@ class Model:
     @cached_property
     def mean_torques(self) -> Mapping[str, float]:
         """Mean external torque in N m by node: of the load at the speed of the operating point, else as given there."""
-        return MappingProxyType(mean_torques(self._definition, self.exact_values))
+        return MappingProxyType(mean_torques(self.external_torques))
 
     _definition: Definition
     _base: Definition

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response.conventions import SI, Conventions
+from torsionnet.response.crests import COARSE, LONG, crests
 from torsionnet.response.frequency_response import Channel, ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine, near_fraction
 from torsionnet.response.synthesis import PER_PERIOD, common_cycle, highest, synthesised
@@ -207,11 +208,13 @@ class OrderResponse:
 
     def _bounds(self, places: Sequence[int], counts: Sequence[int]) -> FloatArray:
         spectrum = self._spectrum(places, counts)
-        together = max(1, MOST_POINTS // (PER_PERIOD * spectrum.shape[1] * spectrum.shape[2]))
+        is_long = max(counts) >= LONG
+        together = max(1, MOST_POINTS // ((COARSE if is_long else PER_PERIOD) * spectrum.shape[1] * spectrum.shape[2]))
         found = []
         for start in range(0, len(spectrum), together):
-            waves = synthesised(spectrum[start : start + together])
-            found.append(np.array([highest(waves), -highest(-waves)]))
+            part = slice(start, start + together)
+            bounds = np.array(crests(self.values[part, places], counts, spectrum[part])) if is_long else None
+            found.append(_on_a_fine_grid(spectrum[part]) if bounds is None or np.isnan(bounds).any() else bounds)
         return np.concatenate(found, axis=1)
 
     @property
@@ -342,3 +345,13 @@ class OrderResponse:
         for place, count in zip(places, counts, strict=True):
             found[:, count] += self.values[:, place]
         return found
+
+
+def _on_a_fine_grid(spectrum: ComplexArray) -> FloatArray:
+    """Largest and smallest values (2, n_speeds, n_out) of waves, a few at a time."""
+    together = max(1, MOST_POINTS // (PER_PERIOD * spectrum.shape[1] * spectrum.shape[2]))
+    found = []
+    for start in range(0, len(spectrum), together):
+        waves = synthesised(spectrum[start : start + together])
+        found.append(np.array([highest(waves), -highest(-waves)]))
+    return np.concatenate(found, axis=1)

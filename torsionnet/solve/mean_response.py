@@ -22,7 +22,7 @@ from torsionnet.model.checks.balance import TOLERANCE
 from torsionnet.model.checks.motions import left_free
 from torsionnet.model.checks.structure import rigid_motions
 from torsionnet.model.elements import Constraint, Element, Part, Values
-from torsionnet.model.load.external_torques import ExternalTorques, stated_torques
+from torsionnet.model.load.external_torques import stated_torques
 from torsionnet.model.speeds import mean_speeds
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.mean_response import MeanResponse
@@ -67,7 +67,7 @@ def external_torques(
 ) -> tuple[str, FloatArray, Mapping[str, FloatArray]]:
     """Reference node, its speeds in rad/s, and torques from outside (n_speeds,) by node in N m."""
     definition = drivetrain.definition
-    external = ExternalTorques(definition, drivetrain.exact_values)
+    external = drivetrain.external_torques
     if definition.load is None:
         return _stated(drivetrain, speeds, external.reference)
     if speeds is None:

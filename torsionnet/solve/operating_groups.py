@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.model.load.external_torques import ExternalTorques, reference_node
+from torsionnet.model.load.external_torques import reference_node
 from torsionnet.model.operating_values import OperatingPoints, following
 from torsionnet.model.speeds import total_ratio
 
@@ -46,7 +46,7 @@ def at_speeds(
     if not following(drivetrain.definition):
         yield drivetrain, np.arange(len(speeds))
         return
-    points = OperatingPoints(ExternalTorques(drivetrain.definition, drivetrain.exact_values))
+    points = OperatingPoints(drivetrain.external_torques)
     values = [points.at(speed) for speed in (speeds * _ratio(drivetrain, reference)).tolist()]
     for name, found in settled.items():
         for place, value in enumerate(found.tolist()):
@@ -83,4 +83,6 @@ def solved_together(
 def _ratio(drivetrain: AssembledModel, reference: str) -> float:
     """Speed of the model's own reference node over that of another one."""
     own = reference_node(drivetrain.definition) or reference
+    if own == reference:
+        return 1.0
     return abs(float(total_ratio(drivetrain.definition, drivetrain.exact_values, own, reference)))

@@ -10,7 +10,6 @@ from torsionnet.assembly.functionals import functional
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import GROUND, Constraint, Element, Law, Values
-from torsionnet.model.load.external_torques import ExternalTorques
 from torsionnet.model.readings import section_fault
 from torsionnet.response.static_state import ElementLoad, StaticState
 from torsionnet.solve.mean_response import external_torques, mean_response, undetermined
@@ -19,7 +18,7 @@ from torsionnet.solve.mean_response import external_torques, mean_response, unde
 def static_state(drivetrain: AssembledModel, speed: float | None = None) -> StaticState:
     """See :meth:`torsionnet.Drivetrain.static_state`."""
     values = drivetrain.exact_values
-    external = ExternalTorques(drivetrain.definition, values)
+    external = drivetrain.external_torques
     if speed is None and drivetrain.definition.load is not None:
         speed = external.operating_speed
     asked = None if speed is None else [speed]

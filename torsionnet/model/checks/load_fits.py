@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from torsionnet.core.errors import USELESS, Fault, Path, UsageError, unknown_name
 from torsionnet.model.definition import Definition, all_nodes
-from torsionnet.model.load.external_torques import ExternalTorques, LoadCutOffError, stated_torques, unknown_driver
+from torsionnet.model.load.external_torques import CutOffError, ExternalTorques, stated_torques, unknown_driver
 from torsionnet.model.load.load_section import Load
 
 AGREE = 0.01
@@ -37,7 +37,7 @@ def unfit_load(external: ExternalTorques) -> list[Fault]:
         torques = external.at_operating_point if at > 0 else external.at(abs(at))
         for speed in _extremes(definition):
             external.at(speed)
-    except LoadCutOffError as error:
+    except CutOffError as error:
         return [Fault(str(error), ("load",), "note", on_key=True, kind=USELESS)]
     except UsageError as error:
         return [Fault(str(error), ("load",), on_key=True)]

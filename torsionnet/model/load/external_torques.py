@@ -21,7 +21,7 @@ ENGINE = "reciprocating_engine"
 NEEDS_RATED = "the load needs the rated speed: speeds: {of: node, rated: 750 rpm, ...}"
 
 
-class LoadCutOffError(UsageError):
+class CutOffError(UsageError):
     """A driver or absorber does not turn with the reference node in this configuration, as behind an open clutch."""
 
 
@@ -137,10 +137,10 @@ class ExternalTorques:
         if ratio:
             return ratio
         if node not in all_nodes(self.definition.active):
-            raise LoadCutOffError(f'nothing is attached to "{node}" in this configuration; {UNKNOWN}')
+            raise CutOffError(f'nothing is attached to "{node}" in this configuration; {UNKNOWN}')
         why = "stands still" if ratio is not None else "turns independently"
         text = f"{node} {why} when {self.reference} turns, so that it can neither drive nor absorb"
-        raise LoadCutOffError(f"{text}; {UNKNOWN}")
+        raise CutOffError(f"{text}; {UNKNOWN}")
 
 
 def drivers(definition: Definition, load: Load) -> dict[str, float]:
@@ -178,14 +178,14 @@ def unknown_driver(definition: Definition, name: str) -> str | None:
     return f'no node or excitation is named "{name}"{meant_or(name, known, "driven_by has nodes or excitations")}'
 
 
-def mean_torques(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:
+def mean_torques(external: ExternalTorques) -> dict[str, float]:
     """Mean external torque in N m by node at the operating point: of the load, else as the operating point gives it.
 
     None where the load is cut off.
     """
     try:
-        return ExternalTorques(definition, values).at_operating_point
-    except LoadCutOffError:
+        return external.at_operating_point
+    except CutOffError:
         return {}
 
 
