@@ -45,7 +45,7 @@ def stressed(stress, limit, rpm=None, diameter=0.4, misfire=False, rated=100.0):
     engine = {"type": "reciprocating_engine", "speed_of": "a", "cycle": 2, "cylinders": {1: "a", 2: "b"},
               "firing_order": [1, 2], "bore": 0.1, "stroke": 0.1, "rod_length": 0.2,
               **({"gas_off": [2]} if misfire else {})}  # fmt: skip
-    rig = tn.Drivetrain("rig", elements, speeds={"of": "a", "list": [1], "rated": f"{rated} rpm"},
+    rig = tn.Drivetrain("rig", elements, speeds={"of": "a", "list": (rpm * RPM).tolist(), "rated": f"{rated} rpm"},
                         excitations={"engine": engine}, limits={"shaft": limit})  # fmt: skip
     torque = np.asarray(stress(rpm)) * 1e6 * math.pi * diameter**3 / 16
     sensors = [Sensor("torque", "shaft", port) for port in ("first", "second")]
@@ -172,6 +172,19 @@ class TestBarredRanges:
         lost = stressed(stress, m68(safe_speed="88 rpm"), misfire=True)["tau_C"]
         assert lost.verdict == "fail"
         assert "safe_speed" in lost.remarks[0]
+
+    def test_speeds_up_to_rated_that_nobody_looked_at_are_named(self):
+        found = stressed(hump(10, 50), m68(), rpm=np.arange(20.0, 80.1, 0.5))["tau_C"]
+        assert found.verdict == "pass"
+        assert "speeds examined end at lambda = 0.8: nothing is said" in found.remarks[0]
+        assert stressed(hump(10, 50), m68())["tau_C"].remarks == ()
+
+    def test_safe_navigation_at_a_speed_that_is_not_examined(self):
+        """No barred range could ever hold it."""
+        with pytest.raises(
+            tn.ModelError, match="safe_speed of 180 rpm is not among the speeds examined, 20 to 104 rpm"
+        ):
+            stressed(hump(70, 88), m68(safe_speed="180 rpm"), misfire=True)
 
     def test_above_1_05_nothing_is_judged_and_that_is_said(self):
         found = stressed(hump(500, 110, width=0.5), m68(), rpm=np.arange(60.0, 115.01, 0.5))["tau_C"]

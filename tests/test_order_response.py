@@ -362,6 +362,7 @@ class TestFiles:
             ("firing_order: [1, 2]", "firing_order: [1, 2, 3]", "14:5", "has a cylinder that the engine lacks: 3"),
             ("cycle: 4", "cycle: 3", "12:12", "a cycle has 2 or 4 strokes"),
             ("rod_length: 240 mm", "rod_length: 24 mm", "17:17", "shorter than the crank radius"),
+            ("rod_length: 240 mm", "rod_length: 240", "17:17", "a bare number is m, write 240 mm"),
             ("speed_of: c1", "speed_of: c7", "11:15", 'no node is named "c7"'),
             ("2: c2}", "2: c9}", "13:27", 'no node is named "c9"'),
             ("mass: 1 kg", "mass: 1 kg\n    orders: [0.5, 0.75]", "19:13", "multiples of 0.5, not 0.75"),

@@ -17,6 +17,8 @@ CLEARLY = 0.1
 """Share by which the mean indicated pressure of a trace may differ from what is said of it."""
 LATEST_PEAK = math.radians(60)
 """After firing top dead centre, or before: where a cylinder of a four-stroke engine has its highest pressure."""
+LARGEST = {"bore": 3.0, "stroke": 10.0, "rod_length": 20.0}
+"""Lengths in m that no engine exceeds, but a number in mm without its unit does."""
 STROKES = {2: "two", 4: "four"}
 
 
@@ -34,6 +36,12 @@ def engine_faults(engine: EngineEntries) -> Iterator[Fault]:
 
 
 def _mechanism(engine: EngineEntries) -> Iterator[Fault]:
+    huge = {name: size for name, most in LARGEST.items() if (size := getattr(engine, name)) > most}
+    for name, size in huge.items():
+        text = f"{size:g} m is no {name.replace('_', ' ')} of an engine; a bare number is m, write {size:g} mm"
+        yield Fault(text, (name,))
+    if huge:
+        return
     radius, per_cycle = engine.stroke / 2, engine.cycle / 2
     if engine.rod_length <= radius:
         text = f"a rod of {engine.rod_length:g} m is shorter than the crank radius {radius:g} m"

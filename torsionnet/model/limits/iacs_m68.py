@@ -38,6 +38,7 @@ from torsionnet.model.limits.shaft_limit import RoundSection, ShaftLimit
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limit_check import BARRED, FAIL, PASS, LimitVerdict, RuleText
+from torsionnet.response.order_response import RPM
 from torsionnet.response.speed_spans import SpeedSpan, joined_spans, spans_above
 
 
@@ -118,6 +119,17 @@ class IacsM68(ShaftLimit):
         if self.rated is None and subject.rated is None:
             text = "lambda = n/n_rated needs the rated speed: speeds: {rated: 750 rpm}, or rated: of this limit"
             yield Fault(text, on_key=True)
+        yield from self._unexamined(subject)
+
+    def _unexamined(self, subject: LimitSubject) -> Iterator[Fault]:
+        """A speed for safe navigation that no barred range can hold, because nobody looks there."""
+        if self.safe_speed is None or not subject.speeds:
+            return
+        low, high = subject.speeds[0], subject.speeds[-1]
+        if not low * (1 - 1e-9) <= self.safe_speed <= high * (1 + 1e-9):
+            examined = f"{low * RPM:.6g} to {high * RPM:.6g} rpm"
+            text = f"safe_speed of {self.safe_speed * RPM:.6g} rpm is not among the speeds examined, {examined}"
+            yield Fault(text, ("safe_speed",))
 
     def _inapplicable(self, section: RoundSection) -> str:
         """Why C_K does not hold for the hole or slot given; empty where it does."""
@@ -227,6 +239,8 @@ class IacsM68(ShaftLimit):
 
 
 def _beyond(evidence: Evidence, ratio: FloatArray) -> tuple[str, ...]:
-    """A remark on speeds the rule does not cover."""
+    """A remark on speeds the rule does not cover, or covers but nobody looked at."""
     rpm = evidence.run.rpm[ratio > HIGHEST * (1 + 1e-12)]
+    if ratio[-1] < 1 - 1e-9:
+        return (f"speeds examined end at lambda = {ratio[-1]:.3g}: nothing is said of those from there to rated speed",)
     return (f"speeds from {rpm[0]:g} to {rpm[-1]:g} rpm: lambda above 1.05 is not covered",) if len(rpm) else ()
