@@ -109,7 +109,13 @@ OF_ENGINE = (
     "{engine.misfire: [2]}", "{engine.misfire: each, engine.gas_off: [1]}", "{engine.factors: {2: 0.5}, engine.spread: 3 %}", "{engine.enabled: false}",
     "{engine.gas: {fired: compression.csv}}", "{engine.cylinders: {1: c1, 2: c2}, engine.firing_order: [2, 1]}", "{engine.load: {mean_indicated_pressure: 9 bar}}",
 )  # fmt: skip
-OF_OTHERS = ("{x0.enabled: false}", "{x0.orders: {3: {amplitude: 4 N*m}}}", "{x0.condition: zero}", "{x0.speed_of: prop}", "{x0.angle: 5 deg}")
+OF_OTHERS = (
+    "{x0.enabled: false}",
+    "{x0.orders: {3: {amplitude: 4 N*m}}}",
+    "{x0.condition: zero}",
+    "{x0.speed_of: prop}",
+    "{x0.angle: 5 deg}",
+)
 
 
 def plant(chance: Chance) -> str:
@@ -154,7 +160,9 @@ def traces() -> tuple[str, ...]:
     """Pressures as they are delivered."""
     rows = pressure(100)
     lines = rows.splitlines()[1:]
-    comma = "Kurbelwinkel [°KW]\tp / MPa\n" + "".join(line.replace(".", ",").replace(";", "\t") + "\n" for line in lines)
+    comma = "Kurbelwinkel [°KW]\tp / MPa\n" + "".join(
+        line.replace(".", ",").replace(";", "\t") + "\n" for line in lines
+    )
     return rows, "\n".join(["# recorder 7", *rows.splitlines()[:-1]]), comma.replace(",", "."), comma
 
 
