@@ -363,7 +363,7 @@ class TestFiles:
             (
                 "mass: 1 kg",
                 "mass: 1 kg\nconfigurations: {a: {engine.cylinders: {1: c1, 2: c2, 3: c2}, engine.bore: 1 m}}",
-                "19:41",
+                "19:22",
                 "firing_order misses cylinder 3",
             ),
             ("type: reciprocating_engine", "type: recipro_engine", "10:11", "known: electric_machine, gear_mesh"),

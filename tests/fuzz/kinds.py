@@ -133,11 +133,11 @@ def use_running(path: Path) -> None:
     for question in (
         lambda: plant.order_response(outputs).half_range,
         lambda: plant.mean_response(outputs[:2]),
-        lambda: plant.static_state(),
+        plant.static_state,
         # Peaks are sought at many speeds, each of them solved alone where parameters follow it.
         lambda: plant.critical_speeds(() if "by:" in path.read_text(errors="replace") else outputs[:1]),
         lambda: plant.dissipated_power("rubber"),
-        lambda: plant.check_limits(),
+        plant.check_limits,
         lambda: plant.holzer_table(1),
     ):
         try:
@@ -196,7 +196,7 @@ KINDS = {
     for kind in (
         Kind("expression", ".txt", _expression, use_expression, lambda _: b"2*k"),
         Kind("model", ".yaml", _model, use_model, lambda _: sources.RIG.encode()),
-        Kind("running", ".yaml", _running, use_running, lambda _: running.SOUND.encode()),
+        Kind("running", ".yaml", _running, use_running, lambda _: running.SOUND.encode(), seconds=6.0),
         Kind(
             "pressure",
             ".csv",
