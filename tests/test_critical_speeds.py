@@ -552,3 +552,25 @@ class TestWorstOfSeveralCases:
         forces = [self.crossings(factors=one).of(1, 0.5).generalised_force for one in combinations]
         assert found.excited
         assert found.generalised_force == pytest.approx(max(forces), rel=1e-9)
+
+
+@pytest.mark.parametrize("outputs", [(), "torque(shaft)"])
+def test_data_that_end_with_the_operating_range(outputs):
+    """Order 2 meets sqrt(1.5e4) rad/s at 584.8 r/min; the fan is known up to 550 r/min, where its torque is doubled."""
+    plain = two_mass(damping=2.0)
+    fan = {
+        "type": "harmonic",
+        "node": "b",
+        "orders": {2: {"amplitude": 10}},
+        "factor": [["400 rpm", 1], ["550 rpm", 2]],
+    }
+    plant = tn.Drivetrain(
+        "fan",
+        plain.elements.values(),
+        speeds={"of": "a", "list": ["400 rpm", "550 rpm"]},
+        excitations={"fan": fan},
+    )
+    found = plant.critical_speeds(outputs)
+    assert found.of(1, 2).speed("undamped") == pytest.approx(math.sqrt(1.5e4) / 2)
+    assert found.of(1, 2).generalised_force == pytest.approx(20, rel=1e-3)  # the mode is slightly damped
+    assert "the data of fan do not go beyond the operating range" in found.notes[0]

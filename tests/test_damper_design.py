@@ -40,7 +40,12 @@ def running(mu, **more):
 
 
 @pytest.mark.parametrize(
-    ("mu", "zeta", "peak", "ratio"), [(0.2, 0.43519, 11, 0.95346), (0.5, 0.36515, 5, 0.89443), (1, 0.28868, 3, 0.81650)]
+    ("mu", "zeta", "peak", "ratio"),
+    [
+        pytest.param(0.2, 0.43519, 11, 0.95346, marks=pytest.mark.slow),
+        (0.5, 0.36515, 5, 0.89443),
+        pytest.param(1, 0.28868, 3, 0.81650, marks=pytest.mark.slow),
+    ],
 )
 class TestHoudaille:
     """Numbers of Den Hartog's chapter 3, zeta = c/(2 J_ring omega_1)."""
@@ -73,7 +78,7 @@ def found(mu):
     return plant.configured(k_film=1.3 * mu * K).damper_design("a", {"c": None, "k_film": None}, input="a")
 
 
-@pytest.mark.parametrize("mu", [0.05, 0.2], scope="module")
+@pytest.mark.parametrize("mu", [pytest.param(0.05, marks=pytest.mark.slow), 0.2], scope="module")
 class TestTunedMass:
     """A ring with a spring on an undamped primary mass under a torque."""
 
@@ -139,6 +144,7 @@ def test_a_value_without_effect_is_said():
     assert any(text.startswith("the maximum hardly depends on c") for text in found.words())
 
 
+@pytest.mark.slow
 def test_several_films_of_one_plant():
     """Against the best of a lattice of films on two dampers."""
     plant = tn.Drivetrain(

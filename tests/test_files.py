@@ -22,6 +22,7 @@ from hypothesis import strategies as st
 from models import EVERY_ELEMENT
 
 from torsionnet.core import atomic
+from torsionnet.core.errors import ModelError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.loading import load, loads
 from torsionnet.model.channels import ELEMENT_QUANTITIES
@@ -358,6 +359,10 @@ def test_a_file_takes_every_sensor_of_an_element_that_can_be_asked_for(kind, qua
     nodes = [*element.ports.values(), "x"]
     discs = [Inertia(f"J_{node}", node=node, inertia=1) for node in nodes]
     drive = Spring("drive", nodes=("x", nodes[0]), stiffness=50)
+    if quantity == "stress" and "outer_diameter" not in dict(element.specs()):
+        with pytest.raises(ModelError, match="has no diameter"):
+            Drivetrain("rig", [element, drive, *discs], sensors={"y": {quantity: "e"}})
+        return
     rig = Drivetrain("rig", [element, drive, *discs], sensors={"y": {quantity: "e"}})
     read = loads(rig.to_yaml())
     asked = rig.frequency_response(f"{quantity}(e)", "x", [3.0]).values

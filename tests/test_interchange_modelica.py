@@ -16,11 +16,28 @@ from torsionnet.io import to_modelica, write_modelica
 
 FREQUENCIES = [0.7, 5.3, 21.0]
 NO_COUNTERPART = {"hysteretic_spring", "tabulated_spring"}
+
+
+def has_counterpart(rig):
+    return not any(element.kind in NO_COUNTERPART for element in rig.definition.active)
+
+
+def different(name):
+    """Configurations of a library model with other elements or parameters than those before; not all of what runs."""
+    rig, seen = tn.load(name), []
+    for configuration in rig.configurations or ("",):
+        one = rig.configured(configuration) if configuration else rig
+        what = [one.definition.active, one.parameters]
+        if what not in seen:
+            seen.append(what)
+            yield configuration
+
+
 LIBRARY = [
     (name, configuration)
     for name in sorted(tn.library_models())
-    for configuration in tn.load(name).configurations or ("",)
-    if configuration != "viscous_and_hysteretic"
+    for configuration in different(name)
+    if has_counterpart(tn.load(name).configured(configuration) if configuration else tn.load(name))
 ]
 
 SMALL = """

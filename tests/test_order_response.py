@@ -355,6 +355,12 @@ class TestFiles:
         assert again.configured("idle").definition.excitations["engine"].gas_off == (2,)
         assert rig.order_response("torque(crank)").rpm == pytest.approx(np.arange(600, 1201, 100))
 
+    def test_an_alternative_changes_entries_that_belong_together(self):
+        """Each of the two alone would contradict the engine."""
+        change = "{engine.cylinders: {1: c1, 2: c2, 3: c2}, engine.firing_order: [1, 3, 2]}"
+        rig = tn.loads(FILE.format(engine=f"{ENGINE}configurations: {{three: {change}}}\n"))
+        assert rig.configured("three").definition.excitations["engine"].firing_order == (1, 3, 2)
+
     @pytest.mark.parametrize(
         ("old", "new", "where", "what"),
         [
@@ -370,6 +376,13 @@ class TestFiles:
             ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engin.misfire: [2]}}", "19:22", 'did you mean "engine"'),
             ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engine.misfir: [2]}}", "19:22", 'did you mean "misfire"'),
             ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engine.gas_off: [7]}}", "19:38", "there is no cylinder 7"),
+            ("mass: 1 kg", "mass: 1 kg\nconfigurations: {a: {engine.speed_of: c7}}", "19:39", 'no node is named "c7"'),
+            (
+                "mass: 1 kg",
+                "mass: 1 kg\nconfigurations: {a: {engine.cylinders: {1: c1, 2: c2, 3: c2}, engine.bore: 1 m}}",
+                "19:22",
+                "firing_order misses cylinder 3",
+            ),
             ("type: reciprocating_engine", "type: recipro_engine", "10:11", "known: electric_machine, gear_mesh"),
             ("step: 100 rpm", "list: [600 rpm]", "7:", "a range with its step, or one by one"),
             ("600..1200 rpm", "1200..600 rpm", "7:", "from a lower to a higher speed"),

@@ -159,17 +159,26 @@ class Definition(Declared):
     def _overridden(self, changes: Mapping[str, Any]) -> dict[str, Any]:
         """The sections with ``engine.misfire: [3]``, ``load.power: 1 MW`` and the like put in."""
         found, load = dict(self.excitations), self.load
-        for key, value in changes.items():
-            name, _, field = key.partition(".")
+        # All entries of one section at once: each alone may contradict what the others change.
+        for name, fields in by_section(changes).items():
             if name == LOAD and load is not None:
-                load = replace(load, **{field: value})
+                load = replace(load, **fields)
             else:
-                found[name] = replace(found[name], **{field: value})
+                found[name] = replace(found[name], **fields)
         return {"excitations": found, LOAD: load}
 
     def to_data(self) -> dict[str, Any]:
         """The entries of a model file; reading them again gives an equal definition."""
         return {KEY: VERSION, "name": self.name, **super().to_data()}
+
+
+def by_section(changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """``engine.misfire: [3]`` and the like as tables of entries by name."""
+    found: dict[str, dict[str, Any]] = {}
+    for key, value in changes.items():
+        name, _, field = key.partition(".")
+        found.setdefault(name, {})[field] = value
+    return found
 
 
 def _with_files_read(definition: Definition) -> Definition:

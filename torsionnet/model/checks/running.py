@@ -11,8 +11,9 @@ import numpy as np
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.errors import Fault, ModelError, Path, UsageError, unknown_name
 from torsionnet.model.checks.load_fits import unknown_in_load
-from torsionnet.model.definition import LOAD, Definition, all_nodes
+from torsionnet.model.definition import LOAD, Definition, all_nodes, by_section
 from torsionnet.model.elements import Values
+from torsionnet.model.excitations import OrderExcitation
 from torsionnet.model.imposed_twist import twist_fault
 from torsionnet.model.parameters import resolve
 from torsionnet.model.speeds import total_ratio
@@ -26,9 +27,7 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
     if definition.speeds is not None:
         places.append((definition.speeds.of, ("speeds", "of")))
     for name, excitation in definition.excitations.items():
-        places += [(node, ("excitations", name, *path)) for path, node in excitation.node_entries]
-        if excitation.shaft:
-            places.append((excitation.shaft, ("excitations", name, "speed_of")))
+        places += _places(name, excitation)
     faults += [unknown_name("node", node, nodes, path) for node, path in dict.fromkeys(places) if node not in nodes]
     if LOAD in definition.excitations:
         text = f'"{LOAD}" is the entry on who drives and who absorbs; give the excitation another name'
@@ -51,37 +50,69 @@ def _overrides(definition: Definition) -> Iterator[Fault]:
         sections[LOAD] = definition.load
     for axis, alternatives in definition.configurations.items():
         for label, overlay in alternatives.items():
-            for key in overlay.entries:
-                path = ("configurations", axis, label, key)
-                name, _, entry = key.partition(".")
+            for name, changes in by_section(overlay.entries).items():
+                path = ("configurations", axis, label)
+                keys = {entry: (*path, f"{name}.{entry}") for entry in changes}
                 if name not in sections:
-                    yield unknown_name("excitation", name, sections, path, on_key=True)
-                elif entry not in dict(sections[name].specs()):
-                    yield unknown_name(f"entry of {name}", entry, dict(sections[name].specs()), path, on_key=True)
-                else:
-                    yield from _wrong_value(definition, overlay.entries[key], key, path)
+                    yield unknown_name("excitation", name, sections, next(iter(keys.values())), on_key=True)
+                    continue
+                known = dict(sections[name].specs())
+                unknown = [entry for entry in changes if entry not in known]
+                for entry in unknown:
+                    yield unknown_name(f"entry of {name}", entry, known, keys[entry], on_key=True)
+                if not unknown:
+                    yield from _wrong_values(definition, name, changes, keys)
 
 
-def _wrong_value(definition: Definition, value: object, key: str, path: Path) -> Iterator[Fault]:
+def _wrong_values(
+    definition: Definition, name: str, changes: Mapping[str, Any], keys: Mapping[str, Path]
+) -> Iterator[Fault]:
+    """What is wrong with a section in which an alternative changes entries, at the one it is about."""
     from torsionnet.model.configurations import Overlay
 
     try:
-        definition.overlaid(Overlay(entries={key: value}))
+        changed = definition.overlaid(Overlay(entries={f"{name}.{entry}": value for entry, value in changes.items()}))
+        is_judged = name == LOAD or any(_misplaced(definition, name))
+        faults = () if is_judged else tuple(_misplaced(changed, name))
     except ModelError as error:
-        for fault in error.faults:
-            yield replace(fault, path=path)
+        faults = error.faults
+    for fault in faults:
+        about = next((one for one in fault.path if one in keys), next(iter(keys)))
+        yield replace(fault, path=keys[str(about)])
 
 
 def _unfit_elements(definition: Definition) -> Iterator[Fault]:
     """Excitations that impose a twist in an element that is not there, or not of the right kind."""
-    for name, excitation in definition.excitations.items():
-        if excitation.element_entry is None:
-            continue
-        path, element = excitation.element_entry
-        if element not in definition.elements:
-            yield unknown_name("element", element, definition.elements, ("excitations", name, *path))
-        else:
-            yield from (fault.under("excitations", name) for fault in excitation.misfits(definition.elements))
+    for name in definition.excitations:
+        yield from _unfit_element(definition, name)
+
+
+def _unfit_element(definition: Definition, name: str) -> Iterator[Fault]:
+    excitation = definition.excitations[name]
+    if excitation.element_entry is None:
+        return
+    path, element = excitation.element_entry
+    if element not in definition.elements:
+        yield unknown_name("element", element, definition.elements, ("excitations", name, *path))
+    else:
+        yield from (fault.under("excitations", name) for fault in excitation.misfits(definition.elements))
+
+
+def _misplaced(definition: Definition, name: str) -> Iterator[Fault]:
+    """An excitation on nodes or in an element that are not there, or of the wrong kind."""
+    nodes = all_nodes(definition.elements.values())
+    for node, path in _places(name, definition.excitations[name]):
+        if node not in nodes:
+            yield unknown_name("node", node, nodes, path)
+    yield from _unfit_element(definition, name)
+
+
+def _places(name: str, excitation: OrderExcitation) -> Iterator[tuple[str, Path]]:
+    """The nodes that an excitation names."""
+    for path, node in excitation.node_entries:
+        yield node, ("excitations", name, *path)
+    if excitation.shaft:
+        yield excitation.shaft, ("excitations", name, "speed_of")
 
 
 def _has_values(definition: Definition, values: Mapping[str, Any]) -> bool:

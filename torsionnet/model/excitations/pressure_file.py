@@ -97,7 +97,8 @@ def _rows(path: Path) -> _Rows:
                ((angle, "angle"), (pressure, "pressure"))]  # fmt: skip
     reader = NumberRows(iter(body[first:]), path.name, dialect, width, number + 1, heading.names)
     blocks = list(reader.blocks([angle, pressure], 0))
-    angles, pressures = (np.concatenate([block[i] for block in blocks]) * factors[i] for i in range(2))
+    with np.errstate(over="ignore"):  # infinite is found to be wrong below
+        angles, pressures = (np.concatenate([block[i] for block in blocks]) * factors[i] for i in range(2))
     numbers = [number + 1 + at for at, line in enumerate(body[first:]) if line.strip()]
     return _Rows(angles, pressures, numbers, lines, max(number, 1), path.name)
 
