@@ -14,7 +14,7 @@ import torsionnet as tn
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
 from torsionnet.model.excitations.slider_crank import piston_curvature, piston_rate
 from torsionnet.plot import order_response as drawn
-from torsionnet.plot import waveform
+from torsionnet.plot import waterfall, waveform
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.solve import shared_response
@@ -455,3 +455,25 @@ class TestPictures:
         assert (values.max() - values.min()) / 2 == pytest.approx(run.half_range[1, 0], rel=1e-3)
         with pytest.raises(tn.UsageError, match="outside the speeds calculated"):
             waveform(run, rpm=1)
+
+    def test_waterfall_has_a_spectrum_at_the_height_of_every_speed(self):
+        run_ = (
+            tn.loads(PLANT)
+            .configured("rough")
+            .order_response("torque(shaft)", speeds=np.array([40, 60, 100]) * RPM * 10)
+        )
+        axes = waterfall(run_).axes[0]
+        spectra = axes.lines[:3]
+        assert [line.get_ydata()[0] for line in spectra] == pytest.approx([1000, 600, 400])  # the one in front last
+        sizes = np.abs(run_.values[2, :, 0])
+        highest = spectra[0].get_xdata()[np.argmax(spectra[0].get_ydata())]
+        assert highest == pytest.approx([6, 5][int(np.argmax(sizes))] * 1000 / 60)
+        assert {text.get_text() for text in axes.texts} >= {"motor 6"}
+
+    @pytest.mark.parametrize("picture", ["waterfall", "waveform"])
+    def test_command_draws_one_for_each_output(self, tmp_path, monkeypatch, picture):
+        monkeypatch.chdir(tmp_path)
+        (tmp_path / "plant.yaml").write_text(PLANT)
+        outputs = ["--output", "torque(shaft)", "--output", "f"]
+        run("orders", "plant.yaml", "-c", "rough", *outputs, "--picture", picture, "--plot", "p.svg")
+        assert len(list(tmp_path.glob("p*.svg"))) == 2

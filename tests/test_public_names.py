@@ -46,6 +46,7 @@ LATER = {
     "order_overlay",
     "order_response",
     "star_diagrams",
+    "waterfall",
     "waveform",
 }
 """Pictures that torsionnet.report never had."""

@@ -5,19 +5,27 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+import click
+
 from torsionnet.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.cli.command import TABLE, Answer, click_command
 from torsionnet.cli.declarations import option
 from torsionnet.cli.options import ANGLE
+from torsionnet.core.errors import UsageError
 
 if TYPE_CHECKING:
+    from types import ModuleType
     from typing import TypeAlias
+
+    from matplotlib.figure import Figure
 
     from torsionnet.response.order_comparison import MeasuredOrder
     from torsionnet.response.order_response import OrderResponse
     from torsionnet.response.table import Table
 
     Tests: TypeAlias = dict[str, tuple[MeasuredOrder, ...]]
+
+PICTURES = ("orders", "waterfall", "waveform")
 
 
 class OrdersCommand(ModelCommand):
@@ -47,12 +55,22 @@ class OrdersCommand(ModelCommand):
         help="Amplitudes of a test by speed and order, to lay over the calculated ones: CSV, as speed [rpm], order, "
         "amplitude [N*m].",
     )
+    drawn: str = option(
+        "--picture",
+        type=click.Choice(PICTURES),
+        default=PICTURES[0],
+        show_default=True,
+        help="What --plot draws: amplitudes over speed, spectra of all speeds one behind the other, or the sum of all "
+        "orders over the shaft's angle where it is largest.",
+    )
     angle: str = ANGLE
 
     def answer(self) -> Answer:
         from torsionnet.response import Conventions
 
         conventions = Conventions(angle=self.angle)
+        if self.measured and self.drawn != PICTURES[0]:
+            raise UsageError("a test is laid over the amplitudes over speed: leave out --picture")
         if self.measured:
             self.require_one("a test is of one configuration: name one with -c")
         cases = self.cases()
@@ -63,12 +81,29 @@ class OrdersCommand(ModelCommand):
             data=lambda: [_as_data(case, run, tests) for case, run in zip(cases, found, strict=True)],
             csv=lambda: [("", self.joined(cases, [run.long_table() for run in found]))],
             figures=lambda plot: [
-                (case.configuration, plot.order_overlay(run, tests, conventions=conventions))
-                if tests
-                else (case.configuration, plot.order_response(run, conventions=conventions))
+                (case.configuration + ending, figure)
                 for case, run in zip(cases, found, strict=True)
+                for ending, figure in self._pictures(plot, run, tests, conventions)
             ],
         )
+
+    def _pictures(
+        self, plot: ModuleType, run: OrderResponse, tests: Tests, conventions: Any
+    ) -> Iterator[tuple[str, Figure]]:
+        """One with all outputs, or one for each."""
+        if tests:
+            yield "", plot.order_overlay(run, tests, conventions=conventions)
+            return
+        if self.drawn == PICTURES[0]:
+            yield "", plot.order_response(run, conventions=conventions)
+            return
+        for place, channel in enumerate(run.outputs):
+            ending = f" {channel.name}" if len(run.outputs) > 1 else ""
+            if self.drawn == "waterfall":
+                yield ending, plot.waterfall(run, channel.name, conventions=conventions)
+            else:
+                worst = run.rpm[run.half_range[:, place].argmax()]
+                yield ending, plot.waveform(run, channel.name, rpm=worst, conventions=conventions)
 
     def _tests(self, case: ConfiguredCase, run: OrderResponse) -> Tests:
         """The measured orders of each output."""

@@ -19,6 +19,7 @@ from torsionnet.plot.stabilisation import stabilisation
 from torsionnet.plot.star_diagrams import star_diagrams
 from torsionnet.plot.time_frequency import order_map, spectrogram, sweep_harmonics
 from torsionnet.plot.tornado import tornado
+from torsionnet.plot.waterfall import waterfall
 
 __all__ = [
     "bode",
@@ -44,5 +45,6 @@ __all__ = [
     "sweep_harmonics",
     "time_histories",
     "tornado",
+    "waterfall",
     "waveform",
 ]

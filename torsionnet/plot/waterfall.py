@@ -1,0 +1,108 @@
+"""The spectra of an output at many speeds, one behind the other."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import torsionnet.plot.style as style
+from torsionnet.core.number_text import typeset_unit
+from torsionnet.response import Conventions
+from torsionnet.response.conventions import SI
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.response.order_response import OrderResponse
+
+MOST_SPECTRA = 30
+HEIGHT, WIDTH = 0.15, 0.004
+"""Of the highest line, as a share of the range of speeds; half of a line's foot, as a share of the frequencies."""
+LEAST = 0.02
+"""Share of the highest line that an order needs somewhere to be named and to widen the picture."""
+ROOM = 0.025
+"""Between names, as a share of the frequencies."""
+
+
+def waterfall(
+    response: OrderResponse, output: str | None = None, *, conventions: Conventions = SI, title: str | None = None
+) -> Figure:
+    """Lines over frequency at every speed, each spectrum on the height of its speed: orders run up as rays.
+
+    Parameters
+    ----------
+    response : OrderResponse
+    output : str, optional
+        Needed where there are several.
+    conventions : Conventions, optional
+        Unit of angles of the output.
+    title : str, optional
+        By default that of the response.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+
+    Raises
+    ------
+    UsageError
+        No such output, or several and no name.
+    """
+    place = response.output(output)
+    channel = response.outputs[place]
+    count = len(response.speeds)
+    chosen = np.unique(np.linspace(0, count - 1, min(count, MOST_SPECTRA)).round().astype(int))
+    sizes = np.abs(response.values[chosen][:, :, place]) * conventions.scale(channel.unit)
+    hertz, rpm = np.abs(response.frequencies[chosen]), response.rpm[chosen]
+    span = float(np.ptp(rpm)) or float(rpm[0])
+    largest = float(sizes.max()) or 1.0
+    tops = rpm[:, None] + sizes / largest * HEIGHT * span
+    shown = sizes.max(axis=0) >= LEAST * largest
+    right = 1.05 * float(hertz[:, shown].max())
+    figure = style.new_figure(style.WIDTH, 4.6)
+    axes = figure.subplots()
+    style.dress(axes)
+    for number in range(len(chosen))[::-1]:  # those in front are drawn last and hide what is behind
+        f, heights = _spectrum(hertz[number], sizes[number] / largest * HEIGHT * span, right)
+        axes.fill_between(
+            f, rpm[number], rpm[number] + heights, color=style.PAPER, linewidth=0, zorder=3 - number / 1e3
+        )
+        axes.plot(f, rpm[number] + heights, color=style.INK, linewidth=0.8, zorder=3 - number / 1e3)
+    axes.set_xlim(0, right)
+    axes.set_ylim(float(rpm.min()) - 0.02 * span, float(tops.max()) + 0.12 * span)
+    _name_orders(
+        axes, [(hertz[-1, k], tops[-1, k], str(line)) for k, line in enumerate(response.lines) if shown[k]], right
+    )
+    bar = float(f"{largest:.1g}")
+    foot = float(rpm.min())
+    edge = 0.99 * right
+    axes.plot(
+        [edge, edge], [foot, foot + bar / largest * HEIGHT * span], color=style.PALETTE[1], linewidth=2.5, zorder=4
+    )
+    unit = typeset_unit(conventions.unit(channel.unit))
+    axes.annotate(f"{bar:g} {unit}", (edge, foot), xytext=(-6, 4), textcoords="offset points", ha="right",
+                  fontsize=style.SMALL, color=style.PALETTE[1], zorder=5,
+                  bbox={"facecolor": style.PAPER, "edgecolor": "none", "pad": 1})  # fmt: skip
+    axes.set_xlabel("frequency [Hz]")
+    axes.set_ylabel(f"speed of {response.reference} [r/min], lines: {channel.name}")
+    style.heading(figure, response.title if title is None else title)
+    return figure
+
+
+def _spectrum(hertz: FloatArray, sizes: FloatArray, right: float) -> tuple[FloatArray, FloatArray]:
+    """A line with a narrow triangle at each frequency."""
+    half = WIDTH * right
+    order = np.argsort(hertz, kind="stable")
+    f = (hertz[order, None] + np.array([-half, 0.0, half])).ravel()
+    heights = np.zeros_like(f)
+    heights[1::3] = sizes[order]
+    rising = np.argsort(f, kind="stable")
+    return np.concatenate([[0.0], f[rising], [right]]), np.concatenate([[0.0], heights[rising], [0.0]])
+
+
+def _name_orders(axes: Axes, ends: list[tuple[float, float, str]], right: float) -> None:
+    """Names above the rays, as many as have room."""
+    last = -np.inf
+    for f, top, name in sorted(ends):
+        if f - last >= ROOM * right:
+            last = f
+            axes.annotate(name, (f, top), xytext=(0, 3), textcoords="offset points", rotation=60, ha="left",
+                          rotation_mode="anchor", fontsize=style.SMALL, color=style.PALETTE[0])  # fmt: skip
