@@ -108,7 +108,7 @@ def _verdict_as_data(check: LimitCheck, one: LimitVerdict) -> dict[str, Any]:
 
 
 def _spans(spans: Any) -> list[list[float]]:
-    from torsionnet.response.order_response import RPM
+    from torsionnet.core.units import RPM
 
     return [[span.low * RPM, span.high * RPM] for span in spans]
 

@@ -164,8 +164,8 @@ def _as_data(case: ConfiguredCase, run: OrderResponse, tests: Tests) -> dict[str
 
 
 def _test_data(run: OrderResponse, output: str, tests: Tests) -> list[dict[str, Any]]:
+    from torsionnet.core.units import RPM
     from torsionnet.response.order_comparison import compared_orders
-    from torsionnet.response.order_response import RPM
 
     return [
         {

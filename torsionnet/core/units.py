@@ -25,6 +25,8 @@ from typing import Any
 from torsionnet.core.errors import TorsionnetError, did_you_mean
 
 Real = Fraction | float
+RPM = 60 / (2 * math.pi)
+"""r/min of 1 rad/s."""
 _MAX_LENGTH, _MAX_EXPONENT, _MAX_DECIMAL_EXPONENT, _MAX_DEPTH = 100, 6, 330, 10
 _SAFE_LENGTH = 40  # so few digits, and a unit so short, stay far inside the range of a float
 

@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.units import RPM
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.page_numbers import SHOWN, numbers
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.order_response import RPM, OrderResponse
+from torsionnet.response.order_response import OrderResponse
 
 MOST_ORDERS = 5
 ROUGH = 120

@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any
 
 from torsionnet.core.errors import Fault, UsageError, unknown_name
+from torsionnet.core.units import RPM
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Constraint, Law, Values
 from torsionnet.model.elimination import reduce_rows
@@ -17,8 +18,6 @@ from torsionnet.model.load.external_torques import ExternalTorques
 from torsionnet.model.lookup_table import interpolated
 from torsionnet.model.parameters import AMPLITUDE, Parameter, resolve
 from torsionnet.model.readings import port_of
-
-RPM = 9.549296585513721
 
 
 def following(definition: Definition) -> dict[str, Parameter]:

@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 import torsionnet.plot.style as style
+from torsionnet.core.units import RPM
 from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
-from torsionnet.response.order_response import RPM
 from torsionnet.response.vibration_mode import VibrationMode
 
 SMALLEST_DOT, LARGEST_DOT = 14.0, 150.0

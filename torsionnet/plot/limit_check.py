@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 import torsionnet.plot.style as style
 from torsionnet.core.errors import UsageError
 from torsionnet.core.number_text import typeset_unit
+from torsionnet.core.units import RPM
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.limit_check import LimitCheck, LimitVerdict
-from torsionnet.response.order_response import RPM
 
 MOST_LINES = 4
 WIDEST = 80

@@ -8,10 +8,11 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.style as style
 from torsionnet.core.number_text import typeset_unit
+from torsionnet.core.units import RPM
 from torsionnet.response import Conventions
 from torsionnet.response.conventions import SI
 from torsionnet.response.order_comparison import MeasuredOrder, compared_orders
-from torsionnet.response.order_response import RPM, OrderResponse
+from torsionnet.response.order_response import OrderResponse
 
 MARKERS = ("o", "s", "^", "D", "v")
 

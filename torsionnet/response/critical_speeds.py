@@ -9,10 +9,10 @@ from fractions import Fraction
 
 from torsionnet.core.errors import UsageError
 from torsionnet.core.number_text import on_screen
+from torsionnet.core.units import RPM
 from torsionnet.response.frequency_response import Channel
 from torsionnet.response.margin_rules import MarginRule
 from torsionnet.response.order_line import OrderLine
-from torsionnet.response.order_response import RPM
 from torsionnet.response.star_diagram import StarDiagram
 from torsionnet.response.table import Column, Table
 from torsionnet.response.vibration_mode import VibrationMode

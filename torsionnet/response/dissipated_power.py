@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.units import RPM
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.order_response import RPM
 from torsionnet.response.table import Column, Table
 
 FORMULA = "P = sum over frequencies of Re(T conj(dgamma/dt))/2, T the whole torque of the element, elastic and damping"

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.order_response import RPM
 from torsionnet.response.speed_spans import SpeedSpan, joined_spans
 from torsionnet.response.table import Column, Table
 
@@ -133,7 +133,8 @@ class LimitCheck:
         elif barred:
             parts.append(f"to be barred: {barred} of {self.reference}")
         parts += [f"{', '.join(unjudged)} not judged"] if unjudged else []
-        return "; ".join(parts) or "all limits hold at all speeds"
+        examined = f"{self.rpm[0]:g} to {self.rpm[-1]:g} rpm of {self.reference}"
+        return "; ".join(parts) or f"all limits hold at the speeds examined, {examined}"
 
     def of(self, limit: str, criterion: str | None = None) -> LimitVerdict:
         """The verdict on a limit, on one of its criteria where there are several.

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.core.errors import UsageError
+from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.order_response import RPM, OrderResponse
+from torsionnet.response.order_response import OrderResponse
 from torsionnet.response.table import Column, Table
 
 SAME = 1e-3

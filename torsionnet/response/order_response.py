@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.crests import COARSE, LONG, crests
 from torsionnet.response.frequency_response import Channel, ComplexArray, FloatArray
@@ -21,7 +22,6 @@ from torsionnet.response.table import Column, Table
 
 MOST_POINTS = 4_000_000
 """Points of waveforms that are held at a time."""
-RPM = 60 / (2 * math.pi)
 PHASE_NOTE = "order h acts with cos(h phi + phase), phi the angle of the shaft of its excitation"
 
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.core.units import RPM
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.order_response import RPM
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -12,11 +11,11 @@ import numpy as np
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, under
 from torsionnet.core.errors import Fault, Path, UsageError
+from torsionnet.core.units import RPM
 from torsionnet.model.excitations.order_excitation import FloatArray
 
 Rows = tuple[tuple[float, float], ...]
 _SPEED = Value("a speed", "speed", below=1e6)
-RPM = 60 / (2 * math.pi)
 SLACK = 1e-9
 
 

@@ -15,6 +15,7 @@ from torsionnet.core.entries.spec import EntryError, entry
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault, Path, unknown_name
 from torsionnet.core.expressions import Number
+from torsionnet.core.units import RPM
 from torsionnet.model.channels import UNITS, Sensor, named_sensor
 from torsionnet.model.excitations.order_excitation import ORDER
 from torsionnet.model.limits.allowed_curve import ALLOWED, AllowedTable, allowed_at
@@ -24,7 +25,6 @@ from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.model.readings import section_fault
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limit_check import LimitVerdict, RuleText
-from torsionnet.response.order_response import RPM
 
 DIMENSION_OF = {"angle": "angle", "velocity": "speed", "acceleration": "acceleration", "twist": "angle",
                 "torque": "torque", "stress": "pressure"}  # fmt: skip

@@ -13,6 +13,7 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
+from torsionnet.core.units import RPM
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import LimitLine, register_rule
 from torsionnet.model.limits.m68_stress import (
@@ -38,7 +39,6 @@ from torsionnet.model.limits.shaft_limit import RoundSection, ShaftLimit
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limit_check import BARRED, FAIL, PASS, LimitVerdict, RuleText
-from torsionnet.response.order_response import RPM
 from torsionnet.response.speed_spans import SpeedSpan, joined_spans, spans_above
 
 

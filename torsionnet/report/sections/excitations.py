@@ -13,7 +13,7 @@ from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import Spec
 from torsionnet.core.number_text import aligned
-from torsionnet.core.units import expected_unit
+from torsionnet.core.units import RPM, expected_unit
 from torsionnet.model.excitations.by_pressure import ByPressure
 from torsionnet.model.excitations.pressure_trace import PressureTrace
 from torsionnet.report.document_tree import Block, Cell, Heading, NumberText, Paragraph, Section, TableBlock
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from torsionnet.model.excitations import OrderExcitation
     from torsionnet.model.excitations.speed_range import SpeedRange
 
-RPM = 60 / (2 * math.pi)
 LONG = 12
 """Numbers of a list that are written out."""
 MOST_ORDERS = 30

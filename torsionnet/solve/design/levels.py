@@ -10,10 +10,11 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.core.units import RPM
 from torsionnet.model.channels import Sensor
 from torsionnet.response import Channel
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.response.order_response import RPM, OrderResponse
+from torsionnet.response.order_response import OrderResponse
 from torsionnet.solve.grid import Adaptive
 from torsionnet.solve.modes import modes
 from torsionnet.solve.order_response import order_response
