@@ -111,7 +111,7 @@ def test_library_lists_every_model_with_its_source():
     assert {entry["name"] for entry in listed} == set(tn.library_models())
     assert all(entry["what"] and entry["source"] and Path(entry["file"]).is_file() for entry in listed)
     text = run("library").stdout
-    assert all(entry["name"] in text and entry["what"] in text for entry in listed)
+    assert {row[:2] for row in unfolded(text)} == {(entry["name"], entry["what"]) for entry in listed}
 
 
 def test_schema_on_stdout_and_in_a_file(tmp_path):

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from forced_plants import plant, reference
+from running_plants import engine as inline_six
 from test_cli import run
 from test_document import blocks, of, rows
 
@@ -21,6 +22,7 @@ from torsionnet.model.excitations.slider_crank import inertia_harmonics
 from torsionnet.model.files.changing import Place, changed_text
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import TableBlock
+from torsionnet.solve import worst_combination
 from torsionnet.solve.worst_combination import Contributions, largest_amplitudes
 
 ORDERS = np.arange(0.5, 12.1, 0.5)
@@ -518,6 +520,26 @@ class TestWorstCase:
         assert run.half_range == pytest.approx(np.array([one.half_range for one in corners]).max(axis=0), rel=1e-6)
         assert run.largest == pytest.approx(np.array([abs(one.values) for one in corners]).max(axis=0), rel=1e-9)
         assert (run.half_range > self.half_ranges()).all()
+
+    def test_spread_behind_a_gear_takes_no_longer(self, monkeypatch):
+        """Orders of one shaft repeat with it; that the reference shaft needs 34 turns for it does not matter."""
+        elements = [
+            tn.Inertia("throw_1", node="c1", inertia=4),
+            tn.Spring("crank", nodes=("c1", "c2"), stiffness=4e6, damping=60),
+            tn.Inertia("throw_2", node="c2", inertia=4),
+            tn.Gear("stage", nodes=("c2", "shaft"), teeth=(17, -61)),
+            tn.Inertia("disc", node="shaft", inertia=30),
+        ]
+        two = inline_six(cylinders={1: "c1", 2: "c2"}, firing_order=[1, 2], spread="5 %")
+        rig = tn.Drivetrain("geared", elements, excitations={"engine": two})
+        places, inner = [], worst_combination._differences
+        monkeypatch.setattr(worst_combination, "_differences", lambda *given: places.append(1) or inner(*given))
+        own = rig.order_response("torque(crank)", speeds=[80], speed_of="c1").half_range
+        count = len(places)
+        assert rig.order_response("torque(crank)", speeds=[80 * 17 / 61], speed_of="shaft").half_range == pytest.approx(
+            own
+        )
+        assert len(places) == 2 * count
 
     @pytest.mark.parametrize("count", [1, 2, 5])
     def test_largest_amplitude_is_that_of_the_best_corner(self, count):

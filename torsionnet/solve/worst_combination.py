@@ -117,6 +117,9 @@ def _waves(case: OrderResponse, group: Sequence[Contributions], part: slice) -> 
         orders = [case.lines[at].exact_order for at in places]
     cycle = math.lcm(*(order.denominator for order in orders))
     counts = [int(order * cycle) for order in orders]
+    # Orders of one shaft repeat many times while the reference behind a gear comes to the same place again.
+    repeats = math.gcd(*counts) or 1
+    counts = [count // repeats for count in counts]
     points = PER_PERIOD * max(counts)
     basis = np.exp(2j * np.pi * np.outer(counts, np.arange(points)) / points)
     found = [np.einsum("slo,lm->som", case.values[part][:, places], basis).real]
