@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
 
 import numpy as np
@@ -18,8 +17,6 @@ from torsionnet.response.conventions import SI
 from torsionnet.response.limit_check import LimitCheck, LimitVerdict
 
 MOST_LINES = 4
-WIDEST = 80
-"""Characters of a title that stand on one line."""
 LIMIT_COLOR = "#B00020"
 LIMIT_DASHES = ("-", (0, (6, 2)), (0, (2, 1.5)))
 
@@ -66,7 +63,7 @@ def limit_check(
     axes[-1].set_xlabel(f"speed of {check.reference} [r/min]")
     if len(check.rpm) > 1:
         axes[-1].set_xlim(check.rpm[0], check.rpm[-1])
-    style.heading(figure, textwrap.fill(check.title, WIDEST) if title is None else title)
+    style.heading(figure, check.title if title is None else title)
     return figure
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -20,6 +21,10 @@ WIDTH = 7.2
 
 FEW_DECADES = 2.5
 FEW_PHASES, MANY_PHASES = 270, 900
+
+
+WIDEST_TITLE = 84
+"""Characters of a title that stand on one line."""
 
 
 def new_figure(width: float, height: float) -> Figure:
@@ -90,4 +95,5 @@ def plain(value: float) -> str:
 
 def heading(figure: Figure, title: str) -> None:
     if title:
-        figure.suptitle(title, fontsize=TITLE, color=INK)
+        lines = [textwrap.fill(line, WIDEST_TITLE) for line in title.splitlines()]
+        figure.suptitle("\n".join(lines), fontsize=TITLE, color=INK)
