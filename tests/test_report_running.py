@@ -81,3 +81,16 @@ def test_wrong_outputs_are_told(text, told):
 def test_orders_without_excitations_are_told():
     with pytest.raises(tn.ModelError, match="need the entries speeds: and excitations:"):
         tn.loads("torsionnet: 1\nelements: {J: {type: inertia, node: a, inertia: 1}}\nreport: {orders: [a]}\n")
+
+
+def test_the_largest_crossings_are_those_of_any_condition():
+    """Order 0.5 cancels in normal firing; with a misfire it is the largest of the first mode."""
+    from torsionnet.report.sections.critical_speeds import MOST_ROWS, _largest
+
+    ship = tn.load("marine_medium_speed")
+    runs = [
+        ship.configured(f"water=wet,coupling=nominal,firing={name}").critical_speeds() for name in ("normal", "misfire")
+    ]
+    shown = _largest(runs[0], runs)
+    assert len(shown.crossings) == MOST_ROWS < len(runs[0].crossings)
+    assert shown.of(1, 0.5).excited is False

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ from torsionnet.report.report_tables import of_results
 from torsionnet.report.report_words import listed, plain
 
 if TYPE_CHECKING:
-    from torsionnet.response.critical_speeds import CriticalSpeeds
+    from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
     from torsionnet.response.table import Table
 
 MOST_DRAWN, MOST_HOLZER = 3, 4
@@ -48,11 +49,13 @@ def _of_drivetrain(cases: tuple[Case, ...], number: int, *, several: bool) -> li
     blocks: list[Block] = [of_results(_reached(found), f"Natural frequencies without and with damping{where}")]
     if number <= MOST_DRAWN:
         blocks.append(_diagram(found, number, where))
-    chosen = _largest(excited)
+    chosen = _largest(excited, runs)
     few = f", the {MOST_ROWS} with the largest generalised force" if len(excited.crossings) > MOST_ROWS else ""
     blocks.append(of_results(_narrow(chosen), f"Critical speeds{where}{few}"))
     if others.crossings:
-        rest = of_results(_narrow(_largest(others)), f"Crossings that no condition here excites{where}", notes=False)
+        rest = of_results(
+            _narrow(_largest(others, runs)), f"Crossings that no condition here excites{where}", notes=False
+        )
         count = len(others.crossings)
         instead = (f"{count} further crossings are not excited in these conditions.",)
         blocks.append(Details(("Crossings that are not excited",), (rest,), instead))
@@ -67,12 +70,23 @@ def _reached(found: CriticalSpeeds) -> Table:
     return replace(found, modes=found.modes[:last]).mode_table()
 
 
-def _largest(found: CriticalSpeeds) -> CriticalSpeeds:
-    """The crossings with the largest generalised force, in the order of modes."""
-    forces = [one.generalised_force for one in found.crossings]
-    sizes = sorted((force for force in forces if not math.isnan(force)), reverse=True)
+def _largest(found: CriticalSpeeds, runs: Sequence[CriticalSpeeds]) -> CriticalSpeeds:
+    """The crossings with the largest generalised force in any condition, in the order of modes."""
+    forces: dict[tuple[object, ...], float] = {}
+    for one in (one for run in runs for one in run.crossings):
+        forces[_place(one)] = max(forces.get(_place(one), 0.0), _force(one))
+    sizes = sorted((forces[_place(one)] for one in found.crossings), reverse=True)
     least = sizes[MOST_ROWS - 1] if len(sizes) >= MOST_ROWS else 0.0
-    return replace(found, crossings=tuple(one for one in found.crossings if not one.generalised_force < least))
+    return replace(found, crossings=tuple(one for one in found.crossings if forces[_place(one)] >= least))
+
+
+def _force(one: CriticalSpeed) -> float:
+    """What has no torque, as an imposed motion, is never left out."""
+    return math.inf if math.isnan(one.generalised_force) else one.generalised_force
+
+
+def _place(one: CriticalSpeed) -> tuple[object, ...]:
+    return one.mode.number, one.excitation, one.order, one.fixed
 
 
 def _narrow(found: CriticalSpeeds) -> Table:
