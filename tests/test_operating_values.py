@@ -205,6 +205,13 @@ class TestVibration:
         ):
             ship(by_vibration("1 N*m")).order_response("torque(coupling)")
 
+    def test_peaks_of_single_orders_are_refused(self):
+        """One excitation alone makes another vibration, and so another stiffness."""
+        rig = ship(by_vibration("20 kN*m", "0.2 MN*m/rad"))
+        assert rig.critical_speeds().crossings
+        with pytest.raises(tn.UsageError, match="k_cpl follows the vibration of all excitations together"):
+            rig.critical_speeds("torque(coupling)")
+
     def test_what_does_not_settle_is_said(self):
         """A stiffness that jumps across the resonance with the vibration has no value that fits in double precision."""
         J, w = 2.0, 100.0

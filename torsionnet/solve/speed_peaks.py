@@ -15,6 +15,9 @@ from typing import Any
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.core.errors import UsageError
+from torsionnet.model.operating_values import following
+from torsionnet.model.parameters import AMPLITUDE
 from torsionnet.response.critical_speeds import CriticalSpeed, SpeedPeak
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.solve.order_response import order_response
@@ -37,7 +40,16 @@ def with_peaks(
     """The crossings with the peaks of their orders within the limits (rad/s), and the outputs.
 
     One peak belongs to the crossing next to it only.
+
+    Raises
+    ------
+    UsageError
+        A parameter follows a vibration: what one excitation alone would make of it says nothing.
     """
+    swayed = [name for name, one in following(drivetrain.definition).items() if one.by == AMPLITUDE]
+    if swayed:
+        text = f"{' and '.join(swayed)} follows the vibration of all excitations together"
+        raise UsageError(f"{text}: no order has a peak of its own; leave out the outputs and see torsionnet orders")
     sought = [one for one in crossings if one.excited and one.speed("natural") > 0]
     found: dict[int, tuple[SpeedPeak, ...]] = {}
     channels: tuple[Channel, ...] = ()
