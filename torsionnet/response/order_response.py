@@ -17,7 +17,7 @@ from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.crests import COARSE, LONG, crests
 from torsionnet.response.frequency_response import Channel, ComplexArray, FloatArray
 from torsionnet.response.order_line import OrderLine, near_fraction
-from torsionnet.response.synthesis import PER_PERIOD, common_cycle, highest, synthesised
+from torsionnet.response.synthesis import PER_PERIOD, common_cycle, extremes, synthesised
 from torsionnet.response.table import Column, Table
 
 MOST_POINTS = 4_000_000
@@ -353,5 +353,5 @@ def _on_a_fine_grid(spectrum: ComplexArray) -> FloatArray:
     found = []
     for start in range(0, len(spectrum), together):
         waves = synthesised(spectrum[start : start + together])
-        found.append(np.array([highest(waves), -highest(-waves)]))
+        found.append(extremes(waves))
     return np.concatenate(found, axis=1)

@@ -5,14 +5,18 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from fractions import Fraction
+from functools import cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.core.errors import UsageError
 from torsionnet.response.frequency_response import ComplexArray, FloatArray
 
 PER_PERIOD = 64
 """Points on a waveform for each period of its highest order."""
+FEW_PERIODS = 40
+"""Up to so many periods a product with cosines is faster than the Fourier transform."""
 MOST_REVOLUTIONS, HIGHEST_LINE = 1000, 5000
 """A common cycle of more revolutions, or with more periods in it, is none that anybody waits for."""
 
@@ -30,8 +34,21 @@ def synthesised(spectrum: ComplexArray, points: int | None = None) -> FloatArray
     n = points or _even_steps(PER_PERIOD * max(highest, 1))
     if n <= 2 * highest:
         raise UsageError(f"{n} points do not show {highest} periods; take more than {2 * highest}")
-    # Waves that lie in one piece are transformed and searched in less than half the time.
-    return np.asarray(np.fft.irfft(np.ascontiguousarray(spectrum.transpose(0, 2, 1)), n) * (n / 2))
+    # Waves that lie in one piece are made and searched in less than half the time.
+    rows = np.ascontiguousarray(spectrum.transpose(0, 2, 1))
+    if highest > FEW_PERIODS:
+        return np.asarray(np.fft.irfft(rows, n) * (n / 2))
+    parts = np.concatenate([rows.real, rows.imag], axis=-1)
+    return np.asarray(parts @ _cosines(highest, n))
+
+
+@cache
+def _cosines(highest: int, n: int) -> FloatArray:
+    """What real and imaginary parts of the amplitudes, and half of a mean value, are multiplied with."""
+    angle = 2 * np.pi * np.outer(np.arange(highest + 1), np.arange(n)) / n
+    cosine = np.cos(angle)
+    cosine[0] /= 2
+    return np.concatenate([cosine, -np.sin(angle)])
 
 
 def _even_steps(least: int) -> int:
@@ -39,12 +56,16 @@ def _even_steps(least: int) -> int:
     return min(factor << max(0, math.ceil(math.log2(least / factor))) for factor in (1, 3, 5))
 
 
-def highest(waves: FloatArray) -> FloatArray:
-    """Largest value along the cycle, by the parabola through the largest point and its neighbours."""
-    at = np.argmax(waves, axis=-1)[:, :, None]
+def extremes(waves: FloatArray) -> FloatArray:
+    """Largest and smallest values (2, ...) along the cycle, by parabolas through the outermost points."""
+    return np.array([_outermost(waves, np.argmax(waves, axis=-1)), _outermost(waves, np.argmin(waves, axis=-1))])
+
+
+def _outermost(waves: FloatArray, at: NDArray[np.intp]) -> FloatArray:
     n = waves.shape[-1]
-    before, peak, after = (np.take_along_axis(waves, (at + step) % n, axis=-1)[:, :, 0] for step in (-1, 0, 1))
+    around = ((at[:, :, None] + step) % n for step in (-1, 0, 1))
+    before, peak, after = (np.take_along_axis(waves, place, axis=-1)[:, :, 0] for place in around)
     curvature = before - 2 * peak + after
     with np.errstate(divide="ignore", invalid="ignore"):
-        rise = np.where(curvature < 0, (before - after) ** 2 / (-8 * curvature), 0)
+        rise = np.where(curvature != 0, (before - after) ** 2 / (-8 * curvature), 0)
     return np.asarray(peak + rise)
