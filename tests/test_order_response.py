@@ -405,6 +405,11 @@ class TestFiles:
         with pytest.raises(tn.ModelError, match=r"engine\.bore is set on axis a too"):
             tn.loads(text)
 
+    def test_a_section_that_configurations_do_not_change_is_called_by_its_name(self):
+        text = PLANT.replace("smooth: {", "smooth: {speeds.of: f, ")
+        with pytest.raises(tn.ModelError, match=r":11:35: error: a configuration does not change entries of speeds:"):
+            tn.loads(text, file="plant.yaml")
+
     def test_an_excitation_on_what_is_locked_is_refused(self):
         text = FILE.format(engine=ENGINE).replace("speeds:", "  brake: {type: lock, node: c2}\nspeeds:")
         with pytest.raises(tn.ModelError, match=r'<text>:14:27: error: engine acts on "c2", which is locked'):

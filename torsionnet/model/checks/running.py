@@ -54,7 +54,7 @@ def _overrides(definition: Definition) -> Iterator[Fault]:
                 path = ("configurations", axis, label)
                 keys = {entry: (*path, f"{name}.{entry}") for entry in changes}
                 if name not in sections:
-                    yield unknown_name("excitation", name, sections, next(iter(keys.values())), on_key=True)
+                    yield _no_section(name, sections, next(iter(keys.values())))
                     continue
                 known = dict(sections[name].specs())
                 unknown = [entry for entry in changes if entry not in known]
@@ -62,6 +62,14 @@ def _overrides(definition: Definition) -> Iterator[Fault]:
                     yield unknown_name(f"entry of {name}", entry, known, keys[entry], on_key=True)
                 if not unknown:
                     yield from _wrong_values(definition, name, changes, keys)
+
+
+def _no_section(name: str, sections: Mapping[str, Declared], path: Path) -> Fault:
+    """Why entries of this section cannot be changed."""
+    if name in {declared.name for declared in Definition.declared()} - {LOAD}:
+        text = f"a configuration does not change entries of {name}:; it may change parameters, those of excitations"
+        return Fault(f"{text} and of load: (engine.misfire, load.power)", path, on_key=True)
+    return unknown_name("excitation", name, sections, path, on_key=True)
 
 
 def _wrong_values(
