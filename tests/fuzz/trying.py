@@ -46,12 +46,12 @@ def attempt(kind: Kind, path: Path, number: int = 0) -> Trial:
     """Use a file and say what came of it."""
     slow: list[str] = []
     _forget_peak()
-    began, others = _seconds(), _peak_of_children()
+    began, others, before = _seconds(), _peak_of_children(), _peak()
     with _watched(slow, kind.seconds), warnings.catch_warnings(record=True) as heard:
         warnings.simplefilter("always")
         outcome, signature = _used(kind, path)
     seconds, size = _seconds() - began, path.stat().st_size
-    memory = max(_peak(), _peak_of_children() if _peak_of_children() > others else 0.0)
+    memory = max(_peak() - before, _peak_of_children() if _peak_of_children() > others else 0.0)
     stray = [warning for warning in heard if not issubclass(warning.category, tn.TorsionnetWarning)]
     if outcome != "failure" and stray:
         place = Path(stray[0].filename).name

@@ -13,7 +13,7 @@ import numpy as np
 
 from torsionnet.core.errors import UsageError
 from torsionnet.model.report import Pair
-from torsionnet.report.report_words import listed
+from torsionnet.report.report_words import in_common
 from torsionnet.report.request import Request
 from torsionnet.response import Conventions, FrequencyResponse, Modes
 from torsionnet.solve.grid import Adaptive, vibration_range
@@ -165,8 +165,7 @@ class ReportData:
         if len(self.different) == len(self.cases):
             return self
         cases = (
-            Case(listed([case.configuration for case in alike], FEW_CASES), alike[0].drivetrain)
-            for alike in self.different
+            Case(in_common([case.configuration for case in alike]), alike[0].drivetrain) for alike in self.different
         )
         return replace(self, cases=tuple(cases))
 

@@ -102,3 +102,28 @@ def listed(names: Sequence[str], most: int = 12) -> str:
     """Names with commas; of many the first."""
     rest = len(names) - most
     return ", ".join(names[:most]) + (f", … and {rest} more" if rest > 0 else "")
+
+
+def in_common(names: Sequence[str]) -> str:
+    """What configurations have in common by their names; all names where that is nothing.
+
+    Examples
+    --------
+    >>> in_common(["water=wet,firing=normal", "water=wet,firing=misfire"]), in_common(["normal", "misfire"])
+    ('water=wet', 'normal, misfire')
+    """
+    parts = [name.split(",") for name in names]
+    shared = [part for part in parts[0] if all(part in other for other in parts)] if parts else []
+    return ",".join(shared) or listed(names, 3)
+
+
+def apart(name: str, names: Sequence[str]) -> str:
+    """What a configuration has by its name that not all of them have.
+
+    Examples
+    --------
+    >>> apart("water=wet,firing=misfire", ["water=wet,firing=normal", "water=wet,firing=misfire"])
+    'firing=misfire'
+    """
+    shared = in_common(names).split(",")
+    return ",".join(part for part in name.split(",") if part not in shared) or name

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from fractions import Fraction
-from functools import cache
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +42,7 @@ def synthesised(spectrum: ComplexArray, points: int | None = None) -> FloatArray
     return np.asarray(parts @ _cosines(highest, n))
 
 
-@cache
+@lru_cache(maxsize=8)
 def _cosines(highest: int, n: int) -> FloatArray:
     """What real and imaginary parts of the amplitudes, and half of a mean value, are multiplied with."""
     angle = 2 * np.pi * np.outer(np.arange(highest + 1), np.arange(n)) / n

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from torsionnet.report.document_tree import Block, Details, Paragraph, Picture, Section
 from torsionnet.report.report_data import Case, ReportData
 from torsionnet.report.report_tables import of_results
-from torsionnet.report.report_words import listed, plain
+from torsionnet.report.report_words import apart, in_common, plain
 
 if TYPE_CHECKING:
     from torsionnet.response.critical_speeds import CriticalSpeed, CriticalSpeeds
@@ -21,6 +21,8 @@ MOST_DRAWN, MOST_HOLZER = 3, 4
 MOST_ROWS = 30
 LEFT_OUT = ("on its shaft", "amplifi- cation")
 """Columns for which a page has no room."""
+SHORT = {"J referred": "J", "k referred": "k", "sum of torque": "sum"}
+"""Headings of a table in which all is referred to one shaft."""
 REAL = ("J", "k")
 """Quantities of a shaft's own speed, beside which a Holzer table has the referred ones."""
 INTRODUCTION = (
@@ -41,10 +43,10 @@ def critical_speeds_section(subject: ReportData) -> Section | None:
 
 def _of_drivetrain(cases: tuple[Case, ...], number: int, *, several: bool) -> list[Block]:
     """Modes, diagram and crossings of what vibrates alike, with the conditions that excite each."""
-    runs = [case.drivetrain.critical_speeds() for case in cases]
+    names = [case.configuration for case in cases]
+    runs = [replace(case.drivetrain.critical_speeds(), condition=apart(case.configuration, names)) for case in cases]
     found = runs[0].in_conditions(runs) if len(runs) > 1 else runs[0]
-    names = [case.configuration for case in cases if case.configuration]
-    where = f" in configuration {listed(names)}" if several and names else ""
+    where = f" in configuration {in_common(names)}" if several and names[0] else ""
     excited, others = _split(found, len(runs))
     blocks: list[Block] = [of_results(_reached(found), f"Natural frequencies without and with damping{where}")]
     if number <= MOST_DRAWN:
@@ -121,7 +123,10 @@ def _holzer_tables(case: Case, excited: CriticalSpeeds) -> list[Block]:
         first = plain(holzer.branches[0].stations[0].node)
         for place, branch in enumerate(holzer.tables(referred=True), 1):
             part = f", branch {place}" if len(holzer.branches) > 1 else ""
-            shown = branch.chosen([index for index, one in enumerate(branch.columns) if one.name not in REAL])
+            kept = branch.chosen([index for index, one in enumerate(branch.columns) if one.name not in REAL])
+            shown = replace(
+                kept, columns=tuple(replace(one, name=SHORT.get(one.name, one.name)) for one in kept.columns)
+            )
             what = f"Holzer table of mode {mode}, {holzer.frequency:.5g} Hz{part}; 1 rad at {first}"
             blocks.append(of_results(shown, f"{what}, referred to {plain(holzer.referred_to)}"))
     return blocks
