@@ -475,6 +475,11 @@ class TestPictures:
         assert highest == pytest.approx([6, 5][int(np.argmax(sizes))] * 1000 / 60)
         assert {text.get_text() for text in axes.texts} >= {"motor 6"}
 
+    def test_waterfall_of_what_does_not_vibrate(self):
+        """Two equal discs driven alike do not twist the shaft between them."""
+        still = response((OrderLine("motor", 2, Fraction(1)),), [[0.0], [0.0]])
+        assert waterfall(still).axes[0].lines
+
     @pytest.mark.parametrize("picture", ["waterfall", "waveform"])
     def test_command_draws_one_for_each_output(self, tmp_path, monkeypatch, picture):
         monkeypatch.chdir(tmp_path)

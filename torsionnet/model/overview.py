@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import math
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -13,7 +12,7 @@ from torsionnet.core.entries.spec import Spec
 from torsionnet.core.entries.words import Text
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.number_text import on_screen
-from torsionnet.core.units import expected_unit
+from torsionnet.core.units import RPM, expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.model.elements import Element, Values
@@ -181,7 +180,7 @@ def speeds_table(rig: Model) -> Table:
     speeds = rig.mean_speeds if rig.definition.operating_point.speed else {}
     torques = rig.mean_torques
     rows = tuple(
-        (node, speeds.get(node), speeds[node] * 30 / math.pi if node in speeds else None, torques.get(node))
+        (node, speeds.get(node), speeds[node] * RPM if node in speeds else None, torques.get(node))
         for node in rig.nodes
         if node in speeds or node in torques
     )

@@ -55,7 +55,7 @@ def waterfall(
     span = float(np.ptp(rpm)) or float(rpm[0])
     largest = float(sizes.max()) or 1.0
     tops = rpm[:, None] + sizes / largest * HEIGHT * span
-    shown = sizes.max(axis=0) >= LEAST * largest
+    shown = sizes.max(axis=0) >= LEAST * sizes.max()
     right = 1.05 * float(hertz[:, shown].max())
     figure = style.new_figure(style.WIDTH, 4.6)
     axes = figure.subplots()

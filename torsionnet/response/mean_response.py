@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.units import RPM
 from torsionnet.response.conventions import SI, Conventions
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.table import Column, Table
@@ -41,7 +42,7 @@ class MeanResponse:
     @property
     def rpm(self) -> FloatArray:
         """Speeds of the reference shaft, r/min."""
-        return np.asarray(self.speeds * 30 / np.pi)
+        return np.asarray(self.speeds * RPM)
 
     def of(self, output: str) -> FloatArray:
         """Values over speed, shape (n_speeds,), of an output by its name.

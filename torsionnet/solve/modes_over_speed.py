@@ -9,6 +9,7 @@ import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError
+from torsionnet.core.units import RPM
 from torsionnet.model.operating_values import following
 from torsionnet.response.vibration_mode import VibrationMode
 from torsionnet.solve.mode_pairs import vibration_modes
@@ -66,5 +67,5 @@ class ModesOverSpeed:
             length = length / 2 if abs(step) > 0.7 * before else length
             before = abs(step)
             speed += length * step
-        text = f"mode {mode.number} and its critical speed near {speed * 30 / np.pi:.6g} rpm"
+        text = f"mode {mode.number} and its critical speed near {speed * RPM:.6g} rpm"
         raise UsageError(f"{text} do not settle within {TOLERANCE:g} of each other")

@@ -8,6 +8,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
+from torsionnet.core.units import RPM
 from torsionnet.model.definition import Definition
 from torsionnet.model.lookup_table import Rows
 from torsionnet.model.operating_values import following
@@ -62,7 +63,7 @@ def settled_by_vibration(
         before = moved
         values = values + length * (wanted - values)
     open_ = moved > TOLERANCE
-    first = speeds[open_][0] * 30 / np.pi
+    first = speeds[open_][0] * RPM
     text = f"{' and '.join(tables)} and the vibration do not settle within {TOLERANCE:g} of each other"
     raise UsageError(f"{text} at {open_.sum()} of {len(speeds)} speeds, the first {first:.6g} rpm")
 
@@ -78,5 +79,5 @@ def _require_inside(name: str, element: str, table: Rows, sizes: FloatArray, spe
     if outside.any():
         worst = int(np.argmax(np.where(outside, np.abs(sizes - low), -1)))
         ends = f"the table goes from {table[0][0]} to {table[-1][0]}"
-        where = f"{sizes[worst]:.6g} N*m at {speeds[worst] * 30 / np.pi:.6g} rpm"
+        where = f"{sizes[worst]:.6g} N*m at {speeds[worst] * RPM:.6g} rpm"
         raise UsageError(f"{name}: the vibratory torque of {element} is {where}; {ends}")
