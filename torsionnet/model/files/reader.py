@@ -10,7 +10,8 @@ from torsionnet.core.collecting import collector_paused
 from torsionnet.core.entries.nearby import files_beside
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.model.checks import has_errors
-from torsionnet.model.definition import Definition, read_definition
+from torsionnet.model.defining import read_definition
+from torsionnet.model.definition import Definition
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.followups import check_what_was_read
 from torsionnet.model.files.library import library_models
