@@ -12,7 +12,7 @@ from torsionnet.core.errors import Fault
 from torsionnet.model.configurations import VALUE, Overlay
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Element
-from torsionnet.model.parts.authored import Written
+from torsionnet.model.parts.authored import AuthoredModel
 from torsionnet.model.parts.flattening import flattened
 
 
@@ -55,7 +55,7 @@ def define(entries: Mapping[str, Any]) -> tuple[Definition, list[Fault]]:
     authored = _with_files_read(_with_dotted_parameters(authored))
     flat, found = flattened(authored)
     if flat is not authored:
-        flat = replace(_with_files_read(_with_dotted_parameters(flat)), authored=Written(authored, flat))
+        flat = replace(_with_files_read(_with_dotted_parameters(flat)), authored=AuthoredModel(authored, flat))
     return flat, [*faults, *found]
 
 

@@ -34,6 +34,10 @@ LOAD = "load"
 class Authored(Protocol):
     """What an author wrote, with parts, of which a definition was made."""
 
+    @property
+    def authored(self) -> Definition:
+        """It as a definition that has not put its parts in."""
+
     def data(self, flat: Definition) -> dict[str, Any]:
         """The entries of a model file that makes ``flat``, with its parts as far as that can be said with them."""
 

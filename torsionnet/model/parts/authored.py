@@ -12,7 +12,7 @@ from torsionnet.model.parts.part import Use
 
 
 @dataclass(frozen=True)
-class Written:
+class AuthoredModel:
     """The definition with its parts, and the flat one that it makes.
 
     A changed flat definition is written with its parts where changes of the model's own entries and of the values given

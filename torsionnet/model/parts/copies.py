@@ -38,13 +38,13 @@ def _joined(use: Use) -> tuple[str, ...]:
 
 
 def _node(prefixes: tuple[str, ...], use: Use, port: str, index: int) -> str:
-    """Within a chain the node between two copies has the name it has as the rear of the first one."""
+    """Within a chain the rear of a copy is the front of the next one, and has the name given to that, or its own."""
     if use.chain is not None:
         front, rear = use.chain
-        if port == front and index > 0:
-            return f"{prefixes[index - 1]}.{rear}"
         if port == rear and index < len(prefixes) - 1:
-            return f"{prefixes[index]}.{rear}"
+            port, index = front, index + 1
+        if port == front and index > 0 and not isinstance(use.at[front], tuple):
+            return f"{prefixes[index]}.{front}"
     node: str = _one(use.at[port], index)
     return node
 
@@ -85,9 +85,8 @@ def _wrong_length(use: Use, table: str, key: str, value: Any) -> Iterator[Fault]
     path = (table, key)
     if use.repeat is None:
         yield Fault(f"a list for {key} needs repeat: {len(value)}; without, there is one copy and one value", path)
-    elif use.chain and table == "at" and key in use.chain:
-        end = "first" if key == use.chain[0] else "last"
-        yield Fault(f"{key} is the {end} end of a chain, which is one node; leave the list out", path)
+    elif use.chain and table == "at" and key == use.chain[1]:
+        yield Fault(f"{key} is the end of a chain, one node; a list of nodes names those of {use.chain[0]}", path)
     elif len(value) != use.repeat:
         text = f"{key} has {len(value)} values for {use.repeat} copies"
         yield Fault(f"{text}; give {use.repeat}, or one for all", path)

@@ -19,7 +19,7 @@ SECTIONS = ("parameters", "elements", "inputs", "sensors", "configurations", "ex
 
 
 @dataclass
-class Content:
+class PartContent:
     """Those sections of a model, by their names."""
 
     parameters: dict[str, Any] = field(default_factory=dict)
@@ -54,7 +54,7 @@ class _Flattening:
 
     def __init__(self, parts: Mapping[str, Part]) -> None:
         self.parts = parts
-        self.done: dict[str, Content] = {}
+        self.done: dict[str, PartContent] = {}
         self.faults: list[Fault] = []
 
     def unused(self, parts: Mapping[str, Part]) -> None:
@@ -63,9 +63,9 @@ class _Flattening:
                 text = f'part "{name}" is not used'
                 self.faults.append(Fault(text, ("parts", name), "warning", on_key=True, about=name))
 
-    def content(self, owner: Definition | Part, path: Path, within: tuple[str, ...]) -> Content:
+    def content(self, owner: Definition | Part, path: Path, within: tuple[str, ...]) -> PartContent:
         """What a model or a part holds with everything it uses."""
-        found = Content(**{name: dict(getattr(owner, name)) for name in SECTIONS})
+        found = PartContent(**{name: dict(getattr(owner, name)) for name in SECTIONS})
         _expand(found)
         for name, use in owner.use.items():
             place = (*path, "use", name)
@@ -87,7 +87,7 @@ class _Flattening:
         self.faults += found
         return not found
 
-    def part(self, name: str, within: tuple[str, ...]) -> Content:
+    def part(self, name: str, within: tuple[str, ...]) -> PartContent:
         if name not in self.done:
             part = self.parts[name]
             self.done[name] = self.content(part, ("parts", name), within)
@@ -99,7 +99,7 @@ class _Flattening:
             ]
         return self.done[name]
 
-    def put(self, whole: Content, name: str, use: Use, part: Content, place: Path) -> None:
+    def put(self, whole: PartContent, name: str, use: Use, part: PartContent, place: Path) -> None:
         for copy in copies(name, use):
             if copy.name in whole.elements:
                 text = f'"{copy.name}" is an element; what is used needs another name'
@@ -114,7 +114,7 @@ class _Flattening:
                     return
                 table.update(entries)
 
-    def renamed(self, copy: Copy, part: Content) -> dict[str, dict[str, Any]]:
+    def renamed(self, copy: Copy, part: PartContent) -> dict[str, dict[str, Any]]:
         names = Renaming(
             f"{copy.name}.",
             {**copy.nodes, GROUND: GROUND},
@@ -147,7 +147,7 @@ def _below(path: Path, section: str) -> Path:
     return path[2:] if path[:1] == (section,) else path
 
 
-def _overlay(overlay: Overlay, names: Renaming, part: Content) -> Overlay:
+def _overlay(overlay: Overlay, names: Renaming, part: PartContent) -> Overlay:
     """The changes of an alternative in the whole; entries of excitations are read, renamed and written again."""
     entries = {}
     for key, raw in overlay.entries.items():
@@ -158,7 +158,7 @@ def _overlay(overlay: Overlay, names: Renaming, part: Content) -> Overlay:
     return replace(overlay, entries=entries).renamed(names)
 
 
-def _expand(content: Content) -> None:
+def _expand(content: PartContent) -> None:
     """Elements that stand for several are written out, also where configurations switch them."""
     groups: dict[str, tuple[Element, ...]] = {}
     elements: dict[str, Element] = {}

@@ -47,7 +47,7 @@ class OneOrEach(Spec):
 
 _PORT = Text("a port of the part", "the name of a port")
 _AT = Named(
-    "port -> the node of this model that it is; of copies that stand side by side a list, one node for each",
+    "port -> the node of this model that it is; a list has one for each copy",
     OneOrEach("a node, or one for each copy", NodeName("a node")),
     form="{inner: dl, outer: hub}",
 )
