@@ -52,11 +52,18 @@ def define(entries: Mapping[str, Any]) -> tuple[Definition, list[Fault]]:
     authored = Definition(**{name: value for name, value in values.items() if value is not None})
     if authored.include:
         faults.append(Fault("files are included by model files only", ("include",), on_key=True))
+    flat, found = put_together(authored)
+    return flat, [*faults, *found]
+
+
+def put_together(authored: Definition) -> tuple[Definition, list[Fault]]:
+    """The flat definition of a model with parts, which knows how it was written."""
     authored = _with_files_read(_with_dotted_parameters(authored))
     flat, found = flattened(authored)
-    if flat is not authored:
-        flat = replace(_with_files_read(_with_dotted_parameters(flat)), authored=AuthoredModel(authored, flat))
-    return flat, [*faults, *found]
+    if flat is authored:
+        return flat, found
+    flat = _with_files_read(_with_dotted_parameters(flat))
+    return replace(flat, authored=AuthoredModel(authored, flat)), found
 
 
 def _with_dotted_parameters(definition: Definition) -> Definition:

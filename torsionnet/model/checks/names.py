@@ -76,6 +76,9 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
         for name, channel in getattr(definition, table).items():
             if not channel.is_on_element and channel.of not in nodes:
                 faults.append(_unknown_node(channel.of, nodes, (table, name, channel.quantity)))
+    for index, port in enumerate(definition.ports):
+        if port not in nodes:
+            faults.append(_unknown_node(port, nodes, ("ports", index)))
     points: list[tuple[Path, OperatingPoint | None]] = [(("operating_point",), definition.operating_point)]
     for axis, alternatives in definition.configurations.items():
         points += [
@@ -182,7 +185,7 @@ def dead_ends(definition: Definition) -> list[Fault]:
     used = {channel.of for table in (definition.inputs, definition.sensors) for channel in table.values()}
     used |= {node for one in definition.excitations.values() for node in one.nodes}
     used |= {*definition.load.by_node, *definition.load.driven_by} if definition.load else set()
-    used |= {GROUND, *definition.operating_point.speed, *definition.operating_point.torque}
+    used |= {GROUND, *definition.ports, *definition.operating_point.speed, *definition.operating_point.torque}
     faults: list[Fault] = []
     for node, names in touching.items():
         if len(names) == 1 and node not in used and len(definition.elements[names[0]].ports) > 1:
