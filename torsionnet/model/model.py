@@ -94,16 +94,16 @@ class Model:
         """A model of another definition, in no configuration and with the values of its parameters as they stand."""
         return self._variant(definition, definition, {}, Overlay(), ())
 
-    def _changed(self, choice: Mapping[str, str], changes: Overlay, base: Definition | None = None) -> Self:
-        """A base with the chosen alternatives in the order of the axes, and the changes made by hand last."""
-        definition = base = base or self._base
+    def _changed(self, choice: Mapping[str, str], changes: Overlay) -> Self:
+        """The base with the chosen alternatives in the order of the axes, and the changes made by hand last."""
+        definition = self._base
         chosen = {axis: choice[axis] for axis in definition.configurations if axis in choice}
         for axis, alternative in chosen.items():
-            definition = definition.overlaid(base.configurations[axis][alternative])
+            definition = definition.overlaid(self._base.configurations[axis][alternative])
         definition = definition.overlaid(changes)
         faults = check_variant(definition)
         _refuse(faults, label(chosen, definition.configurations) or self.name)
-        return self._variant(at_operating_point(definition), base, chosen, changes, faults)
+        return self._variant(at_operating_point(definition), self._base, chosen, changes, faults)
 
     @property
     def definition(self) -> Definition:
@@ -262,9 +262,11 @@ class Model:
         definition, found = put_together(authored)
         _refuse(faults := [*faults, *found], self.name)
         _refuse(faults := [*faults, *check_definition(definition)], self.name)
+        whole = self._variant(at_operating_point(definition), definition, {}, Overlay(), faults)
         if not self._choice and self._changes == Overlay():
-            return self._variant(at_operating_point(definition), definition, {}, Overlay(), faults)
-        return self._changed(self._choice, self._changes, definition)
+            return whole
+        choice = ",".join(f"{axis}={alternative}" for axis, alternative in self._choice.items())
+        return whole.configured(choice, **self._changes.parameters).switched(on=self._changes.on, off=self._changes.off)
 
     def switched(self, *, on: Iterable[str] = (), off: Iterable[str] = ()) -> Self:
         """A copy with elements switched on or off by name, whatever its configuration says."""
