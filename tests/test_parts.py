@@ -275,18 +275,14 @@ def test_reading_is_faultless():
     assert [fault for fault in read_text(MODEL, "")[1] if fault.severity != "note"] == []
 
 
-def test_show_prints_the_flat_file_and_draws_boxes(tmp_path):
-    from click.testing import CliRunner
-
-    from torsionnet.cli.app import main
+def test_show_prints_the_flat_file_and_draws_boxes(tmp_path, capsys):
+    from torsionnet.cli.app import run
 
     path = tmp_path / "car.yaml"
     path.write_text(MODEL, encoding="utf-8")
-    shown = CliRunner().invoke(main, ["show", "--flat", str(path)])
-    assert shown.exit_code == 0
-    assert tn.loads(shown.stdout) == model()
-    drawn = CliRunner().invoke(main, ["show", "--boxes", str(path), "--plot", str(tmp_path / "car.svg")])
-    assert drawn.exit_code == 0, drawn.output
+    assert run(["show", "--flat", str(path)]) == 0
+    assert tn.loads(capsys.readouterr().out) == model()
+    assert run(["show", "--boxes", str(path), "--plot", str(tmp_path / "car.svg")]) == 0
     opened, closed = (tn.plot.schematic(model(), boxes=boxes) for boxes in (False, True))
     texts = [[text.get_text() for text in figure.axes[0].texts] for figure in (opened, closed)]
     assert "left.shaft" in texts[0]
