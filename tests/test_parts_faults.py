@@ -227,3 +227,15 @@ def test_python_says_the_same():
         whole.with_part("u", mass, at={"p": "n"}).with_part("u", "mass", at={"p": "n"})
     with pytest.raises(ModelError, match='no node is named "q"'):
         tn.Drivetrain("mass", [tn.Inertia("m", node="p", inertia=1)], ports=["q"])
+
+
+def test_check_gives_both_places_to_programs(tmp_path, capsys):
+    import json
+
+    from torsionnet.cli.app import run
+
+    path = tmp_path / "model.yaml"
+    path.write_text(MODEL.replace("stiffness: k}", "stiffness: kk}"), encoding="utf-8")
+    assert run(["check", "--json", str(path)]) == 1
+    (fault,) = json.loads(capsys.readouterr().out)[0]["faults"]
+    assert (fault["position"]["line"], [one["line"] for one in fault["used_at"]]) == (8, [16])

@@ -73,6 +73,7 @@ def _as_data(model: str, faults: Sequence[Fault]) -> dict[str, Any]:
             "configuration": fault.configuration,
             "path": list(fault.path),
             "position": None if fault.position is None else asdict(fault.position),
+            "used_at": [asdict(position) for position in fault.used_at],
         }
         for fault in faults
     ]

@@ -61,6 +61,7 @@ FAULT = record(
     configuration=text_or_nothing(),
     path=listed({"type": ["string", "integer"]}),
     position=or_null(POSITION),
+    used_at=listed(POSITION),
 )
 KIND: Schema = {"enum": ["rigid body", "real pole", "oscillatory"]}
 MODE = record(
