@@ -20,8 +20,9 @@ from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.frequency_curves import over_frequency
 from torsionnet.model.elements.laws import GROUND, Law, Part, Values, difference, make_row
 from torsionnet.model.elements.nodes import NodePair
+from torsionnet.model.elements.sheared_shapes import RUBBER_SHAPES
 from torsionnet.model.elements.stiffness_table import StiffnessTable
-from torsionnet.model.elements.viscoelastic import RUBBER_SHAPES, Viscoelastic
+from torsionnet.model.elements.viscoelastic import Viscoelastic
 
 _OVER_TORQUE = "{0.25: 0.9, 1: 1.6}, of T_KN, or {2 kN*m: 0.9, 8 kN*m: 1.6}"
 

@@ -16,9 +16,9 @@ from torsionnet.model.elements.damping_entries import DampingQuantity
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
 from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.elements.sheared_shapes import FilmGap
 from torsionnet.model.elements.stiffness_rows import TableEntry
-from torsionnet.model.elements.viscoelastic import FilmGap, Viscoelastic, temperature_faults
-
+from torsionnet.model.elements.viscoelastic import Viscoelastic, temperature_faults
 
 _FILMS = ("damping", "table", "silicone")
 
@@ -62,8 +62,34 @@ class ViscousDamper(Element):
     )
     stiffness: Any = entry(PhysicalQuantity("stiffness of the film", "stiffness", "k"), 0)
     hub_inertia: Any = entry(PhysicalQuantity("inertia of hub and casing", "inertia", "J_h"), 0)
+    table: Any = entry(
+        TableEntry("instead: rows [frequency in Hz, stiffness in N*m/rad, damping in N*m*s/rad] of the film"), None
+    )
+    silicone: Any = entry(Nested("instead: moduli of the silicone", lambda: Viscoelastic, "viscoelastic"), None)
+    gap: Any = entry(Nested("its gaps round the ring", lambda: FilmGap, "film_gap"), None)
+    temperature: Any = entry(Temperature("temperature of the silicone", "temperature", "t", exclusive=True), None)
 
     def contradictions(self) -> list[Fault]:
+        given = [name for name in _FILMS if getattr(self, name) is not None]
+        if not given:
+            return [Fault("a viscous_damper needs damping, a table, or silicone and gap", on_key=True)]
+        if len(given) > 1:
+            return [Fault(f"the film is given by {given[0]} or by {given[1]}, not both", (given[1],), on_key=True)]
+        if self.damping is None and self.stiffness != Number(0):
+            return [Fault(f"the {given[0]} says the stiffness already", ("stiffness",), on_key=True)]
+        return [*self._measure_faults(), *self._silicone_faults()]
+
+    def _silicone_faults(self) -> list[Fault]:
+        if (self.silicone is None) != (self.gap is None):
+            lacking = "gap, as {outer_diameter: ...}" if self.silicone is not None else "silicone, as {moduli: ...}"
+            return [Fault(f"a film of silicone needs its moduli and its gaps; here is no {lacking}", on_key=True)]
+        if self.silicone is not None:
+            return temperature_faults(self.silicone, self.temperature)
+        if self.temperature is not None:
+            return [Fault("nothing here depends on it; give silicone and gap", ("temperature",), on_key=True)]
+        return []
+
+    def _measure_faults(self) -> list[Fault]:
         if isinstance(self.damping, DampingMeasure) and self.damping.measure != "c" and self.stiffness == Number(0):
             return [Fault("a measure of damping needs a film with stiffness; give damping in N*m*s/rad", ("damping",))]
         return []
