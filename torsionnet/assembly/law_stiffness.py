@@ -202,5 +202,5 @@ def law_stiffness(systems: Sequence[RowSystem], omega: FloatArray) -> LawStiffne
     sampled = {law: np.zeros((len(systems), omega.shape[-1]), dtype=complex) for law in laws}
     for variant, system in enumerate(systems):
         for law, at in system.dynamic:
-            sampled[law][variant] += at(omega if omega.ndim == 1 else omega[variant])
+            sampled[law][variant] += at.kappa(omega if omega.ndim == 1 else omega[variant])
     return LawStiffness(J, c, k, omega, tuple(sampled.items()))

@@ -11,10 +11,11 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.rows import DynamicStiffness, FloatArray, Rows, RowSystem
+from torsionnet.assembly.rows import FloatArray, Rows, RowSystem
 from torsionnet.core.collecting import collector_paused
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Law, Values
+from torsionnet.model.elements.dynamic_stiffness import ComplexStiffness, DynamicStiffness
 from torsionnet.model.kinematics import Kinematics, exact_row, pseudo_node, solve_kinematics
 
 
@@ -162,14 +163,13 @@ def _columns(kinematics: Kinematics) -> tuple[dict[str, int], dict[str, int]]:
 
 def _dynamic(index: int, law: Law) -> tuple[int, DynamicStiffness]:
     if law.table is not None:
-        return index, law.table.kappa
-    stiffness = complex(float(law.stiffness), float(law.stiffness * law.loss_factor))
-    return index, lambda omega: np.full(np.shape(omega), stiffness)
+        return index, law.table
+    return index, ComplexStiffness(complex(float(law.stiffness), float(law.stiffness * law.loss_factor)))
 
 
 def smallest_rate(system: RowSystem) -> float:
     """A circular frequency in rad/s safely below the slowest motion of the system, for limits at zero frequency."""
-    stiff = [*system.stiffness[system.stiffness > 0], *(abs(law(np.zeros(1))[0]) for _, law in system.dynamic)]
+    stiff = [*system.stiffness[system.stiffness > 0], *(abs(law.kappa(np.zeros(1))[0]) for _, law in system.dynamic)]
     inertia = float(system.inertia.sum()) or 1.0
     damping = float(system.damping.sum())
     softest = min((float(value) for value in stiff if value > 0), default=1.0)

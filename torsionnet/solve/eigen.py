@@ -114,7 +114,7 @@ def _few_modes(system: RowSystem, stiff: NDArray[np.bool_], lowest: int) -> Eige
 def is_passive(system: RowSystem, eigenvalues: ComplexArray) -> bool:
     """Whether no frequency-dependent law feeds energy into any of the vibrations."""
     omega = np.abs(eigenvalues.imag)
-    return all(bool(np.all(law(omega).imag >= 0)) for _, law in system.dynamic)
+    return all(bool(np.all(law.kappa(omega).imag >= 0)) for _, law in system.dynamic)
 
 
 def _sorted_solution(rigid: FloatArray, found: frozen_stiffness.Found, *, passive: bool) -> EigenSolution:

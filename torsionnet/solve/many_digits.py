@@ -10,8 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
-import numpy as np
-
 import torsionnet.solve.tape as ops
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import SolveError
@@ -109,14 +107,12 @@ def _factor(part: ReadingPart, kappa: Sequence[Number], s: Number) -> Number:
 
 
 def _dynamic_stiffness(law: Law, s: Number) -> Number:
-    """Of a table at |Im s|, and beside the axis with its damping."""
     import mpmath
 
     loss = mpmath.mpc(0, number(law.loss_factor)) if law.loss_factor else 0
     total = number(law.stiffness) * (1 + loss) + s * (number(law.damping) + s * number(law.inertia))
     if law.table is not None:
-        total += mpmath.mpmathify(complex(law.table.kappa(np.array([abs(float(mpmath.im(s)))]))[0]))
-        total += mpmath.re(s) * number(law.table.damping[0])
+        total += law.table.in_many_digits(s)
     return total
 
 

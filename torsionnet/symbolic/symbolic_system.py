@@ -6,12 +6,13 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
-import sympy
-
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.symbolic import OMEGA, SymbolicMatrices, symbolic_matrices
+from torsionnet.assembly.symbolic import SymbolicMatrices, stiffness_symbol, symbolic_matrices, with_symbols
+from torsionnet.assembly.twin import TWINS, twin_parameters
 from torsionnet.core.memo import Memo
 from torsionnet.model.channels import Sensor
+from torsionnet.model.elements import Law, Values
+from torsionnet.model.kinematics import owned_parts
 from torsionnet.response import Channel
 from torsionnet.solve.transfer_request import ask
 from torsionnet.symbolic.imposed import at_rest, is_imposed, posed, single
@@ -179,9 +180,11 @@ def _fraction(asked: SymbolicRequest) -> tuple[ProgramNode, ProgramNode]:
 
 
 def _tables(drivetrain: AssembledModel) -> Mapping[Any, Any]:
-    """The functions kappa(omega) of tabulated elements by the symbols that stand for them."""
-    laws = drivetrain.assembly.kinematics.laws
-    return {sympy.Function(f"kappa_{owner}")(OMEGA): law.table.kappa for owner, law in laws if law.table is not None}
+    """What depends on frequency by the symbols that stand for it, its coefficients as sympy expressions."""
+    values = Values(twin_parameters(drivetrain.definition.parameters, drivetrain.exact_values), TWINS)
+    parts = [(owned.element, owned.part) for owned in owned_parts(drivetrain.definition, values)]
+    laws = [(owner, part) for owner, part in parts if isinstance(part, Law) and part.table is not None]
+    return {stiffness_symbol(owner, law.table): with_symbols(law.table) for owner, law in laws if law.table is not None}
 
 
 def symbolic_system(drivetrain: AssembledModel, referred_to: Collection[str] = ()) -> SymbolicSystem:

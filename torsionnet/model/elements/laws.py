@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from torsionnet.core.expressions import RATIONAL, Algebra, Expression
-from torsionnet.model.elements.stiffness_table import StiffnessTable
+from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
 
 GROUND = "ground"
 """The node with no angle; a coefficient on it drops out of every row."""
@@ -24,7 +24,8 @@ Row: TypeAlias = dict[str, Any]
 class Law:
     """A torque kappa(s) gamma on the row gamma, kappa(s) = J s^2 + c s + k (1 + j eta) + table(omega).
 
-    ``inertia`` kg m^2, ``damping`` N m s/rad, ``stiffness`` N m/rad, ``loss_factor`` eta without unit.
+    ``inertia`` kg m^2, ``damping`` N m s/rad, ``stiffness`` N m/rad, ``loss_factor`` eta without unit,
+    ``table`` what depends on frequency.
     """
 
     row: Row
@@ -32,21 +33,21 @@ class Law:
     damping: Any = 0
     stiffness: Any = 0
     loss_factor: Any = 0
-    table: StiffnessTable | None = None
+    table: DynamicStiffness | None = None
 
     @property
     def is_elastic(self) -> bool:
         """Whether the law is a spring; a table is one even if its stiffness vanishes at rest."""
-        return bool(self.stiffness != 0) or self.table is not None
+        return bool(self.stiffness != 0) or (self.table is not None and self.table.is_elastic)
 
     @property
     def holds_at_rest(self) -> bool:
         """Whether the law resists a constant gamma."""
-        return bool(self.stiffness != 0) or (self.table is not None and self.table.stiffness[0] > 0)
+        return bool(self.stiffness != 0) or (self.table is not None and self.table.holds_at_rest)
 
     @property
     def acts(self) -> bool:
-        return self.is_elastic or bool(self.inertia != 0) or bool(self.damping != 0)
+        return self.is_elastic or self.table is not None or bool(self.inertia != 0) or bool(self.damping != 0)
 
 
 @dataclass(frozen=True)
