@@ -22,6 +22,43 @@ EVERY_ELEMENT = {
     ),
     "propeller": tn.Propeller("e", node="a", inertia=2, entrained_water=0.25, archer=30, torque=200, speed=15),
     "viscous_damper": tn.ViscousDamper("e", node="a", ring_inertia=3, damping=5, stiffness=200, hub_inertia=0.5),
+    "tuned_damper": tn.TunedDamper(
+        "e", node="a", ring_inertia=3, natural_frequency=1.5, damping_ratio=0.1, hub_inertia=0.5
+    ),
+    "spring_damper": tn.SpringDamper(
+        "e",
+        node="a",
+        ring_inertia=3,
+        stiffness=200,
+        loss_over_frequency={"1 Hz": 0.2, "30 Hz": 0.5},
+        stiffness_over_frequency={"1 Hz": 1.1, "10 Hz": 1.3},
+    ),
+    "pendulum_absorber": tn.PendulumAbsorber(
+        "e", node="a", mass=4, pivot_radius=0.5, path_radius=0.2, speed=9, count=2, own_inertia=0.1, damping=0.3
+    ),
+    "dual_mass_flywheel": tn.DualMassFlywheel(
+        "e",
+        nodes=("a", "b"),
+        primary_inertia=2,
+        secondary_inertia=1,
+        stages=[{"stiffness": 200, "to": "30 N*m"}, {"stiffness": 400}],
+        torque=50,
+        friction=3,
+        swing=0.1,
+        damping=1,
+    ),
+    "flexible_coupling": tn.FlexibleCoupling(
+        "e",
+        nodes=("a", "b"),
+        stiffness_over_torque={0: 200, 1: 500},
+        T_KN=100,
+        torque=40,
+        temperature="60 degC",
+        temperature_factor={"20 degC": 1, "100 degC": 0.5},
+        loss_factor={"psi": 0.9},
+        in_series=2,
+        first_inertia=0.5,
+    ),
 }
 
 
