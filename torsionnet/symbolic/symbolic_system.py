@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import sympy
 
+from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.symbolic import OMEGA, SymbolicMatrices, symbolic_matrices
 from torsionnet.core.memo import Memo
@@ -63,6 +64,7 @@ class SymbolicSystem(SymbolicMatrices):
         (k_1*tau**2 + k_2)/(k_1*k_2)
         """
         drivetrain = self._model
+        refuse_actions(drivetrain.assembly.system.actions, "transfer functions in symbols are")
         single(output, input)
         request = posed(drivetrain, output, input, excitation)
         memo = self.memo if request.drivetrain is drivetrain else None
@@ -91,6 +93,7 @@ class SymbolicSystem(SymbolicMatrices):
         1
         """
         drivetrain = self._model
+        refuse_actions(drivetrain.assembly.system.actions, "transfer functions in symbols are")
         request = ask(drivetrain, list(outputs), list(inputs), excitation)
         if request.is_measured and len(inputs) > 1:
             return over_measured(drivetrain, request, self._written)
