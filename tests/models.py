@@ -21,6 +21,9 @@ EVERY_ELEMENT = {
         "e", nodes=("a", "b"), outer_diameter=0.05, inner_diameter=0.02, length=1.2, segments=3, damping=4
     ),
     "propeller": tn.Propeller("e", node="a", inertia=2, entrained_water=0.25, archer=30, torque=200, speed=15),
+    "controller": tn.Controller(
+        "e", sense={"velocity": ["a", "b"]}, act=["c", "b"], law={"p": -3, "i": -5, "d": 1, "filter": 0.2}, delay=0.1
+    ),
     "viscous_damper": tn.ViscousDamper("e", node="a", ring_inertia=3, damping=5, stiffness=200, hub_inertia=0.5),
     "tuned_damper": tn.TunedDamper(
         "e", node="a", ring_inertia=3, natural_frequency=1.5, damping_ratio=0.1, hub_inertia=0.5

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import torsionnet.solve.frozen_stiffness as frozen_stiffness
+from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.solve.lowest import Motions, lowest_vibrations
 from torsionnet.solve.reduction import LARGE, AnyArray, acting, resisting, restricted, stiff_laws, subspaces
@@ -83,6 +84,7 @@ def complex_modes(
     SolveError
         Where coordinates have neither inertia nor spring nor damper.
     """
+    refuse_actions(system.actions, "these modes are")
     system = acting(system)
     stiff = stiff_laws(system)
     if lowest is not None and (few := _few_modes(system, stiff, lowest)) is not None:
@@ -165,6 +167,7 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
     shapes : (n_q, n) array
         Real shapes; the largest component of each is 1.
     """
+    refuse_actions(system.actions, "undamped modes are")
     system = acting(system)
     kept = resisting(system)
     omega, shapes = _undamped_modes(acting(restricted(system, kept)), lowest)

@@ -6,6 +6,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
+from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.symbolic import SymbolicMatrices, stiffness_symbol, symbolic_matrices, with_symbols
 from torsionnet.assembly.twin import TWINS, twin_parameters
@@ -64,6 +65,7 @@ class SymbolicSystem(SymbolicMatrices):
         (k_1*tau**2 + k_2)/(k_1*k_2)
         """
         drivetrain = self._model
+        refuse_actions(drivetrain.assembly.system.actions, "transfer functions in symbols are")
         single(output, input)
         request = posed(drivetrain, output, input, excitation)
         memo = self.memo if request.drivetrain is drivetrain else None
@@ -92,6 +94,7 @@ class SymbolicSystem(SymbolicMatrices):
         1
         """
         drivetrain = self._model
+        refuse_actions(drivetrain.assembly.system.actions, "transfer functions in symbols are")
         request = ask(drivetrain, list(outputs), list(inputs), excitation)
         if request.is_measured and len(inputs) > 1:
             return over_measured(drivetrain, request, self._written)

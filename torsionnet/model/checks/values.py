@@ -12,7 +12,7 @@ from torsionnet.core.expressions import Compound, Expression, ExpressionError
 from torsionnet.core.units import DIMENSIONS, Dimension, expected_unit, is_beyond_range
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Element, Law, Values
-from torsionnet.model.elements.damping_entries import DampingQuantity
+from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor
 from torsionnet.model.parameters import dimensions
 
 Numbers = Mapping[str, "Fraction | float"]
@@ -56,7 +56,7 @@ def bound_dimensions(definition: Definition) -> list[Fault]:
 
 
 def _dimension_fault(expression: Expression, wanted: str, known: Mapping[str, Dimension | None]) -> str | None:
-    if not expression.names or not expression.names <= known.keys():
+    if not wanted or not expression.names or not expression.names <= known.keys():
         return None
     try:
         found = expression.dimension(known)
@@ -117,7 +117,13 @@ def _point_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
 def _field_sizes(element: Element, numbers: Numbers) -> list[Fault]:
     faults = []
     for path, spec, expression, wanted in element.expressions():
-        text = _size_fault(spec, expression, numbers, measure=len(path) > 1, wanted=wanted)
+        text = _size_fault(
+            spec,
+            expression,
+            numbers,
+            measure=isinstance(spec, DampingQuantity | LossFactor) and len(path) > 1,
+            wanted=wanted,
+        )
         if text:
             faults.append(Fault(text, ("elements", element.name, *path)))
     return faults
