@@ -44,6 +44,10 @@ class Gap:
     laws: Mapping[int, Fraction]
     nodes: Mapping[str, Fraction]
 
+    def work(self, row: Mapping[str, int]) -> Fraction:
+        """Of torques on nodes as it opens by one."""
+        return sum((share * self.nodes.get(node, Fraction(0)) for node, share in row.items()), start=Fraction(0))
+
 
 @dataclass(frozen=True, eq=False)
 class PosedProblem:
@@ -111,7 +115,7 @@ def pose(
     applied = np.zeros((len(readings), len(excitations)))
     for place, reading in enumerate(measured, len(outputs)):
         for column, one in enumerate(excitations):
-            applied[place, column] = reading.direct(one.of) if one.quantity == "torque" else 0.0
+            applied[place, column] = float(reading.direct(one.row)) if one.quantity == "torque" else 0.0
     parts = (part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in found)
     return PosedProblem(problem, tuple(parts), tuple(terms), applied)
 
@@ -138,10 +142,10 @@ def _excitation(
 ) -> Loading:
     if excitation.is_on_element:
         return Loading(motion={column: number(Fraction(1)) for column, one in twists.items() if one == excitation})
-    effect = assembly.columns_of(exact_row(assembly.kinematics.reduced({excitation.of: 1})), number)
+    effect = assembly.columns_of(exact_row(assembly.kinematics.reduced(excitation.row)), number)
     if excitation.quantity == "angle":
         return Loading(motion=effect)
-    at_gaps = {j: number(gap.nodes[excitation.of]) for j, gap in gaps.items() if excitation.of in gap.nodes}
+    at_gaps = {column: number(work) for column, gap in gaps.items() if (work := gap.work(excitation.row))}
     return Loading(load={**effect, **at_gaps})
 
 
