@@ -54,9 +54,9 @@ def poles_of_measured(
 def beyond_cut(drivetrain: AssembledModel, request: TransferRequest) -> tuple[str, ...] | None:
     """Elements that stay when the drivetrain is cut at the measured torque and the side of the excitation taken away.
 
-    None if more than that is measured, it does not separate the drivetrain, or an excitation acts on both sides. The torque
-    at a port flows between the element and its node there; elements join their other nodes, as does an imposed relative
-    motion; ground does not.
+    None if more than that is measured, it does not separate the drivetrain, or an excitation acts on both sides. The
+    torque at a port flows between the element and its node there; elements join their other nodes, as does an imposed
+    relative motion; ground does not.
     """
     sensor = request.measured[0].sensor
     if sensor is None or sensor.quantity != "torque" or len(request.measured) > 1:

@@ -143,8 +143,8 @@ def _add_reading(
         over_coordinates = motion.over_coordinates(row)
         for power, weight in enumerate(factors):
             if not weight.vanishes:
-                for name, share in over_coordinates.items():
-                    matrices[f"R{power}"].add(number, place[name], weight * share)
+                for name, angle in over_coordinates.items():
+                    matrices[f"R{power}"].add(number, place[name], weight * angle)
     for column, load in enumerate(loads):
-        for node, weight in load.items():
-            matrices["F"].add(number, column, tape.number(weight) * tape.number(balanced.applied.get(node, 0)))
+        for node, share in load.items():
+            matrices["F"].add(number, column, tape.number(share) * tape.number(balanced.applied.get(node, 0)))
