@@ -74,9 +74,9 @@ class Functional:
         """Name and unit."""
         return Channel(self.name, self.unit)
 
-    def direct(self, node: str) -> float:
-        """What is read of a torque applied to a node, without any motion."""
-        return float(self.applied.get(node, 0))
+    def direct(self, row: Mapping[str, int]) -> Fraction:
+        """What is read of torques applied to nodes, without any motion."""
+        return sum((share * self.applied.get(node, Fraction(0)) for node, share in row.items()), start=Fraction(0))
 
 
 def coefficient(term: Term, kappa: LawStiffness) -> ComplexArray:
@@ -104,7 +104,8 @@ def functional(drivetrain: AssembledModel, sensor: Sensor, name: str = "") -> Fu
     if sensor.is_on_element:
         _require(sensor.of, drivetrain.elements, "element", definition.elements)
     else:
-        _require(sensor.of, drivetrain.nodes, "node", all_nodes(definition.elements.values()))
+        for node in sensor.nodes:
+            _require(node, drivetrain.nodes, "node", all_nodes(definition.elements.values()))
     laws = ((owner, law.row) for owner, law in zip(assembly.owners, assembly.laws, strict=True))
     values = Values(drivetrain.exact_values)
     actions = ((one.owner, one.nodes) for one in assembly.system.actions)

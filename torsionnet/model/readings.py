@@ -52,7 +52,7 @@ def reading(
 ) -> Reading:
     """What a sensor reads that is known to be there; laws, constraints and actions are owners and rows, in order."""
     if sensor.quantity in POWERS:
-        return Reading(POWERS[sensor.quantity], {sensor.of: 1})
+        return Reading(POWERS[sensor.quantity], sensor.row)
     element = elements[sensor.of]
     if sensor.quantity == "twist":
         return Reading(0, element.twist(value))

@@ -44,6 +44,10 @@ class Gap:
     laws: Mapping[int, Fraction]
     nodes: Mapping[str, Fraction]
 
+    def work(self, row: Mapping[str, Fraction | int]) -> Fraction:
+        """Of torques on nodes as it opens by one."""
+        return sum((share * self.nodes.get(node, Fraction(0)) for node, share in row.items()), start=Fraction(0))
+
 
 @dataclass(frozen=True, eq=False)
 class PosedProblem:
@@ -142,7 +146,7 @@ def pose(
     applied = np.zeros((len(readings), len(excitations)))
     for place, reading in enumerate(measured, len(outputs)):
         for column, one in enumerate(excitations):
-            applied[place, column] = reading.direct(one.of) if one.quantity == "torque" else 0.0
+            applied[place, column] = float(reading.direct(one.row)) if one.quantity == "torque" else 0.0
     parts = (part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in found)
     driven = tuple(reading.actions for reading in readings)
     return PosedProblem(problem, tuple(parts), tuple(terms), applied, sensed, driven)
@@ -170,20 +174,21 @@ def _excitation(
 ) -> Loading:
     if excitation.is_on_element:
         return Loading(motion={column: number(Fraction(1)) for column, one in twists.items() if one == excitation})
-    effect = exact_row(assembly.kinematics.reduced({excitation.of: 1}))
+    effect = exact_row(assembly.kinematics.reduced(excitation.row))
     if excitation.quantity == "angle":
         return Loading(motion=assembly.columns_of(effect, number))
-    return _torque(assembly, effect, {excitation.of: Fraction(1)}, gaps, number)
+    return _torque(assembly, effect, excitation.row, gaps, number)
 
 
 def _torque(
-    assembly: Assembly, row: Mapping[str, Any], nodes: Mapping[str, Fraction], gaps: Mapping[int, Gap], number: Number
+    assembly: Assembly,
+    row: Mapping[str, Any],
+    nodes: Mapping[str, Fraction | int],
+    gaps: Mapping[int, Gap],
+    number: Number,
 ) -> Loading:
     """A torque on a row over nodes; ``row`` is the same over coordinates and imposed angles."""
-    shares = {
-        j: [gap.nodes[node] * share for node, share in nodes.items() if node in gap.nodes] for j, gap in gaps.items()
-    }
-    at_gaps = {j: number(sum(parts)) for j, parts in shares.items() if sum(parts)}
+    at_gaps = {column: number(work) for column, gap in gaps.items() if (work := gap.work(nodes))}
     return Loading(load={**assembly.columns_of(row, number), **at_gaps})
 
 

@@ -11,7 +11,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.symbolic import SymbolicMatrices, stiffness_symbol, symbolic_matrices, with_symbols
 from torsionnet.assembly.twin import TWINS, twin_parameters
 from torsionnet.core.memo import Memo
-from torsionnet.model.channels import Sensor
+from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import Law, Values
 from torsionnet.model.kinematics import owned_parts
 from torsionnet.response import Channel
@@ -47,7 +47,7 @@ class SymbolicSystem(SymbolicMatrices):
     memo: Memo = field(default_factory=Memo, repr=False)
 
     def transfer_function(
-        self, output: str | Sensor, input: str | Sensor, excitation: str | None = None
+        self, output: str | Sensor, input: str | Sensor | Input, excitation: str | Input | None = None
     ) -> TransferFunction:
         """One transfer function, exact and in symbols.
 
@@ -77,8 +77,8 @@ class SymbolicSystem(SymbolicMatrices):
     def transfer_matrix(
         self,
         outputs: Sequence[str | Sensor],
-        inputs: Sequence[str | Sensor],
-        excitation: str | Sequence[str] | None = None,
+        inputs: Sequence[str | Sensor | Input],
+        excitation: str | Input | Sequence[str | Input] | None = None,
     ) -> TransferMatrix:
         """Several outputs and inputs at once; with several measured inputs, Y_out Y_in^-1.
 
@@ -98,7 +98,7 @@ class SymbolicSystem(SymbolicMatrices):
         request = ask(drivetrain, list(outputs), list(inputs), excitation)
         if request.is_measured and len(inputs) > 1:
             return over_measured(drivetrain, request, self._written)
-        given = excitation if isinstance(excitation, str | None) else excitation[0]
+        given = excitation if isinstance(excitation, str | Input | None) else excitation[0]
         source = given if request.is_measured else None
         return TransferMatrix(
             tuple(tuple(self.transfer_function(output, entry, source) for entry in inputs) for output in outputs)
@@ -174,11 +174,11 @@ class SymbolicSystem(SymbolicMatrices):
 def _fraction(asked: SymbolicRequest) -> tuple[ProgramNode, ProgramNode]:
     """Numerator and denominator without what they have in common."""
     mechanism = asked.mechanism
-    numerator = mechanism.numerator(asked.output, asked.node) * asked.sign
+    numerator = mechanism.numerator(asked.output, asked.load) * asked.sign
     if asked.measured is None:
-        denominator = mechanism.determinant(mechanism.row({asked.node: 1}))
+        denominator = mechanism.determinant(mechanism.row(asked.load))
     else:
-        denominator = mechanism.numerator(asked.measured, asked.node)
+        denominator = mechanism.numerator(asked.measured, asked.load)
     return mechanism.program.reduced(numerator, denominator)
 
 
