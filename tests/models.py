@@ -21,6 +21,18 @@ EVERY_ELEMENT = {
         "e", nodes=("a", "b"), outer_diameter=0.05, inner_diameter=0.02, length=1.2, segments=3, damping=4
     ),
     "propeller": tn.Propeller("e", node="a", inertia=2, entrained_water=0.25, archer=30, torque=200, speed=15),
+    "synchronous_machine": tn.SynchronousMachine(
+        "e", node="a", housing="b", pull_out_torque=500, torque=300, pole_pairs=2, damping=7, inertia=0.6
+    ),
+    "induction_machine": tn.InductionMachine(
+        "e", node="a", housing="b", synchronous_speed=150, breakdown_torque=400, rated_torque=180, rated_slip=0.02,
+        time_constant=0.03, inertia=0.4,
+    ),
+    "grid_generator": tn.GridGenerator(
+        "e", node="a", grid="b", rated_power=2e4, speed=150, grid_frequency="71.6197 Hz", inertia_constant=0.8,
+        emf=1.3, grid_voltage=1, reactance=0.6, power=0.5, damping_coefficient=9,
+    ),
+    "constant_power_load": tn.ConstantPowerLoad("e", node="a", housing="b", power=900, speed=50),
     "viscous_damper": tn.ViscousDamper("e", node="a", ring_inertia=3, damping=5, stiffness=200, hub_inertia=0.5),
 }
 

@@ -61,6 +61,8 @@ class Element(Declared):
     """How the schematic draws it: disc, spring, damper, coupling, gear, planetary, differential, clamp or shaft."""
     sign: ClassVar[str] = "positive when it drives from the first node into the element"
     """What a positive torque means at the first port; at any other: positive when it drives out of the element."""
+    may_drive: ClassVar[bool] = False
+    """Whether its damping may be below zero: its torque rises with the speed of what it drives."""
 
     name: str
     description: str = entry(Text("free text for tables and reports"), "", kw_only=True)
