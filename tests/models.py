@@ -24,6 +24,35 @@ EVERY_ELEMENT = {
     "controller": tn.Controller(
         "e", sense={"velocity": ["a", "b"]}, act=["c", "b"], law={"p": -3, "i": -5, "d": 1, "filter": 0.2}, delay=0.1
     ),
+    "synchronous_machine": tn.SynchronousMachine(
+        "e", node="a", housing="b", pull_out_torque=500, torque=300, pole_pairs=2, damping=7, inertia=0.6
+    ),
+    "induction_machine": tn.InductionMachine(
+        "e",
+        node="a",
+        housing="b",
+        synchronous_speed=150,
+        breakdown_torque=400,
+        rated_torque=180,
+        rated_slip=0.02,
+        time_constant=0.03,
+        inertia=0.4,
+    ),
+    "grid_generator": tn.GridGenerator(
+        "e",
+        node="a",
+        grid="b",
+        rated_power=2e4,
+        speed=150,
+        grid_frequency="71.6197 Hz",
+        inertia_constant=0.8,
+        emf=1.3,
+        grid_voltage=1,
+        reactance=0.6,
+        power=0.5,
+        damping_coefficient=9,
+    ),
+    "constant_power_load": tn.ConstantPowerLoad("e", node="a", housing="b", power=900, speed=50),
     "viscous_damper": tn.ViscousDamper("e", node="a", ring_inertia=3, damping=5, stiffness=200, hub_inertia=0.5),
     "tuned_damper": tn.TunedDamper(
         "e", node="a", ring_inertia=3, natural_frequency=1.5, damping_ratio=0.1, hub_inertia=0.5

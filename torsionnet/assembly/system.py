@@ -174,7 +174,8 @@ def smallest_rate(system: RowSystem) -> float:
     """A circular frequency in rad/s safely below the slowest motion of the system, for limits at zero frequency."""
     stiff = [*system.stiffness[system.stiffness > 0], *(abs(law.kappa(np.zeros(1))[0]) for _, law in system.dynamic)]
     inertia = float(system.inertia.sum()) or 1.0
-    damping = float(system.damping.sum())
+    drags = np.abs(system.damping)
+    damping = float(drags.sum())
     softest = min((float(value) for value in stiff if value > 0), default=1.0)
-    drag = min((float(value) for value in system.damping if value > 0), default=inertia) / inertia
+    drag = min((float(value) for value in drags if value > 0), default=inertia) / inertia
     return min(math.sqrt(softest / inertia), drag, softest / damping if damping else math.inf)
