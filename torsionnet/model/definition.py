@@ -176,7 +176,7 @@ def by_section(changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """``engine.misfire: [3]`` and the like as tables of entries by name."""
     found: dict[str, dict[str, Any]] = {}
     for key, value in changes.items():
-        name, _, field = key.partition(".")
+        name, _, field = key.rpartition(".")
         found.setdefault(name, {})[field] = value
     return found
 
@@ -195,7 +195,7 @@ def _settled(definition: Definition, changes: Mapping[str, Any]) -> dict[str, An
     """What cannot be read stays as it is; checks say why."""
     found = dict(changes)
     for key, raw in changes.items():
-        name, _, field = key.partition(".")
+        name, _, field = key.rpartition(".")
         specs = dict(definition.excitations[name].specs()) if name in definition.excitations else {}
         value, faults = specs[field].read(raw) if field in specs and names_a_file(raw) else (None, [])
         if value is not None and not faults:
