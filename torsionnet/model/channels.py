@@ -7,7 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
+from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import UsageError, did_you_mean, unknown_key
 from torsionnet.model.elements import GROUND, Element
 
@@ -84,6 +86,12 @@ class Sensor:
     def to_data(self) -> dict[str, Any]:
         return {self.quantity: _plain(self), **({"at": self.at} if self.at else {})}
 
+    def renamed(self, names: Renaming) -> Sensor:
+        """The same in a part, with the names it has in the whole."""
+        if not self.is_on_element:
+            return Sensor(self.quantity, names.node(self.of), against=_renamed(self.against, names))
+        return Sensor(self.quantity, names.own(self.of), names.at(self.of, self.at))
+
 
 @dataclass(frozen=True)
 class Input:
@@ -132,8 +140,18 @@ class Input:
     def __str__(self) -> str:
         return f"{self.quantity} on {self.of}{f' against {self.against}' if self.against else ''}"
 
+    def renamed(self, names: Renaming) -> Input:
+        """The same in a part, with the names it has in the whole."""
+        if self.is_on_element:
+            return Input(self.quantity, names.own(self.of))
+        return Input(self.quantity, names.node(self.of), _renamed(self.against, names))
+
     def to_data(self) -> dict[str, Any]:
         return {self.quantity: _plain(self)}
+
+
+def _renamed(node: str | None, names: Renaming) -> str | None:
+    return None if node is None else names.node(node)
 
 
 SHARES = (1, -1)
@@ -218,6 +236,17 @@ def named_sensor(entry: str | Sensor, declared: Mapping[str, Sensor]) -> Sensor 
     if isinstance(entry, Sensor):
         return entry
     return declared[entry] if entry in declared else parse_sensor(entry)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ChannelName(Text):
+    """A sensor or an input by name or as a text, or a node."""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        if value in names.channels:
+            return names.own(value)
+        sensor = parse_sensor(value)
+        return names.node(value) if sensor is None else str(sensor.renamed(names))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
