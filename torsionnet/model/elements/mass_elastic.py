@@ -175,7 +175,7 @@ def _joint(name: str, nodes: tuple[str, str]) -> Element:
 def _shaft(link: SheetLink, name: str, nodes: tuple[str, str]) -> Element:
     """A spring with the section where stress is judged; from its dimensions alone, a shaft without inertia."""
     damping = link.damping.raw if link.damping is not None else 0
-    section = {} if link.outer is None else {"outer_diameter": link.outer.raw}
+    section: dict[str, Any] = {} if link.outer is None else {"outer_diameter": link.outer.raw}
     section |= {"inner_diameter": link.inner.raw} if link.inner is not None and section and link.inner.si else {}
     if link.stiffness is None:
         assert link.length is not None
