@@ -7,7 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
+from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import UsageError, did_you_mean, unknown_key
 from torsionnet.model.elements import Element
 
@@ -62,6 +64,12 @@ class Sensor:
     def __str__(self) -> str:
         return f"{self.quantity}({self.of}{', ' + self.at if self.at else ''})"
 
+    def renamed(self, names: Renaming) -> Sensor:
+        """The same in a part, with the names it has in the whole."""
+        if not self.is_on_element:
+            return Sensor(self.quantity, names.node(self.of))
+        return Sensor(self.quantity, names.own(self.of), names.at(self.of, self.at))
+
     def to_data(self) -> dict[str, str]:
         return {self.quantity: self.of, **({"at": self.at} if self.at else {})}
 
@@ -89,6 +97,10 @@ class Input:
 
     def __str__(self) -> str:
         return f"{self.quantity} on {self.of}"
+
+    def renamed(self, names: Renaming) -> Input:
+        """The same in a part, with the names it has in the whole."""
+        return Input(self.quantity, (names.own if self.is_on_element else names.node)(self.of))
 
     def to_data(self) -> dict[str, str]:
         return {self.quantity: self.of}
@@ -118,6 +130,17 @@ def named_sensor(entry: str | Sensor, declared: Mapping[str, Sensor]) -> Sensor 
     if isinstance(entry, Sensor):
         return entry
     return declared[entry] if entry in declared else parse_sensor(entry)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ChannelName(Text):
+    """A sensor or an input by name or as a text, or a node."""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        if value in names.channels:
+            return names.own(value)
+        sensor = parse_sensor(value)
+        return names.node(value) if sensor is None else str(sensor.renamed(names))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -12,7 +12,8 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.checks import check_definition, check_variant, has_errors
 from torsionnet.model.configurations import Overlay, combinations, known_elements, label, parse_choice, read_overrides
-from torsionnet.model.definition import Definition, all_nodes, collect_elements, define
+from torsionnet.model.defining import collect_elements, define
+from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Element
 from torsionnet.model.load.external_torques import ExternalTorques, mean_torques
 from torsionnet.model.operating_point import OperatingPoint
@@ -264,7 +265,7 @@ class Model:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Model):
             return NotImplemented
-        return self._definition.to_data() == other._definition.to_data()
+        return self._definition.flat_data() == other._definition.flat_data()
 
     def __hash__(self) -> int:
         return hash((self.name, tuple(self._definition.elements)))

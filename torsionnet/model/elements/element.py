@@ -8,12 +8,13 @@ makes it known to model files, the JSON Schema, the checks and the documentation
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import Field, dataclass
+from dataclasses import Field, dataclass, replace
 from functools import cache
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, Self, TypeVar
 
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import Spec, entry
 from torsionnet.core.entries.words import Flag, Text, name_fault
@@ -129,6 +130,15 @@ class Element(Declared):
     def internal_nodes(self) -> tuple[str, ...]:
         """Nodes the element brings along by itself."""
         return ()
+
+    def expanded(self) -> tuple[Element, ...]:
+        """What it is a short way of writing: elements with names that begin with ``name.``, or itself."""
+        return (self,)
+
+    def renamed(self, names: Renaming) -> Self:
+        """The same in a part, with the names it has in the whole."""
+        found = {name: spec.renamed(value, names) for name, (spec, value) in self.scalars().items()}
+        return replace(self, name=names.own(self.name), **found)
 
     def _key(self) -> tuple[Any, ...]:
         return (type(self), self.name, *(getattr(self, declared.name) for declared in self.declared()))

@@ -12,6 +12,7 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.channels import Sensor
+from torsionnet.model.elements.nodes import ElementName
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import Limit, LimitLine
 from torsionnet.response.limit_check import LimitVerdict
@@ -24,7 +25,7 @@ class ElementLimit(Limit):
     criteria: ClassVar[tuple[str, ...]] = ()
     """Entries of which at least one has to be given."""
 
-    element: Any = entry(Text("what it is about", "the name of an element"))
+    element: Any = entry(ElementName("what it is about"))
     source: Any = entry(Text("who states the values, and where"), "values given by the user")
 
     @property
