@@ -131,7 +131,7 @@ def _connected(name: str, row: Row) -> Connection:
     if not rest:
         return Connection(name, first, GROUND)
     second, other = rest[0]
-    return Connection(name, first, second, -other / share)
+    return Connection(name, first, second, -other / (Fraction(share) if isinstance(share, int) else share))
 
 
 def _named(connections: list[Connection]) -> Iterator[Connection]:

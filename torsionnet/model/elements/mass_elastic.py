@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, ClassVar
 
@@ -118,7 +118,8 @@ class MassElastic(Element):
 
     def expanded(self) -> tuple[Element, ...]:
         """The elements that it stands for."""
-        return tuple(sheet_elements(self.table, self.nodes_of_masses, f"{self.name}."))
+        found = tuple(sheet_elements(self.table, self.nodes_of_masses, f"{self.name}."))
+        return found if self.enabled else tuple(replace(element, enabled=False) for element in found)
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         return tuple(part for element in self.expanded() for part in element.parts(value))
