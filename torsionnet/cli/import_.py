@@ -20,7 +20,8 @@ SHEETS = (".csv", ".txt", ".tsv")
 class ImportCommand(Command):
     """Make a model file of a maker's mass-elastic sheet, or of a model of another program.
 
-    Endings .csv, .txt and .tsv are sheets, any other a TORS file of openTorsion or its editor. Of a sheet, what each column was taken as, and in which unit, goes to stderr.
+    Endings .csv, .txt and .tsv are sheets, any other is a TORS file of openTorsion.
+    Of a sheet, what each column was taken as, and in which unit, goes to stderr.
 
     \b
     torsionnet import engine.csv -o engine.yaml
@@ -47,10 +48,8 @@ def _of_sheet(source: str) -> Drivetrain:
     report = sheet.report()
     message("read", report.title)
     for heading, taken, unit, remark in report.rows:
-        in_unit = (
-            f" in {unit}" if unit not in ("", "1", "in the cells") else f" {unit}" if unit == "in the cells" else ""
-        )
-        message("column", f'"{heading}": {taken}{in_unit}{f" ({remark})" if remark else ""}')
+        more = f"{f' [{unit}]' if unit else ''}{f' ({remark})' if remark else ''}"
+        message("column", f'"{heading}": {taken}{more}')
     for note in report.notes:
         message("note", note)
     return drivetrain

@@ -225,6 +225,15 @@ def unfit_limits(definition: Definition) -> list[Fault]:
     return limits_fit.unfit_limits(definition)
 
 
+def unfit_catalogues(definition: Definition) -> list[Fault]:
+    """Columns of catalogues that nothing takes."""
+    if all(element.catalogue is None for element in definition.elements.values()):
+        return []
+    import torsionnet.model.checks.catalogues as catalogues
+
+    return catalogues.unfit_columns(definition)
+
+
 def unfit_report(definition: Definition) -> list[Fault]:
     """A report that names what the model does not have."""
     if definition.report is None:
@@ -246,6 +255,7 @@ CHECKS = (
     dead_ends,
     unfit_excitations,
     unfit_limits,
+    unfit_catalogues,
     unfit_bench,
     unfit_report,
 )
