@@ -228,6 +228,15 @@ def unfit_limits(definition: Definition) -> list[Fault]:
     return limits_fit.unfit_limits(definition)
 
 
+def unfit_catalogues(definition: Definition) -> list[Fault]:
+    """Columns of catalogues that nothing takes."""
+    if all(element.catalogue is None for element in definition.elements.values()):
+        return []
+    import torsionnet.model.checks.catalogues as catalogues
+
+    return catalogues.unfit_columns(definition)
+
+
 def unfit_report(definition: Definition) -> list[Fault]:
     """A report that names what the model does not have."""
     if definition.report is None:
@@ -250,6 +259,7 @@ CHECKS = (
     unfit_overrides,
     unfit_excitations,
     unfit_limits,
+    unfit_catalogues,
     unfit_bench,
     unfit_report,
 )

@@ -183,5 +183,5 @@ def passive_tables(definition: Definition) -> list[Fault]:
         )
         for name, element in definition.elements.items()
         for entry, (_, value) in element.scalars().items()
-        if entry == "table" and not value.is_passive
+        if entry == "table" and not getattr(value, "is_passive", True)
     ]

@@ -16,10 +16,11 @@ from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import Spec, entry
+from torsionnet.core.entries.spec import Schema, Spec, entry
 from torsionnet.core.entries.words import Flag, Text, name_fault
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.core.expressions import Expression
+from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, CatalogueEntry, SizeName, entries_of
 from torsionnet.model.elements.laws import Constraint, Law, Part, Row, Values
 from torsionnet.model.elements.nodes import NodeName, NodePair
 
@@ -54,6 +55,8 @@ class Element(Declared):
         Free text for tables and reports.
     enabled : bool
         A disabled element takes no part until a configuration switches it on.
+    catalogue, size : CatalogueRow and str, optional
+        Where entries that the model does not give come from.
     """
 
     kind: ClassVar[str] = ""
@@ -72,6 +75,13 @@ class Element(Declared):
     enabled: bool = entry(
         Flag("whether the element takes part before a configuration says otherwise"), True, kw_only=True
     )
+
+    catalogue: Any = entry(
+        CatalogueEntry("a table from which it takes the entries that are not given here, as couplings.csv"),
+        None,
+        kw_only=True,
+    )
+    size: str = entry(SizeName("the row of the catalogue"), "", kw_only=True)
 
     def __post_init__(self) -> None:
         reason = name_fault(self.name) if isinstance(self.name, str) else f"{self.name!r} is no name"
@@ -173,7 +183,21 @@ class Element(Declared):
 
     def to_data(self) -> dict[str, Any]:
         """The entry of a model file that makes this element."""
-        return {"type": self.kind, **super().to_data()}
+        data = {"type": self.kind, **super().to_data()}
+        if self.catalogue is None:
+            return data
+        specs = dict(self.specs())
+        taken, _ = entries_of(self.catalogue, specs, {})
+        same = {name for name, raw in taken.items() if name in data and specs[name].coerce(raw) == getattr(self, name)}
+        return {name: value for name, value in data.items() if name not in same}
+
+    @classmethod
+    def schema(cls, *, told_by: str = "") -> Schema:
+        """JSON Schema of the entry; with a catalogue, that gives what else would be required."""
+        schema = super().schema(told_by=told_by)
+        from_row = [name for name in schema["required"] if name != told_by]
+        lone = {"not": {"required": [CATALOGUE]}}
+        return {**schema, "required": [told_by] if told_by else [], "if": lone, "then": {"required": from_row}}
 
 
 def make_element(kind: str, name: str, data: Mapping[str, Any]) -> Element:

@@ -115,9 +115,5 @@ def _speeds(masses: Iterable[SheetMass], referred: bool, said: bool) -> list[str
     if len({abs(mass.ratio) for mass in masses} | {Fraction(1)}) == 1:
         return []
     if referred:
-        return [
-            "values are referred to the speed of ratio 1, as the sheet says; they were made real by the speed ratio"
-        ]
-    return (
-        ["values are real"] if said else ["the sheet does not say whether values are referred; they were taken as real"]
-    )
+        return ["values are referred to the speed of ratio 1, says the sheet; they were made real by the speed ratio"]
+    return ["values are real" if said else "whether values are referred is not said; they were taken as real"]

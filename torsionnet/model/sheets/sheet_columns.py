@@ -28,7 +28,7 @@ _NO_UNIT = {"", "-", "–", "—", "1", "[-]", "(-)"}
 
 @dataclass(frozen=True)
 class SheetColumn:
-    """A column: its heading, what it was taken as (empty: not understood) and its unit (None: none, or in the cells)."""
+    """A column: its heading, what it was taken as (empty: not understood) and its unit, if it has one."""
 
     place: int
     cell: Cell
