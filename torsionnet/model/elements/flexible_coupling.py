@@ -14,7 +14,7 @@ from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import RATIONAL, Expression, Number
 from torsionnet.model.elements.coupling_faults import contradictions, read_offs
-from torsionnet.model.elements.curves import Curve, OnCurve, Rows, Temperature, is_share, read_off
+from torsionnet.model.elements.curves import LookupCurve, OnCurve, Rows, Temperature, is_share, read_off
 from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.frequency_curves import over_frequency
@@ -60,7 +60,7 @@ class FlexibleCoupling(Element):
     nodes: Any = entry(NodePair("the two halves; twist is the angle of the first minus the second"))
     stiffness: Any = entry(PhysicalQuantity("dynamic stiffness of one coupling", "stiffness", "k_0"), None)
     stiffness_over_torque: Any = entry(
-        Curve(
+        LookupCurve(
             "instead: dynamic stiffness over mean torque",
             "torque",
             "stiffness",
@@ -77,15 +77,15 @@ class FlexibleCoupling(Element):
     torque: Any = entry(PhysicalQuantity("mean torque at the working point", "torque", "T"), None)
     vibratory_torque: Any = entry(PhysicalQuantity("amplitude at the working point", "torque", "T_W"), None)
     temperature: Any = entry(Temperature("temperature of the rubber", "temperature", "t", exclusive=True), None)
-    torque_factor: Any = entry(Curve("S_T, k over k_0", "torque", exclusive=True, shown=_OVER_TORQUE), None)
-    amplitude_factor: Any = entry(Curve("S_A, k over k_0", "torque", exclusive=True, shown=_OVER_TORQUE), None)
-    temperature_factor: Any = entry(Curve("S_t, k over k_0", "temperature", exclusive=True), None)
-    damping_temperature_factor: Any = entry(Curve("S_d, of the loss factor", "temperature", exclusive=True), None)
+    torque_factor: Any = entry(LookupCurve("S_T, k over k_0", "torque", exclusive=True, shown=_OVER_TORQUE), None)
+    amplitude_factor: Any = entry(LookupCurve("S_A, k over k_0", "torque", exclusive=True, shown=_OVER_TORQUE), None)
+    temperature_factor: Any = entry(LookupCurve("S_t, k over k_0", "temperature", exclusive=True), None)
+    damping_temperature_factor: Any = entry(LookupCurve("S_d, of the loss factor", "temperature", exclusive=True), None)
     frequency_factor: Any = entry(
-        Curve("k over k_0", "frequency", exclusive=True, shown="{1 Hz: 1, 100 Hz: 1.3}"), None
+        LookupCurve("k over k_0", "frequency", exclusive=True, shown="{1 Hz: 1, 100 Hz: 1.3}"), None
     )
     loss_over_frequency: Any = entry(
-        Curve("loss factor", "frequency", exclusive=True, shown="{1 Hz: 0.15, 100 Hz: 0.2}"), None
+        LookupCurve("loss factor", "frequency", exclusive=True, shown="{1 Hz: 0.15, 100 Hz: 0.2}"), None
     )
     material: Any = entry(Nested("rubber: its moduli", lambda: Viscoelastic, "viscoelastic"), None)
     geometry: Any = entry(Typed("rubber: its shape", lambda: RUBBER_SHAPES, "shape", "rubber_shape"), None)

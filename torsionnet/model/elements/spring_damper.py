@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
-from torsionnet.model.elements.curves import Curve
+from torsionnet.model.elements.curves import LookupCurve
 from torsionnet.model.elements.damping_entries import DampingQuantity
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.frequency_curves import over_frequency
@@ -44,10 +44,11 @@ class SpringDamper(Element):
     stiffness: Any = entry(PhysicalQuantity("stiffness of the springs", "stiffness", "k", exclusive=True))
     damping: Any = entry(DampingQuantity("damping by the oil, or a measure at a frequency", "damping", "c"), None)
     loss_over_frequency: Any = entry(
-        Curve("instead: c omega/k over frequency", "frequency", exclusive=True, shown="{10 Hz: 0.3, 40 Hz: 0.6}"), None
+        LookupCurve("instead: c omega/k over frequency", "frequency", exclusive=True, shown="{10 Hz: 0.3, 40 Hz: 0.6}"),
+        None,
     )
     stiffness_over_frequency: Any = entry(
-        Curve("k(f) over the stiffness", "frequency", exclusive=True, shown="{10 Hz: 1.1, 40 Hz: 1.3}"), None
+        LookupCurve("k(f) over the stiffness", "frequency", exclusive=True, shown="{10 Hz: 1.1, 40 Hz: 1.3}"), None
     )
     hub_inertia: Any = entry(PhysicalQuantity("inertia of the inner star", "inertia", "J_h"), 0)
 
