@@ -82,7 +82,7 @@ class Viscoelastic(Declared):
     C1: Any = entry(Value("first constant of Williams, Landel and Ferry", "1", exclusive=True), None)
     C2: Any = entry(Value("their second constant, a difference of temperatures", "temperature", exclusive=True), None)
     shift: Any = entry(
-        LookupCurve("instead: a_T over temperature", "temperature", exclusive=True, shown="{0 degC: 80, 20 degC: 1}"),
+        LookupCurve("instead: shift factor a_T", "temperature", exclusive=True, shown="{0 degC: 80, 20 degC: 1}"),
         None,
     )
 
