@@ -93,7 +93,7 @@ def _loses(entry: Any) -> bool:
 
 
 def _frequency_faults(coupling: Any) -> list[Fault]:
-    """The loss of laws over frequency is numbers: a parameter in it would be without derivatives in fits and designs."""
+    """The loss of laws over frequency is numbers: parameters in it would be without derivatives in fits."""
     if coupling.material is not None and isinstance(coupling.damping, DampingMeasure):
         return [Fault("beside a material the damping is viscous, in N*m*s/rad", ("damping",))]
     if coupling.material is None and coupling.scale != Number(1):

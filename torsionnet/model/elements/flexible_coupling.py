@@ -40,7 +40,8 @@ class FlexibleCoupling(Element):
     the coupling follows the mean torque (``by: mean_torque``). Curves over frequency multiply k and replace eta.
 
     Of a material, k (1 + j eta) = S (G' + j G'') with the factor S of a disc in shear, pi (r_o^4 - r_i^4)/(2 t), or of
-    a bush, 4 pi L/(1/r_i^2 - 1/r_o^2), at f by time-temperature superposition; ``scale`` multiplies it, for rubber of another hardness, or in a fit.
+    a bush, 4 pi L/(1/r_i^2 - 1/r_o^2), at f by time-temperature superposition; ``scale`` multiplies it, for rubber of
+    another hardness, or in a fit.
 
     Terms as in DIN 740-2 (1986) and ISO 14691 (2008).
 
