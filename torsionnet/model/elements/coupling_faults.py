@@ -28,8 +28,11 @@ def read_offs(coupling: Any) -> list[tuple[str, str]]:
 
 
 def contradictions(coupling: Any) -> list[Fault]:
-    """All of them, the first kind that has any."""
-    return _source_faults(coupling) or [
+    """Those of where the stiffness comes from, else all others."""
+    found = _source_faults(coupling)
+    if found or coupling.material is not None:
+        return found or _material_faults(coupling)
+    return [
         *_curve_faults(coupling),
         *_damping_faults(coupling),
         *_frequency_faults(coupling),
@@ -46,7 +49,7 @@ def _source_faults(coupling: Any) -> list[Fault]:
     if (coupling.material is None) != (coupling.geometry is None):
         lacking = "geometry, as {type: disc, ...}" if coupling.material is not None else "material, as {moduli: ...}"
         return [Fault(f"rubber needs its moduli and its shape; here is no {lacking}", on_key=True)]
-    return _material_faults(coupling) if coupling.material is not None else []
+    return []
 
 
 def _material_faults(coupling: Any) -> list[Fault]:
