@@ -330,6 +330,7 @@ def parse_quantity(text: str) -> Quantity:
 
 def _celsius(numeral: re.Match[str], written: str) -> Quantity:
     value = Fraction(*_ratio(numeral)) + _ICE
+    _check_range(value, written)
     if value < 0:
         raise UnitError(f'"{written}" is below absolute zero')
     return Quantity(value, DIMENSIONS["temperature"], written)
