@@ -62,8 +62,8 @@ EVERY_ELEMENT = {
         node="a",
         ring_inertia=3,
         stiffness=200,
-        loss_over_frequency={"1 Hz": 0.2, "30 Hz": 0.5},
-        stiffness_over_frequency={"1 Hz": 1.1, "10 Hz": 1.3},
+        damping={"eta": 0.3, "at": "2 Hz"},
+        hub_inertia=0.2,
     ),
     "pendulum_absorber": tn.PendulumAbsorber(
         "e", node="a", mass=4, pivot_radius=0.5, path_radius=0.2, speed=9, count=2, own_inertia=0.1, damping=0.3
@@ -75,8 +75,7 @@ EVERY_ELEMENT = {
         secondary_inertia=1,
         stages=[{"stiffness": 200, "to": "30 N*m"}, {"stiffness": 400}],
         torque=50,
-        friction=3,
-        swing=0.1,
+        blocked=0.2,
         damping=1,
     ),
     "flexible_coupling": tn.FlexibleCoupling(
@@ -87,7 +86,7 @@ EVERY_ELEMENT = {
         torque=40,
         temperature="60 degC",
         temperature_factor={"20 degC": 1, "100 degC": 0.5},
-        loss_factor={"psi": 0.9},
+        damping=4,
         in_series=2,
         first_inertia=0.5,
     ),

@@ -137,6 +137,8 @@ def _product(names: str) -> _Atom:
 
 
 _ATOMS |= {name: _product(names) for name, names in _JOINED.items()}
+_SUGGESTED = tuple(name for name in _ATOMS if name != "K")
+"""For a misread unit: a letter alone is rather meant to go on than to be a temperature."""
 _SQUARED = "|".join(sorted((name[:-2] for name in _JOINED if name.endswith("^2")), key=len, reverse=True))
 _TOKEN = re.compile(
     rf"\s*(?:(?P<power>(?:\^|\*\*)\s*(?P<exponent>[+-]?\d+|\([+-]?\d+(?:/\d+)?\)))|(?P<atom>(?:{_SQUARED})(?:\^|\*\*)2"
@@ -241,7 +243,7 @@ def _hint(name: str) -> str:
         return f'; did you mean "{bare}^{name[len(bare) :]}"?'
     if bare in ("GD", "WR", "WK"):
         return f"; {name} stands once, at the end, after a unit of inertia"
-    return '; write "*" between units' if name.startswith(("-", ".")) else did_you_mean(name, _ATOMS)
+    return '; write "*" between units' if name.startswith(("-", ".")) else did_you_mean(name, _SUGGESTED)
 
 
 @lru_cache(maxsize=1024)
@@ -328,6 +330,7 @@ def parse_quantity(text: str) -> Quantity:
 
 def _celsius(numeral: re.Match[str], written: str) -> Quantity:
     value = Fraction(*_ratio(numeral)) + _ICE
+    _check_range(value, written)
     if value < 0:
         raise UnitError(f'"{written}" is below absolute zero')
     return Quantity(value, DIMENSIONS["temperature"], written)

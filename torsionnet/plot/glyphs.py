@@ -55,6 +55,14 @@ def _gear(element: Element, values: Mapping[str, Any]) -> Glyph:
     )
 
 
+def _pendulum(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """A rod on a pin, and the path on which its end swings."""
+    del element, values
+    pin = Stroke(arc(13, 0, 3, 3, 0, 360), "part", closed=True, fill="#ffffff")
+    path = Stroke(arc(13, 0, 28, 28, -32, 32), "thin")
+    return Glyph((Stroke(((0, 0), (10, 0))), pin, Stroke(((16, 0), (48, 0))), path), 48, 15)
+
+
 def _other(element: Element, values: Mapping[str, Any]) -> Glyph:
     """Any element without a symbol of its own."""
     del element, values
@@ -69,6 +77,7 @@ _INLINE: dict[str, Callable[[Element, Mapping[str, Any]], Glyph]] = {
     "coupling": _coupling,
     "shaft": _shaft,
     "gear": _gear,
+    "pendulum": _pendulum,
 }
 
 

@@ -30,7 +30,7 @@ class Temperature(PhysicalQuantity):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Curve(Spec):
+class LookupCurve(Spec):
     """``{20 degC: 1, 60 degC: 0.8}``, stored as pairs by rising first value.
 
     ``over`` and ``dimension`` are those of the two columns. Over a torque, rows without a unit, or in %, are shares of
@@ -95,7 +95,7 @@ class Curve(Spec):
         return value
 
     def plain(self, value: Any) -> Any:
-        return {_written(key): plain_scalar(one) for key, one in value}
+        return {str(key): plain_scalar(one) for key, one in value}
 
     def schema(self) -> Schema:
         unit = f" [{expected_unit(self.dimension)} over {expected_unit(self.over)}]"
@@ -105,11 +105,6 @@ class Curve(Spec):
             "minProperties": 2,
             "additionalProperties": {"type": ["number", "string"]},
         }
-
-
-def _written(key: Number) -> Any:
-    plain = plain_scalar(key)
-    return plain if isinstance(plain, int | float) else str(plain)
 
 
 def is_share(key: Number) -> bool:

@@ -62,7 +62,8 @@ class Element(Declared):
     kind: ClassVar[str] = ""
     """The word for the type in a model file."""
     glyph: ClassVar[str] = ""
-    """How the schematic draws it: disc, spring, damper, coupling, gear, planetary, differential, clamp or shaft."""
+    """How the schematic draws it: disc, spring, damper, coupling, gear, planetary, differential, clamp, shaft, or
+    pendulum."""
     sign: ClassVar[str] = "positive when it drives from the first node into the element"
     """What a positive torque means at the first port; at any other: positive when it drives out of the element."""
     drives: ClassVar[bool] = False

@@ -14,6 +14,7 @@ from torsionnet.core.expressions import Expression, Name, Number
 from torsionnet.core.units import expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
 from torsionnet.model.elements import Values
+from torsionnet.model.elements.curves import LookupCurve
 from torsionnet.model.elements.laws import Law
 from torsionnet.model.elements.stiffness_rows import TableEntry
 from torsionnet.model.elements.teeth import Teeth
@@ -98,7 +99,7 @@ def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cel
             number = float(value.evaluate(rig.exact_values))
             if number or isinstance(value, Name):
                 yield plain(name), _symbol(value), NumberText(number, 5), unit(expected_unit(spec.dimension))
-        elif isinstance(spec, (Teeth, Count, OneOf, TableEntry)):
+        elif isinstance(spec, (Teeth, Count, OneOf, TableEntry, LookupCurve)):
             yield plain(name), "", _plain(spec, value), "–"
 
 
@@ -111,6 +112,8 @@ def _plain(spec: Spec, value: Any) -> str:
         return (
             f"table of {len(value.frequencies)} frequencies, {value.frequencies[0]:g} to {value.frequencies[-1]:g} Hz"
         )
+    if isinstance(spec, LookupCurve):
+        return f"{len(value)} rows, {value[0][0]} to {value[-1][0]}"
     return " : ".join(map(str, value)) if isinstance(value, tuple) else str(value)
 
 
