@@ -206,7 +206,24 @@ def test_nothing_is_evaluated(monkeypatch):
 def test_check_name():
     for good in ("k_1", "J", "tau", "kNm", "no", "e", "left.k_1", "engine.cyl3.J"):
         assert check_name(good) is None
-    for bad in (*RESERVED_NAMES, *keyword.kwlist, "", "1a", "_a", "a b", "a-b", "é", "nan", "a\n", "a.", ".a", "a..b", "a.1", "a._b", "a.s"):
+    for bad in (
+        *RESERVED_NAMES,
+        *keyword.kwlist,
+        "",
+        "1a",
+        "_a",
+        "a b",
+        "a-b",
+        "é",
+        "nan",
+        "a\n",
+        "a.",
+        ".a",
+        "a..b",
+        "a.1",
+        "a._b",
+        "a.s",
+    ):
         assert check_name(bad)
 
 

@@ -6,13 +6,14 @@ import math
 from collections.abc import Mapping
 from fractions import Fraction
 
+from torsionnet.core.damping import MEASURES
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.errors import Fault, TorsionnetError
+from torsionnet.core.errors import Fault, Path, TorsionnetError
 from torsionnet.core.expressions import Compound, Expression, ExpressionError
 from torsionnet.core.units import DIMENSIONS, Dimension, expected_unit, is_beyond_range
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Element, Law, Values
-from torsionnet.model.elements.damping_entries import DampingQuantity
+from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor
 from torsionnet.model.parameters import dimensions
 
 Numbers = Mapping[str, "Fraction | float"]
@@ -117,10 +118,15 @@ def _point_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
 def _field_sizes(element: Element, numbers: Numbers) -> list[Fault]:
     faults = []
     for path, spec, expression, wanted in element.expressions():
-        text = _size_fault(spec, expression, numbers, measure=len(path) > 1, wanted=wanted)
+        text = _size_fault(spec, expression, numbers, measure=_is_in_measure(spec, path), wanted=wanted)
         if text:
             faults.append(Fault(text, ("elements", element.name, *path)))
     return faults
+
+
+def _is_in_measure(spec: object, path: Path) -> bool:
+    """Whether an entry is a part of a measure of damping."""
+    return isinstance(spec, DampingQuantity | LossFactor) and path[-1] in (*MEASURES, "at")
 
 
 def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measure: bool, wanted: str) -> str | None:
@@ -155,14 +161,16 @@ def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
         parts = element.parts(Values(numbers))
     except (TorsionnetError, ArithmeticError) as error:
         return [Fault(f"{element.name} cannot be calculated: {error}", ("elements", element.name))]
-    for part in parts:
-        if isinstance(part, Law) and min(part.inertia, part.damping, part.stiffness, part.loss_factor) < 0:
-            return [
-                Fault(
-                    f"the values of {element.name} give it a negative inertia, damping or stiffness",
-                    ("elements", element.name),
-                )
-            ]
+    laws = [part for part in parts if isinstance(part, Law)]
+    path = ("elements", element.name)
+    least = min((law.damping for law in laws), default=0)
+    if any(min(law.inertia, law.stiffness, law.loss_factor) < 0 for law in laws) or (
+        least < 0 and not element.may_feed
+    ):
+        return [Fault(f"the values of {element.name} give it a negative inertia, damping or stiffness", path)]
+    if least < 0:
+        text = f"{element.name} has a damping of {float(least):g} N*m*s/rad and feeds vibrations; modes may be unstable"
+        return [Fault(text, path, "note", on_key=True)]
     return []
 
 
