@@ -90,7 +90,34 @@ EVERY_ELEMENT = {
         in_series=2,
         first_inertia=0.5,
     ),
-}
+    "clutch": tn.Clutch(
+        "e", nodes=("a", "b"), state="slipping", slip_speed=5, friction=[[0, 0.1], [20, 0.14]], clamp_torque=900,
+        stiffness=700, damping=2, first_inertia=0.2, disc_inertia=0.1,
+    ),
+    "gearbox": tn.Gearbox(
+        "e", input="a", output="b", ratios={"I": -4, "II": -2.5, "III": 1.2}, engaged="II", housing="c",
+        wheel_inertias={"I": 0.3, "II": 0.2}, input_inertia=0.1, output_inertia=0.2, stiffness={"II": 5e3, "III": 4e3},
+        damping=3,
+    ),
+    "final_drive": tn.FinalDrive(
+        "e", pinion="a", left="b", right="c", teeth=(20, -71), differential="limited-slip", slip_damping=20,
+        pinion_inertia=0.1, cage_inertia=0.3, stiffness=9e3, damping=2, housing="d",
+    ),
+    "vehicle": tn.Vehicle(
+        "e", node="a", mass=1500, wheel_radius=0.3, wheel_inertia=2, speed=20, drag_area=0.6, rolling_slope=1e-4
+    ),
+    "tyre": tn.Tyre(
+        "e", nodes=("a", "b"), radius=0.3, slip_stiffness=800, speed=9, relaxation_length=0.4, damping=3, belt_inertia=0.3
+    ),
+    "belt": tn.Belt(
+        "e", pulleys={"a": 0.1, "b": 0.05, "c": -0.04}, stiffness=[3e4, 2e4, 4e4], damping=3, pretension=300,
+        tensioner="c", arm="d", levers=[0.06, 0.04], housing="f",
+    ),
+    "chain_drive": tn.ChainDrive(
+        "e", sprockets={"a": 20, "b": 31}, pitch=0.0127, axial_stiffness=1e5, lengths=[0.3, 0.4], damping=2, housing="c"
+    ),
+    "viscous_damper": tn.ViscousDamper("e", node="a", ring_inertia=3, damping=5, stiffness=200, hub_inertia=0.5),
+}  # fmt: skip
 
 
 def geared_line(**changes):

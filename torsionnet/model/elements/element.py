@@ -23,6 +23,7 @@ from torsionnet.core.expressions import Expression
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, CatalogueEntry, SizeName, entries_of
 from torsionnet.model.elements.laws import Constraint, Law, Part, Row, Values
 from torsionnet.model.elements.nodes import NodeName, NodePair
+from torsionnet.model.elements.quantity_table import Several
 
 ELEMENT_TYPES: dict[str, type[Element]] = {}
 """Kind -> type, in the order of the kinds, whatever the order in which files were imported."""
@@ -62,8 +63,8 @@ class Element(Declared):
     kind: ClassVar[str] = ""
     """The word for the type in a model file."""
     glyph: ClassVar[str] = ""
-    """How the schematic draws it: disc, spring, damper, coupling, gear, planetary, differential, clamp, shaft, or
-    pendulum."""
+    """How the schematic draws it: disc, spring, damper, coupling, gear, planetary, differential, gearbox, belt,
+    clamp, shaft or pendulum."""
     sign: ClassVar[str] = "positive when it drives from the first node into the element"
     """What a positive torque means at the first port; at any other: positive when it drives out of the element."""
     drives: ClassVar[bool] = False
@@ -176,11 +177,12 @@ class Element(Declared):
 
     def expressions(self) -> Iterator[tuple[Path, Spec, Expression, str]]:
         """(path of the entry, specification, expression, dimension name) of every expression in its fields."""
-        for name, spec in self._specs_of(PhysicalQuantity):
+        for name, spec in self._specs_of(PhysicalQuantity, Several):
             value = getattr(self, name)
             if value is not None:
+                one = spec.of if isinstance(spec, Several) else spec
                 for subpath, expression, dimension in spec.expressions(value):
-                    yield (name, *subpath), spec, expression, dimension
+                    yield (name, *subpath), one, expression, dimension
 
     def to_data(self) -> dict[str, Any]:
         """The entry of a model file that makes this element."""
