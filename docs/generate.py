@@ -60,6 +60,10 @@ SAMPLES = {
     "shear modulus": "80 GPa",
     "density": "7850 kg/m^3",
     "mass": "0.8 kg",
+    "power": "3 MW",
+    "time": "0.05 s",
+    "angle": "25 deg",
+    "frequency": "50 Hz",
     "1": 3,
 }
 COMMON = ("description", "enabled")

@@ -49,7 +49,7 @@ class GridGenerator(Element):
 
     node: Any = entry(NodeName("the node of the rotor", allow_ground=False))
     rated_power: Any = entry(PhysicalQuantity("power that is 1 per unit", "power", "S", exclusive=True))
-    speed: Any = entry(PhysicalQuantity("synchronous speed of the rotor", "speed", "omega", exclusive=True))
+    speed: Any = entry(PhysicalQuantity("synchronous speed of the rotor", "speed", "Omega", exclusive=True))
     grid_frequency: Any = entry(PhysicalQuantity("frequency of the line", "frequency", "f", exclusive=True))
     inertia_constant: Any = entry(
         PhysicalQuantity("stored energy over rated power, of all masses that stand for it", "time", "H")
@@ -57,7 +57,9 @@ class GridGenerator(Element):
     synchronising_coefficient: Any = entry(
         PhysicalQuantity("synchronising torque per electrical rad, per unit", "1", "K_s", exclusive=True), None
     )
-    emf: Any = entry(PhysicalQuantity("instead: voltage behind the reactance, per unit", "1", "E", exclusive=True), None)
+    emf: Any = entry(
+        PhysicalQuantity("instead: voltage behind the reactance, per unit", "1", "E", exclusive=True), None
+    )
     grid_voltage: Any = entry(PhysicalQuantity("voltage of the bus, per unit", "1", "V", exclusive=True), None)
     reactance: Any = entry(PhysicalQuantity("reactance from E to V, per unit", "1", "X", exclusive=True), None)
     power: Any = entry(PhysicalQuantity("power it gives, per unit", "1", "P"), None)

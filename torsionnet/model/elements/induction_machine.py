@@ -52,7 +52,9 @@ class InductionMachine(Element):
     breakdown_torque: Any = entry(PhysicalQuantity("largest torque", "torque", "T_k", exclusive=True))
     breakdown_slip: Any = entry(PhysicalQuantity("slip of the largest torque", "1", "s_k", exclusive=True), None)
     slip: Any = entry(
-        PhysicalQuantity("slip about which it works, negative as a generator; default: the rated one", "1", "s_0", None),
+        PhysicalQuantity(
+            "slip about which it works, negative as a generator; default: the rated one", "1", "s_0", None
+        ),
         None,
     )
     rated_torque: Any = entry(
