@@ -64,6 +64,7 @@ SAMPLES = {
     "time": "0.05 s",
     "angle": "25 deg",
     "frequency": "50 Hz",
+    "pressure": "206 GPa",
     "1": 3,
 }
 COMMON = ("description", "enabled")

@@ -264,7 +264,7 @@ def _driven(system: RowSystem, spaces: Subspaces, damping: FloatArray, forces: A
     C_xx, C_1x = spaces.moving.T @ C_x, spaces.damped.T @ C_x
     C_11 = np.asarray(spaces.damped.T @ (G.T @ (signed @ spaces.damped)), dtype=float)
     try:
-        followed: AnyArray = np.asarray(np.linalg.solve(C_11, np.hstack([C_1x, forces])), dtype=forces.dtype)
+        followed = np.linalg.inv(C_11) @ np.hstack([C_1x, forces])
     except np.linalg.LinAlgError:
         raise SolveError("damping and negative damping cancel on a motion without inertia") from None
     slip, creep = followed[:, : C_1x.shape[1]], followed[:, C_1x.shape[1] :]
