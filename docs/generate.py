@@ -73,6 +73,9 @@ SAMPLES = {
     "linear stiffness": "300 kN/m",
     "velocity": "20 m/s",
     "per velocity": "0.0001 s/m",
+    "power": "3 MW",
+    "time": "0.05 s",
+    "pressure": "206 GPa",
     "1": 3,
 }
 SHEETS = {
@@ -204,7 +207,7 @@ def sample_of(kind: Spec, name: str, *, symbolic: bool) -> Any:
     if isinstance(kind, LookupCurve):
         return dict.fromkeys(SHEETS[kind.over], SAMPLES[kind.dimension])
     if isinstance(kind, Composite):
-        return NESTED[getattr(kind, "name", declared.name)]
+        return NESTED[getattr(kind, "name", name)]
     others = {Teeth: [20, 61], Flag: True, Count: 1, Text: "text"}
     if isinstance(kind, TableEntry):
         return [["1 Hz", "400 N*m/rad", "2 N*m*s/rad"], ["20 Hz", "500 N*m/rad", "1.2 N*m*s/rad"]]

@@ -53,6 +53,18 @@ EVERY_ELEMENT = {
         damping_coefficient=9,
     ),
     "constant_power_load": tn.ConstantPowerLoad("e", node="a", housing="b", power=900, speed=50),
+    "crank_throw": tn.CrankThrow(
+        "e",
+        nodes=("a", "b"),
+        inertia=0.3,
+        crank_radius=0.06,
+        rotating_mass=1.2,
+        reciprocating_mass=1.6,
+        rod_length=0.2,
+        stiffness=800,
+        damping=2,
+        cylinder_damping=1,
+    ),
     "viscous_damper": tn.ViscousDamper("e", node="a", ring_inertia=3, damping=5, stiffness=200, hub_inertia=0.5),
     "tuned_damper": tn.TunedDamper(
         "e", node="a", ring_inertia=3, natural_frequency=1.5, damping_ratio=0.1, hub_inertia=0.5
@@ -116,7 +128,6 @@ EVERY_ELEMENT = {
     "chain_drive": tn.ChainDrive(
         "e", sprockets={"a": 20, "b": 31}, pitch=0.0127, axial_stiffness=1e5, lengths=[0.3, 0.4], damping=2, housing="c"
     ),
-    "viscous_damper": tn.ViscousDamper("e", node="a", ring_inertia=3, damping=5, stiffness=200, hub_inertia=0.5),
 }  # fmt: skip
 
 

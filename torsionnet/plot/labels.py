@@ -67,7 +67,7 @@ def value_lines(element: Element, values: Mapping[str, Any]) -> list[str]:
         return _shaft_lines(element, values)
     given = element.scalars()
     spec, counts = given.get("teeth", (None, None))
-    teeth = [_ratio_line(element, counts)] if isinstance(spec, Teeth) else []
+    teeth = [_ratio_line(element, counts)] if isinstance(spec, Teeth) and counts else []
     teeth += [raw for field, (_, raw) in given.items() if field in STATES]
     lines = [
         _line(spec, raw, values) for field, (spec, raw) in given.items() if not field.startswith(("planet", "orbit"))
