@@ -45,10 +45,15 @@ def describe(
 
 def unsettled(solution: EigenSolution) -> tuple[str, ...]:
     """Name the modes for which the frequency of a law and that of the mode did not meet."""
+    lost = (
+        (f"{solution.missing} mode(s) could not be followed from the undamped model; it has more than are given",)
+        if solution.missing
+        else ()
+    )
     if solution.converged.all():
-        return ()
+        return lost
     stuck = ", ".join(f"{abs(value) / (2 * np.pi):.4g} Hz" for value in solution.eigenvalues[~solution.converged])
-    return (f"the frequency-dependent stiffness did not settle for the mode(s) near {stuck}",)
+    return (*lost, f"the frequency-dependent stiffness did not settle for the mode(s) near {stuck}")
 
 
 def uncertain(errors: FloatArray) -> tuple[str, ...]:

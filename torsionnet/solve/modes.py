@@ -97,22 +97,20 @@ def energies(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Shares (n_elements, n_modes) of the elements in the energies of each mode.
 
-    Kinetic J |lambda|^2 |gamma|^2, strain Re(k) |gamma|^2, dissipated (c |lambda| + Im(k)) |lambda| |gamma|^2; a
-    frequency-dependent k is taken at |Im lambda|.
+    Kinetic J |lambda|^2 |gamma|^2, strain Re(k) |gamma|^2, dissipated (c |lambda| + Im(k)) |lambda| |gamma|^2; what
+    depends on frequency says itself what there is of it.
     """
     system = assembly.system
     motion = np.abs(_motion(system.law_rows, solution.vectors)) ** 2
     sizes = np.array([sum(map(abs, row.values())) for row in system.sparse_rows])
     motion[motion < (1e-12 * sizes[:, None]) ** 2] = 0.0
     rate = np.abs(solution.eigenvalues)
-    dynamic = (
-        np.stack([system.kappa(float(abs(value.imag))) for value in solution.eigenvalues], axis=1)
-        if len(rate)
-        else np.zeros((len(motion), 0))
-    )
-    kinetic = system.inertia[:, None] * motion
-    strain = (system.stiffness[:, None] + dynamic.real) * motion
-    dissipated = (system.damping[:, None] * rate + dynamic.imag) * rate * motion
+    inertia, stiffness, loss = (np.zeros((len(motion), len(rate))) for _ in range(3))
+    for law, table in system.dynamic:
+        inertia[law], stiffness[law], loss[law] = zip(*map(table.energy, solution.eigenvalues.tolist()), strict=True)
+    kinetic = (system.inertia[:, None] + inertia) * motion
+    strain = (system.stiffness[:, None] + stiffness) * motion
+    dissipated = (system.damping[:, None] * rate + loss) * rate * motion
     rigid = np.array([kind == "rigid body" for kind in solution.kinds], dtype=bool)
     strain[:, rigid], dissipated[:, rigid] = 0.0, 0.0
     place = {element: number for number, element in enumerate(elements)}
