@@ -8,8 +8,10 @@ Real poles are where the number of negative pivots of the real D(s) changes alon
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.core.errors import SolveError
@@ -17,6 +19,8 @@ from torsionnet.solve.frozen_stiffness import Found, Mode
 from torsionnet.solve.nullspace import unresisted
 from torsionnet.solve.reduction import AnyArray, acting, echelon, require_resistance, resisting, restricted
 from torsionnet.solve.sturm import ModeCount, negative_pivots
+
+Mask: TypeAlias = NDArray[np.bool_]
 
 COUNT = 20
 """Modes that are given where nobody says how many."""
@@ -30,7 +34,7 @@ NEWTON, STILL = 30, 1e-14
 SMALLEST = 2.0**-12
 """Least part of the damping that is added at a time."""
 ALIKE, NEAR = 0.5, 0.5
-"""How alike shapes stay from one step of the damping to the next, and how far a pole may move, over its distance to others."""
+"""How alike shapes stay while damping is added, and how far a pole may move, over its distance to others."""
 REAL_GRID, REAL_DECADES = 900, (-9, 3)
 ON_AXIS = 1e-9
 
@@ -40,7 +44,7 @@ def is_continuous(system: RowSystem) -> bool:
     return any(table.is_continuous for _, table in system.dynamic)
 
 
-def elastic(system: RowSystem) -> FloatArray:
+def elastic(system: RowSystem) -> Mask:
     """Mask of the laws that resist a slow motion."""
     found = system.stiffness > 0
     found[[law for law, table in system.dynamic if table.is_elastic]] = True
@@ -56,7 +60,7 @@ def number_below(system: RowSystem, omega: float) -> int:
     """Modes without damping below omega in rad/s, rigid bodies included."""
     system = acting(system)
     system = acting(restricted(system, resisting(system)))
-    return max(int(ModeCount(system).below(np.array([omega]))[0]), rigid_motions(system).shape[1])
+    return max(int(ModeCount(system).below(np.array([omega])).item()), int(rigid_motions(system).shape[1]))
 
 
 def natural_rates(system: RowSystem, count: int) -> FloatArray:
@@ -203,7 +207,7 @@ def damped_modes(system: RowSystem, count: int) -> tuple[FloatArray, Found, int]
     return echelon(free), _collected(modes, real, system.n_coordinates), lost
 
 
-def _continuous_laws(system: RowSystem) -> FloatArray:
+def _continuous_laws(system: RowSystem) -> Mask:
     found = np.zeros(len(system.stiffness), dtype=bool)
     found[[law for law, _ in system.dynamic]] = True
     return found
@@ -292,7 +296,7 @@ def _real_poles(system: RowSystem, rate: float) -> list[Mode]:
 def _on_axis(system: RowSystem, sizes: FloatArray) -> FloatArray:
     kappa = system.stiffness[:, None] - system.damping[:, None] * sizes + system.inertia[:, None] * sizes**2
     for law, table in system.dynamic:
-        kappa[law] += table.without_loss.at(-sizes + 0j, np.zeros(len(sizes))).real
+        kappa[law] += table.without_loss.at(-sizes.astype(complex), np.zeros(len(sizes))).real
     return np.asarray(kappa)
 
 

@@ -3,9 +3,9 @@
     N(omega) = sum over the members of their own modes below omega with both ends clamped
                + number of negative pivots of D(omega)
 
-W. H. Wittrick and F. W. Williams, A general algorithm for computing natural frequencies of elastic structures, Quarterly
-Journal of Mechanics and Applied Mathematics 24 (1971) 263-284. Pivots come from elimination on the graph, so that a
-motion to ground keeps its digits beside stiff springs.
+W. H. Wittrick and F. W. Williams, A general algorithm for computing natural frequencies of elastic structures,
+Quarterly Journal of Mechanics and Applied Mathematics 24 (1971) 263-284. Pivots come from elimination on the graph, so
+that a motion to ground keeps its digits beside stiff springs.
 """
 
 from __future__ import annotations

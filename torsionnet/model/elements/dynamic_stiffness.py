@@ -158,7 +158,7 @@ class RealPart(DynamicStiffness):
     of: DynamicStiffness
 
     def kappa(self, omega: Floats) -> Complexes:
-        return self.of.kappa(omega).real + 0j
+        return self.of.kappa(omega).real.astype(complex)
 
     def kappa_rate(self, omega: float) -> complex:
         return complex(self.of.kappa_rate(omega).real)

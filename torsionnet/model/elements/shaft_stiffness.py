@@ -60,7 +60,7 @@ class ShaftStiffness(DynamicStiffness):
         import numpy as np
 
         omega = np.asarray(omega, dtype=float)
-        return self.at(1j * omega, omega)
+        return self.at(np.asarray(1j * omega, dtype=complex), omega)
 
     def kappa_rate(self, omega: float) -> complex:
         import numpy as np
@@ -75,7 +75,8 @@ class ShaftStiffness(DynamicStiffness):
         import numpy as np
 
         _, x = self._argument(s, omega)
-        return -2 * s * float(self.inertia) * self._slope(x), np.zeros(np.shape(s), dtype=complex)
+        slope: Complexes = self._slope(x)
+        return -2 * float(self.inertia) * s * slope, np.zeros_like(slope)
 
     def slopes(self, s: Complexes, omega: Floats) -> Complexes:
         import numpy as np
