@@ -76,7 +76,8 @@ class ShaftStiffness(DynamicStiffness):
 
         _, x = self._argument(s, omega)
         slope: Complexes = self._slope(x)
-        return -2 * float(self.inertia) * s * slope, np.zeros_like(slope)
+        rate: Complexes = -2 * float(self.inertia) * s * slope
+        return rate, np.zeros_like(slope)
 
     def slopes(self, s: Complexes, omega: Floats) -> Complexes:
         import numpy as np
