@@ -194,9 +194,9 @@ def damped_modes(system: RowSystem, count: int) -> tuple[FloatArray, Found, int]
 
     The lowest ``count`` of those without damping are followed; real poles up to their band are added.
     """
-    require_resistance(system, (system.inertia > 0) | elastic(system) | (system.damping > 0) | _continuous_laws(system))
+    require_resistance(system, (system.inertia > 0) | elastic(system) | (system.damping != 0) | _continuous_laws(system))
     rates, shapes = undamped_modes(system, count)
-    free = unresisted(system, elastic(system) | (system.damping > 0)).basis()
+    free = unresisted(system, elastic(system) | (system.damping != 0)).basis()
     vibrating = [group for group in _groups(rates) if rates[group[0]] > 0]
     if not _is_damped(system, rates):
         places = [place for group in vibrating for place in group]
@@ -214,7 +214,7 @@ def _continuous_laws(system: RowSystem) -> Mask:
 
 
 def _is_damped(system: RowSystem, rates: FloatArray) -> bool:
-    return bool(np.any(system.damping > 0)) or any(np.any(table.kappa(rates).imag) for _, table in system.dynamic)
+    return bool(np.any(system.damping != 0)) or any(np.any(table.kappa(rates).imag) for _, table in system.dynamic)
 
 
 def _followed(

@@ -77,7 +77,8 @@ class ShaftStiffness(DynamicStiffness):
         _, x = self._argument(s, omega)
         slope: Complexes = self._slope(x)
         rate: Complexes = -2 * float(self.inertia) * s * slope
-        return rate, np.zeros_like(slope)
+        followed: Complexes = np.zeros_like(slope)
+        return rate, followed
 
     def slopes(self, s: Complexes, omega: Floats) -> Complexes:
         import numpy as np

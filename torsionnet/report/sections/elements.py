@@ -130,13 +130,14 @@ def _measure(element: Element, value: DampingMeasure, rig: Drivetrain) -> Iterat
 def _channels(rig: Drivetrain) -> TableBlock:
     columns = (Heading("Symbol"), Heading("Kind"), Heading("Quantity"), Heading("Unit"), Heading("Sign", wide=True))
     rows: list[Row] = [
-        (named(name), "input", f"{capital(entry.quantity)} on {plain(entry.of)}", unit(UNITS[entry.quantity]), "")
+        (named(name), "input", capital(plain(str(entry))), unit(UNITS[entry.quantity]), "")
         for name, entry in rig.inputs.items()
     ]
     for name, sensor in rig.sensors.items():
         element = rig.elements.get(sensor.of) if sensor.quantity in PORT_QUANTITIES else None
         sign = element.sign_at(sensor.at) if element else ""
         at = f" at {plain(sensor.at)}" if sensor.at else ""
+        at += f" against {plain(sensor.against)}" if sensor.against else ""
         link = "through" if sensor.quantity == "torque" else "of"
         what = f"{capital(sensor.quantity)} {link} {plain(sensor.of)}{at}"
         rows.append((named(name), "sensor", what, unit(UNITS[sensor.quantity]), sign.replace("_", " ")))
