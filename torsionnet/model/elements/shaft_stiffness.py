@@ -75,10 +75,8 @@ class ShaftStiffness(DynamicStiffness):
         import numpy as np
 
         _, x = self._argument(s, omega)
-        slope: Complexes = self._slope(x)
-        rate: Complexes = -2 * float(self.inertia) * s * slope
-        followed: Complexes = np.zeros_like(slope)
-        return rate, followed
+        rate = (-2 * float(self.inertia) * s * self._slope(x)).astype(np.complex128)
+        return rate, np.zeros(rate.shape, dtype=np.complex128)
 
     def slopes(self, s: Complexes, omega: Floats) -> Complexes:
         import numpy as np
