@@ -20,6 +20,9 @@ EVERY_ELEMENT = {
     "shaft": tn.Shaft(
         "e", nodes=("a", "b"), outer_diameter=0.05, inner_diameter=0.02, length=1.2, segments=3, damping=4
     ),
+    "continuous_shaft": tn.ContinuousShaft(
+        "e", nodes=("a", "b"), outer_diameter=0.05, inner_diameter=0.02, length=1.2, loss_factor={"zeta": 0.01}
+    ),
     "propeller": tn.Propeller("e", node="a", inertia=2, entrained_water=0.25, archer=30, torque=200, speed=15),
     "controller": tn.Controller(
         "e", sense={"velocity": ["a", "b"]}, act=["c", "b"], law={"p": -3, "i": -5, "d": 1, "filter": 0.2}, delay=0.1

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -15,12 +17,17 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.response import Modes
+from torsionnet.solve import continuous
 from torsionnet.solve.cut import poles_of_measured
 from torsionnet.solve.eigen import EigenSolution, complex_modes, scaled, undamped_modes
 from torsionnet.solve.mode_words import describe, uncertain, unsettled
 from torsionnet.solve.reduction import LARGE
 from torsionnet.solve.repeated import with_chosen_shapes
 from torsionnet.solve.transfer_request import TransferRequest, driven
+
+FIRST = "a continuous shaft has infinitely many modes, of which the lowest"
+MARGIN = 2
+"""Modes above a frequency without damping that may be below it with damping."""
 
 
 def modes(
@@ -29,31 +36,45 @@ def modes(
     measured_input: str | Sensor | Sequence[str | Sensor] | None = None,
     excitation: str | Sequence[str] | None = None,
     lowest: int | None = None,
+    up_to: float | None = None,
 ) -> Modes:
     """See :meth:`torsionnet.Drivetrain.modes`."""
+    if up_to is not None and not 0 < up_to < math.inf:
+        raise UsageError(f"up_to={up_to}: modes are asked for up to a frequency above 0 Hz")
     if lowest is not None and lowest < 1:
         raise UsageError(f"lowest={lowest}: at least one mode must be asked for")
     if measured_input is None and excitation is not None:
         raise UsageError("excitation= goes with measured_input=; the modes of the drivetrain itself need none")
     request = None if measured_input is None else driven(drivetrain, measured_input, excitation)
-    return modes_against(drivetrain, request, lowest)
+    return modes_against(drivetrain, request, lowest, up_to)
 
 
-def modes_against(drivetrain: AssembledModel, request: TransferRequest | None, lowest: int | None = None) -> Modes:
+def modes_against(
+    drivetrain: AssembledModel, request: TransferRequest | None, lowest: int | None = None, up_to: float | None = None
+) -> Modes:
     """Modes of the drivetrain, or poles against the measured inputs of a request; warns of what is doubtful."""
     if request is None:
-        found, doubts = natural_modes(drivetrain, lowest)
+        found, doubts = natural_modes(drivetrain, lowest, up_to)
     else:
-        found, doubts = poles_of_measured(drivetrain, request, partial(natural_modes, lowest=lowest))
+        found, doubts = poles_of_measured(drivetrain, request, partial(natural_modes, lowest=lowest, up_to=up_to))
     for doubt in doubts:
         warnings.warn(doubt, TorsionnetWarning, stacklevel=4)
+    if continuous.is_continuous(drivetrain.assembly.system) and lowest is None and up_to is None:
+        found = replace(found, notes=(*found.notes, f"{FIRST} {len(found)} are given; more with lowest or up_to"))
+    if up_to is not None:
+        found = found.first(int(np.sum(found.natural_frequencies <= up_to)))
     return found.first(lowest)
 
 
-def natural_modes(drivetrain: AssembledModel, lowest: int | None = None) -> tuple[Modes, tuple[str, ...]]:
+def natural_modes(
+    drivetrain: AssembledModel, lowest: int | None = None, up_to: float | None = None
+) -> tuple[Modes, tuple[str, ...]]:
     """Modes of the drivetrain as it stands, and what is doubtful; nodes with an imposed angle stand still."""
     assembly = drivetrain.assembly
     system = assembly.system
+    if up_to is not None and continuous.is_continuous(system):
+        count = continuous.number_below(system, 2 * np.pi * up_to) + MARGIN
+        lowest = count if lowest is None else min(lowest, count)
     undamped = undamped_modes(system) if system.dynamic else None
     solution = complex_modes(system, lowest, undamped)
     elements = tuple(drivetrain.elements)
@@ -97,22 +118,20 @@ def energies(
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Shares (n_elements, n_modes) of the elements in the energies of each mode.
 
-    Kinetic J |lambda|^2 |gamma|^2, strain Re(k) |gamma|^2, dissipated (c |lambda| + Im(k)) |lambda| |gamma|^2; a
-    frequency-dependent k is taken at |Im lambda|.
+    Kinetic J |lambda|^2 |gamma|^2, strain Re(k) |gamma|^2, dissipated (c |lambda| + Im(k)) |lambda| |gamma|^2; what
+    depends on frequency says itself what there is of it.
     """
     system = assembly.system
     motion = np.abs(_motion(system.law_rows, solution.vectors)) ** 2
     sizes = np.array([sum(map(abs, row.values())) for row in system.sparse_rows])
     motion[motion < (1e-12 * sizes[:, None]) ** 2] = 0.0
     rate = np.abs(solution.eigenvalues)
-    dynamic = (
-        np.stack([system.kappa(float(abs(value.imag))) for value in solution.eigenvalues], axis=1)
-        if len(rate)
-        else np.zeros((len(motion), 0))
-    )
-    kinetic = system.inertia[:, None] * motion
-    strain = (system.stiffness[:, None] + dynamic.real) * motion
-    dissipated = (system.damping[:, None] * rate + dynamic.imag) * rate * motion
+    inertia, stiffness, loss = (np.zeros((len(motion), len(rate))) for _ in range(3))
+    for law, table in system.dynamic:
+        inertia[law], stiffness[law], loss[law] = zip(*map(table.energy, solution.eigenvalues.tolist()), strict=True)
+    kinetic = (system.inertia[:, None] + inertia) * motion
+    strain = (system.stiffness[:, None] + stiffness) * motion
+    dissipated = (system.damping[:, None] * rate + loss) * rate * motion
     rigid = np.array([kind == "rigid body" for kind in solution.kinds], dtype=bool)
     strain[:, rigid], dissipated[:, rigid] = 0.0, 0.0
     place = {element: number for number, element in enumerate(elements)}

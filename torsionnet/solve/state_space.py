@@ -115,6 +115,11 @@ def active_channels(drivetrain: AssembledModel) -> Channels:
     )
 
 
+def _way_out(system: RowSystem) -> str:
+    continuous = any(law.is_continuous for _, law in system.dynamic)
+    return "; a shaft with segments has one" if continuous else ""
+
+
 def first_order(assembly: Assembly, inputs: Sequence[Input]) -> StateSpaceForm:
     """States of an assembly under torques on nodes.
 
@@ -126,7 +131,7 @@ def first_order(assembly: Assembly, inputs: Sequence[Input]) -> StateSpaceForm:
     system = assembly.system
     if system.dynamic:
         names = ", ".join(sorted({assembly.owners[index] for index, _ in system.dynamic}))
-        raise UsageError(f"{names}: a stiffness that depends on frequency has no state space")
+        raise UsageError(f"{names}: a stiffness that depends on frequency has no state space{_way_out(system)}")
     if any(channel.quantity != "torque" for channel in inputs):
         raise UsageError(
             "an imposed angle has no state space with torque inputs; make it a torque, or use frequency_response"
