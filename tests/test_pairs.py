@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import ClassVar
 
 import jsonschema
 import numpy as np
@@ -181,7 +182,7 @@ class TestTorque:
 
 
 class TestImposedMotion:
-    INPUTS = {"phi": {"angle": ["crank", "block"]}}
+    INPUTS: ClassVar = {"phi": {"angle": ["crank", "block"]}}
     EXPECTED = np.array([readings(dense(f, held=[PAIR], given=1), f) for f in F])
 
     def test_against_matrices_by_hand(self):
