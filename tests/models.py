@@ -21,7 +21,76 @@ EVERY_ELEMENT = {
         "e", nodes=("a", "b"), outer_diameter=0.05, inner_diameter=0.02, length=1.2, segments=3, damping=4
     ),
     "propeller": tn.Propeller("e", node="a", inertia=2, entrained_water=0.25, archer=30, torque=200, speed=15),
+    "controller": tn.Controller(
+        "e", sense={"velocity": ["a", "b"]}, act=["c", "b"], law={"p": -3, "i": -5, "d": 1, "filter": 0.2}, delay=0.1
+    ),
+    "synchronous_machine": tn.SynchronousMachine(
+        "e", node="a", housing="b", pull_out_torque=500, torque=300, pole_pairs=2, damping=7, inertia=0.6
+    ),
+    "induction_machine": tn.InductionMachine(
+        "e",
+        node="a",
+        housing="b",
+        synchronous_speed=150,
+        breakdown_torque=400,
+        rated_torque=180,
+        rated_slip=0.02,
+        time_constant=0.03,
+        inertia=0.4,
+    ),
+    "grid_generator": tn.GridGenerator(
+        "e",
+        node="a",
+        grid="b",
+        rated_power=2e4,
+        speed=150,
+        grid_frequency="71.6197 Hz",
+        inertia_constant=0.8,
+        emf=1.3,
+        grid_voltage=1,
+        reactance=0.6,
+        power=0.5,
+        damping_coefficient=9,
+    ),
+    "constant_power_load": tn.ConstantPowerLoad("e", node="a", housing="b", power=900, speed=50),
     "viscous_damper": tn.ViscousDamper("e", node="a", ring_inertia=3, damping=5, stiffness=200, hub_inertia=0.5),
+    "tuned_damper": tn.TunedDamper(
+        "e", node="a", ring_inertia=3, natural_frequency=1.5, damping_ratio=0.1, hub_inertia=0.5
+    ),
+    "spring_damper": tn.SpringDamper(
+        "e",
+        node="a",
+        ring_inertia=3,
+        stiffness=200,
+        loss_over_frequency={"1 Hz": 0.2, "30 Hz": 0.5},
+        stiffness_over_frequency={"1 Hz": 1.1, "10 Hz": 1.3},
+    ),
+    "pendulum_absorber": tn.PendulumAbsorber(
+        "e", node="a", mass=4, pivot_radius=0.5, path_radius=0.2, speed=9, count=2, own_inertia=0.1, damping=0.3
+    ),
+    "dual_mass_flywheel": tn.DualMassFlywheel(
+        "e",
+        nodes=("a", "b"),
+        primary_inertia=2,
+        secondary_inertia=1,
+        stages=[{"stiffness": 200, "to": "30 N*m"}, {"stiffness": 400}],
+        torque=50,
+        friction=3,
+        swing=0.1,
+        damping=1,
+    ),
+    "flexible_coupling": tn.FlexibleCoupling(
+        "e",
+        nodes=("a", "b"),
+        stiffness_over_torque={0: 200, 1: 500},
+        T_KN=100,
+        torque=40,
+        temperature="60 degC",
+        temperature_factor={"20 degC": 1, "100 degC": 0.5},
+        loss_factor={"psi": 0.9},
+        in_series=2,
+        first_inertia=0.5,
+    ),
 }
 
 

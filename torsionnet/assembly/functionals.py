@@ -58,13 +58,15 @@ class Functional:
     """A reading: terms of motion, and shares of the torques applied to nodes.
 
     ``sensor`` is None for an excitation in the place of a measured input; ``applied`` is empty unless the torque of a
-    rigid connection is read.
+    rigid connection is read. ``actions`` are the factors of the torques of actions that belong to the element read;
+    what actions apply to nodes counts with ``applied``.
     """
 
     name: str
     unit: str
     terms: tuple[Term, ...]
     applied: Mapping[str, Fraction] = field(default_factory=dict)
+    actions: Mapping[int, Fraction] = field(default_factory=dict)
     sensor: Sensor | None = None
 
     @property
@@ -106,13 +108,15 @@ def functional(drivetrain: AssembledModel, sensor: Sensor, name: str = "") -> Fu
             _require(node, drivetrain.nodes, "node", all_nodes(definition.elements.values()))
     laws = ((owner, law.row) for owner, law in zip(assembly.owners, assembly.laws, strict=True))
     values = Values(drivetrain.exact_values)
-    read = reading(sensor, drivetrain.elements, values, laws, assembly.kinematics.constraints)
+    actions = ((one.owner, one.nodes) for one in assembly.system.actions)
+    read = reading(sensor, drivetrain.elements, values, laws, assembly.kinematics.constraints, actions)
     found = Functional(name or str(sensor), UNITS[sensor.quantity], (), sensor=sensor)
     if read.row is not None:
         return replace(found, terms=(_motion(assembly, read.row, read.power),))
     balanced = balance(read, assembly.kinematics, [law.row for law in assembly.laws])
     terms = tuple(_law_term(assembly, law, factor) for law, factor in balanced.laws if factor)
-    return replace(found, terms=terms, applied=balanced.applied)
+    own = {number: exact(factor) for number, factor in read.actions.items()}
+    return replace(found, terms=terms, applied=balanced.applied, actions=own)
 
 
 def _require(name: str, known: Any, what: str, switched_off: Any = ()) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.functionals import Functional, powers_of_s
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.assembly.system import Assembly
@@ -81,6 +82,7 @@ def matrices(drivetrain: Drivetrain) -> Matrices:
 
 
 def _refuse(drivetrain: Drivetrain, assembly: Assembly) -> None:
+    refuse_actions(assembly.system.actions, "constant matrices are")
     dynamic = sorted({assembly.owners[index] for index, _ in assembly.system.dynamic})
     if dynamic:
         raise UsageError(

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 from torsionnet.core.atomic import write_text
 from torsionnet.core.errors import UsageError
+from torsionnet.core.plain_names import Names
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.modelica_elements import write_element
 from torsionnet.io.modelica_net import Net
 from torsionnet.io.modelica_parts import COMPONENTS, FIXED, has_counterpart, port
 from torsionnet.io.modelica_words import KEYWORDS, ROTATIONAL, ModelicaWords, quoted, unit_of, written_unit
 from torsionnet.io.part_words import unwritten
-from torsionnet.io.plain_names import Names
 from torsionnet.model.channels import UNITS, Input, Sensor
 from torsionnet.model.elements import Values
 from torsionnet.model.parameters import dimensions

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 LOAD = "load"
 """What ``load.entry`` in a configuration means; no excitation can have this name."""
+EXCITATIONS = "excitations"
+ELEMENTS = "elements"
 
 
 def _plan() -> type[Declared]:
@@ -151,33 +153,50 @@ class Definition(Declared):
         return replace(
             self,
             parameters=parameters,
-            elements=elements,
             operating_point=point,
-            **self._overridden(overlay.entries),
+            **self._overridden(overlay.entries, elements),
         )
 
-    def _overridden(self, changes: Mapping[str, Any]) -> dict[str, Any]:
-        """The sections with ``engine.misfire: [3]``, ``load.power: 1 MW`` and the like put in."""
-        found, load = dict(self.excitations), self.load
+    def _overridden(self, changes: Mapping[str, Any], elements: Mapping[str, Element]) -> dict[str, Any]:
+        """The sections with ``box.engaged: II``, ``engine.misfire: [3]``, ``load.power: 1 MW`` and the like put in."""
+        found: dict[str, Any] = {EXCITATIONS: dict(self.excitations), ELEMENTS: dict(elements), LOAD: self.load}
         # All entries of one section at once: each alone may contradict what the others change.
-        for name, fields in by_section(changes).items():
-            if name == LOAD and load is not None:
-                load = replace(load, **fields)
+        for (table, name), fields in by_section(self, changes).items():
+            if table == LOAD:
+                found[LOAD] = replace(found[LOAD], **fields)
             else:
-                found[name] = replace(found[name], **fields)
-        return {"excitations": found, LOAD: load}
+                found[table][name] = replace(found[table][name], **fields)
+        return found
 
     def to_data(self) -> dict[str, Any]:
         """The entries of a model file; reading them again gives an equal definition."""
         return {KEY: VERSION, "name": self.name, **super().to_data()}
 
 
-def by_section(changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """``engine.misfire: [3]`` and the like as tables of entries by name."""
-    found: dict[str, dict[str, Any]] = {}
+def section_of(definition: Definition, key: str) -> tuple[str, str, Declared] | None:
+    """Table, name and section that ``box.engaged`` and the like are about; None if nothing has that name.
+
+    Of an excitation and an element of one name it is the excitation, unless only the element has such an entry.
+    """
+    name, _, entry = key.rpartition(".")
+    if name == LOAD and definition.load is not None:
+        return LOAD, name, definition.load
+    tables: dict[str, Mapping[str, Declared]] = {EXCITATIONS: definition.excitations, ELEMENTS: definition.elements}
+    found = [(table, name, sections[name]) for table, sections in tables.items() if name in sections]
+    fitting = [one for one in found if entry in dict(one[2].specs())]
+    return next(iter(fitting or found), None)
+
+
+def by_section(definition: Definition, changes: Mapping[str, Any]) -> dict[tuple[str, str], dict[str, Any]]:
+    """``engine.misfire: [3]`` and the like as entries by the table and the name of the section they belong to.
+
+    What belongs to none is left out.
+    """
+    found: dict[tuple[str, str], dict[str, Any]] = {}
     for key, value in changes.items():
-        name, _, field = key.partition(".")
-        found.setdefault(name, {})[field] = value
+        section = section_of(definition, key)
+        if section is not None:
+            found.setdefault(section[:2], {})[key.rpartition(".")[2]] = value
     return found
 
 
@@ -195,8 +214,8 @@ def _settled(definition: Definition, changes: Mapping[str, Any]) -> dict[str, An
     """What cannot be read stays as it is; checks say why."""
     found = dict(changes)
     for key, raw in changes.items():
-        name, _, field = key.partition(".")
-        specs = dict(definition.excitations[name].specs()) if name in definition.excitations else {}
+        section, field = section_of(definition, key), key.rpartition(".")[2]
+        specs = dict(section[2].specs()) if section else {}
         value, faults = specs[field].read(raw) if field in specs and names_a_file(raw) else (None, [])
         if value is not None and not faults:
             found[key] = specs[field].plain(value)

@@ -10,7 +10,7 @@ from typing import Any
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.definition import Definition, all_nodes
-from torsionnet.model.elements import Constraint, Law, Part, Row, Values
+from torsionnet.model.elements import Action, Constraint, Law, Part, Row, Values
 from torsionnet.model.elimination import Reduction, exact, holding, reduce_rows, smallest_culprits
 
 
@@ -65,6 +65,10 @@ class Kinematics:
     @cached_property
     def laws(self) -> tuple[tuple[str, Law], ...]:
         return tuple((owned.element, owned.part) for owned in self.parts if isinstance(owned.part, Law))
+
+    @cached_property
+    def actions(self) -> tuple[tuple[str, Action], ...]:
+        return tuple((owned.element, owned.part) for owned in self.parts if isinstance(owned.part, Action))
 
     @cached_property
     def constraints(self) -> tuple[tuple[str, Row], ...]:

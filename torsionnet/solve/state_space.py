@@ -154,7 +154,7 @@ def _state_names(coordinates: Sequence[str], heavy: FloatArray, damped: FloatArr
 def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Bases of the coordinates with inertia, of the massless damped and of the static ones."""
     heavy = system.inertia > 0
-    massless, static = (unresisted(system, laws).basis() for laws in (heavy, heavy | (system.damping > 0)))
+    massless, static = (unresisted(system, laws).basis() for laws in (heavy, heavy | (system.damping != 0)))
     return _upright(beside(massless, np.eye(system.n_coordinates))), _upright(beside(static, massless)), static
 
 

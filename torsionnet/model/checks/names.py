@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator
 from torsionnet.core.errors import Fault, Path, did_you_mean, unknown_name
 from torsionnet.core.expressions import Expression
 from torsionnet.model.channels import Input, Sensor, port_fault
+from torsionnet.model.checks.overrides import expressions_of_overrides, unfit_overrides
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND
 from torsionnet.model.operating_point import OperatingPoint
@@ -39,6 +40,7 @@ def _expressions(definition: Definition) -> Iterator[tuple[Path, Expression]]:
                 yield ("configurations", axis, label, name), value
             yield from _point_expressions(overlay.operating_point, ("configurations", axis, label, "operating_point"))
     yield from _point_expressions(definition.operating_point, ("operating_point",))
+    yield from expressions_of_overrides(definition)
 
 
 def _point_expressions(point: OperatingPoint | None, path: Path) -> Iterator[tuple[Path, Expression]]:
@@ -207,16 +209,11 @@ def unfit_bench(definition: Definition) -> list[Fault]:
 
 def unfit_excitations(definition: Definition) -> list[Fault]:
     """Excitations, speeds and a load that name what the model does not have."""
-    running = definition.speeds or definition.load or definition.excitations
-    if not running and not _overridden(definition):
+    if not (definition.speeds or definition.load or definition.excitations):
         return []
     import torsionnet.model.checks.running as checks
 
     return checks.unfit_excitations(definition)
-
-
-def _overridden(definition: Definition) -> bool:
-    return any(overlay.entries for axis in definition.configurations.values() for overlay in axis.values())
 
 
 def unfit_limits(definition: Definition) -> list[Fault]:
@@ -247,6 +244,7 @@ CHECKS = (
     unused_parameters,
     hidden_names,
     dead_ends,
+    unfit_overrides,
     unfit_excitations,
     unfit_limits,
     unfit_bench,

@@ -19,7 +19,7 @@ from torsionnet.core.entries.spec import Spec, entry
 from torsionnet.core.entries.words import Flag, Text, name_fault
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.core.expressions import Expression
-from torsionnet.model.elements.laws import Constraint, Part, Row, Values
+from torsionnet.model.elements.laws import Constraint, Law, Part, Row, Values
 from torsionnet.model.elements.nodes import NodeName, NodePair
 
 ELEMENT_TYPES: dict[str, type[Element]] = {}
@@ -61,6 +61,10 @@ class Element(Declared):
     """How the schematic draws it: disc, spring, damper, coupling, gear, planetary, differential, clamp or shaft."""
     sign: ClassVar[str] = "positive when it drives from the first node into the element"
     """What a positive torque means at the first port; at any other: positive when it drives out of the element."""
+    drives: ClassVar[bool] = False
+    """Whether a positive torque at the first port drives out of the element, as of one that acts by itself."""
+    may_drive: ClassVar[bool] = False
+    """Whether its damping may be below zero: its torque rises with the speed of what it drives."""
 
     name: str
     description: str = entry(Text("free text for tables and reports"), "", kw_only=True)
@@ -96,7 +100,9 @@ class Element(Declared):
     def holds(self, value: Values) -> tuple[Row, ...]:
         """Rows that stay at zero on average: the element passes a mean speed on through them."""
         parts = self.parts(value)
-        return tuple(part.row for part in parts if isinstance(part, Constraint) or part.is_elastic)
+        return tuple(
+            part.row for part in parts if isinstance(part, Constraint) or (isinstance(part, Law) and part.is_elastic)
+        )
 
     @property
     def ports(self) -> dict[str, str]:

@@ -12,7 +12,7 @@ import numpy as np
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.scalars import Value, check_unit
 from torsionnet.core.entries.spec import EntryError, entry
-from torsionnet.core.entries.words import OneOf, Text
+from torsionnet.core.entries.words import OneOf, Text, name_fault
 from torsionnet.core.errors import Fault, Path, unknown_name
 from torsionnet.core.expressions import Number
 from torsionnet.core.units import RPM
@@ -89,7 +89,7 @@ class CurveLimit(Limit):
     def sensor(self, subject: LimitSubject) -> Sensor | None:
         """What it is about: an output, or the angle of a node."""
         found = named_sensor(self.output, subject.sensors)
-        return found or (Sensor("angle", self.output) if self.output.isidentifier() else None)
+        return found or (Sensor("angle", self.output) if name_fault(self.output) is None else None)
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
         sensor = self.sensor(subject)
