@@ -36,6 +36,13 @@ def read_node(raw: Any, *, allow_ground: bool = True) -> str:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class ReferenceNode(NodeName):
+    """A node of the shaft at which values are quoted: no port."""
+
+    allow_ground: bool = False
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class NodePair(Spec):
     """Two nodes; the first defines the sign of the element's twist and torque."""
 
