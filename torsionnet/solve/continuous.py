@@ -194,7 +194,9 @@ def damped_modes(system: RowSystem, count: int) -> tuple[FloatArray, Found, int]
 
     The lowest ``count`` of those without damping are followed; real poles up to their band are added.
     """
-    require_resistance(system, (system.inertia > 0) | elastic(system) | (system.damping != 0) | _continuous_laws(system))
+    require_resistance(
+        system, (system.inertia > 0) | elastic(system) | (system.damping != 0) | _continuous_laws(system)
+    )
     rates, shapes = undamped_modes(system, count)
     free = unresisted(system, elastic(system) | (system.damping != 0)).basis()
     vibrating = [group for group in _groups(rates) if rates[group[0]] > 0]
