@@ -147,7 +147,8 @@ def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], int, tuple
     zeros = (pencil.within(min(1e-3 * least, 1e-3 / delay)) or 0) if _still(pencil).shape[1] else 0
     radius = _between(radius, [abs(pole.value) for pole in near])
     inside = [pole for pole in near if abs(pole.value) < radius]
-    counted, found = pencil.within(radius), zeros + sum(1 if pole.is_real else 2 for pole in inside)
+    counted = pencil.within(radius) if pencil.size <= SMALL else None
+    found = zeros + sum(1 if pole.is_real else 2 for pole in inside)
     below = f"{radius / (2 * np.pi):.4g} Hz"
     if counted is None:
         doubts: tuple[str, ...] = (f"with the delay, the poles below {below} could not be counted",)

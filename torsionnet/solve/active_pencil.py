@@ -26,8 +26,8 @@ from torsionnet.solve.refine import least_fill
 
 MOST_STEPS = 30
 EPS = float(np.finfo(float).eps)
-ON_CIRCLE = 64
-"""Points on a circle to begin with, along which the phase is followed."""
+ON_CIRCLE, PER_ROOT = 64, 8
+"""Points on half a circle to begin with, along which the phase is followed: in all, and for each row."""
 FINEST = 1 << 16
 
 
@@ -139,8 +139,10 @@ class ActivePencil:
         """Relative error of a root: rounding of all terms times the condition of the root."""
         P = self.at(s)
         left, right = equilibrated(np.abs(P) + abs(s) * np.abs(self.rate(s)))
-        u, _, _ = np.linalg.svd(left[:, None] * P * right)
-        y = left * u[:, -1]
+        try:  # next to a root, one step of inverse iteration leaves the left vector alone
+            y = left * np.linalg.solve((left[:, None] * P * right).conj().T, w.conj() / np.linalg.norm(w))
+        except np.linalg.LinAlgError:
+            return EPS
         slope = abs(y.conj() @ self.rate(s) @ w)
         rounding = np.abs(y) @ self.sizes(s) @ np.abs(w)
         return float(EPS * rounding / (slope * abs(s))) if slope and s else np.inf
@@ -193,7 +195,7 @@ class ActivePencil:
 
     def within(self, radius: float) -> int | None:
         """How many roots lie within a circle around zero, by the turns of det P along it; None where one is on it."""
-        first, n = self._phase(radius, 0.0), ON_CIRCLE
+        first, n = self._phase(radius, 0.0), max(ON_CIRCLE, PER_ROOT * self.size)
         angles = np.linspace(0, np.pi, n + 1)  # conjugate roots: the lower half turns alike
         phases = [first, *(self._phase(radius, angle) for angle in angles[1:])]
         turned, places = 0.0, list(zip(angles.tolist(), phases, strict=True))
