@@ -17,6 +17,7 @@ import numpy as np
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
+from torsionnet.solve.active_digits import DIGITS, ManyDigitPencil
 from torsionnet.solve.active_pencil import EPS, ActivePencil, equilibrated
 from torsionnet.solve.eigen import OSCILLATORY, REAL, RIGID, EigenSolution, complex_modes, scaled, undamped_modes
 from torsionnet.solve.reduction import require_resistance
@@ -24,12 +25,18 @@ from torsionnet.solve.state_space import first_order
 
 SMALL = 150
 """Coordinates and controllers up to which every pole is settled on the characteristic equation, and counted."""
+FEW = 40
+"""Those up to which determinants are taken in many digits."""
 MOST_POINTS = 160
 FEWEST_POINTS = 20
 PER_RADIAN = 0.75
 """Points of a delay per radian that the fastest motion turns in it."""
 SAME = 1e-7
 REAL_BELOW = 1e-10
+BLURRED = 1e-11
+"""Relative error from which on a pole is settled in many digits."""
+MOST_WORK = 3e5
+"""Cube of the coordinates times poles that are."""
 NOTHING = 1e-9
 """Share of the radius below which a pole of a drivetrain with delays is taken for one at zero."""
 
@@ -70,6 +77,7 @@ def active_modes(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tu
     pencil = ActivePencil(assembly)
     delay = max((float(one.delay) for one in system.actions), default=0.0)
     poles, zeros, doubts, notes = _delayed(pencil, delay) if delay else _rational(pencil)
+    poles = _sharpened(assembly, poles)
     rigid = _still(pencil) if zeros else np.zeros((system.n_coordinates, 0))
     return _solution(sorted(poles, key=lambda pole: abs(pole.value)), rigid), doubts, notes
 
@@ -126,6 +134,27 @@ def _settled(pencil: ActivePencil, pole: Pole) -> Pole:
     return Pole(value, found[1], min(found[2], max(pole.error, EPS)))
 
 
+def _sharpened(assembly: Assembly, poles: Sequence[Pole]) -> list[Pole]:
+    """Poles that rounding blurs, as slow ones of stiff drivetrains, in many digits; as many as time allows."""
+    size = assembly.system.n_coordinates + len(assembly.system.actions)
+    most = int(MOST_WORK // max(size, 1) ** 3)
+    blurred = sorted((pole.error, place) for place, pole in enumerate(poles) if pole.error > BLURRED)[::-1][:most]
+    if not blurred:
+        return list(poles)
+    import mpmath
+
+    found = list(poles)
+    with mpmath.workdps(DIGITS):
+        exact = ManyDigitPencil(assembly)
+        for error, place in blurred:
+            pole = found[place]
+            met = exact.settled(pole.value, pole.vector)
+            if met is not None and abs(met[0] - pole.value) <= max(0.1, 10 * error) * abs(pole.value):
+                value = complex(met[0].real, 0.0) if pole.is_real else met[0]
+                found[place] = Pole(value, met[1], EPS)
+    return found
+
+
 # --- delays --------------------------------------------------------------------------------------------------------
 
 
@@ -144,7 +173,7 @@ def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], int, tuple
     near = _distinct(pencil, [pole for pole in moving if abs(pole.value) <= 1.2 * radius])
     near = [pole for pole in near if abs(pole.value) > NOTHING * radius]
     least = min((abs(pole.value) for pole in near), default=radius)
-    zeros = (pencil.within(min(1e-3 * least, 1e-3 / delay)) or 0) if _still(pencil).shape[1] else 0
+    zeros = _zeros(pencil, min(least, 1 / delay)) if _still(pencil).shape[1] else 0
     radius = _between(radius, [abs(pole.value) for pole in near])
     inside = [pole for pole in near if abs(pole.value) < radius]
     counted = pencil.within(radius) if pencil.size <= SMALL else None
@@ -160,6 +189,16 @@ def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], int, tuple
     text = f"a delay makes infinitely many poles; those below {below} are all here"
     notes = (f"{text}, and of faster ones those next to modes without control" if beyond else text,)
     return inside + beyond, zeros, doubts, notes
+
+
+def _zeros(pencil: ActivePencil, rate: float) -> int:
+    """How many poles are zero; the others are not slower than ``rate``, rad/s."""
+    if pencil.size > FEW:
+        return pencil.within(1e-3 * rate) or 0
+    import mpmath
+
+    with mpmath.workdps(DIGITS):
+        return ManyDigitPencil(pencil.assembly).zeros(rate)
 
 
 def _corner(pencil: ActivePencil) -> list[float]:

@@ -133,7 +133,7 @@ class ActivePencil:
             if abs(step) <= 4 * EPS * abs(s) or (last <= 1e-9 * abs(s) and abs(step) >= last / 2):
                 return s, w, self._error(s, w)
             last = float(abs(step))
-        return (s, w, self._error(s, w)) if last <= 1e-6 * abs(s) else None
+        return (s, w, self._error(s, w)) if last <= 0.1 * abs(s) else None
 
     def _error(self, s: complex, w: ComplexArray) -> float:
         """Relative error of a root: rounding of all terms times the condition of the root."""
