@@ -93,7 +93,7 @@ class ShaftStiffness(DynamicStiffness):
 
         lossy = np.asarray(omega) > 0
         K = float(self.stiffness) * (1 + 1j * float(self.loss_factor) * lossy)
-        return K, np.sqrt(-(np.asarray(s) ** 2) * float(self.inertia) / K + 0j)
+        return np.asarray(K), np.sqrt(-(np.asarray(s) ** 2) * float(self.inertia) / K + 0j)
 
     @staticmethod
     def _value(x: Complexes) -> Complexes:
