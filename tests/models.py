@@ -1,8 +1,12 @@
 """Small drivetrains that several tests use, built through the public API."""
 
+from pathlib import Path
+
 import torsionnet as tn
 from torsionnet.assembly.functionals import functional
 from torsionnet.core.errors import UsageError
+
+SHEET = Path(__file__).parent / "sheets" / "line.csv"
 
 EVERY_ELEMENT = {
     "inertia": tn.Inertia("e", node="a", inertia=2),
@@ -22,6 +26,7 @@ EVERY_ELEMENT = {
     ),
     "propeller": tn.Propeller("e", node="a", inertia=2, entrained_water=0.25, archer=30, torque=200, speed=15),
     "viscous_damper": tn.ViscousDamper("e", node="a", ring_inertia=3, damping=5, stiffness=200, hub_inertia=0.5),
+    "mass_elastic": tn.MassElastic("e", table=SHEET, at={"first": "a", "last": "b"}),
 }
 
 

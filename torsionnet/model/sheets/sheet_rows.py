@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
-from torsionnet.core.delimited.grid import Cell
+from torsionnet.core.delimited.cell_grid import Cell
 from torsionnet.core.errors import did_you_mean
 from torsionnet.core.groups import Groups
 from torsionnet.core.plain_names import Names, plain_name
