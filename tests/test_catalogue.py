@@ -32,7 +32,7 @@ def load(tmp_path, model=MODEL, catalogue=COUPLINGS):
 
 
 def notes(tmp_path, *change):
-    return [fault.message for fault in load(tmp_path, *change).findings if fault.severity == "note"]
+    return [fault.message for fault in load(tmp_path, *change).check() if fault.severity == "note"]
 
 
 def test_the_same_as_written_out(tmp_path):
@@ -73,18 +73,16 @@ def test_a_limit_judges_by_the_catalogue(tmp_path):
     """The torque of the coupling under a sine of 100 N m on one mass, by hand; T_KW is 880 N m."""
     running = MODEL + (
         "speeds: {of: a, range: 600..1200 rpm, step: 300 rpm}\n"
-        "excitations: {shaker: {type: harmonic_torque, node: a, orders: {1: {torque: 100 N*m}}}}\n"
+        "excitations: {shaker: {type: harmonic, node: a, orders: {1: {amplitude: 100 N*m}}}}\n"
     )
-    try:
-        model = load(tmp_path, running.replace("inertia: 2", "inertia: 2", 1))
-    except ModelError as error:
-        pytest.fail(str(error))
+    model = load(tmp_path, running)
     verdicts = {one.criterion: one for one in model.check_limits().verdicts}
     assert set(verdicts["T_KW"].allowed) == {880.0}
     omega = np.pi / 30 * np.array([600, 900, 1200])
     k = 11200 * (1 + 1j * 0.78 / (2 * np.pi))
-    torque = np.abs(100 * k * 3 * omega**2 / ((k - 2 * omega**2) * (k - 3 * omega**2) - k**2) * -1)
-    np.testing.assert_allclose(verdicts["T_KW"].values, torque, rtol=1e-9)
+    torque = np.abs(100 * k * 3 * omega**2 / ((k - 2 * omega**2) * (k - 3 * omega**2) - k**2))
+    # Half ranges are found on a grid of angles.
+    np.testing.assert_allclose(verdicts["T_KW"].values, torque, rtol=1e-6)
 
 
 def test_without_catalogue_a_limit_still_needs_a_value(tmp_path):
@@ -155,7 +153,7 @@ class TestShipped:
         )
         for size in ("V240", "V1250"):
             damper = tn.loads(f"{text}, size: {size}}}\nlimits: {{d: {{rule: damper, element: d}}}}")
-            assert not [fault for fault in damper.findings if "fits no entry" in fault.message]
+            assert not [fault for fault in damper.check() if "fits no entry" in fault.message]
 
     def test_all_have_sizes_once_and_units(self):
         assert set(shipped_catalogues()) == {"example_couplings", "example_tyres", "example_viscous_dampers"}
