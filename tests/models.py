@@ -1,8 +1,12 @@
 """Small drivetrains that several tests use, built through the public API."""
 
+from pathlib import Path
+
 import torsionnet as tn
 from torsionnet.assembly.functionals import functional
 from torsionnet.core.errors import UsageError
+
+SHEET = Path(__file__).parent / "sheets" / "line.csv"
 
 EVERY_ELEMENT = {
     "inertia": tn.Inertia("e", node="a", inertia=2),
@@ -131,6 +135,7 @@ EVERY_ELEMENT = {
     "chain_drive": tn.ChainDrive(
         "e", sprockets={"a": 20, "b": 31}, pitch=0.0127, axial_stiffness=1e5, lengths=[0.3, 0.4], damping=2, housing="c"
     ),
+    "mass_elastic": tn.MassElastic("e", table=SHEET, at={"first": "a", "last": "b"}),
 }  # fmt: skip
 
 

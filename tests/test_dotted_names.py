@@ -83,7 +83,7 @@ def test_symbols_of_parts_have_their_owner_as_index():
 def test_code_of_parts_has_plain_names():
     rig = dotted(tn.load("dmf_rig"))
     space = {}
-    exec(rig.symbolic().transfer_function("rig.theta_1", "rig.T_M").python_code("H"), space)  # noqa: S102
+    exec(rig.symbolic().transfer_function("rig.theta_1", "rig.T_M").python_code("H"), space)
     frequencies = np.array([3.0, 20.0])
     wanted = rig.frequency_response("rig.theta_1", "rig.T_M", frequencies).values[:, 0, 0]
     np.testing.assert_allclose(space["H"](frequencies), wanted, rtol=1e-9)
@@ -98,7 +98,7 @@ def test_a_name_with_a_dot_and_one_with_a_line_stay_apart():
         parameters={"a.J": 2, "a_J": 300},
     )
     space = {}
-    exec(model.symbolic().transfer_function("a.n", "a.n").python_code("H"), space)  # noqa: S102
+    exec(model.symbolic().transfer_function("a.n", "a.n").python_code("H"), space)
     wanted = model.frequency_response("a.n", "a.n", [1.0]).values[0, 0, 0]
     np.testing.assert_allclose(space["H"](np.array([1.0])), [wanted], rtol=1e-12)
 
