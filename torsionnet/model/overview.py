@@ -17,7 +17,7 @@ from torsionnet.model.channels import PORT_QUANTITIES, UNITS
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.model.elements import Element, Values
 from torsionnet.model.elements.laws import Law
-from torsionnet.model.elements.nodes import NodeName, NodePair
+from torsionnet.model.elements.nodes import NodeName, NodePair, ReferenceNode
 from torsionnet.response.table import Column, Table
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ def values_of(element: Element, rig: Model) -> Iterator[Written]:
     """``stiffness k_2 = 460 N*m/rad`` for each value given."""
     defaults = element.defaults()
     for name, (spec, value) in element.scalars().items():
-        if isinstance(spec, SHOWN_ELSEWHERE) or name == "enabled":
+        if name == "enabled" or (isinstance(spec, SHOWN_ELSEWHERE) and not isinstance(spec, ReferenceNode)):
             continue  # in columns of their own
         if value == defaults[name]:
             continue
