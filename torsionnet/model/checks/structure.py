@@ -8,6 +8,7 @@ from typing import Any
 from torsionnet.core.errors import USELESS, Fault, ModelError, UsageError, did_you_mean
 from torsionnet.core.groups import Groups
 from torsionnet.model.checks.balance import unbalanced_torques
+from torsionnet.model.checks.curves_in_use import beyond_curves
 from torsionnet.model.checks.load_fits import unfit_load
 from torsionnet.model.checks.motions import left_free
 from torsionnet.model.definition import Definition, all_nodes
@@ -212,5 +213,5 @@ def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
     sound = all(fault.severity != "error" for fault in faults)
     if not sound:
         return faults if definition.load else faults + unbalanced_torques(external, kinematics)
-    unfit = unfit_load(external) or unfit_parameters(external)
+    unfit = unfit_load(external) or unfit_parameters(external) or beyond_curves(external)
     return faults + (unfit or unbalanced_torques(external, kinematics))
