@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from functools import cache
 from typing import Any
 
 from torsionnet.core.errors import Fault, Path
@@ -50,9 +49,4 @@ def _beyond(definition: Definition, values: Mapping[str, Any]) -> Iterator[tuple
 
 
 def _has_curves(element: Element) -> bool:
-    return _reads_curves(type(element))
-
-
-@cache
-def _reads_curves(cls: type[Element]) -> bool:
-    return any(isinstance(spec, LookupCurve) for _, spec in cls.specs())
+    return any(isinstance(spec, LookupCurve) for _, spec in element.specs())
