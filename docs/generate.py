@@ -10,6 +10,7 @@ import sys
 from dataclasses import MISSING, Field
 from fractions import Fraction
 from inspect import getdoc
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ import torsionnet as tn
 from torsionnet.core.damping import MEASURES
 from torsionnet.core.entries.composite import Composite
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import PhysicalQuantity, ValueInUnitOfUse
+from torsionnet.core.entries.scalars import PhysicalQuantity, Value, ValueInUnitOfUse
 from torsionnet.core.entries.spec import Spec, spec_of
 from torsionnet.core.entries.words import Count, Flag, OneOf, Text
 from torsionnet.core.errors import ModelError
@@ -40,9 +41,11 @@ from torsionnet.model.elements import (
     element_classes,
     make_element,
 )  # fmt: skip
+from torsionnet.model.elements.characteristic import Characteristic
 from torsionnet.model.elements.curves import LookupCurve
 from torsionnet.model.elements.damping_entries import LossFactor
 from torsionnet.model.elements.nodes import NodeName, NodePair
+from torsionnet.model.elements.quantity_table import ListOf, Several, TableByName
 from torsionnet.model.elements.stiffness_rows import TableEntry
 from torsionnet.model.elements.teeth import Teeth
 from torsionnet.model.report import SECTIONS
@@ -65,6 +68,14 @@ SAMPLES = {
     "frequency": "10 Hz",
     "temperature": "60 degC",
     "angle": "3 deg",
+    "area": "0.6 m^2",
+    "force": "80 kN",
+    "linear stiffness": "300 kN/m",
+    "velocity": "20 m/s",
+    "per velocity": "0.0001 s/m",
+    "power": "3 MW",
+    "time": "0.05 s",
+    "pressure": "206 GPa",
     "1": 3,
 }
 SHEETS = {
@@ -150,7 +161,17 @@ def sample(cls: type[Element], *, full: bool, symbolic: bool = False) -> Element
         trial = data | {declared.name: sample_value(declared, symbolic=symbolic)}
         if not constructible(cls, data) or constructible(cls, trial):
             data = trial
+    for together in _together(cls, data) if full else ():
+        trial = data | {declared.name: sample_value(declared, symbolic=symbolic) for declared in together}
+        data = trial if constructible(cls, trial) else data
     return make_element(cls.kind, "part", data)
+
+
+def _together(cls: type[Element], data: dict[str, Any]) -> list[tuple[Field[Any], ...]]:
+    """Entries still left out that may need each other, as the speed and the drag area of a vehicle."""
+    left = [declared for declared in own_fields(cls) if declared.name not in data]
+    left = [declared for declared in left if not isinstance(spec_of(declared), (Count, OneOf))]
+    return [*combinations(left, 2), *combinations(left, 3)]
 
 
 def constructible(cls: type[Element], data: dict[str, Any]) -> bool:
@@ -162,22 +183,39 @@ def constructible(cls: type[Element], data: dict[str, Any]) -> bool:
 
 
 def sample_value(declared: Field[Any], *, symbolic: bool) -> Any:
-    kind = spec_of(declared)
+    return sample_of(spec_of(declared), declared.name, symbolic=symbolic)
+
+
+def sample_of(kind: Spec, name: str, *, symbolic: bool) -> Any:
+    """A value that an entry of this kind and name may have."""
     if isinstance(kind, NodePair):
         return ["a", "b"]
     if isinstance(kind, NodeName):
-        return declared.name
+        return name
+    if isinstance(kind, TableByName):
+        return {one: _indexed(sample_of(kind.of, name, symbolic=symbolic), one, symbolic) for one in kind.names}
+    if isinstance(kind, ListOf):
+        return [_indexed(sample_of(kind.of, name, symbolic=symbolic), i, symbolic) for i in range(1, kind.fewest + 1)]
+    if isinstance(kind, Characteristic):
+        units = [expected_unit(dimension).replace("1", "") for _, dimension in kind.columns]
+        return [[f"{row} {unit}".strip() for unit in units] for row in (0, 200)]
+    if isinstance(kind, Value):
+        return SAMPLES[kind.dimension]
     if isinstance(kind, PhysicalQuantity):
         loss = 0.1 if isinstance(kind, LossFactor) else SAMPLES[kind.dimension]
         return kind.symbol if symbolic else loss
     if isinstance(kind, LookupCurve):
         return dict.fromkeys(SHEETS[kind.over], SAMPLES[kind.dimension])
     if isinstance(kind, Composite):
-        return NESTED[getattr(kind, "name", declared.name)]
+        return NESTED[getattr(kind, "name", name)]
     others = {Teeth: [20, 61], Flag: True, Count: 1, Text: "text"}
     if isinstance(kind, TableEntry):
         return [["1 Hz", "400 N*m/rad", "2 N*m*s/rad"], ["20 Hz", "500 N*m/rad", "1.2 N*m*s/rad"]]
     return kind.options[0] if isinstance(kind, OneOf) else others[type(kind)]
+
+
+def _indexed(value: Any, index: object, symbolic: bool) -> Any:
+    return f"{value}_{index}" if symbolic and isinstance(value, str) else value
 
 
 def laws(cls: type[Element]) -> str:
@@ -189,7 +227,7 @@ def laws(cls: type[Element]) -> str:
 
 
 def described(element: Element) -> str:
-    names = {declared.symbol for declared, _ in element.scalars().values() if isinstance(declared, PhysicalQuantity)}
+    names = {name for _, _, expression, _ in element.expressions() for name in expression.names}
     algebra = Algebra(number=lambda x: sympy.Rational(x.numerator, x.denominator), sqrt=sympy.sqrt, pi=sympy.pi)
     value = Values({name: sympy.Symbol(name, positive=True) for name in names}, algebra)
     return "\n".join(f"$${row_text(part)},\\qquad {law_text(part)}$$\n" for part in element.parts(value))
@@ -240,11 +278,12 @@ def fields_table(cls: type[Element]) -> str:
 
 def field_row(declared: Field[Any]) -> list[str]:
     kind = spec_of(declared)
+    kind = kind.of if isinstance(kind, Several) else kind
     is_quantity = isinstance(kind, PhysicalQuantity)
     symbol = f"${sympy.latex(sympy.Symbol(kind.symbol))}$" if is_quantity else ""
     unit = "" if not is_quantity else "-" if kind.dimension == "1" else code(expected_unit(kind.dimension))
     default = "required" if declared.default is MISSING else default_text(declared.default)
-    return [code(declared.name), symbol, unit, bounds(kind), default, prose(kind.description)]
+    return [code(declared.name), symbol, unit, bounds(kind), default, prose(spec_of(declared).description)]
 
 
 def default_text(default: Any) -> str:
@@ -319,6 +358,9 @@ WANTED = {
     "frequency": "cpm",
     "length": "mm",
     "mass": "lb",
+    "force": "kN",
+    "linear stiffness": "kN/m",
+    "velocity": "km/h",
     "density": "kg/m^3",
     "shear modulus": "GPa",
 }

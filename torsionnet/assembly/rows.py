@@ -18,6 +18,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.assembly.action_law import ActionLaw
 from torsionnet.core.memo import Memo
 from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
 
@@ -100,6 +101,8 @@ class RowSystem:
         J in kg m^2, c in N m s/rad, k in N m/rad of each law; all >= 0.
     dynamic : tuple of (law index, DynamicStiffness)
         Laws that also have a frequency-dependent complex stiffness kappa(omega), omega >= 0.
+    actions : tuple of ActionLaw
+        Torques that follow the motion of another row; no part of ``M``, ``C`` and ``K``.
     memo : Memo
         What solvers have worked out from the rows alone; systems with the same rows share it.
     """
@@ -109,6 +112,7 @@ class RowSystem:
     damping: FloatArray
     stiffness: FloatArray
     dynamic: tuple[tuple[int, DynamicStiffness], ...] = ()
+    actions: tuple[ActionLaw, ...] = ()
     memo: Memo = field(default_factory=Memo, compare=False, repr=False)
 
     def __post_init__(self) -> None:

@@ -119,8 +119,9 @@ def symbolic_matrices(drivetrain: AssembledModel, referred_to: Sequence[str] = (
         for key, coefficient in _coefficients(owner, law).items():
             sums[key].add(coefficient, row)
     nodes = [ratios.reduced({node: twin(1)}) for node in kinematics.nodes]
-    inputs = tuple(name for name, channel in drivetrain.inputs.items() if channel.of in kinematics.nodes)
-    loads = [ratios.reduced({drivetrain.inputs[name].of: twin(1)}) for name in inputs]
+    present = set(kinematics.nodes)
+    inputs = tuple(name for name, channel in drivetrain.inputs.items() if set(channel.nodes) <= present)
+    loads = [ratios.reduced(drivetrain.inputs[name].row) for name in inputs]
     return SymbolicMatrices(
         **{key: total.matrix() for key, total in sums.items()},
         coordinates=coordinates,

@@ -1,7 +1,8 @@
-"""What an element is made of: kinematic rows, and the laws and constraints that act on them.
+"""What an element is made of: kinematic rows, and the laws, constraints and actions on them.
 
 Every mechanical element acts on a scalar gamma = a^T theta, the *row* a being a sparse map from node to coefficient.
-A :class:`Law` answers the motion gamma with a torque kappa(s) gamma; a :class:`Constraint` holds gamma at zero.
+A :class:`Law` answers the motion gamma with a torque kappa(s) gamma; a :class:`Constraint` holds gamma at zero. An
+:class:`Action` drives one gamma by the motion of another.
 Coefficients are numbers, exact rationals or symbols: nothing here knows which.
 """
 
@@ -57,7 +58,27 @@ class Constraint:
     row: Row
 
 
-Part: TypeAlias = Law | Constraint
+@dataclass(frozen=True)
+class Action:
+    """A torque kappa(s) gamma_sensed on the row ``row``, from the motion of another row; a positive one drives.
+
+    kappa(s) = (n_0 + n_1 s + ...)/(d_0 + d_1 s + ...) e^(-s delay) in N m/rad, ``numerator`` and ``denominator``
+    ascending in s, ``delay`` in s. A law that opposes its own motion is a :class:`Law`; an action need not be passive,
+    nor the same both ways.
+    """
+
+    row: Row
+    sensed: Row
+    numerator: tuple[Any, ...]
+    denominator: tuple[Any, ...] = (1,)
+    delay: Any = 0
+
+    @property
+    def acts(self) -> bool:
+        return bool(self.row) and bool(self.sensed) and any(bool(value != 0) for value in self.numerator)
+
+
+Part: TypeAlias = Law | Constraint | Action
 
 
 def make_row(entries: Iterable[tuple[str, Any]]) -> Row:

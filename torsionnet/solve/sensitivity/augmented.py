@@ -20,7 +20,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
-from torsionnet.model.elements import Row, Values
+from torsionnet.model.elements import Action, Row, Values
 from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import OwnedPart, constraints_of, imposed_rows, owned_parts
@@ -131,6 +131,9 @@ class Augmented:
 def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], redundant: Sequence[int]) -> Augmented:
     """Numbers for these values of the unknowns; conditions that follow from others are left out."""
     parts = owned_parts(unknowns.definition, Values(unknowns.values(at), DUALS))
+    acting = ", ".join(dict.fromkeys(part.element for part in parts if isinstance(part.part, Action)))
+    if acting:
+        raise UsageError(f"derivatives are not worked out for a drivetrain with controllers; switch off {acting}")
     count, place = len(unknowns.names), {node: index for index, node in enumerate(nodes)}
     owned = [(part.element, part.part) for part in parts if hasattr(part.part, "inertia")]
     laws: list[Any] = [law for _, law in owned]
