@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     import networkx as nx
     from numpy.typing import ArrayLike
 
+    from torsionnet.core.errors import Fault
     from torsionnet.model.channels import Sensor
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
     from torsionnet.response.recording import Recording
@@ -61,6 +63,18 @@ class Drivetrain(RunningMachinery):
     >>> round(float(rig.modes().natural_frequencies[0]), 3)
     8.755
     """
+
+    def check(self) -> tuple[Fault, ...]:
+        """Warnings and notes about the model, modes that grow among them (errors have already been refused)."""
+        return (*super().check(), *self._growing)
+
+    @cached_property
+    def _growing(self) -> tuple[Fault, ...]:
+        if not any(element.feeds for element in self.elements.values()):
+            return ()
+        from torsionnet.solve.stability import unstable_modes
+
+        return unstable_modes(self)
 
     def graph(self) -> nx.MultiGraph[str]:
         """The drivetrain as a networkx graph: nodes, and an edge for each pair of ports an element connects.

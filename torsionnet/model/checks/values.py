@@ -154,7 +154,7 @@ def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measu
 
 
 def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
-    """A safety net behind the bounds of single fields: no law may have a negative coefficient."""
+    """A safety net behind the bounds of single fields: no law has a negative coefficient, but damping of what feeds."""
     if not all(expression.names <= numbers.keys() for _, _, expression, _ in element.expressions()):
         return []
     try:
@@ -162,7 +162,8 @@ def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
     except (TorsionnetError, ArithmeticError) as error:
         return [Fault(f"{element.name} cannot be calculated: {error}", ("elements", element.name))]
     for part in parts:
-        if isinstance(part, Law) and min(part.inertia, part.damping, part.stiffness, part.loss_factor) < 0:
+        damping = 0 if element.feeds else getattr(part, "damping", 0)
+        if isinstance(part, Law) and min(part.inertia, damping, part.stiffness, part.loss_factor) < 0:
             return [
                 Fault(
                     f"the values of {element.name} give it a negative inertia, damping or stiffness",

@@ -64,6 +64,9 @@ class Element(Declared):
     drives: ClassVar[bool] = False
     """Whether a positive torque at the first port drives out of the element, as of one that acts by itself."""
 
+    feeds: ClassVar[bool] = False
+    """Whether it may feed energy into a vibration, by an action or by damping that may be negative."""
+
     name: str
     description: str = entry(Text("free text for tables and reports"), "", kw_only=True)
     enabled: bool = entry(
