@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from torsionnet.core.errors import Fault
     from torsionnet.model.channels import Sensor
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
+    from torsionnet.response.loop_margins import LoopMargins
     from torsionnet.response.recording import Recording
     from torsionnet.solve.grid import Adaptive
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
@@ -225,6 +226,30 @@ class Drivetrain(RunningMachinery):
         from torsionnet.solve.modes import modes
 
         return modes(self, measured_input=measured_input, excitation=excitation, lowest=lowest)
+
+    def loop_margins(self, controller: str | None = None) -> LoopMargins:
+        """Stability margins of the loop opened at a controller, and the loop itself for Nyquist's plot.
+
+        Gain, phase, delay and modulus margins, each with its frequency, all other loops being closed; delays are exact.
+        :func:`torsionnet.plot.nyquist` draws it.
+
+        Parameters
+        ----------
+        controller : str, optional
+            Name of the element; default: the only one.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> rig = tn.Drivetrain("governed", [tn.Inertia("rotor", node="a", inertia=2),
+        ...     tn.Controller("governor", sense={"velocity": "a"}, act="a", law=-30, delay="50 ms")])
+        >>> margins = rig.loop_margins()
+        >>> round(margins.gain_increase.value, 4), round(margins.phase.value, 3), round(margins.delay.value, 6)
+        (2.0944, 47.028, 0.05472)
+        """
+        from torsionnet.solve.opened_loops import loop_margins
+
+        return loop_margins(self, controller)
 
     def symbolic(self, *, referred_to: Sequence[str] = ()) -> SymbolicSystem:
         """M, C, K and transfer functions in the model's own symbols.
