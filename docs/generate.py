@@ -21,6 +21,7 @@ from validation_pages import bench_numbers_page, cases_page, paper_page
 
 import torsionnet as tn
 from torsionnet.core.damping import MEASURES
+from torsionnet.core.entries.composite import Composite
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import PhysicalQuantity, Value, ValueInUnitOfUse
 from torsionnet.core.entries.spec import Spec, spec_of
@@ -41,6 +42,7 @@ from torsionnet.model.elements import (
     make_element,
 )  # fmt: skip
 from torsionnet.model.elements.characteristic import Characteristic
+from torsionnet.model.elements.curves import LookupCurve
 from torsionnet.model.elements.damping_entries import LossFactor
 from torsionnet.model.elements.nodes import NodeName, NodePair
 from torsionnet.model.elements.quantity_table import ListOf, Several, TableByName
@@ -68,7 +70,22 @@ SAMPLES = {
     "linear stiffness": "300 kN/m",
     "velocity": "20 m/s",
     "per velocity": "0.0001 s/m",
+    "frequency": "10 Hz",
+    "temperature": "60 degC",
+    "angle": "3 deg",
     "1": 3,
+}
+SHEETS = {
+    "torque": ["0.25", "1"],
+    "temperature": ["20 degC", "100 degC"],
+    "frequency": ["1 Hz", "100 Hz"],
+}
+"""Rows of a curve over these."""
+NESTED = {
+    "stages": [{"stiffness": "6 N*m/deg", "to": "120 N*m"}, {"stiffness": "14 N*m/deg"}],
+    "viscoelastic": {"moduli": [["1 Hz", "1 MPa", "0.1 MPa"], ["100 Hz", "1.4 MPa", "0.3 MPa"]]},
+    "rubber_shape": {"type": "disc", "outer_diameter": "0.4 m", "inner_diameter": "0.2 m", "thickness": "50 mm"},
+    "film_gap": {"outer_diameter": "0.4 m", "inner_diameter": "0.25 m", "axial_gap": "0.5 mm"},
 }
 COMMON = ("description", "enabled")
 
@@ -184,6 +201,10 @@ def sample_of(kind: Spec, name: str, *, symbolic: bool) -> Any:
     if isinstance(kind, PhysicalQuantity):
         loss = 0.1 if isinstance(kind, LossFactor) else SAMPLES[kind.dimension]
         return kind.symbol if symbolic else loss
+    if isinstance(kind, LookupCurve):
+        return dict.fromkeys(SHEETS[kind.over], SAMPLES[kind.dimension])
+    if isinstance(kind, Composite):
+        return NESTED[getattr(kind, "name", name)]
     others = {Teeth: [20, 61], Flag: True, Count: 1, Text: "text"}
     if isinstance(kind, TableEntry):
         return [["1 Hz", "400 N*m/rad", "2 N*m*s/rad"], ["20 Hz", "500 N*m/rad", "1.2 N*m*s/rad"]]

@@ -47,6 +47,12 @@ class Drivetrain(RunningMachinery):
         At which speeds running machinery is examined, who absorbs its power and who drives, and what excites it.
     source, description : str, optional
         Where the numbers come from, and what the model is.
+    ports : iterable of str, optional
+        Nodes at which it is joined to others that use it as a part (:meth:`with_part`).
+    parts : mapping, optional
+        Name -> model with ports, to be put in by ``use``.
+    use : mapping, optional
+        Name -> ``{"part": name, "at": {port: node}, "parameters": {...}, "repeat": n, "chain": [front, rear]}``.
 
     Raises
     ------

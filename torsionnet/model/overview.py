@@ -208,7 +208,7 @@ def as_data(rig: Model) -> dict[str, Any]:
     return {
         "title": rig.title,
         "configuration": rig.configuration,
-        "model": rig.definition.to_data(),
+        "model": rig.definition.flat_data(),
         "nodes": list(rig.nodes),
         "parameters": {name: {"value": value, "unit": units[name]} for name, value in rig.parameters.items()},
         "mean_speeds_rad_per_s": dict(rig.mean_speeds),

@@ -33,7 +33,7 @@ def emblem(element: Boxed, x: float, y: float) -> list[Stroke]:
 
 def gearbox() -> list[Stroke]:
     """Two shafts with three pairs of wheels."""
-    shafts = [Stroke(((-22, y), (22, y)), "shaft") for y in (9, -9)]
+    shafts = [Stroke(((-22, y), (22, y)), "part") for y in (9, -9)]
     pairs = ((-13, 6.5), (0, 9.0), (13, 11.5))
     wheels = []
     for x, upper in pairs:

@@ -66,7 +66,7 @@ def value_lines(element: Element, values: Mapping[str, Any]) -> list[str]:
     if element.kind == "shaft":
         return _shaft_lines(element, values)
     given = element.scalars()
-    spec, counts = given.get("teeth", (None, None))
+    spec, counts = given.get("teeth", (None, ()))
     teeth = [_ratio_line(element, counts)] if isinstance(spec, Teeth) else []
     teeth += [raw for field, (_, raw) in given.items() if field in STATES]
     lines = [

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import torsionnet.solve.frozen_stiffness as frozen_stiffness
+from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.solve.lowest import Motions, lowest_vibrations
 from torsionnet.solve.reduction import LARGE, AnyArray, acting, resisting, restricted, stiff_laws, subspaces
@@ -74,7 +75,7 @@ def complex_modes(
     them.
 
     Of passive laws real parts are never positive: the damping matrix is positive semidefinite, so a positive one is
-    rounding. A table whose damping is negative can make a mode grow.
+    rounding. A damping below zero, also in a table, can make a mode grow.
     With frequency-dependent laws each mode uses their stiffness at its own frequency |Im lambda|; real poles
     use the real part at rest.
 
@@ -83,21 +84,22 @@ def complex_modes(
     SolveError
         Where coordinates have neither inertia nor spring nor damper.
     """
+    refuse_actions(system.actions, "these modes are")
     system = acting(system)
     stiff = stiff_laws(system)
     if lowest is not None and (few := _few_modes(system, stiff, lowest)) is not None:
         return few.first(lowest)
-    spaces = subspaces(system, stiff, system.damping > 0)
+    spaces = subspaces(system, stiff, system.damping != 0)
     if system.dynamic:
         omega, shapes = undamped_modes(system) if undamped is None else undamped
         starts = [(float(omega[i]), shapes[:, i].astype(complex)) for i in np.flatnonzero(omega)]
         found = frozen_stiffness.modes(system, spaces, starts)
         passive = is_passive(system, found.values)
     else:
-        spectrum = refined(solve(system, spaces, system.stiffness, undamped=not np.any(system.damping > 0)))
+        spectrum = refined(solve(system, spaces, system.stiffness, undamped=not np.any(system.damping)))
         kept, real = physical(spectrum)
         found = frozen_stiffness.Found.all_converged(spectrum, kept, real)
-        passive = True
+        passive = dissipates(system)
     return _sorted_solution(spaces.rigid, found, passive=passive).first(lowest)
 
 
@@ -105,16 +107,21 @@ def _few_modes(system: RowSystem, stiff: NDArray[np.bool_], lowest: int) -> Eige
     """The lowest modes of a large system by a sparse route, or None where none fits."""
     if system.n_coordinates <= LARGE or system.dynamic:
         return None
-    damped = system.damping > 0
+    damped = system.damping != 0
     motions = Motions.of(system, stiff, damped, lowest)
     found = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=not np.any(damped))
-    return None if found is None else _sorted_solution(motions.rigid, found, passive=True)
+    return None if found is None else _sorted_solution(motions.rigid, found, passive=dissipates(system))
+
+
+def dissipates(system: RowSystem) -> bool:
+    """Whether no constant damping feeds energy in."""
+    return not np.any(system.damping < 0)
 
 
 def is_passive(system: RowSystem, eigenvalues: ComplexArray) -> bool:
-    """Whether no frequency-dependent law feeds energy into any of the vibrations."""
+    """Whether no law feeds energy into any of the vibrations."""
     omega = np.abs(eigenvalues.imag)
-    return all(bool(np.all(law(omega).imag >= 0)) for _, law in system.dynamic)
+    return dissipates(system) and all(bool(np.all(law.kappa(omega).imag >= 0)) for _, law in system.dynamic)
 
 
 def _sorted_solution(rigid: FloatArray, found: frozen_stiffness.Found, *, passive: bool) -> EigenSolution:
@@ -165,6 +172,7 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
     shapes : (n_q, n) array
         Real shapes; the largest component of each is 1.
     """
+    refuse_actions(system.actions, "undamped modes are")
     system = acting(system)
     kept = resisting(system)
     omega, shapes = _undamped_modes(acting(restricted(system, kept)), lowest)

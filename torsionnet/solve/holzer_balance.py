@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.assembly.system import Assembly
@@ -67,6 +68,7 @@ def trial(drivetrain: AssembledModel, omega: float, first: str, last: str) -> Fl
         There is no such motion: ``first`` stands still whatever acts on ``last``.
     """
     assembly = drivetrain.assembly
+    refuse_actions(assembly.system.actions, "a Holzer table is")
     stiffness, rows = _stiffness(assembly, omega), assembly.system.rows
     dynamic = rows.T @ ((stiffness - omega**2 * assembly.system.inertia)[:, None] * rows)
     nodes = assembly.node_rows.dense
@@ -84,6 +86,7 @@ def trial(drivetrain: AssembledModel, omega: float, first: str, last: str) -> Fl
 def balance_of(drivetrain: AssembledModel, omega: float, angles: FloatArray, last: str | None = None) -> HolzerBalance:
     """All torques of a motion; a torque may remain on ``last``."""
     assembly = drivetrain.assembly
+    refuse_actions(assembly.system.actions, "a Holzer table is")
     angle = dict(zip(assembly.nodes, angles.tolist(), strict=True))
     inertias, torques = dict.fromkeys(angle, 0.0), dict.fromkeys(angle, 0.0)
     loads = []

@@ -131,7 +131,7 @@ def first_order(assembly: Assembly, inputs: Sequence[Input]) -> StateSpaceForm:
         raise UsageError(
             "an imposed angle has no state space with torque inputs; make it a torque, or use frequency_response"
         )
-    loads = [assembly.rows_of({channel.of: 1})[0] for channel in inputs]
+    loads = [assembly.rows_of(channel.row)[0] for channel in inputs]
     heavy, damped, static = _kinds(system)
     columns = np.array(loads).reshape(len(loads), system.n_coordinates).T
     states = _state_names(assembly.kinematics.coordinates, heavy, damped)
@@ -154,7 +154,7 @@ def _state_names(coordinates: Sequence[str], heavy: FloatArray, damped: FloatArr
 def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Bases of the coordinates with inertia, of the massless damped and of the static ones."""
     heavy = system.inertia > 0
-    massless, static = (unresisted(system, laws).basis() for laws in (heavy, heavy | (system.damping > 0)))
+    massless, static = (unresisted(system, laws).basis() for laws in (heavy, heavy | (system.damping != 0)))
     return _upright(beside(massless, np.eye(system.n_coordinates))), _upright(beside(static, massless)), static
 
 
@@ -210,7 +210,7 @@ def _output_rows(
     assembly: Assembly, reading: Functional, inputs: Sequence[Input], system: StateSpaceForm
 ) -> tuple[FloatArray, FloatArray]:
     C = np.zeros(len(system.A))
-    D = np.array([reading.direct(channel.of) for channel in inputs])
+    D = np.array([float(reading.direct(channel.row)) for channel in inputs])
     rates = np.zeros((2, len(inputs)))
     sizes = np.zeros(2)
     for term in reading.terms:

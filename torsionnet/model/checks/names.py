@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterator
 
 from torsionnet.core.errors import Fault, Path, did_you_mean, unknown_name
 from torsionnet.core.expressions import Expression
-from torsionnet.model.channels import port_fault
+from torsionnet.model.channels import Input, Sensor, port_fault
 from torsionnet.model.checks.overrides import expressions_of_overrides, unfit_overrides
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND
@@ -76,8 +76,13 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
     faults = []
     for table in ("inputs", "sensors"):
         for name, channel in getattr(definition, table).items():
-            if not channel.is_on_element and channel.of not in nodes:
-                faults.append(_unknown_node(channel.of, nodes, (table, name, channel.quantity)))
+            places = ((), ()) if len(channel.nodes) < 2 else ((0,), (1,))
+            for node, place in zip(channel.nodes, places, strict=False):
+                if node not in nodes:
+                    faults.append(_unknown_node(node, nodes, (table, name, channel.quantity, *place)))
+    for index, port in enumerate(definition.ports):
+        if port not in nodes:
+            faults.append(_unknown_node(port, nodes, ("ports", index)))
     points: list[tuple[Path, OperatingPoint | None]] = [(("operating_point",), definition.operating_point)]
     for axis, alternatives in definition.configurations.items():
         points += [
@@ -163,7 +168,7 @@ def hidden_names(definition: Definition) -> list[Fault]:
     faults = []
     for table in ("inputs", "sensors"):
         for name, channel in getattr(definition, table).items():
-            same = table == "inputs" and (channel.quantity, channel.of) == ("torque", name)
+            same = table == "inputs" and (channel.quantity, *channel.nodes) == ("torque", name)
             if name in nodes and not same:
                 what = "a measured input" if table == "sensors" else channel
                 text = f'"{name}" is also a node; as input= it means {what}, as output= {channel}, not the node'
@@ -181,10 +186,11 @@ def dead_ends(definition: Definition) -> list[Fault]:
     for element in definition.elements.values():
         for node in element.ports.values():
             touching.setdefault(node, []).append(element.name)
-    used = {channel.of for table in (definition.inputs, definition.sensors) for channel in table.values()}
-    used |= {node for one in definition.excitations.values() for node in one.nodes}
+    channels: tuple[Input | Sensor, ...] = (*definition.inputs.values(), *definition.sensors.values())
+    used = {name for channel in channels for name in (channel.of, *channel.nodes)}
+    used |= {node for one in definition.excitations.values() for node in (*one.nodes, one.reaction_node or GROUND)}
     used |= {*definition.load.by_node, *definition.load.driven_by} if definition.load else set()
-    used |= {GROUND, *definition.operating_point.speed, *definition.operating_point.torque}
+    used |= {GROUND, *definition.ports, *definition.operating_point.speed, *definition.operating_point.torque}
     faults: list[Fault] = []
     for node, names in touching.items():
         if len(names) == 1 and node not in used and len(definition.elements[names[0]].ports) > 1:
@@ -222,6 +228,15 @@ def unfit_limits(definition: Definition) -> list[Fault]:
     return limits_fit.unfit_limits(definition)
 
 
+def unfit_catalogues(definition: Definition) -> list[Fault]:
+    """Columns of catalogues that nothing takes."""
+    if all(element.catalogue is None for element in definition.elements.values()):
+        return []
+    import torsionnet.model.checks.catalogues as catalogues
+
+    return catalogues.unfit_columns(definition)
+
+
 def unfit_report(definition: Definition) -> list[Fault]:
     """A report that names what the model does not have."""
     if definition.report is None:
@@ -244,6 +259,7 @@ CHECKS = (
     unfit_overrides,
     unfit_excitations,
     unfit_limits,
+    unfit_catalogues,
     unfit_bench,
     unfit_report,
 )

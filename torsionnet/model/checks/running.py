@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from torsionnet.core.errors import Fault, Path, UsageError, unknown_name
+from torsionnet.model.channels import Input, named_nodes
 from torsionnet.model.checks.load_fits import unknown_in_load
 from torsionnet.model.definition import LOAD, Definition, all_nodes
 from torsionnet.model.elements import Values
@@ -68,7 +69,8 @@ def misplaced(definition: Definition, name: str) -> Iterator[Fault]:
 
 def _places(name: str, excitation: OrderExcitation) -> Iterator[tuple[str, Path]]:
     """The nodes that an excitation names."""
-    for path, node in excitation.node_entries:
+    reaction = (excitation.reaction_entry,) if excitation.reaction_entry else ()
+    for path, node in (*excitation.node_entries, *reaction):
         yield node, ("excitations", name, *path)
     if excitation.shaft:
         yield excitation.shaft, ("excitations", name, "speed_of")
@@ -116,9 +118,18 @@ def _remarks(definition: Definition, ratios: Mapping[str, float]) -> Iterator[Fa
 def _on_imposed(definition: Definition) -> Iterator[Fault]:
     """Torques where another excitation says how the node moves."""
     acting = {name: one for name, one in definition.excitations.items() if one.enabled}
-    imposed = {node: name for name, one in acting.items() if one.quantity == "angle" for node in one.nodes}
+    motions = [(name, one) for name, one in acting.items() if one.quantity == "angle"]
+    imposed = {frozenset(one.channel(node).nodes): name for name, one in motions for node in one.nodes}
     for name, one in acting.items():
         for path, node in one.node_entries if one.quantity == "torque" else ():
-            if node in imposed and node not in one.reactions:
-                text = f'the motion of "{node}" is imposed by {imposed[node]}; a torque there does nothing'
+            channel = one.channel(node)
+            by = imposed.get(frozenset(channel.nodes)) or _all_imposed(channel, imposed)
+            if by is not None:
+                text = f"the motion of {named_nodes(channel)} is imposed by {by}; a torque there does nothing"
                 yield Fault(text, ("excitations", name, *path))
+
+
+def _all_imposed(channel: Input, imposed: Mapping[frozenset[str], str]) -> str | None:
+    """What imposes the motion of the first node where that of every node is imposed by itself, or None."""
+    each = [imposed.get(frozenset({node})) for node in channel.nodes]
+    return each[0] if None not in each else None

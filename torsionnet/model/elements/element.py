@@ -8,18 +8,20 @@ makes it known to model files, the JSON Schema, the checks and the documentation
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import Field, dataclass
+from dataclasses import Field, dataclass, replace
 from functools import cache
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, Self, TypeVar
 
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import Spec, entry
+from torsionnet.core.entries.spec import Schema, Spec, entry
 from torsionnet.core.entries.words import Flag, Text, name_fault
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.core.expressions import Expression
-from torsionnet.model.elements.laws import Constraint, Part, Row, Values
+from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, CatalogueEntry, SizeName, entries_of
+from torsionnet.model.elements.laws import Constraint, Law, Part, Row, Values
 from torsionnet.model.elements.nodes import NodeName, NodePair
 from torsionnet.model.elements.quantity_table import Several
 
@@ -54,23 +56,34 @@ class Element(Declared):
         Free text for tables and reports.
     enabled : bool
         A disabled element takes no part until a configuration switches it on.
+    catalogue, size : CatalogueRow and str, optional
+        Where entries that the model does not give come from.
     """
 
     kind: ClassVar[str] = ""
     """The word for the type in a model file."""
     glyph: ClassVar[str] = ""
-    """How the schematic draws it: disc, spring, damper, coupling, gear, planetary, differential, gearbox, belt, clamp
-    or shaft."""
+    """How the schematic draws it: disc, spring, damper, coupling, gear, planetary, differential, gearbox, belt, clamp,
+    shaft, or pendulum."""
     sign: ClassVar[str] = "positive when it drives from the first node into the element"
     """What a positive torque means at the first port; at any other: positive when it drives out of the element."""
-    may_feed: ClassVar[bool] = False
-    """Whether it may feed energy into a vibration: its damping may be negative."""
+    drives: ClassVar[bool] = False
+    """Whether a positive torque at the first port drives out of the element, as of one that acts by itself."""
+    may_drive: ClassVar[bool] = False
+    """Whether its damping may be below zero: its torque rises with the speed of what it drives."""
 
     name: str
     description: str = entry(Text("free text for tables and reports"), "", kw_only=True)
     enabled: bool = entry(
         Flag("whether the element takes part before a configuration says otherwise"), True, kw_only=True
     )
+
+    catalogue: Any = entry(
+        CatalogueEntry("a table from which it takes the entries that are not given here, as couplings.csv"),
+        None,
+        kw_only=True,
+    )
+    size: str = entry(SizeName("the row of the catalogue"), "", kw_only=True)
 
     def __post_init__(self) -> None:
         reason = name_fault(self.name) if isinstance(self.name, str) else f"{self.name!r} is no name"
@@ -100,7 +113,9 @@ class Element(Declared):
     def holds(self, value: Values) -> tuple[Row, ...]:
         """Rows that stay at zero on average: the element passes a mean speed on through them."""
         parts = self.parts(value)
-        return tuple(part.row for part in parts if isinstance(part, Constraint) or part.is_elastic)
+        return tuple(
+            part.row for part in parts if isinstance(part, Constraint) or (isinstance(part, Law) and part.is_elastic)
+        )
 
     @property
     def ports(self) -> dict[str, str]:
@@ -134,6 +149,15 @@ class Element(Declared):
         """Nodes the element brings along by itself."""
         return ()
 
+    def expanded(self) -> tuple[Element, ...]:
+        """What it is a short way of writing: elements with names that begin with ``name.``, or itself."""
+        return (self,)
+
+    def renamed(self, names: Renaming) -> Self:
+        """The same in a part, with the names it has in the whole."""
+        found = {name: spec.renamed(value, names) for name, (spec, value) in self.scalars().items()}
+        return replace(self, name=names.own(self.name), **found)
+
     def _key(self) -> tuple[Any, ...]:
         return (type(self), self.name, *(getattr(self, declared.name) for declared in self.declared()))
 
@@ -162,7 +186,21 @@ class Element(Declared):
 
     def to_data(self) -> dict[str, Any]:
         """The entry of a model file that makes this element."""
-        return {"type": self.kind, **super().to_data()}
+        data = {"type": self.kind, **super().to_data()}
+        if self.catalogue is None:
+            return data
+        specs = dict(self.specs())
+        taken, _ = entries_of(self.catalogue, specs, {})
+        same = {name for name, raw in taken.items() if name in data and specs[name].coerce(raw) == getattr(self, name)}
+        return {name: value for name, value in data.items() if name not in same}
+
+    @classmethod
+    def schema(cls, *, told_by: str = "") -> Schema:
+        """JSON Schema of the entry; with a catalogue, that gives what else would be required."""
+        schema = super().schema(told_by=told_by)
+        from_row = [name for name in schema["required"] if name != told_by]
+        lone = {"not": {"required": [CATALOGUE]}}
+        return {**schema, "required": [told_by] if told_by else [], "if": lone, "then": {"required": from_row}}
 
 
 def make_element(kind: str, name: str, data: Mapping[str, Any]) -> Element:

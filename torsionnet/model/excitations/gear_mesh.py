@@ -12,11 +12,11 @@ from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, Text
+from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.elements import Element
 from torsionnet.model.elements.gears import Gear
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.elements.nodes import ElementName, NodeName
 from torsionnet.model.excitations.harmonic_torque import PHASE, ByOrder
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderExcitation, OrderTorques, register_excitation
 
@@ -67,7 +67,7 @@ class GearMesh(OrderExcitation):
 
     kind: ClassVar[str] = "gear_mesh"
 
-    mesh: Any = entry(Text("the gear, an element with a mesh stiffness", "the name of a gear"))
+    mesh: Any = entry(ElementName("the gear, an element with a mesh stiffness", "the name of a gear"))
     speed_of: Any = entry(
         NodeName(
             "the wheel whose angles and revolutions are meant; default: the first of the gear", allow_ground=False

@@ -11,10 +11,10 @@ import numpy as np
 
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, Text
+from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.elements import GROUND, Element
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.elements.nodes import ElementName, NodeName
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderExcitation, OrderTorques, register_excitation
 
 STEEPEST = math.radians(45)
@@ -40,7 +40,7 @@ class UniversalJoint(OrderExcitation):
 
     kind: ClassVar[str] = "universal_joint"
 
-    joint: Any = entry(Text("the element between its input and its output, a spring or a compliant gear", "a name"))
+    joint: Any = entry(ElementName("the element between its input and its output, a spring or a compliant gear"))
     angle: Any = entry(Value("angle between input and output shaft", "angle"))
     phase: Any = entry(
         Value("angle of the input yoke where phi is 0; 90 deg if in line with that of the last joint", "angle", None), 0

@@ -15,6 +15,7 @@ from torsionnet.core.units import expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
 from torsionnet.model.elements import Values
 from torsionnet.model.elements.characteristic import Characteristic
+from torsionnet.model.elements.curves import LookupCurve
 from torsionnet.model.elements.laws import Law
 from torsionnet.model.elements.quantity_table import Several, TableByName
 from torsionnet.model.elements.stiffness_rows import TableEntry
@@ -103,7 +104,7 @@ def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cel
         elif isinstance(spec, Several):
             for key, one in value if isinstance(spec, TableByName) else enumerate(value, 1):
                 yield plain(f"{name} {key}"), *_of_table(spec.of, one, rig)
-        elif isinstance(spec, (Teeth, Count, OneOf, TableEntry, Characteristic)):
+        elif isinstance(spec, (Teeth, Count, OneOf, TableEntry, LookupCurve, Characteristic)):
             yield plain(name), "", _plain(spec, value), "–"
 
 
@@ -127,6 +128,8 @@ def _plain(spec: Spec, value: Any) -> str:
     if isinstance(spec, Characteristic):
         names = ", ".join(name for name, _ in spec.columns)
         return f"table of {len(value)} rows of {names}"
+    if isinstance(spec, LookupCurve):
+        return f"{len(value)} rows, {value[0][0]} to {value[-1][0]}"
     return " : ".join(map(str, value)) if isinstance(value, tuple) else str(value)
 
 
@@ -146,13 +149,14 @@ def _measure(element: Element, value: DampingMeasure, rig: Drivetrain) -> Iterat
 def _channels(rig: Drivetrain) -> TableBlock:
     columns = (Heading("Symbol"), Heading("Kind"), Heading("Quantity"), Heading("Unit"), Heading("Sign", wide=True))
     rows: list[Row] = [
-        (named(name), "input", f"{capital(entry.quantity)} on {plain(entry.of)}", unit(UNITS[entry.quantity]), "")
+        (named(name), "input", capital(plain(str(entry))), unit(UNITS[entry.quantity]), "")
         for name, entry in rig.inputs.items()
     ]
     for name, sensor in rig.sensors.items():
         element = rig.elements.get(sensor.of) if sensor.quantity in PORT_QUANTITIES else None
         sign = element.sign_at(sensor.at) if element else ""
         at = f" at {plain(sensor.at)}" if sensor.at else ""
+        at += f" against {plain(sensor.against)}" if sensor.against else ""
         link = "through" if sensor.quantity == "torque" else "of"
         what = f"{capital(sensor.quantity)} {link} {plain(sensor.of)}{at}"
         rows.append((named(name), "sensor", what, unit(UNITS[sensor.quantity]), sign.replace("_", " ")))
