@@ -87,6 +87,30 @@ EVERY_ELEMENT = {
     "chain_drive": tn.ChainDrive(
         "e", sprockets={"a": 20, "b": 31}, pitch=0.0127, axial_stiffness=1e5, lengths=[0.3, 0.4], damping=2, housing="c"
     ),
+    "fluid_coupling": tn.FluidCoupling(
+        "e",
+        pump="a",
+        turbine="b",
+        speed=150,
+        speed_ratio=0.97,
+        k_factor=[[0.9, 30], [0.99, 90]],
+        pump_inertia=0.2,
+        turbine_inertia=0.1,
+        housing="c",
+    ),
+    "torque_converter": tn.TorqueConverter(
+        "e",
+        pump="a",
+        turbine="b",
+        speed=150,
+        speed_ratio=0.6,
+        performance=[[0, 0.04], [1, 0.02]],
+        diameter=0.26,
+        torque_ratio=[[0, 2.1], [0.9, 1]],
+        pump_inertia=0.2,
+        turbine_inertia=0.1,
+        housing="c",
+    ),
     "controller": tn.Controller(
         "e", sense={"velocity": ["a", "b"]}, act=["c", "b"], law={"p": -3, "i": -5, "d": 1, "filter": 0.2}, delay=0.1
     ),

@@ -87,6 +87,7 @@ _INLINE: dict[str, Callable[[Element, Mapping[str, Any]], Glyph]] = {
     "gear": _gear,
     "gearbox": _boxed,
     "belt": _boxed,
+    "hydrodynamic": _boxed,
     "pendulum": _pendulum,
 }
 

@@ -32,7 +32,7 @@ class Gearbox(Element):
     the stiffness of the teeth, referred to the input. The engaged wheel turns with its shaft; all others run along, so
     that the input shaft feels J_i / tau_i^2 of each loose wheel on the output shaft. In neutral no wheel is engaged.
     The node of wheel i is ``NAME.i``, as ``box.II``: its vibration makes loose gears rattle. Fast wheels belong to the
-    inertias of the shafts (H. Naunheimer et al., Automotive Transmissions, 2nd ed., chapter 4).
+    inertias of the shafts (H. Naunheimer et al., Automotive Transmissions, 2nd ed.).
 
     Examples
     --------
