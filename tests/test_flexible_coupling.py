@@ -107,6 +107,8 @@ load: {absorbed_at: b, power: 100 kW, torque_exponent: 2, driven_by: {a: 1}}
 excitations:
   engine: {type: harmonic, node: a, orders: {1: {amplitude: 10 N*m}}}
 """
+        with pytest.raises(tn.ModelError, match="with a at 500 rpm, Q lies beyond its curve, which goes from"):
+            tn.loads(text.replace("{0: 8", "{0.3: 8"))
         rig = tn.loads(text)
         run = rig.order_response("torque(cpl)")
         rated = 1e5 / (1000 * RPM)

@@ -292,7 +292,7 @@ NOT_REPLACED = {
     ("comparison", "Test over model of "), ("modes", "Mode shapes of "), ("responses", "Bode plot of "),
     ("schematic", " elements between the nodes "), ("schematic", "Schematic of "),
     # joined to what the author or another part of the program wrote
-    ("elements", " on "), ("elements", " frequencies, "), ("elements", "; … and "), ("elements", "table of "),
+    ("elements", " on "), ("elements", " frequencies, "), ("elements", " rows, "), ("elements", "; … and "), ("elements", "table of "),
     ("formulas", " in "), ("kinematics", "input "), ("modes", "spread over many, at most "), ("modes", "\xa0% in "),
     ("parameters", "; changed for this report"),
     ("critical_speeds", " modes, "), ("critical_speeds", " crossings"), ("limits", " over speed with its limits"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import torsionnet.model.section_entries as sections
@@ -16,8 +17,9 @@ from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.configurations import Overlay
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
-from torsionnet.model.parameters import Parameter
+from torsionnet.model.parameters import Parameter, resolve
 from torsionnet.model.parts.part import INCLUDE, PARTS, PORTS, USE, Part, Use
+from torsionnet.model.referral import at_own_speeds
 
 if TYPE_CHECKING:
     from torsionnet.model.bench import Plan
@@ -83,10 +85,13 @@ class Definition(Declared):
             fitted = {name: one.fitted(self.elements) for name, one in self.excitations.items()}
             object.__setattr__(self, "excitations", fitted)
 
-    @property
+    @cached_property
     def active(self) -> tuple[Element, ...]:
-        """The elements that are switched on."""
-        return tuple(element for element in self.elements.values() if element.enabled)
+        """The elements that are switched on, with the values of their own shafts where they are quoted at another."""
+        on = tuple(element for element in self.elements.values() if element.enabled)
+        if all(element.referred_to is None for element in on):
+            return on
+        return at_own_speeds(on, resolve(self.parameters)[0])
 
     def overlaid(self, overlay: Overlay) -> Definition:
         """The definition with one alternative laid over it."""

@@ -66,8 +66,8 @@ def value_lines(element: Element, values: Mapping[str, Any]) -> list[str]:
     if element.kind == "shaft":
         return _shaft_lines(element, values)
     given = element.scalars()
-    spec, counts = given.get("teeth", (None, ()))
-    teeth = [_ratio_line(element, counts)] if isinstance(spec, Teeth) else []
+    spec, counts = given.get("teeth", (None, None))
+    teeth = [_ratio_line(element, counts)] if isinstance(spec, Teeth) and counts else []
     teeth += [raw for field, (_, raw) in given.items() if field in STATES]
     lines = [
         _line(spec, raw, values) for field, (spec, raw) in given.items() if not field.startswith(("planet", "orbit"))

@@ -97,6 +97,21 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
     return faults
 
 
+def unknown_references(definition: Definition) -> list[Fault]:
+    """Shafts at which elements quote their values, or that sensors refer theirs to."""
+    nodes = _nodes(definition)
+    faults = [
+        _unknown_node(sensor.referred_to, nodes, ("sensors", name, "referred_to"))
+        for name, sensor in definition.sensors.items()
+        if sensor.referred_to is not None and sensor.referred_to not in nodes
+    ]
+    return faults + [
+        _unknown_node(element.referred_to, nodes, ("elements", name, "referred_to"))
+        for name, element in definition.elements.items()
+        if element.referred_to is not None and element.referred_to not in nodes
+    ]
+
+
 def unknown_followed(definition: Definition) -> list[Fault]:
     """Nodes and elements that parameters follow."""
     return list(unknown_in_parameters(definition))
@@ -249,6 +264,7 @@ def unfit_report(definition: Definition) -> list[Fault]:
 CHECKS = (
     undefined_parameters,
     unknown_nodes,
+    unknown_references,
     unknown_elements,
     unknown_followed,
     unknown_in_configurations,

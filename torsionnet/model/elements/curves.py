@@ -119,11 +119,12 @@ class OnCurve(PhysicalQuantity):
     rows: Rows = ()
     share_of: Fraction | float = 1
 
-    def bound_fault(self, value: float) -> str | None:
+    def curve_fault(self, value: float) -> str | None:
+        """Why nothing can be read off at a value in SI, or None."""
         first, last = (float(self.rows[place][0].value) * float(self.share_of) for place in (0, -1))
         slack = 1e-9 * last
         if first - slack <= value <= last + slack:
-            return super().bound_fault(value)
+            return None
         return f"lies beyond its curve, which goes from {self.rows[0][0]} to {self.rows[-1][0]}"
 
 

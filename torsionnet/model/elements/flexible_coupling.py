@@ -105,8 +105,10 @@ class FlexibleCoupling(Element):
         for path, spec, expression, dimension in super().expressions():
             rows = curves.get(str(path[0]), ())
             if rows and isinstance(spec, PhysicalQuantity):
-                share = self._share_of(rows)
-                yield path, OnCurve(spec.description, dimension, rows=rows, share_of=share), expression, dimension
+                on_curve = OnCurve(
+                    spec.description, dimension, exclusive=spec.exclusive, rows=rows, share_of=self._share_of(rows)
+                )
+                yield path, on_curve, expression, dimension
             else:
                 yield path, spec, expression, dimension
 

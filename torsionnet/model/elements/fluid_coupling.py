@@ -23,6 +23,7 @@ class FluidCoupling(Hydrodynamic):
 
     Examples
     --------
+    >>> from torsionnet.model.elements.laws import Values
     >>> coupling = FluidCoupling("coupling", pump="a", turbine="b", speed="150 rad/s", speed_ratio=0.97,
     ...     pump_torque=[[0.9, "900 N*m"], [1, 0]], test_speed="150 rad/s")
     >>> damper, follows = coupling.parts(Values({}))

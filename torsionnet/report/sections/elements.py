@@ -104,7 +104,7 @@ def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cel
         elif isinstance(spec, Several):
             for key, one in value if isinstance(spec, TableByName) else enumerate(value, 1):
                 yield plain(f"{name} {key}"), *_of_table(spec.of, one, rig)
-        elif isinstance(spec, (Teeth, Count, OneOf, TableEntry, LookupCurve, Characteristic)):
+        elif isinstance(spec, (Teeth, Count, OneOf, TableEntry, Characteristic, LookupCurve)):
             yield plain(name), "", _plain(spec, value), "–"
 
 
@@ -125,11 +125,11 @@ def _plain(spec: Spec, value: Any) -> str:
         return (
             f"table of {len(value.frequencies)} frequencies, {value.frequencies[0]:g} to {value.frequencies[-1]:g} Hz"
         )
+    if isinstance(spec, LookupCurve):
+        return f"{len(value)} rows, {value[0][0]} to {value[-1][0]}"
     if isinstance(spec, Characteristic):
         names = ", ".join(name for name, _ in spec.columns)
         return f"table of {len(value)} rows of {names}"
-    if isinstance(spec, LookupCurve):
-        return f"{len(value)} rows, {value[0][0]} to {value[-1][0]}"
     return " : ".join(map(str, value)) if isinstance(value, tuple) else str(value)
 
 
@@ -157,6 +157,7 @@ def _channels(rig: Drivetrain) -> TableBlock:
         sign = element.sign_at(sensor.at) if element else ""
         at = f" at {plain(sensor.at)}" if sensor.at else ""
         at += f" against {plain(sensor.against)}" if sensor.against else ""
+        at += f" referred to {plain(sensor.referred_to)}" if sensor.referred_to else ""
         link = "through" if sensor.quantity == "torque" else "of"
         what = f"{capital(sensor.quantity)} {link} {plain(sensor.of)}{at}"
         rows.append((named(name), "sensor", what, unit(UNITS[sensor.quantity]), sign.replace("_", " ")))
