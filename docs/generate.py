@@ -6,11 +6,12 @@ writes the names of the element types for type checkers, a stub in the package.
 
 from __future__ import annotations
 
+import doctest
 import sys
 from dataclasses import MISSING, Field
 from fractions import Fraction
+from functools import cache
 from inspect import getdoc
-from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -21,12 +22,10 @@ from validation_pages import bench_numbers_page, cases_page, paper_page
 
 import torsionnet as tn
 from torsionnet.core.damping import MEASURES
-from torsionnet.core.delimited.cell_grid import grid_of
-from torsionnet.core.entries.composite import Composite
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import PhysicalQuantity, Value, ValueInUnitOfUse
+from torsionnet.core.entries.scalars import PhysicalQuantity, ValueInUnitOfUse
 from torsionnet.core.entries.spec import Spec, spec_of
-from torsionnet.core.entries.words import Count, Flag, OneOf, Text
+from torsionnet.core.entries.words import Count, Flag, OneOf
 from torsionnet.core.errors import ModelError
 from torsionnet.core.expressions import Algebra
 from torsionnet.core.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimension, expected_unit
@@ -34,25 +33,21 @@ from torsionnet.model.bench import Acquisition, Encoder, Exciter, Transducer
 from torsionnet.model.bench.excitations import EXCITATIONS
 from torsionnet.model.elements import (
     ELEMENT_TYPES,
+    Action,
     Constraint,
     Element,
     Law,
     Part,
+    Row,
     Values,
     element_classes,
     make_element,
 )  # fmt: skip
-from torsionnet.model.elements.characteristic import Characteristic
-from torsionnet.model.elements.curves import LookupCurve
 from torsionnet.model.elements.damping_entries import LossFactor
-from torsionnet.model.elements.mass_elastic import Stations
 from torsionnet.model.elements.nodes import NodeName, NodePair
-from torsionnet.model.elements.quantity_table import ListOf, Several, TableByName
-from torsionnet.model.elements.stiffness_rows import TableEntry
+from torsionnet.model.elements.quantity_table import Several
 from torsionnet.model.elements.teeth import Teeth
 from torsionnet.model.report import SECTIONS
-from torsionnet.model.sheets.mass_elastic_sheet import sheet_of
-from torsionnet.model.sheets.sheet_entry import SheetEntry
 from torsionnet.report.wording import replaceable
 
 DOCS = Path(__file__).parent
@@ -82,18 +77,7 @@ SAMPLES = {
     "pressure": "206 GPa",
     "1": 3,
 }
-SHEETS = {
-    "torque": ["0.25", "1"],
-    "temperature": ["20 degC", "100 degC"],
-    "frequency": ["1 Hz", "100 Hz"],
-}
-"""Rows of a curve over these."""
-NESTED = {
-    "stages": [{"stiffness": "6 N*m/deg", "to": "120 N*m"}, {"stiffness": "14 N*m/deg"}],
-    "viscoelastic": {"moduli": [["1 Hz", "1 MPa", "0.1 MPa"], ["100 Hz", "1.4 MPa", "0.3 MPa"]]},
-    "rubber_shape": {"type": "disc", "outer_diameter": "0.4 m", "inner_diameter": "0.2 m", "thickness": "50 mm"},
-    "film_gap": {"outer_diameter": "0.4 m", "inner_diameter": "0.25 m", "axial_gap": "0.5 mm"},
-}
+S = sympy.Symbol("s")
 COMMON = ("description", "enabled", "catalogue", "size", "referred_to")
 
 
@@ -121,7 +105,7 @@ def element_section(kind: str, cls: type[Element]) -> str:
         laws(cls),
         f"*Ports:* {', '.join(map(code, ports)) or 'none'}{more}. {sign}\n",
         fields_table(cls),
-        f"```yaml\nelements:\n  part: {flow(minimal.to_data())}\n```\n",
+        f"```yaml\nelements:\n  {minimal.name}: {flow(minimal.to_data())}\n```\n",
     ]
     return "\n".join(parts)
 
@@ -152,30 +136,41 @@ def physics(cls: type[Element]) -> str:
 
 
 def sample(cls: type[Element], *, full: bool, symbolic: bool = False) -> Element:
-    """An element with what is required, or with everything that goes together; values are samples or symbols."""
-    given = [d for d in own_fields(cls) if d.default is MISSING or (symbolic and isinstance(d.default, str))]
-    given = [d for d in given if d.default is MISSING or isinstance(spec_of(d), PhysicalQuantity)]
-    data = {declared.name: sample_value(declared, symbolic=symbolic) for declared in given}
-    optional = [declared for declared in own_fields(cls) if declared.name not in data]
-    for declared in optional:
-        if not full and constructible(cls, data):
-            break
-        if isinstance(spec_of(declared), (Count, OneOf)):
-            continue
-        trial = data | {declared.name: sample_value(declared, symbolic=symbolic)}
-        if not constructible(cls, data) or constructible(cls, trial):
-            data = trial
-    for together in _together(cls, data) if full else ():
-        trial = data | {declared.name: sample_value(declared, symbolic=symbolic) for declared in together}
-        data = trial if constructible(cls, trial) else data
-    return make_element(cls.kind, "part", data)
+    """The first element that the docstring makes, or with all other quantities that go with it; values or symbols."""
+    first = made_in_docstring(cls)[0]
+    data = {name: getattr(first, name) for name in first.to_data() if name != "type"}
+    if symbolic:
+        data = in_symbols(cls, data)
+    for declared in own_fields(cls) if full else ():
+        value = None if declared.name in data else sample_value(declared, symbolic=symbolic)
+        if value is not None and constructible(cls, data | {declared.name: value}):
+            data |= {declared.name: value}
+    return make_element(cls.kind, first.name, data)
 
 
-def _together(cls: type[Element], data: dict[str, Any]) -> list[tuple[Field[Any], ...]]:
-    """Entries still left out that may need each other, as the speed and the drag area of a vehicle."""
-    left = [declared for declared in own_fields(cls) if declared.name not in data]
-    left = [declared for declared in left if not isinstance(spec_of(declared), (Count, OneOf))]
-    return [*combinations(left, 2), *combinations(left, 3)]
+@cache
+def made_in_docstring(cls: type[Element]) -> tuple[Element, ...]:
+    """The elements of a type that the examples in its docstring make: they are shown, and known to work."""
+    made: list[Element] = []
+
+    def recorded(*args: Any, **entries: Any) -> Element:
+        made.append(cls(*args, **entries))
+        return made[-1]
+
+    names = vars(sys.modules[cls.__module__]) | {cls.__name__: recorded}
+    for example in doctest.DocTestParser().get_examples(getdoc(cls) or ""):
+        exec(example.source, names)  # noqa: S102 - docstrings of this package, which the tests run as well
+    return tuple(made)
+
+
+def in_symbols(cls: type[Element], data: dict[str, Any]) -> dict[str, Any]:
+    """Every quantity by its symbol, unless the element needs its number."""
+    for declared in own_fields(cls):
+        kind = spec_of(declared)
+        if isinstance(kind, PhysicalQuantity) and (declared.name in data or isinstance(declared.default, str)):
+            trial = data | {declared.name: kind.symbol}
+            data = trial if constructible(cls, trial) else data
+    return data
 
 
 def constructible(cls: type[Element], data: dict[str, Any]) -> bool:
@@ -187,43 +182,14 @@ def constructible(cls: type[Element], data: dict[str, Any]) -> bool:
 
 
 def sample_value(declared: Field[Any], *, symbolic: bool) -> Any:
-    return sample_of(spec_of(declared), declared.name, symbolic=symbolic)
-
-
-def sample_of(kind: Spec, name: str, *, symbolic: bool) -> Any:
-    """A value that an entry of this kind and name may have."""
-    if isinstance(kind, NodePair):
-        return ["a", "b"]
+    """A value that an entry may have beside those of the example; None of what does not stand in laws."""
+    kind = spec_of(declared)
     if isinstance(kind, NodeName):
-        return name
-    if isinstance(kind, TableByName):
-        return {one: _indexed(sample_of(kind.of, name, symbolic=symbolic), one, symbolic) for one in kind.names}
-    if isinstance(kind, ListOf):
-        return [_indexed(sample_of(kind.of, name, symbolic=symbolic), i, symbolic) for i in range(1, kind.fewest + 1)]
-    if isinstance(kind, Characteristic):
-        units = [expected_unit(dimension).replace("1", "") for _, dimension in kind.columns]
-        return [[f"{row} {unit}".strip() for unit in units] for row in (0, 200)]
-    if isinstance(kind, Value):
-        return SAMPLES[kind.dimension]
+        return declared.name
     if isinstance(kind, PhysicalQuantity):
-        loss = 0.1 if isinstance(kind, LossFactor) else SAMPLES[kind.dimension]
+        loss = 0.1 if isinstance(kind, LossFactor) else SAMPLES.get(kind.dimension)
         return kind.symbol if symbolic else loss
-    if isinstance(kind, LookupCurve):
-        return dict.fromkeys(SHEETS[kind.over], SAMPLES[kind.dimension])
-    if isinstance(kind, Composite):
-        return NESTED[getattr(kind, "name", name)]
-    others = {Teeth: [20, 61], Flag: True, Count: 1, Text: "text"}
-    if isinstance(kind, TableEntry):
-        return [["1 Hz", "400 N*m/rad", "2 N*m*s/rad"], ["20 Hz", "500 N*m/rad", "1.2 N*m*s/rad"]]
-    if isinstance(kind, SheetEntry):
-        return sheet_of(grid_of(["mass;J [kg*m^2];k [N*m/rad]", "cylinder;52;36e6", "flywheel;780;"], "engine.csv"))
-    if isinstance(kind, Stations):
-        return {"flywheel": "a"}
-    return kind.options[0] if isinstance(kind, OneOf) else others[type(kind)]
-
-
-def _indexed(value: Any, index: object, symbolic: bool) -> Any:
-    return f"{value}_{index}" if symbolic and isinstance(value, str) else value
+    return True if isinstance(kind, Flag) else None
 
 
 def laws(cls: type[Element]) -> str:
@@ -231,29 +197,48 @@ def laws(cls: type[Element]) -> str:
     plain, full = (described(sample(cls, full=full, symbolic=True)) for full in (False, True))
     if plain == full:
         return plain
-    return f"With the required entries only:\n\n{plain}\nWith the optional entries:\n\n{full}"
+    return f"With the entries of the example below:\n\n{plain}\nWith all quantities that go with them:\n\n{full}"
 
 
 def described(element: Element) -> str:
     names = {name for _, _, expression, _ in element.expressions() for name in expression.names}
     algebra = Algebra(number=lambda x: sympy.Rational(x.numerator, x.denominator), sqrt=sympy.sqrt, pi=sympy.pi)
     value = Values({name: sympy.Symbol(name, positive=True) for name in names}, algebra)
-    return "\n".join(f"$${row_text(part)},\\qquad {law_text(part)}$$\n" for part in element.parts(value))
+    return "\n".join(f"$${part_text(part)}$$\n" for one in element.expanded() for part in one.parts(value))
 
 
-def row_text(part: Part) -> str:
+def part_text(part: Part) -> str:
+    """A law, a constraint or an action in LaTeX."""
+    if isinstance(part, Action):
+        return rf"T_{{{angles(part.row)}}} = {action(part)} \left({angles(part.sensed)}\right)"
+    return rf"\gamma = {angles(part.row)},\qquad {law_text(part)}"
+
+
+def angles(row: Row) -> str:
+    """A row as a sum of angles."""
     text = ""
-    for node, coefficient in part.row.items():
+    for node, coefficient in row.items():
         factor = sympy.factor(sympy.sympify(coefficient))
         negative = factor.could_extract_minus_sign()
         size = sympy.factor(-factor) if negative else factor
         shown = "" if size == 1 else f"\\left({sympy.latex(size)}\\right)" if size.is_Add else sympy.latex(size)
         sign = "-" if negative else "+" if text else ""
         text += rf" {sign} {shown} \theta_\mathrm{{{node.replace('_', chr(92) + '_')}}}"
-    return rf"\gamma = {text}"
+    return text
 
 
-def law_text(part: Part) -> str:
+def action(part: Action) -> str:
+    """The transfer function of an action."""
+    above, below = (
+        sympy.latex(sum(value * S**power for power, value in enumerate(map(sympy.sympify, values))))
+        for values in (part.numerator, part.denominator)
+    )
+    delay = sympy.sympify(part.delay)
+    late = "" if delay == 0 else rf"\,\mathrm{{e}}^{{-{sympy.latex(delay)} s}}"
+    return (rf"\left({above}\right)" if below == "1" else rf"\frac{{{above}}}{{{below}}}") + late
+
+
+def law_text(part: Law | Constraint) -> str:
     if isinstance(part, Constraint):
         return r"\gamma = 0"
     return rf"\kappa(s) = {kappa(part)}"
