@@ -273,3 +273,18 @@ def test_the_schema_knows_parts():
 
 def test_reading_is_faultless():
     assert [fault for fault in read_text(MODEL, "")[1] if fault.severity != "note"] == []
+
+
+def test_show_prints_the_flat_file_and_draws_boxes(tmp_path, capsys):
+    from torsionnet.cli.app import run
+
+    path = tmp_path / "car.yaml"
+    path.write_text(MODEL, encoding="utf-8")
+    assert run(["show", "--flat", str(path)]) == 0
+    assert tn.loads(capsys.readouterr().out) == model()
+    assert run(["show", "--boxes", str(path), "--plot", str(tmp_path / "car.svg")]) == 0
+    opened, closed = (tn.plot.schematic(model(), boxes=boxes) for boxes in (False, True))
+    texts = [[text.get_text() for text in figure.axes[0].texts] for figure in (opened, closed)]
+    assert "left.shaft" in texts[0]
+    assert "left.shaft" not in texts[1]
+    assert {"left", "right", "half"} <= set(texts[1])
