@@ -11,7 +11,7 @@ from models import EVERY_ELEMENT, SHEET
 import torsionnet as tn
 from torsionnet.core.entries.nearby import files_beside
 from torsionnet.core.entries.spec import spec_of
-from torsionnet.model.elements import ELEMENT_TYPES, Constraint, Law, Values, make_element
+from torsionnet.model.elements import ELEMENT_TYPES, Action, Constraint, Law, Values, make_element
 from torsionnet.model.elements.nodes import NodeName, NodePair
 
 KINDS = sorted(ELEMENT_TYPES)
@@ -45,14 +45,19 @@ class TestContract:
         nodes = {*element.ports.values(), *element.internal_nodes}
         for part in element.parts(Values({})):
             assert set(part.row) <= nodes
+            if isinstance(part, Action):  # its torque may come from ground
+                assert set(part.sensed) <= nodes
+                continue
             massless = isinstance(part, Constraint) or part.inertia == 0
             if massless and kind != "lock":
                 assert sum(part.row.values()) == 0
 
     def test_coefficients_are_never_negative(self, kind):
-        for part in EVERY_ELEMENT[kind].parts(Values({})):
+        element = EVERY_ELEMENT[kind]
+        for part in element.parts(Values({})):
             if isinstance(part, Law):
-                assert min(part.inertia, part.damping, part.stiffness, part.loss_factor) >= 0
+                assert min(part.inertia, part.stiffness, part.loss_factor) >= 0
+                assert part.damping >= 0 or element.may_drive
 
     def test_ground_drops_out(self, kind):
         """From every port that may stand there."""

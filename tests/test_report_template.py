@@ -179,7 +179,7 @@ class TestWords:
             file.read_text(encoding="utf-8") for file in (package / "report" / "writers" / "templates").iterdir()
         )
         words = {plain(kind) for kind in ELEMENT_TYPES} | {
-            plain(name) for cls in ELEMENT_TYPES.values() for name, _ in cls.specs()
+            plain(name).lower() for cls in ELEMENT_TYPES.values() for name, _ in cls.specs()
         }
         words |= {"input", "sensor", "rigid body", "real pole", "error", "warning", "note", *(f"{q} {o} " for q in ("torque", "angle", "velocity", "acceleration", "twist") for o in ("on", "of", "through"))}  # fmt: skip
         for text in TEXTS:

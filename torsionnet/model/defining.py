@@ -10,7 +10,7 @@ from torsionnet.core.entries.format_version import version_faults
 from torsionnet.core.entries.nearby import names_a_file
 from torsionnet.core.errors import Fault
 from torsionnet.model.configurations import VALUE, Overlay
-from torsionnet.model.definition import Definition
+from torsionnet.model.definition import Definition, section_of
 from torsionnet.model.elements import Element
 from torsionnet.model.parts.authored import AuthoredModel
 from torsionnet.model.parts.flattening import flattened
@@ -52,11 +52,21 @@ def define(entries: Mapping[str, Any]) -> tuple[Definition, list[Fault]]:
     authored = Definition(**{name: value for name, value in values.items() if value is not None})
     if authored.include:
         faults.append(Fault("files are included by model files only", ("include",), on_key=True))
-    authored = _with_files_read(_with_dotted_parameters(authored))
-    flat, found = flattened(authored)
-    if flat is not authored:
-        flat = replace(_with_files_read(_with_dotted_parameters(flat)), authored=AuthoredModel(authored, flat))
+    flat, found = put_together(authored, whole=not any(fault.path[:1] == ("parts",) for fault in faults))
     return flat, [*faults, *found]
+
+
+def put_together(authored: Definition, *, whole: bool = True) -> tuple[Definition, list[Fault]]:
+    """The flat definition of a model with parts, which knows how it was written.
+
+    Without ``whole`` something of the parts could not be read: that they lack what is named is no fault of its own.
+    """
+    authored = _with_files_read(_with_dotted_parameters(authored))
+    flat, found = flattened(authored, whole=whole)
+    if flat is authored:
+        return flat, found
+    flat = _with_files_read(_with_dotted_parameters(flat))
+    return replace(flat, authored=AuthoredModel(authored, flat)), found
 
 
 def _with_dotted_parameters(definition: Definition) -> Definition:
@@ -96,8 +106,8 @@ def _settled(definition: Definition, changes: Mapping[str, Any]) -> dict[str, An
     """What cannot be read stays as it is; checks say why."""
     found = dict(changes)
     for key, raw in changes.items():
-        name, _, field = key.rpartition(".")
-        specs = dict(definition.excitations[name].specs()) if name in definition.excitations else {}
+        section, field = section_of(definition, key), key.rpartition(".")[2]
+        specs = dict(section[2].specs()) if section else {}
         value, faults = specs[field].read(raw) if field in specs and names_a_file(raw) else (None, [])
         if value is not None and not faults:
             found[key] = specs[field].plain(value)

@@ -37,7 +37,7 @@ class Declared:
         for name, spec in self.specs():
             raw = getattr(self, name)
             default, stored = defaults[name]
-            if raw is default:
+            if raw is default or raw is stored:
                 object.__setattr__(self, name, stored)
                 continue
             try:
@@ -194,6 +194,9 @@ class Declared:
 
 
 def _with_default(declared: Field[Any]) -> Schema:
-    schema = spec_of(declared).schema()
+    spec = spec_of(declared)
+    schema = {**spec.schema()}
+    if "$ref" in schema:
+        schema.setdefault("description", spec.description)
     plain = isinstance(declared.default, bool | int | float | str) and declared.default != ""
     return {**schema, "default": declared.default} if plain else schema

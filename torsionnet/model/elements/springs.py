@@ -5,12 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, Number
-from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor
+from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.laws import Law, Part, Values, difference
 from torsionnet.model.elements.nodes import NodePair
@@ -121,13 +120,9 @@ class HystereticSpring(Element):
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         stiffness = value(self.stiffness)
-        eta = self.loss_factor
-        if isinstance(eta, DampingMeasure):
-            loss_factor = eta.loss_factor(value.parameters, value.algebra)
-        else:
-            loss_factor = value(eta)
+        eta = loss_factor(self.loss_factor, value.parameters, value.algebra)
         damping = viscous(self.damping, stiffness, value)
-        return (Law(difference(*self.nodes), damping=damping, stiffness=stiffness, loss_factor=loss_factor),)
+        return (Law(difference(*self.nodes), damping=damping, stiffness=stiffness, loss_factor=eta),)
 
 
 @register
