@@ -53,6 +53,18 @@ def test_entries_of_the_model_win(tmp_path):
     assert "stiffness: 20 kN*m/rad" in given.to_yaml()
 
 
+def test_a_configuration_may_choose_another_size(tmp_path):
+    axis = "configurations: {coupling: {soft: {coupling.size: A350}, stiff: {coupling.size: B1.000}}}\n"
+    stiff = load(tmp_path, MODEL + axis).configured("stiff")
+    assert float(stiff.elements["coupling"].stiffness.value) == 34e3
+    assert stiff.definition.limits["coupling"].fitted(stiff.elements).T_KN == 10e3
+    own = load(tmp_path, (MODEL + axis).replace("size: A350}\n", "size: A350, stiffness: 7}\n")).configured("stiff")
+    assert float(own.elements["coupling"].stiffness.value) == 7
+    with pytest.raises(ModelError, match='has no size "B2"') as caught:
+        load(tmp_path, MODEL + axis.replace("B1.000", "B2"))
+    assert caught.value.faults[0].position.line == 9
+
+
 def test_a_written_model_keeps_catalogue_and_size(tmp_path):
     model = load(tmp_path)
     text = model.to_yaml()
@@ -140,7 +152,16 @@ def test_columns_that_nothing_takes_are_a_note(tmp_path):
 
 
 class TestShipped:
-    @pytest.mark.parametrize("kind", ["hysteretic_spring", "spring"])
+    def test_tyres(self):
+        car = tn.loads(
+            "torsionnet: 1\nname: x\nelements:\n  hub: {type: inertia, node: hub, inertia: 1}\n"
+            "  body: {type: inertia, node: road, inertia: 90}\n"
+            "  tyre: {type: tyre, nodes: [hub, road], speed: 20 m/s, catalogue: example_tyres, size: R16}\n"
+        )
+        assert float(car.elements["tyre"].radius.value) == 0.304
+        assert float(car.elements["tyre"].slip_stiffness.value) == 80e3
+
+    @pytest.mark.parametrize("kind", ["hysteretic_spring", "spring", "flexible_coupling"])
     def test_couplings(self, kind):
         text = MODEL.replace("couplings.csv", "example_couplings").replace("hysteretic_spring", kind)
         for size in ("A100", "A350", "B630"):
