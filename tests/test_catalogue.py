@@ -97,6 +97,18 @@ def test_a_limit_judges_by_the_catalogue(tmp_path):
     np.testing.assert_allclose(verdicts["T_KW"].values, torque, rtol=1e-6)
 
 
+def test_a_damper_limit_states_its_power_in_one_way(tmp_path):
+    catalogue = "size;power [kW];vibratory_twist [deg]\nA350;2,4;0,5\n"
+    limit = "{rule: damper, element: coupling, power_per_area: 5 kW/m^2, area: 1.4 m^2}"
+    given = MODEL.replace("size: A350", "size: A350, stiffness: 1, loss_factor: 0").replace(
+        "{rule: coupling, element: coupling}", limit
+    )
+    model = load(tmp_path, given, catalogue)
+    fitted = model.definition.limits["coupling"].fitted(model.elements)
+    assert (fitted.power, fitted.allowed_power) == (None, 7000)
+    assert fitted.vibratory_twist == pytest.approx(np.radians(0.5))
+
+
 def test_without_catalogue_a_limit_still_needs_a_value(tmp_path):
     plain = MODEL.replace("catalogue: couplings.csv, size: A350", "stiffness: 1, loss_factor: 0.1")
     with pytest.raises(ModelError, match="nothing is limited; give one of T_KN"):
