@@ -96,7 +96,9 @@ def element_section(kind: str, cls: type[Element]) -> str:
     optional = [declared.name for declared in own_fields(cls) if is_port(declared) and declared.name not in known]
     more = f"; optional: {', '.join(map(code, optional))}" if optional else ""
     rest = "" if len(ports) == 1 else " At any other port: positive when it drives out of the element."
-    sign = f"The sign of the torque is defined at `{ports[0]}`: {cls.sign}.{rest}" if ports else ""
+    sign = (
+        f"The sign of the torque is defined at `{ports[0]}`: {cls.sign}.{rest}" if ports else f"Torque is {cls.sign}."
+    )
     parts = [
         f"## {kind}\n",
         f"*In Python:* `torsionnet.{cls.__name__}`\n",

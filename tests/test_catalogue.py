@@ -53,6 +53,18 @@ def test_entries_of_the_model_win(tmp_path):
     assert "stiffness: 20 kN*m/rad" in given.to_yaml()
 
 
+def test_a_configuration_may_choose_another_size(tmp_path):
+    axis = "configurations: {coupling: {soft: {coupling.size: A350}, stiff: {coupling.size: B1.000}}}\n"
+    stiff = load(tmp_path, MODEL + axis).configured("stiff")
+    assert float(stiff.elements["coupling"].stiffness.value) == 34e3
+    assert stiff.definition.limits["coupling"].fitted(stiff.elements).T_KN == 10e3
+    own = load(tmp_path, (MODEL + axis).replace("size: A350}\n", "size: A350, stiffness: 7}\n")).configured("stiff")
+    assert float(own.elements["coupling"].stiffness.value) == 7
+    with pytest.raises(ModelError, match='has no size "B2"') as caught:
+        load(tmp_path, MODEL + axis.replace("B1.000", "B2"))
+    assert caught.value.faults[0].position.line == 9
+
+
 def test_a_written_model_keeps_catalogue_and_size(tmp_path):
     model = load(tmp_path)
     text = model.to_yaml()
@@ -83,6 +95,18 @@ def test_a_limit_judges_by_the_catalogue(tmp_path):
     torque = np.abs(100 * k * 3 * omega**2 / ((k - 2 * omega**2) * (k - 3 * omega**2) - k**2))
     # Half ranges are found on a grid of angles.
     np.testing.assert_allclose(verdicts["T_KW"].values, torque, rtol=1e-6)
+
+
+def test_a_damper_limit_states_its_power_in_one_way(tmp_path):
+    catalogue = "size;power [kW];vibratory_twist [deg]\nA350;2,4;0,5\n"
+    limit = "{rule: damper, element: coupling, power_per_area: 5 kW/m^2, area: 1.4 m^2}"
+    given = MODEL.replace("size: A350", "size: A350, stiffness: 1, loss_factor: 0").replace(
+        "{rule: coupling, element: coupling}", limit
+    )
+    model = load(tmp_path, given, catalogue)
+    fitted = model.definition.limits["coupling"].fitted(model.elements)
+    assert (fitted.power, fitted.allowed_power) == (None, 7000)
+    assert fitted.vibratory_twist == pytest.approx(np.radians(0.5))
 
 
 def test_without_catalogue_a_limit_still_needs_a_value(tmp_path):
@@ -140,7 +164,16 @@ def test_columns_that_nothing_takes_are_a_note(tmp_path):
 
 
 class TestShipped:
-    @pytest.mark.parametrize("kind", ["hysteretic_spring", "spring"])
+    def test_tyres(self):
+        car = tn.loads(
+            "torsionnet: 1\nname: x\nelements:\n  hub: {type: inertia, node: hub, inertia: 1}\n"
+            "  body: {type: inertia, node: road, inertia: 90}\n"
+            "  tyre: {type: tyre, nodes: [hub, road], speed: 20 m/s, catalogue: example_tyres, size: R16}\n"
+        )
+        assert float(car.elements["tyre"].radius.value) == 0.304
+        assert float(car.elements["tyre"].slip_stiffness.value) == 80e3
+
+    @pytest.mark.parametrize("kind", ["hysteretic_spring", "spring", "flexible_coupling"])
     def test_couplings(self, kind):
         text = MODEL.replace("couplings.csv", "example_couplings").replace("hysteretic_spring", kind)
         for size in ("A100", "A350", "B630"):

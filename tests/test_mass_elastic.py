@@ -1,6 +1,7 @@
 """Makers' mass-elastic sheets: published tables give their frequencies, forms of one table one model, faults a place."""
 
 import json
+import random
 from pathlib import Path
 
 import numpy as np
@@ -265,3 +266,23 @@ def test_a_spreadsheet_itself_is_refused(tmp_path):
         read_mass_elastic(tmp_path / "x.csv")
     with pytest.raises(UsageError, match="there is no file"):
         read_mass_elastic(tmp_path / "y.csv")
+
+
+def test_broken_sheets_are_refused_with_their_place(tmp_path):
+    """Random damage gives a model or faults in the sheet, nothing else."""
+    chance, read_in, refused = random.Random(17), 0, 0
+    pieces = [b";", b"\n", b'"', b"1e999", b"1/0", b"rigid", b"to", b"\x00", b"\xff", b"9" * 300, b"k [deg]", b"10^99 "]
+    for _ in range(150):
+        text = bytearray(chance.choice([*ONE_TABLE, MENDES, GUNTER]).encode())
+        for _ in range(chance.randint(1, 4)):
+            at = chance.randrange(len(text))
+            text[at : at + chance.randint(0, 4)] = chance.choice(pieces)
+        (tmp_path / "x.csv").write_bytes(text)
+        try:
+            read_mass_elastic(tmp_path / "x.csv")
+            read_in += 1
+        except ModelError as error:
+            places = {one.position.file for one in error.faults if one.position}
+            refused += places == {"x.csv"}
+    assert refused
+    assert read_in

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
@@ -43,6 +43,11 @@ class CatalogueRow:
     file: str
     size: str
     cells: tuple[CatalogueCell, ...]
+    path: Path = field(default=Path(), compare=False)
+
+    def of_size(self, size: str) -> CatalogueRow:
+        """Another row of the same catalogue; ModelError where there is none."""
+        return catalogue_row(self.path, self.file, size)
 
     def cell(self, column: str) -> CatalogueCell | None:
         return next((cell for cell in self.cells if cell.column == column), None)
@@ -70,7 +75,7 @@ def catalogue_row(path: Path, file: str, size: str) -> CatalogueRow:
         first = found[1].cells[0].place
         text = f'{len(found)} rows are of size "{size}", in lines {", ".join(map(str, lines))}; each size has one'
         raise ModelError([Fault(text, position=first)], file)
-    return CatalogueRow(file, size, found[0].cells)
+    return CatalogueRow(file, size, found[0].cells, path)
 
 
 def _unknown(size: str, names: Iterable[str], file: str) -> Fault:

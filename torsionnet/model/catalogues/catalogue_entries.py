@@ -111,6 +111,22 @@ def entries_of(
     return found, [*([_useless(row.file, len(faults))] if faults else []), *faults]
 
 
+def resized(
+    row: CatalogueRow, size: str, specs: Mapping[str, Spec], stored: Mapping[str, Any]
+) -> tuple[dict[str, Any], list[Fault]]:
+    """What changes with another size: the row itself, and the entries that have the values of the row before."""
+    try:
+        new = row.of_size(size)
+    except ModelError as error:
+        return {}, list(error.faults)
+    before, _ = entries_of(row, specs, {})
+    after, faults = entries_of(new, specs, {})
+    kept = {name for name, raw in before.items() if specs[name].coerce(raw) != stored[name]}
+    lacking = [name for name in before if name not in after and name not in kept]
+    faults += [Fault(f"{row.file} has no {name} of size {size}, but of {row.size}", (SIZE,)) for name in lacking]
+    return {CATALOGUE: new, **{name: raw for name, raw in after.items() if name not in kept}}, faults
+
+
 def value_of(cell: CatalogueCell, spec: Spec, faults: list[Fault]) -> Any:
     """A cell as an entry takes it; what is wrong with it is a fault in the catalogue."""
     dimension = getattr(spec, "dimension", "1")

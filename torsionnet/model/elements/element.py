@@ -21,7 +21,8 @@ from torsionnet.core.entries.spec import Schema, Spec, entry
 from torsionnet.core.entries.words import Flag, Text, name_fault
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.core.expressions import Expression
-from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, CatalogueEntry, SizeName, entries_of
+from torsionnet.model.catalogues.catalogue import CatalogueRow
+from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, CatalogueEntry, SizeName, entries_of, resized
 from torsionnet.model.elements.laws import Constraint, Law, Part, Row, Values
 from torsionnet.model.elements.nodes import NodeName, NodePair, ReferenceNode
 from torsionnet.model.elements.quantity_table import Several
@@ -98,10 +99,22 @@ class Element(Declared):
     def __post_init__(self) -> None:
         reason = name_fault(self.name) if isinstance(self.name, str) else f"{self.name!r} is no name"
         faults = [Fault(reason)] if reason else []
+        faults += self._resized()
         faults += self.coerced()
         faults = faults or self.contradictions()
         if faults:
             raise ModelError([fault.under("elements", str(self.name)) for fault in faults], f"element {self.name!r}")
+
+    def _resized(self) -> list[Fault]:
+        """Take the row of another size, where a configuration says one; the faults of what it cannot give."""
+        row = self.catalogue
+        if not isinstance(row, CatalogueRow) or str(self.size) in ("", row.size):
+            return []
+        specs = dict(self.specs())
+        changes, faults = resized(row, str(self.size), specs, {name: getattr(self, name) for name in specs})
+        for name, value in changes.items():
+            object.__setattr__(self, name, value)
+        return faults
 
     @classmethod
     def _is_common(cls, declared: Field[Any]) -> bool:

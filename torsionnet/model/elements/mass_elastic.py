@@ -11,6 +11,7 @@ from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
 from torsionnet.core.errors import Fault, did_you_mean
 from torsionnet.core.expression_reading import scalar
+from torsionnet.core.plain_names import free_name
 from torsionnet.model.elements.element import Element, register
 from torsionnet.model.elements.gears import Gear
 from torsionnet.model.elements.inertia import Inertia
@@ -142,13 +143,16 @@ def sheet_elements(sheet: MassElasticSheet, nodes: Mapping[str, str], prefix: st
     """Elements with the masses of a sheet on these nodes; names begin with ``prefix``."""
     ratios = {mass.name: mass.ratio for mass in sheet.masses}
     places = {**nodes, GROUND: GROUND}
+    taken = {*ratios, *(link.name for link in sheet.links)}
     for mass in sheet.masses:
         node, name = nodes[mass.name], f"{prefix}{mass.name}"
         said = mass.label if mass.label != mass.name else ""
         if mass.inertia is not None and mass.inertia.si:
             yield Inertia(name, node=node, inertia=mass.inertia.raw, description=said)
         if mass.damping is not None and mass.damping.si:
-            yield Damper(f"{name}_damping", nodes=(node, GROUND), damping=mass.damping.raw)
+            yield Damper(
+                f"{prefix}{free_name(f'{mass.name}_damping', taken)}", nodes=(node, GROUND), damping=mass.damping.raw
+            )
     for link in sheet.links:
         ratio = ratios[link.first] / ratios.get(link.second, ratios[link.first])
         yield from _connection(link, (places[link.first], places[link.second]), ratio, prefix)

@@ -27,6 +27,8 @@ class ElementLimit(Limit):
 
     criteria: ClassVar[tuple[str, ...]] = ()
     """Entries of which at least one has to be given."""
+    alternatives: ClassVar[tuple[tuple[str, ...], ...]] = ()
+    """Ways to state one thing: with entries of one way given, a catalogue adds none of another."""
 
     element: Any = entry(ElementName("what it is about"))
     source: Any = entry(Text("who states the values, and where"), "values given by the user")
@@ -57,15 +59,21 @@ class ElementLimit(Limit):
         faults: list[Fault] = []
         defaults = self.defaults()
         found: dict[str, Any] = {}
+        closed = {"element", "source", *self._stated_otherwise()}
         for name, spec in self.specs():
             cell = row.cell(name)
-            if cell is not None and name not in ("element", "source") and getattr(self, name) == defaults[name]:
+            if cell is not None and name not in closed and getattr(self, name) == defaults[name]:
                 found[name] = value_of(cell, spec, faults)
         if faults:
             raise ModelError(faults, row.file)
         if found and self.source == defaults["source"]:
             found["source"] = f"catalogue {row}"
         return replace(self, **found)
+
+    def _stated_otherwise(self) -> set[str]:
+        """Entries that would say again what others of the limit say."""
+        given = [way for way in self.alternatives if any(getattr(self, name) is not None for name in way)]
+        return {name for way in self.alternatives if given and way not in given for name in way}
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
         del subject
