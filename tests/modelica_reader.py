@@ -11,7 +11,7 @@ import re
 import numpy as np
 
 DECLARATION = re.compile(
-    r"(?P<kind>parameter Real|Modelica[\w.]+) (?P<name>\w+)(?P<mods>\((?:[^()\"]|\"[^\"]*\"|\([^()]*\))*\))?"
+    r"(?P<kind>parameter Real|Modelica[\w.]+) (?P<name>\w+)(?P<mods>\((?:[^;\"]|\"[^\"]*\")*?\))?"
     r"(?: = (?P<value>[^\"]+?))?(?: \"(?:[^\"\\]|\\.)*\")?;"
 )
 FLANGES = {

@@ -173,7 +173,7 @@ def _dynamic(index: int, law: Law) -> tuple[int, DynamicStiffness]:
 def smallest_rate(system: RowSystem) -> float:
     """A circular frequency in rad/s safely below the slowest motion of the system, for limits at zero frequency."""
     stiff = [*system.stiffness[system.stiffness > 0], *(abs(law.kappa(np.zeros(1))[0]) for _, law in system.dynamic)]
-    inertia = float(system.inertia.sum()) or 1.0
+    inertia = float(system.inertia.sum()) + sum(law.inertia_at_rest for _, law in system.dynamic) or 1.0
     drags = np.abs(system.damping)
     damping = float(drags.sum())
     softest = min((float(value) for value in stiff if value > 0), default=1.0)

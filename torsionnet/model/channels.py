@@ -7,7 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
+from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import UsageError, did_you_mean, unknown_key
 from torsionnet.model.elements import GROUND, Element
 
@@ -90,6 +92,14 @@ class Sensor:
         extra = {"at": self.at, "referred_to": self.referred_to}
         return {self.quantity: _plain(self), **{key: name for key, name in extra.items() if name}}
 
+    def renamed(self, names: Renaming) -> Sensor:
+        """The same in a part, with the names it has in the whole."""
+        shaft = _renamed(self.referred_to, names)
+        if not self.is_on_element:
+            against = _renamed(self.against, names)
+            return Sensor(self.quantity, names.node(self.of), against=against, referred_to=shaft)
+        return Sensor(self.quantity, names.own(self.of), names.at(self.of, self.at), referred_to=shaft)
+
 
 @dataclass(frozen=True)
 class Input:
@@ -138,8 +148,18 @@ class Input:
     def __str__(self) -> str:
         return f"{self.quantity} on {self.of}{f' against {self.against}' if self.against else ''}"
 
+    def renamed(self, names: Renaming) -> Input:
+        """The same in a part, with the names it has in the whole."""
+        if self.is_on_element:
+            return Input(self.quantity, names.own(self.of))
+        return Input(self.quantity, names.node(self.of), _renamed(self.against, names))
+
     def to_data(self) -> dict[str, Any]:
         return {self.quantity: _plain(self)}
+
+
+def _renamed(node: str | None, names: Renaming) -> str | None:
+    return None if node is None else names.node(node)
 
 
 REFERRED = " referred to "
@@ -247,6 +267,17 @@ EXTRA = {
     "at": "the port, or its node, where a torque is taken",
     "referred_to": "a node of the shaft that an angle or torque is referred to",
 }
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ChannelName(Text):
+    """A sensor or an input by name or as a text, or a node."""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        if value in names.channels:
+            return names.own(value)
+        sensor = named_sensor(value, {})
+        return names.node(value) if sensor is None else str(sensor.renamed(names))
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -69,8 +69,8 @@ def trial(drivetrain: AssembledModel, omega: float, first: str, last: str) -> Fl
     """
     assembly = drivetrain.assembly
     refuse_actions(assembly.system.actions, "a Holzer table is")
-    stiffness, rows = _stiffness(assembly, omega), assembly.system.rows
-    dynamic = rows.T @ ((stiffness - omega**2 * assembly.system.inertia)[:, None] * rows)
+    (stiffness, inertia), rows = _coefficients(assembly, omega), assembly.system.rows
+    dynamic = rows.T @ ((stiffness - omega**2 * inertia)[:, None] * rows)
     nodes = assembly.node_rows.dense
     start, end = nodes[assembly.node_index[first]], nodes[assembly.node_index[last]]
     scale = max(np.abs(dynamic).max(initial=0), 1e-300)
@@ -91,7 +91,7 @@ def balance_of(drivetrain: AssembledModel, omega: float, angles: FloatArray, las
     inertias, torques = dict.fromkeys(angle, 0.0), dict.fromkeys(angle, 0.0)
     loads = []
     rest = dict.fromkeys(angle, 0.0)
-    stiffnesses, own = _stiffness(assembly, omega).tolist(), assembly.system.inertia.tolist()
+    stiffnesses, own = (part.tolist() for part in _coefficients(assembly, omega))
     numbers = zip(assembly.owners, assembly.laws, stiffnesses, own, strict=True)
     for owner, law, stiffness, inertia in numbers:
         row = {node: float(value) for node, value in law.row.items() if node in angle}
@@ -139,6 +139,13 @@ def _of_constraints(
     return [(owner, row, torque) for (owner, row), torque in zip(rows, multipliers, strict=True)]
 
 
-def _stiffness(assembly: Assembly, omega: float) -> FloatArray:
-    """Real stiffness of every law at omega."""
-    return np.asarray(assembly.system.stiffness + assembly.system.kappa(omega).real)
+def _coefficients(assembly: Assembly, omega: float) -> tuple[FloatArray, FloatArray]:
+    """Real stiffness and inertia of every law at omega; the ends of a continuous shaft are inertias."""
+    stiffness, inertia = assembly.system.stiffness.copy(), assembly.system.inertia.copy()
+    for law, table in assembly.system.dynamic:
+        kappa = table.without_loss.kappa(np.array([omega])).real.item()
+        if table.is_elastic:
+            stiffness[law] += kappa
+        else:
+            inertia[law] += -kappa / omega**2 if omega else table.inertia_at_rest
+    return stiffness, inertia

@@ -9,6 +9,7 @@ from torsionnet.core.errors import USELESS, Fault, ModelError, UsageError, did_y
 from torsionnet.core.groups import Groups
 from torsionnet.model.channels import Input, Sensor, named_nodes, still_words
 from torsionnet.model.checks.balance import unbalanced_torques
+from torsionnet.model.checks.curves_in_use import beyond_curves
 from torsionnet.model.checks.load_fits import unfit_load
 from torsionnet.model.checks.motions import left_free
 from torsionnet.model.definition import Definition, all_nodes
@@ -228,5 +229,5 @@ def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
     sound = all(fault.severity != "error" for fault in faults)
     if not sound:
         return faults if definition.load else faults + unbalanced_torques(external, kinematics)
-    misfits = unfit_load(external) or unfit_parameters(external)
+    misfits = unfit_load(external) or unfit_parameters(external) or beyond_curves(external)
     return faults + (misfits or unbalanced_torques(external, kinematics))

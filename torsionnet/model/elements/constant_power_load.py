@@ -37,7 +37,7 @@ class ConstantPowerLoad(Element):
 
     node: Any = entry(NodeName("the node it turns with", allow_ground=False))
     power: Any = entry(PhysicalQuantity("power that it takes; negative: that it gives", "power", "P", None))
-    speed: Any = entry(PhysicalQuantity("speed at which it takes it", "speed", "omega", exclusive=True))
+    speed: Any = entry(PhysicalQuantity("speed at which it takes it", "speed", "Omega", exclusive=True))
     housing: Any = entry(NodeName("the node that takes its torque"), "ground")
 
     def contradictions(self) -> list[Fault]:

@@ -86,13 +86,45 @@ class DynamicStiffness(ABC):
         return mpmath.mpmathify(complex(self.kappa(np.array([abs(float(mpmath.im(s)))]))[0]))
 
     @property
+    def is_continuous(self) -> bool:
+        """Whether it stands for something with infinitely many modes."""
+        return False
+
+    @property
+    def without_loss(self) -> DynamicStiffness:
+        """What remains without damping."""
+        return RealPart(self)
+
+    @property
+    def inertia_at_rest(self) -> float:
+        """J of k - J omega^2, which it is for slow motions, kg m^2."""
+        return 0.0
+
+    def clamped_modes(self, omega: Floats) -> Floats:
+        """How many modes below omega in rad/s it has inside while the motion it acts on is zero."""
+        import numpy as np
+
+        return np.zeros(np.shape(omega))
+
+    def energy(self, s: complex) -> tuple[float, float, float]:
+        """J, k and k'' of the kinetic, strain and dissipated energy of a vibration at s.
+
+        These are J |s|^2 |gamma|^2, k |gamma|^2 and k'' |gamma|^2 but for a common factor; by default all that is
+        stored is strain.
+        """
+        import numpy as np
+
+        kappa = complex(self.kappa(np.array([abs(s.imag)]))[0])
+        return 0.0, kappa.real, kappa.imag
+
+    @property
     def label(self) -> str:
         """What tells it from others of the same element, in symbols."""
         return ""
 
-    def formula(self, s: Any) -> Any:
-        """A sympy expression of s and the coefficients, which are symbols then; None of what is measured."""
-        del s
+    def formula(self, omega: Any) -> Any:
+        """A sympy expression of omega and the coefficients, which are symbols then; None of what is measured."""
+        del omega
 
 
 @dataclass(frozen=True)
@@ -117,6 +149,31 @@ class ComplexStiffness(DynamicStiffness):
     @property
     def holds_at_rest(self) -> bool:
         return self.value.real > 0
+
+
+@dataclass(frozen=True)
+class RealPart(DynamicStiffness):
+    """The real part of another one: what there is of it without damping."""
+
+    of: DynamicStiffness
+
+    def kappa(self, omega: Floats) -> Complexes:
+        return self.of.kappa(omega).real.astype(complex)
+
+    def kappa_rate(self, omega: float) -> complex:
+        return complex(self.of.kappa_rate(omega).real)
+
+    @property
+    def is_passive(self) -> bool:
+        return True
+
+    @property
+    def holds_at_rest(self) -> bool:
+        return self.of.holds_at_rest
+
+    @property
+    def is_elastic(self) -> bool:
+        return self.of.is_elastic
 
 
 @dataclass(frozen=True)
@@ -185,6 +242,6 @@ class ScaledStiffness(DynamicStiffness):
         factor = mpmath.mpf(self.factor.numerator) / self.factor.denominator
         return factor * self.base.in_many_digits(s)
 
-    def formula(self, s: Any) -> Any:
-        base = self.base.formula(s)
+    def formula(self, omega: Any) -> Any:
+        base = self.base.formula(omega)
         return None if base is None else self.factor * base

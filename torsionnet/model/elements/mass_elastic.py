@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, ClassVar
 
@@ -69,7 +69,7 @@ class MassElastic(Element):
 
     Examples
     --------
-    >>> from torsionnet.core.delimited.grid import grid_of
+    >>> from torsionnet.core.delimited.cell_grid import grid_of
     >>> from torsionnet.model.sheets.mass_elastic_sheet import sheet_of
     >>> sheet = sheet_of(grid_of(["mass;J [kg m²];k [MNm/rad]", "Cyl. 1;52;36", "Flywheel;780;"], "engine.csv"))
     >>> engine = MassElastic("engine", table=sheet, at={"flywheel": "fly"})
@@ -118,7 +118,8 @@ class MassElastic(Element):
 
     def expanded(self) -> tuple[Element, ...]:
         """The elements that it stands for."""
-        return tuple(sheet_elements(self.table, self.nodes_of_masses, f"{self.name}."))
+        found = tuple(sheet_elements(self.table, self.nodes_of_masses, f"{self.name}."))
+        return found if self.enabled else tuple(replace(element, enabled=False) for element in found)
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         return tuple(part for element in self.expanded() for part in element.parts(value))
@@ -175,7 +176,7 @@ def _joint(name: str, nodes: tuple[str, str]) -> Element:
 def _shaft(link: SheetLink, name: str, nodes: tuple[str, str]) -> Element:
     """A spring with the section where stress is judged; from its dimensions alone, a shaft without inertia."""
     damping = link.damping.raw if link.damping is not None else 0
-    section = {} if link.outer is None else {"outer_diameter": link.outer.raw}
+    section: dict[str, Any] = {} if link.outer is None else {"outer_diameter": link.outer.raw}
     section |= {"inner_diameter": link.inner.raw} if link.inner is not None and section and link.inner.si else {}
     if link.stiffness is None:
         assert link.length is not None
