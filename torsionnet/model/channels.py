@@ -258,7 +258,7 @@ def named_sensor(entry: str | Sensor, declared: Mapping[str, Sensor]) -> Sensor 
     if not shaft:
         return parse_sensor(entry)
     found = named_sensor(measured.strip(), declared)
-    if found is None and measured.strip().isidentifier():
+    if found is None and re.fullmatch(r"[A-Za-z][\w.]*", measured.strip()):
         found = Sensor("angle", measured.strip())
     return found and replace(found, referred_to=shaft.strip())
 

@@ -61,18 +61,24 @@ def reading(
     found = _at_own_shaft(sensor, elements, value, laws, constraints, actions)
     if sensor.referred_to is None:
         return found
-    ratio = _referring(sensor, elements, value)
+    factor = referring_factor(sensor, elements, value)
     if found.row is not None:
-        return replace(found, row={node: share * ratio for node, share in found.row.items()})
+        return replace(found, row={node: share * factor for node, share in found.row.items()})
     own, rigid, driving = (
-        {number: share / ratio for number, share in shares.items()}
+        {number: share * factor for number, share in shares.items()}
         for shares in (found.laws, found.constraints, found.actions)
     )
     return replace(found, laws=own, constraints=rigid, actions=driving)
 
 
-def _referring(sensor: Sensor, elements: Mapping[str, Element], value: Values) -> Any:
-    """Speed of the shaft that a reading is referred to over that of its own."""
+def referring_factor(sensor: Sensor, elements: Mapping[str, Element], value: Values) -> Any:
+    """What a reading of its own shaft is multiplied with at the shaft it is referred to: a motion by the ratio of both.
+
+    Raises
+    ------
+    UsageError
+        No ratio leads there.
+    """
     own, shaft = sensor.of, str(sensor.referred_to)
     if sensor.is_on_element:
         element = elements[sensor.of]
@@ -80,7 +86,8 @@ def _referring(sensor: Sensor, elements: Mapping[str, Element], value: Values) -
     path = SpeedPaths([one for one in elements.values() if one.enabled], value).between(own, shaft)
     if path is None:
         raise UsageError(f"{sensor}: no ratio leads from {own} to {shaft} in this configuration")
-    return path.ratio(value)
+    ratio = path.ratio(value)
+    return 1 / ratio if sensor.quantity == "torque" else ratio
 
 
 def _at_own_shaft(

@@ -41,9 +41,9 @@ def unfit_references(elements: Sequence[Element], values: Mapping[str, Any]) -> 
     for element in quoted:
         path = ("elements", element.name, "referred_to")
         own = own_node(element.ports)
-        reason = element.referral_fault
-        if reason is None and any(isinstance(part, Law) and part.table for part in element.parts(Values(values))):
-            reason = f"{element.name} has a table over frequency; give it at its own shaft, {own}"
+        tabled = any(isinstance(part, Law) and part.table for part in element.parts(Values(values)))
+        reason = f"{element.name} has a table over frequency; give it at its own shaft, {own}" if tabled else None
+        reason = reason or element.referral_fault
         if reason is None and paths is not None and paths.between(own, element.referred_to) is None:
             reason = (
                 f"no ratio leads from {own} to {element.referred_to}: in between is something open, or a differential "
