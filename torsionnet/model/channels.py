@@ -39,8 +39,8 @@ class Sensor:
     """A measured quantity: angle, velocity or acceleration of a node, twist, torque or shear stress of an element.
 
     ``at`` is the port (or its node) where a torque or stress is taken; without it, the port that defines the sign. A
-    motion is relative to that of the node ``against``, if there is one. With ``referred_to``, a node of another shaft, an
-    angle is what it would be there, times the speed of that shaft over that of its own, and a torque divided by it.
+    motion is relative to that of the node ``against``, if there is one. With ``referred_to``, a node of another shaft,
+    an angle is what it would be there, times the speed of that shaft over that of its own, and a torque divided by it.
 
     Examples
     --------

@@ -89,7 +89,7 @@ class _Flattening:
 
     def is_joined(self, use: Use, place: Path) -> bool:
         part = self.parts[use.part]
-        found = [fault.under(*place) for fault in use_faults(use, part.ports, part.parameters)]
+        found = [fault.under(*place) for fault in use_faults(use, part.ports, self.done[use.part].parameters)]
         if self.whole and use.part not in self.without_ports:
             self.faults += found
         return not found and use.part not in self.without_ports
