@@ -56,30 +56,38 @@ def rig(oil):
     return tn.Drivetrain("rig", [*parts, oil], inputs={"T": {"torque": "p"}}, sensors=sensors)
 
 
+def dense(form, nu, gain, housing):
+    """M, C and K; a housing takes what is left of the torques."""
+    c = damping_by_differences(form, nu, gain or [[0, 1], [1, 1]])
+    if not housing:
+        return np.diag([J_P, J_T]), c, np.diag([0, 700.0])
+    turning = np.array([[1, 0, -1], [0, 1, -1]])
+    return np.diag([J_P, J_T, J_H]), turning.T @ c @ turning, np.diag([0, 700.0, K_H])
+
+
 @pytest.mark.parametrize("form", TABLES)
 @pytest.mark.parametrize("nu", [0.3, 0.7, 0.95])
 @pytest.mark.parametrize("gain", [None, GAIN], ids=["coupling", "converter"])
 @pytest.mark.parametrize("housing", [False, True])
-def test_responses_and_modes(form, nu, gain, housing):
-    """M s^2 + C s + K with the matrix of speeds to torques; a housing takes what is left."""
-    c = damping_by_differences(form, nu, gain or [[0, 1], [1, 1]])
-    mass, stiffness = np.diag([J_P, J_T]), np.diag([0, 700.0])
-    if housing:
-        turning = np.array([[1, 0, -1], [0, 1, -1]])
-        c = turning.T @ c @ turning
-        mass, stiffness = np.diag([J_P, J_T, J_H]), np.diag([0, 700.0, K_H])
-    plant = rig(element(form, nu, gain, **({"housing": "h"} if housing else {})))
-    frequencies = np.array([0.3, 4.0, 11.0, 60.0])
-    found = plant.frequency_response(["w_p", "w_t"], "T", frequencies).values.reshape(len(frequencies), -1)
-    for row, frequency in zip(found, frequencies, strict=True):
-        s = 2j * np.pi * frequency
-        expected = s * np.linalg.solve(mass * s**2 + c * s + stiffness, np.eye(len(mass))[:, 0])[:2]
-        np.testing.assert_allclose(row, expected, rtol=1e-6)
-    n = len(mass)
-    system = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, c)]])
-    poles = np.linalg.eigvals(system)
-    for pole in poles[(poles.imag >= 0) & (abs(poles) > 1e-3)]:
-        assert min(abs(plant.modes().eigenvalues - pole)) < 1e-6 * abs(pole)
+class TestMatrix:
+    def test_responses(self, form, nu, gain, housing):
+        mass, c, stiffness = dense(form, nu, gain, housing)
+        plant = rig(element(form, nu, gain, **({"housing": "h"} if housing else {})))
+        frequencies = np.array([0.3, 4.0, 11.0, 60.0])
+        found = plant.frequency_response(["w_p", "w_t"], "T", frequencies).values.reshape(len(frequencies), -1)
+        for row, frequency in zip(found, frequencies, strict=True):
+            s = 2j * np.pi * frequency
+            expected = s * np.linalg.solve(mass * s**2 + c * s + stiffness, np.eye(len(mass))[:, 0])[:2]
+            np.testing.assert_allclose(row, expected, rtol=1e-6)
+
+    def test_modes(self, form, nu, gain, housing):
+        mass, c, stiffness = dense(form, nu, gain, housing)
+        plant = rig(element(form, nu, gain, **({"housing": "h"} if housing else {})))
+        lower = [-np.linalg.solve(mass, stiffness), -np.linalg.solve(mass, c)]
+        poles = np.linalg.eigvals(np.block([[np.zeros_like(mass), np.eye(len(mass))], lower]))
+        found = plant.modes().eigenvalues
+        for pole in poles[(poles.imag >= 0) & (abs(poles) > 1e-3)]:
+            assert min(abs(found - pole)) < 1e-6 * abs(pole)
 
 
 def test_slip_passes_a_mean_speed_on_at_the_speed_ratio():
