@@ -21,6 +21,7 @@ from validation_pages import bench_numbers_page, cases_page, paper_page
 
 import torsionnet as tn
 from torsionnet.core.damping import MEASURES
+from torsionnet.core.delimited.cell_grid import grid_of
 from torsionnet.core.entries.composite import Composite
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import PhysicalQuantity, Value, ValueInUnitOfUse
@@ -44,11 +45,14 @@ from torsionnet.model.elements import (
 from torsionnet.model.elements.characteristic import Characteristic
 from torsionnet.model.elements.curves import LookupCurve
 from torsionnet.model.elements.damping_entries import LossFactor
+from torsionnet.model.elements.mass_elastic import Stations
 from torsionnet.model.elements.nodes import NodeName, NodePair
 from torsionnet.model.elements.quantity_table import ListOf, Several, TableByName
 from torsionnet.model.elements.stiffness_rows import TableEntry
 from torsionnet.model.elements.teeth import Teeth
 from torsionnet.model.report import SECTIONS
+from torsionnet.model.sheets.mass_elastic_sheet import sheet_of
+from torsionnet.model.sheets.sheet_entry import SheetEntry
 from torsionnet.report.wording import replaceable
 
 DOCS = Path(__file__).parent
@@ -90,7 +94,7 @@ NESTED = {
     "rubber_shape": {"type": "disc", "outer_diameter": "0.4 m", "inner_diameter": "0.2 m", "thickness": "50 mm"},
     "film_gap": {"outer_diameter": "0.4 m", "inner_diameter": "0.25 m", "axial_gap": "0.5 mm"},
 }
-COMMON = ("description", "enabled")
+COMMON = ("description", "enabled", "catalogue", "size", "referred_to")
 
 
 # Elements
@@ -108,14 +112,14 @@ def element_section(kind: str, cls: type[Element]) -> str:
     optional = [declared.name for declared in own_fields(cls) if is_port(declared) and declared.name not in known]
     more = f"; optional: {', '.join(map(code, optional))}" if optional else ""
     rest = "" if len(ports) == 1 else " At any other port: positive when it drives out of the element."
-    sign = f"The sign of the torque is defined at `{ports[0]}`: {cls.sign}.{rest}"
+    sign = f"The sign of the torque is defined at `{ports[0]}`: {cls.sign}.{rest}" if ports else ""
     parts = [
         f"## {kind}\n",
         f"*In Python:* `torsionnet.{cls.__name__}`\n",
         f"![How a schematic draws it](generated/symbol_{kind}.svg)\n",
         physics(cls),
         laws(cls),
-        f"*Ports:* {', '.join(map(code, ports))}{more}. {sign}\n",
+        f"*Ports:* {', '.join(map(code, ports)) or 'none'}{more}. {sign}\n",
         fields_table(cls),
         f"```yaml\nelements:\n  part: {flow(minimal.to_data())}\n```\n",
     ]
@@ -211,6 +215,10 @@ def sample_of(kind: Spec, name: str, *, symbolic: bool) -> Any:
     others = {Teeth: [20, 61], Flag: True, Count: 1, Text: "text"}
     if isinstance(kind, TableEntry):
         return [["1 Hz", "400 N*m/rad", "2 N*m*s/rad"], ["20 Hz", "500 N*m/rad", "1.2 N*m*s/rad"]]
+    if isinstance(kind, SheetEntry):
+        return sheet_of(grid_of(["mass;J [kg*m^2];k [N*m/rad]", "cylinder;52;36e6", "flywheel;780;"], "engine.csv"))
+    if isinstance(kind, Stations):
+        return {"flywheel": "a"}
     return kind.options[0] if isinstance(kind, OneOf) else others[type(kind)]
 
 

@@ -1,8 +1,12 @@
 """Small drivetrains that several tests use, built through the public API."""
 
+from pathlib import Path
+
 import torsionnet as tn
 from torsionnet.assembly.functionals import functional
 from torsionnet.core.errors import UsageError
+
+SHEET = Path(__file__).parent / "sheets" / "line.csv"
 
 EVERY_ELEMENT = {
     "inertia": tn.Inertia("e", node="a", inertia=2),
@@ -24,6 +28,14 @@ EVERY_ELEMENT = {
         "e", nodes=("a", "b"), outer_diameter=0.05, inner_diameter=0.02, length=1.2, loss_factor={"zeta": 0.01}
     ),
     "propeller": tn.Propeller("e", node="a", inertia=2, entrained_water=0.25, archer=30, torque=200, speed=15),
+    "fluid_coupling": tn.FluidCoupling(
+        "e", pump="a", turbine="b", speed=150, speed_ratio=0.97, k_factor=[[0.9, 30], [0.99, 90]],
+        pump_inertia=0.2, turbine_inertia=0.1, housing="c",
+    ),
+    "torque_converter": tn.TorqueConverter(
+        "e", pump="a", turbine="b", speed=150, speed_ratio=0.6, performance=[[0, 0.04], [1, 0.02]], diameter=0.26,
+        torque_ratio=[[0, 2.1], [0.9, 1]], pump_inertia=0.2, turbine_inertia=0.1, housing="c",
+    ),
     "controller": tn.Controller(
         "e", sense={"velocity": ["a", "b"]}, act=["c", "b"], law={"p": -3, "i": -5, "d": 1, "filter": 0.2}, delay=0.1
     ),
@@ -131,6 +143,7 @@ EVERY_ELEMENT = {
     "chain_drive": tn.ChainDrive(
         "e", sprockets={"a": 20, "b": 31}, pitch=0.0127, axial_stiffness=1e5, lengths=[0.3, 0.4], damping=2, housing="c"
     ),
+    "mass_elastic": tn.MassElastic("e", table=SHEET, at={"first": "a", "last": "b"}),
 }  # fmt: skip
 
 

@@ -26,6 +26,7 @@ class ShowCommand(ModelCommand):
 
     equations: bool = option("--equations", help="The equations of motion in the model's own symbols.")
     flat: bool = option("--flat", help="The model file with its parts put in, dots in the names of what they hold.")
+    boxes: bool = option("--boxes", help="Draw each part that is used as one box.")
     matrices: bool = option("--matrices", help="M, C, K in numbers.")
 
     def answer(self) -> Answer:
@@ -36,7 +37,9 @@ class ShowCommand(ModelCommand):
             screen=lambda: self.parts(cases),
             data=lambda: [self.as_data(case) for case in cases],
             csv=lambda: [("", self.joined(cases, [elements_table(case.drivetrain) for case in cases]))],
-            figures=lambda plot: [(case.configuration, plot.schematic(case.drivetrain)) for case in cases],
+            figures=lambda plot: [
+                (case.configuration, plot.schematic(case.drivetrain, boxes=self.boxes)) for case in cases
+            ],
         )
 
     def parts(self, cases: list[ConfiguredCase]) -> Iterator[Table | str]:

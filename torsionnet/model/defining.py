@@ -52,14 +52,17 @@ def define(entries: Mapping[str, Any]) -> tuple[Definition, list[Fault]]:
     authored = Definition(**{name: value for name, value in values.items() if value is not None})
     if authored.include:
         faults.append(Fault("files are included by model files only", ("include",), on_key=True))
-    flat, found = put_together(authored)
+    flat, found = put_together(authored, whole=not any(fault.path[:1] == ("parts",) for fault in faults))
     return flat, [*faults, *found]
 
 
-def put_together(authored: Definition) -> tuple[Definition, list[Fault]]:
-    """The flat definition of a model with parts, which knows how it was written."""
+def put_together(authored: Definition, *, whole: bool = True) -> tuple[Definition, list[Fault]]:
+    """The flat definition of a model with parts, which knows how it was written.
+
+    Without ``whole`` something of the parts could not be read: that they lack what is named is no fault of its own.
+    """
     authored = _with_files_read(_with_dotted_parameters(authored))
-    flat, found = flattened(authored)
+    flat, found = flattened(authored, whole=whole)
     if flat is authored:
         return flat, found
     flat = _with_files_read(_with_dotted_parameters(flat))

@@ -18,7 +18,7 @@ from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.model.elements import Element, Values
 from torsionnet.model.elements.characteristic import Characteristic
 from torsionnet.model.elements.laws import Law
-from torsionnet.model.elements.nodes import NodeName, NodePair
+from torsionnet.model.elements.nodes import NodeName, NodePair, ReferenceNode
 from torsionnet.model.elements.quantity_table import Several, TableByName
 from torsionnet.response.table import Column, Table
 
@@ -98,7 +98,7 @@ def values_of(element: Element, rig: Model) -> Iterator[Written]:
     """``stiffness k_2 = 460 N*m/rad`` for each value given."""
     defaults = element.defaults()
     for name, (spec, value) in element.scalars().items():
-        if isinstance(spec, SHOWN_ELSEWHERE) or name == "enabled":
+        if name == "enabled" or (isinstance(spec, SHOWN_ELSEWHERE) and not isinstance(spec, ReferenceNode)):
             continue  # in columns of their own
         if value == defaults[name]:
             continue

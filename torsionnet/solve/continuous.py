@@ -17,7 +17,15 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.core.errors import SolveError
 from torsionnet.solve.frozen_stiffness import Found, Mode
 from torsionnet.solve.nullspace import unresisted
-from torsionnet.solve.reduction import AnyArray, acting, echelon, require_resistance, resisting, restricted
+from torsionnet.solve.reduction import (
+    AnyArray,
+    acting,
+    echelon,
+    require_resistance,
+    resisting,
+    restricted,
+    stiff_laws,
+)
 from torsionnet.solve.sturm import ModeCount, negative_pivots
 
 Mask: TypeAlias = NDArray[np.bool_]
@@ -37,6 +45,8 @@ ALIKE, NEAR = 0.5, 0.5
 """How alike shapes stay while damping is added, and how far a pole may move, over its distance to others."""
 REAL_GRID, REAL_DECADES = 900, (-9, 3)
 ON_AXIS = 1e-9
+CROSSED = 1e-9
+"""Least change of the torques of a motion at a real pole, over their size."""
 
 
 def is_continuous(system: RowSystem) -> bool:
@@ -154,11 +164,10 @@ class Damped:
         kappa = system.stiffness + s * (share * system.damping + s * system.inertia)
         rate = share * system.damping + 2 * s * system.inertia
         for law, table in system.dynamic:
-            free = table.without_loss
-            kappa[law] += share * table.at(at, omega)[0] + (1 - share) * free.at(at, omega)[0]
-            for part, factor in ((table, share), (free, 1 - share)):
-                direct, followed = part.rates(at, omega)
-                rate[law] += factor * (direct[0] - 1j * followed[0])
+            lossy = table.with_loss(share)
+            direct, followed = lossy.rates(at, omega)
+            kappa[law] += lossy.at(at, omega)[0]
+            rate[law] += direct[0] - 1j * followed[0]
         return kappa, rate
 
     def matrices(self, s: complex, share: float) -> tuple[ComplexArray, ComplexArray]:
@@ -194,25 +203,19 @@ def damped_modes(system: RowSystem, count: int) -> tuple[FloatArray, Found, int]
 
     The lowest ``count`` of those without damping are followed; real poles up to their band are added.
     """
-    require_resistance(
-        system, (system.inertia > 0) | elastic(system) | (system.damping != 0) | _continuous_laws(system)
-    )
+    require_resistance(system, (system.inertia > 0) | (system.damping != 0) | stiff_laws(system))
     rates, shapes = undamped_modes(system, count)
-    free = unresisted(system, elastic(system) | (system.damping != 0)).basis()
+    rigid = rigid_motions(system)
+    turning = rigid.shape[1] - unresisted(system, elastic(system) | (system.damping != 0)).dimension
     vibrating = [group for group in _groups(rates) if rates[group[0]] > 0]
     if not _is_damped(system, rates):
         places = [place for group in vibrating for place in group]
         modes = [Mode(1j * rates[place], shapes[:, place].astype(complex)) for place in places]
-        return echelon(free), _collected(modes, [], system.n_coordinates), 0
+        return rigid, _collected(modes, [], system.n_coordinates), 0
     modes, lost = _followed(system, rates, shapes, vibrating)
     real = _real_poles(system, float(rates.max(initial=0)) or _first_rate(system))
-    return echelon(free), _collected(modes, real, system.n_coordinates), lost
-
-
-def _continuous_laws(system: RowSystem) -> Mask:
-    found = np.zeros(len(system.stiffness), dtype=bool)
-    found[[law for law, _ in system.dynamic]] = True
-    return found
+    overdamped = (len(real) - turning) // 2
+    return rigid, _collected(modes, real, system.n_coordinates), max(0, lost - overdamped)
 
 
 def _is_damped(system: RowSystem, rates: FloatArray) -> bool:
@@ -290,15 +293,25 @@ def _real_poles(system: RowSystem, rate: float) -> list[Mode]:
         for number in range(abs(change)):
             wanted = counts[place] + (number + 1) * np.sign(change)
             size = _crossing(system, sizes[place], sizes[place + 1], wanted, rising=change > 0)
-            shape = _real_vector(system, size)
-            found.append(Mode(complex(-size), shape.astype(complex)))
+            shape = _real_vector(system, size).astype(complex)
+            if _is_crossed(system, size, shape):
+                found.append(Mode(complex(-size), shape))
     return found
+
+
+def _is_crossed(system: RowSystem, size: float, shape: ComplexArray) -> bool:
+    """Whether D changes there by more than rounding, as it does not where a damper swallows all that arrives."""
+    kappa, rate = Damped(system).stiffness(complex(-size), 0.0)
+    twist = np.abs(system.rows @ shape) ** 2
+    drag = system.damping * size
+    changed = abs((rate + system.damping) @ (system.rows @ shape) ** 2) * size
+    return bool(changed > CROSSED * (np.abs(kappa) + np.abs(drag)) @ twist)
 
 
 def _on_axis(system: RowSystem, sizes: FloatArray) -> FloatArray:
     kappa = system.stiffness[:, None] - system.damping[:, None] * sizes + system.inertia[:, None] * sizes**2
     for law, table in system.dynamic:
-        kappa[law] += table.without_loss.at(-sizes.astype(complex), np.zeros(len(sizes))).real
+        kappa[law] += table.with_loss(0).at(-sizes.astype(complex), np.zeros(len(sizes))).real
     return np.asarray(kappa)
 
 

@@ -143,7 +143,7 @@ def _coefficients(assembly: Assembly, omega: float) -> tuple[FloatArray, FloatAr
     """Real stiffness and inertia of every law at omega; the ends of a continuous shaft are inertias."""
     stiffness, inertia = assembly.system.stiffness.copy(), assembly.system.inertia.copy()
     for law, table in assembly.system.dynamic:
-        kappa = table.without_loss.kappa(np.array([omega])).real.item()
+        kappa = table.with_loss(0).kappa(np.array([omega])).real.item()
         if table.is_elastic:
             stiffness[law] += kappa
         else:

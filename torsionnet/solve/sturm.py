@@ -18,7 +18,8 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray, RowSystem
 
 Laws: TypeAlias = list[tuple[dict[int, float], FloatArray]]
-TINY = 1e-300
+TINY = 1e-30
+"""In place of a pivot of zero, over the size of its terms: on one side of zero, as it is next to it."""
 PARALLEL = 1e-12
 """Relative difference of coefficients of two rows that are one."""
 
@@ -45,8 +46,9 @@ def negative_pivots(rows: Sequence[dict[int, float]], kappa: FloatArray, n_coord
         v = min(left, key=lambda column: at[column])
         left.discard(v)
         acting = [law for law in laws if v in law[0]]
-        pivot = sum((values * row[v] ** 2 for row, values in acting), start=np.zeros_like(count))
-        pivot = np.where(pivot == 0, TINY, pivot)
+        terms = np.array([values * row[v] ** 2 for row, values in acting]).reshape(-1, len(count))
+        pivot = terms.sum(axis=0)
+        pivot = np.where(pivot == 0, TINY * (np.abs(terms).sum(axis=0) + TINY), pivot)
         count += pivot < 0
         laws = _merged([law for law in laws if v not in law[0]] + _beyond(acting, v, pivot))
     return count
@@ -86,7 +88,7 @@ class ModeCount:
 
     def __init__(self, system: RowSystem) -> None:
         self.system = system
-        self.members = [(law, table.without_loss) for law, table in system.dynamic]
+        self.members = [(law, table.with_loss(0)) for law, table in system.dynamic]
 
     def real_stiffness(self, omega: FloatArray) -> FloatArray:
         """Of every law without damping, (n_laws, n_points)."""

@@ -64,6 +64,13 @@ class SymbolicFraction:
         found = {function for leaf in self._leaves for function in leaf.atoms(sympy.core.function.AppliedUndef)}
         return {name: table for name, table in self.tables.items() if name in found}
 
+    @property
+    def formulas(self) -> Mapping[Any, Any]:
+        """What the functions kappa(omega) of continuous shafts are, as sympy expressions of omega and parameters."""
+        omega = sympy.Symbol("omega")
+        found = {name: table.formula(omega) for name, table in self.used_tables.items()}
+        return {name: formula for name, formula in found.items() if formula is not None}
+
     @cached_property
     def _leaves(self) -> tuple[Any, ...]:
         """The sympy expressions that the steps begin with."""

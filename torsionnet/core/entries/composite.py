@@ -165,7 +165,8 @@ class Named(Composite):
         return table, faults
 
     def renamed(self, value: Any, names: Renaming) -> Any:
-        return {name: self.of.renamed(one, names) for name, one in value.items()}
+        found = {name: self.of.renamed(one, names) for name, one in value.items()}
+        return value if all(found[name] is value[name] for name in value) else found
 
     def plain(self, value: Any) -> Any:
         return {name: self.of.plain(entry) for name, entry in value.items()}
@@ -203,7 +204,10 @@ class Listed(Composite):
         return tuple(values), faults
 
     def renamed(self, value: Any, names: Renaming) -> Any:
-        return tuple(self.of.renamed(one, names) for one in value)
+        if not isinstance(value, tuple):  # a word that stands for a list
+            return value
+        found = tuple(self.of.renamed(one, names) for one in value)
+        return value if all(new is old for new, old in zip(found, value, strict=True)) else found
 
     def plain(self, value: Any) -> Any:
         return [self.of.plain(entry) for entry in value]

@@ -37,7 +37,7 @@ class Declared:
         for name, spec in self.specs():
             raw = getattr(self, name)
             default, stored = defaults[name]
-            if raw is default:
+            if raw is default or raw is stored:
                 object.__setattr__(self, name, stored)
                 continue
             try:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 
-from torsionnet.core.delimited.grid import Cell, Grid, read_grid
+from torsionnet.core.delimited.cell_grid import Cell, CellGrid, read_grid
 from torsionnet.core.delimited.sheet_numbers import decimal_sign, is_like_number, plain_number_text
 from torsionnet.core.delimited.sheet_units import named_unit, sheet_unit
 from torsionnet.core.errors import Fault, ModelError, Position, nearest
@@ -116,7 +116,7 @@ def _rows(path: Path, changed: int, length: int) -> tuple[CatalogueRow, ...]:
     return tuple(rows)
 
 
-def _unit(grid: Grid, cell: Cell, text: str, faults: list[Fault]) -> str | None:
+def _unit(grid: CellGrid, cell: Cell, text: str, faults: list[Fault]) -> str | None:
     """The unit of a heading as a model file writes it, None for none."""
     if not text or text in ("1", "-"):
         return None if not text else ""

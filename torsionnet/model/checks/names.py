@@ -98,9 +98,14 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
 
 
 def unknown_references(definition: Definition) -> list[Fault]:
-    """Shafts at which elements quote their values."""
+    """Shafts at which elements quote their values, or that sensors refer theirs to."""
     nodes = _nodes(definition)
-    return [
+    faults = [
+        _unknown_node(sensor.referred_to, nodes, ("sensors", name, "referred_to"))
+        for name, sensor in definition.sensors.items()
+        if sensor.referred_to is not None and sensor.referred_to not in nodes
+    ]
+    return faults + [
         _unknown_node(element.referred_to, nodes, ("elements", name, "referred_to"))
         for name, element in definition.elements.items()
         if element.referred_to is not None and element.referred_to not in nodes

@@ -90,10 +90,9 @@ class DynamicStiffness(ABC):
         """Whether it stands for something with infinitely many modes."""
         return False
 
-    @property
-    def without_loss(self) -> DynamicStiffness:
-        """What remains without damping."""
-        return RealPart(self)
+    def with_loss(self, share: float) -> DynamicStiffness:
+        """The same with a share of its damping: 0 for none, 1 for all."""
+        return WithLoss(self, share)
 
     @property
     def inertia_at_rest(self) -> float:
@@ -152,20 +151,23 @@ class ComplexStiffness(DynamicStiffness):
 
 
 @dataclass(frozen=True)
-class RealPart(DynamicStiffness):
-    """The real part of another one: what there is of it without damping."""
+class WithLoss(DynamicStiffness):
+    """The real part of another one and a share of the imaginary one."""
 
     of: DynamicStiffness
+    share: float
 
     def kappa(self, omega: Floats) -> Complexes:
-        return self.of.kappa(omega).real.astype(complex)
+        found = self.of.kappa(omega)
+        return found.real + 1j * self.share * found.imag
 
     def kappa_rate(self, omega: float) -> complex:
-        return complex(self.of.kappa_rate(omega).real)
+        rate = self.of.kappa_rate(omega)
+        return complex(rate.real, self.share * rate.imag)
 
     @property
     def is_passive(self) -> bool:
-        return True
+        return self.of.is_passive
 
     @property
     def holds_at_rest(self) -> bool:

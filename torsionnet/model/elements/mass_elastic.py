@@ -69,7 +69,7 @@ class MassElastic(Element):
 
     Examples
     --------
-    >>> from torsionnet.core.delimited.grid import grid_of
+    >>> from torsionnet.core.delimited.cell_grid import grid_of
     >>> from torsionnet.model.sheets.mass_elastic_sheet import sheet_of
     >>> sheet = sheet_of(grid_of(["mass;J [kg m²];k [MNm/rad]", "Cyl. 1;52;36", "Flywheel;780;"], "engine.csv"))
     >>> engine = MassElastic("engine", table=sheet, at={"flywheel": "fly"})

@@ -44,9 +44,8 @@ class ShaftStiffness(DynamicStiffness):
         stiffness, inertia, loss_factor = coefficients
         return replace(self, stiffness=stiffness, inertia=inertia, loss_factor=loss_factor)
 
-    @property
-    def without_loss(self) -> Self:
-        return replace(self, loss_factor=0)
+    def with_loss(self, share: float) -> Self:
+        return replace(self, loss_factor=share * float(self.loss_factor))
 
     @property
     def is_continuous(self) -> bool:
@@ -92,8 +91,8 @@ class ShaftStiffness(DynamicStiffness):
         import numpy as np
 
         lossy = np.asarray(omega) > 0
-        K = float(self.stiffness) * (1 + 1j * float(self.loss_factor) * lossy)
-        return K, np.sqrt(-(np.asarray(s) ** 2) * float(self.inertia) / K + 0j)
+        K = (float(self.stiffness) * (1 + 1j * float(self.loss_factor) * lossy)).astype(np.complex128)
+        return K, np.sqrt(-(np.asarray(s) ** 2) * float(self.inertia) / K)
 
     @staticmethod
     def _value(x: Complexes) -> Complexes:

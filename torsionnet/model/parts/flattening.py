@@ -31,14 +31,14 @@ class PartContent:
     limits: dict[str, Any] = field(default_factory=dict)
 
 
-def flattened(definition: Definition) -> tuple[Definition, list[Fault]]:
+def flattened(definition: Definition, *, whole: bool = True) -> tuple[Definition, list[Fault]]:
     """The definition with all its parts put in, and what keeps some of them from that.
 
     Faults have the paths of the definition as it was written.
     """
     if not definition.use and not definition.parts and not _abbreviates(definition):
         return definition, []
-    reader = _Flattening(definition.parts)
+    reader = _Flattening(definition.parts, whole)
     content = reader.content(definition, (), ())
     reader.unused(definition.parts)
     flat = replace(definition, **{name: getattr(content, name) for name in SECTIONS}, parts={}, use={})
@@ -52,9 +52,11 @@ def _abbreviates(definition: Definition) -> bool:
 class _Flattening:
     """Each part is put together once, whatever the number of its uses."""
 
-    def __init__(self, parts: Mapping[str, Part]) -> None:
+    def __init__(self, parts: Mapping[str, Part], whole: bool) -> None:
         self.parts = parts
+        self.whole = whole
         self.done: dict[str, PartContent] = {}
+        self.without_ports: set[str] = set()
         self.faults: list[Fault] = []
 
     def unused(self, parts: Mapping[str, Part]) -> None:
@@ -69,12 +71,13 @@ class _Flattening:
         _expand(found)
         for name, use in owner.use.items():
             place = (*path, "use", name)
-            if self.can_be_used(use, place, within):
+            if self.is_known(use, place, within):
                 part = self.part(use.part, (*within, use.part))
-                self.put(found, name, use, part, place)
+                if self.is_joined(use, place):
+                    self.put(found, name, use, part, place)
         return found
 
-    def can_be_used(self, use: Use, place: Path, within: tuple[str, ...]) -> bool:
+    def is_known(self, use: Use, place: Path, within: tuple[str, ...]) -> bool:
         if use.part not in self.parts:
             self.faults.append(unknown_name("part", use.part, self.parts, (*place, "part")))
             return False
@@ -82,21 +85,28 @@ class _Flattening:
             circle = " -> ".join([*within[within.index(use.part) :], use.part])
             self.faults.append(Fault(f"a part cannot contain itself: {circle}", (*place, "part")))
             return False
+        return True
+
+    def is_joined(self, use: Use, place: Path) -> bool:
         part = self.parts[use.part]
-        found = [fault.under(*place) for fault in use_faults(use, part.ports, part.parameters)]
-        self.faults += found
-        return not found
+        found = [fault.under(*place) for fault in use_faults(use, part.ports, self.done[use.part].parameters)]
+        if self.whole and use.part not in self.without_ports:
+            self.faults += found
+        return not found and use.part not in self.without_ports
 
     def part(self, name: str, within: tuple[str, ...]) -> PartContent:
         if name not in self.done:
             part = self.parts[name]
             self.done[name] = self.content(part, ("parts", name), within)
             nodes = all_nodes(self.done[name].elements.values())
-            self.faults += [
+            wrong = [
                 unknown_name("node", port, nodes, ("parts", name, "ports", index))
                 for index, port in enumerate(part.ports)
                 if port not in nodes
             ]
+            self.faults += wrong if self.whole else []
+            if wrong:
+                self.without_ports.add(name)
         return self.done[name]
 
     def put(self, whole: PartContent, name: str, use: Use, part: PartContent, place: Path) -> None:

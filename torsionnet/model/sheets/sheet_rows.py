@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
-from torsionnet.core.delimited.grid import Cell
+from torsionnet.core.delimited.cell_grid import Cell
 from torsionnet.core.errors import did_you_mean
 from torsionnet.core.groups import Groups
 from torsionnet.core.plain_names import Names, plain_name
 from torsionnet.core.units import exact
 from torsionnet.model.sheets.meanings import DAMPING
-from torsionnet.model.sheets.sheet_values import SheetValue, SheetValues
+from torsionnet.model.sheets.sheet_values import NOTHING, SheetValue, SheetValues
 
 GROUND = "ground"
 _EARTH = {"ground", "earth", "fixed", "grund", "erde", "fest"}
@@ -113,7 +113,8 @@ class _Rows:
         self.one_row = any(self._has(row, "inertia") and self._has_link(row) for row in self.all)
 
     def _has(self, row: Row, key: str) -> bool:
-        return self.values.columns.cell(row, key) is not None
+        cell = self.values.columns.cell(row, key)
+        return cell is not None and cell.text.casefold() not in NOTHING
 
     def _has_link(self, row: Row) -> bool:
         return self._has(row, "stiffness") or (self._has(row, "outer") and self._has(row, "length"))

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from torsionnet.core.delimited.grid import Cell, Grid
+from torsionnet.core.delimited.cell_grid import Cell, CellGrid
 from torsionnet.core.delimited.sheet_numbers import decimal_sign, is_like_number, plain_number_text
 from torsionnet.core.delimited.sheet_units import SheetUnit, sheet_unit
 from torsionnet.core.errors import Fault, ModelError
@@ -41,7 +41,7 @@ class SheetValue:
 class SheetValues:
     """Reads cells; faults grow while it does."""
 
-    grid: Grid
+    grid: CellGrid
     columns: SheetColumns
     faults: list[Fault] = field(default_factory=list)
     decimal: str = "."

@@ -157,6 +157,7 @@ def _channels(rig: Drivetrain) -> TableBlock:
         sign = element.sign_at(sensor.at) if element else ""
         at = f" at {plain(sensor.at)}" if sensor.at else ""
         at += f" against {plain(sensor.against)}" if sensor.against else ""
+        at += f" referred to {plain(sensor.referred_to)}" if sensor.referred_to else ""
         link = "through" if sensor.quantity == "torque" else "of"
         what = f"{capital(sensor.quantity)} {link} {plain(sensor.of)}{at}"
         rows.append((named(name), "sensor", what, unit(UNITS[sensor.quantity]), sign.replace("_", " ")))
