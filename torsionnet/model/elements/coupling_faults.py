@@ -6,7 +6,7 @@ from typing import Any
 
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import RATIONAL, Number
+from torsionnet.core.expressions import RATIONAL
 from torsionnet.model.elements.curves import is_share
 from torsionnet.model.elements.damping_entries import loss_factor
 from torsionnet.model.elements.viscoelastic import temperature_faults
@@ -99,7 +99,7 @@ def _frequency_faults(coupling: Any) -> list[Fault]:
     """The loss of laws over frequency is numbers: parameters in it would be without derivatives in fits."""
     if coupling.material is not None and isinstance(coupling.damping, DampingMeasure):
         return [Fault("beside a material the damping is viscous, in N*m*s/rad", ("damping",))]
-    if coupling.material is None and coupling.scale != Number(1):
+    if coupling.material is None and coupling.scale is not None:
         return [Fault("this multiplies the moduli of a material, and there is none", ("scale",), on_key=True)]
     if not coupling.frequency_factor:
         return []

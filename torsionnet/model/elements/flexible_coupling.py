@@ -90,7 +90,7 @@ class FlexibleCoupling(Element):
     )
     material: Any = entry(Nested("rubber: its moduli", lambda: Viscoelastic, "viscoelastic"), None)
     geometry: Any = entry(Typed("rubber: its shape", lambda: RUBBER_SHAPES, "shape", "rubber_shape"), None)
-    scale: Any = entry(PhysicalQuantity("factor on the moduli of the material", "1", "F", exclusive=True), 1)
+    scale: Any = entry(PhysicalQuantity("factor on the moduli of the material", "1", "F", exclusive=True), None)
     in_series: Any = entry(Count("n_s, groups in series", 1, 100), 1)
     in_parallel: Any = entry(Count("n_p, couplings in parallel in each group", 1, 100), 1)
     first_inertia: Any = entry(PhysicalQuantity("inertia that turns with the first node", "inertia", "J_1"), 0)
@@ -139,7 +139,7 @@ class FlexibleCoupling(Element):
         if self.material is not None:
             temperature = None if self.temperature is None else float(self.temperature.value)
             base = self.material.stiffness(self.geometry.factor, temperature)
-            return ScaledStiffness(base, groups * value(self.scale))
+            return ScaledStiffness(base, groups if self.scale is None else groups * value(self.scale))
         eta = float(self._loss_factor(Values({})))
         base = over_frequency(1.0, self.frequency_factor, self.loss_over_frequency, eta)
         return ScaledStiffness(base, groups * self._stiffness(value))

@@ -13,7 +13,7 @@ from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
 from torsionnet.model.elements.curves import Temperature
 from torsionnet.model.elements.damping_entries import DampingQuantity
-from torsionnet.model.elements.dynamic_stiffness import ScaledStiffness
+from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness, ScaledStiffness
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
 from torsionnet.model.elements.nodes import NodeName
@@ -48,7 +48,7 @@ class ViscousDamper(Element):
     ...     "shift": {"25 degC": 1, "75 degC": 0.4}}
     >>> warm = ViscousDamper("damper", node="nose", ring_inertia=2, silicone=silicone, temperature="75 degC",
     ...     gap={"outer_diameter": "400 mm", "inner_diameter": "250 mm", "axial_gap": "0.5 mm"})
-    >>> [round(f, 3) for f in warm.parts(Values({}))[0].table.base.frequencies]
+    >>> [round(f, 3) for f in warm.parts(Values({}))[0].table.frequencies]
     [2.5, 250.0]
     """
 
@@ -68,7 +68,7 @@ class ViscousDamper(Element):
     )
     silicone: Any = entry(Nested("instead: moduli of the silicone", lambda: Viscoelastic, "viscoelastic"), None)
     gap: Any = entry(Nested("its gaps round the ring", lambda: FilmGap, "film_gap"), None)
-    scale: Any = entry(PhysicalQuantity("factor on the table or on the moduli", "1", "F", exclusive=True), 1)
+    scale: Any = entry(PhysicalQuantity("factor on the table or on the moduli", "1", "F", exclusive=True), None)
     temperature: Any = entry(Temperature("temperature of the silicone", "temperature", "t", exclusive=True), None)
 
     def contradictions(self) -> list[Fault]:
@@ -79,7 +79,7 @@ class ViscousDamper(Element):
             return [Fault(f"the film is given by {given[0]} or by {given[1]}, not both", (given[1],), on_key=True)]
         if self.damping is None and self.stiffness != Number(0):
             return [Fault(f"the {given[0]} says the stiffness already", ("stiffness",), on_key=True)]
-        if self.damping is not None and self.scale != Number(1):
+        if self.damping is not None and self.scale is not None:
             return [Fault("this multiplies a table or a silicone, and there is none", ("scale",), on_key=True)]
         return [*self._measure_faults(), *self._silicone_faults()]
 
@@ -114,13 +114,16 @@ class ViscousDamper(Element):
     def _film(self, ring: str, value: Values) -> Law:
         row = difference(self.node, ring)
         if self.table is not None:
-            return Law(row, table=ScaledStiffness(self.table, value(self.scale)))
+            return Law(row, table=self._scaled(self.table, value))
         if self.silicone is not None:
             temperature = None if self.temperature is None else float(self.temperature.value)
             film = self.silicone.stiffness(self.gap.factor, temperature)
-            return Law(row, table=ScaledStiffness(film, value(self.scale)))
+            return Law(row, table=self._scaled(film, value))
         stiffness = value(self.stiffness)
         return Law(row, damping=viscous(self.damping, stiffness, value), stiffness=stiffness)
+
+    def _scaled(self, film: DynamicStiffness, value: Values) -> DynamicStiffness:
+        return film if self.scale is None else ScaledStiffness(film, value(self.scale))
 
     def holds(self, value: Values) -> tuple[Row, ...]:
         """The ring turns with the hub on average, whatever the film."""
