@@ -10,6 +10,7 @@ import sys
 from dataclasses import MISSING, Field
 from fractions import Fraction
 from inspect import getdoc
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -20,8 +21,10 @@ from validation_pages import bench_numbers_page, cases_page, paper_page
 
 import torsionnet as tn
 from torsionnet.core.damping import MEASURES
+from torsionnet.core.delimited.cell_grid import grid_of
+from torsionnet.core.entries.composite import Composite
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import PhysicalQuantity, ValueInUnitOfUse
+from torsionnet.core.entries.scalars import PhysicalQuantity, Value, ValueInUnitOfUse
 from torsionnet.core.entries.spec import Spec, spec_of
 from torsionnet.core.entries.words import Count, Flag, OneOf, Text
 from torsionnet.core.errors import ModelError
@@ -39,11 +42,17 @@ from torsionnet.model.elements import (
     element_classes,
     make_element,
 )  # fmt: skip
+from torsionnet.model.elements.characteristic import Characteristic
+from torsionnet.model.elements.curves import LookupCurve
 from torsionnet.model.elements.damping_entries import LossFactor
+from torsionnet.model.elements.mass_elastic import Stations
 from torsionnet.model.elements.nodes import NodeName, NodePair
+from torsionnet.model.elements.quantity_table import ListOf, Several, TableByName
 from torsionnet.model.elements.stiffness_rows import TableEntry
 from torsionnet.model.elements.teeth import Teeth
 from torsionnet.model.report import SECTIONS
+from torsionnet.model.sheets.mass_elastic_sheet import sheet_of
+from torsionnet.model.sheets.sheet_entry import SheetEntry
 from torsionnet.report.wording import replaceable
 
 DOCS = Path(__file__).parent
@@ -60,14 +69,32 @@ SAMPLES = {
     "shear modulus": "80 GPa",
     "density": "7850 kg/m^3",
     "mass": "0.8 kg",
+    "frequency": "10 Hz",
+    "temperature": "60 degC",
+    "angle": "3 deg",
+    "area": "0.6 m^2",
+    "force": "80 kN",
+    "linear stiffness": "300 kN/m",
+    "velocity": "20 m/s",
+    "per velocity": "0.0001 s/m",
     "power": "3 MW",
     "time": "0.05 s",
-    "angle": "25 deg",
-    "frequency": "50 Hz",
     "pressure": "206 GPa",
     "1": 3,
 }
-COMMON = ("description", "enabled")
+SHEETS = {
+    "torque": ["0.25", "1"],
+    "temperature": ["20 degC", "100 degC"],
+    "frequency": ["1 Hz", "100 Hz"],
+}
+"""Rows of a curve over these."""
+NESTED = {
+    "stages": [{"stiffness": "6 N*m/deg", "to": "120 N*m"}, {"stiffness": "14 N*m/deg"}],
+    "viscoelastic": {"moduli": [["1 Hz", "1 MPa", "0.1 MPa"], ["100 Hz", "1.4 MPa", "0.3 MPa"]]},
+    "rubber_shape": {"type": "disc", "outer_diameter": "0.4 m", "inner_diameter": "0.2 m", "thickness": "50 mm"},
+    "film_gap": {"outer_diameter": "0.4 m", "inner_diameter": "0.25 m", "axial_gap": "0.5 mm"},
+}
+COMMON = ("description", "enabled", "catalogue", "size", "referred_to")
 
 
 # Elements
@@ -85,14 +112,14 @@ def element_section(kind: str, cls: type[Element]) -> str:
     optional = [declared.name for declared in own_fields(cls) if is_port(declared) and declared.name not in known]
     more = f"; optional: {', '.join(map(code, optional))}" if optional else ""
     rest = "" if len(ports) == 1 else " At any other port: positive when it drives out of the element."
-    sign = f"The sign of the torque is defined at `{ports[0]}`: {cls.sign}.{rest}"
+    sign = f"The sign of the torque is defined at `{ports[0]}`: {cls.sign}.{rest}" if ports else ""
     parts = [
         f"## {kind}\n",
         f"*In Python:* `torsionnet.{cls.__name__}`\n",
         f"![How a schematic draws it](generated/symbol_{kind}.svg)\n",
         physics(cls),
         laws(cls),
-        f"*Ports:* {', '.join(map(code, ports))}{more}. {sign}\n",
+        f"*Ports:* {', '.join(map(code, ports)) or 'none'}{more}. {sign}\n",
         fields_table(cls),
         f"```yaml\nelements:\n  part: {flow(minimal.to_data())}\n```\n",
     ]
@@ -138,7 +165,17 @@ def sample(cls: type[Element], *, full: bool, symbolic: bool = False) -> Element
         trial = data | {declared.name: sample_value(declared, symbolic=symbolic)}
         if not constructible(cls, data) or constructible(cls, trial):
             data = trial
+    for together in _together(cls, data) if full else ():
+        trial = data | {declared.name: sample_value(declared, symbolic=symbolic) for declared in together}
+        data = trial if constructible(cls, trial) else data
     return make_element(cls.kind, "part", data)
+
+
+def _together(cls: type[Element], data: dict[str, Any]) -> list[tuple[Field[Any], ...]]:
+    """Entries still left out that may need each other, as the speed and the drag area of a vehicle."""
+    left = [declared for declared in own_fields(cls) if declared.name not in data]
+    left = [declared for declared in left if not isinstance(spec_of(declared), (Count, OneOf))]
+    return [*combinations(left, 2), *combinations(left, 3)]
 
 
 def constructible(cls: type[Element], data: dict[str, Any]) -> bool:
@@ -150,18 +187,43 @@ def constructible(cls: type[Element], data: dict[str, Any]) -> bool:
 
 
 def sample_value(declared: Field[Any], *, symbolic: bool) -> Any:
-    kind = spec_of(declared)
+    return sample_of(spec_of(declared), declared.name, symbolic=symbolic)
+
+
+def sample_of(kind: Spec, name: str, *, symbolic: bool) -> Any:
+    """A value that an entry of this kind and name may have."""
     if isinstance(kind, NodePair):
         return ["a", "b"]
     if isinstance(kind, NodeName):
-        return declared.name
+        return name
+    if isinstance(kind, TableByName):
+        return {one: _indexed(sample_of(kind.of, name, symbolic=symbolic), one, symbolic) for one in kind.names}
+    if isinstance(kind, ListOf):
+        return [_indexed(sample_of(kind.of, name, symbolic=symbolic), i, symbolic) for i in range(1, kind.fewest + 1)]
+    if isinstance(kind, Characteristic):
+        units = [expected_unit(dimension).replace("1", "") for _, dimension in kind.columns]
+        return [[f"{row} {unit}".strip() for unit in units] for row in (0, 200)]
+    if isinstance(kind, Value):
+        return SAMPLES[kind.dimension]
     if isinstance(kind, PhysicalQuantity):
         loss = 0.1 if isinstance(kind, LossFactor) else SAMPLES[kind.dimension]
         return kind.symbol if symbolic else loss
+    if isinstance(kind, LookupCurve):
+        return dict.fromkeys(SHEETS[kind.over], SAMPLES[kind.dimension])
+    if isinstance(kind, Composite):
+        return NESTED[getattr(kind, "name", name)]
     others = {Teeth: [20, 61], Flag: True, Count: 1, Text: "text"}
     if isinstance(kind, TableEntry):
         return [["1 Hz", "400 N*m/rad", "2 N*m*s/rad"], ["20 Hz", "500 N*m/rad", "1.2 N*m*s/rad"]]
+    if isinstance(kind, SheetEntry):
+        return sheet_of(grid_of(["mass;J [kg*m^2];k [N*m/rad]", "cylinder;52;36e6", "flywheel;780;"], "engine.csv"))
+    if isinstance(kind, Stations):
+        return {"flywheel": "a"}
     return kind.options[0] if isinstance(kind, OneOf) else others[type(kind)]
+
+
+def _indexed(value: Any, index: object, symbolic: bool) -> Any:
+    return f"{value}_{index}" if symbolic and isinstance(value, str) else value
 
 
 def laws(cls: type[Element]) -> str:
@@ -173,7 +235,7 @@ def laws(cls: type[Element]) -> str:
 
 
 def described(element: Element) -> str:
-    names = {declared.symbol for declared, _ in element.scalars().values() if isinstance(declared, PhysicalQuantity)}
+    names = {name for _, _, expression, _ in element.expressions() for name in expression.names}
     algebra = Algebra(number=lambda x: sympy.Rational(x.numerator, x.denominator), sqrt=sympy.sqrt, pi=sympy.pi)
     value = Values({name: sympy.Symbol(name, positive=True) for name in names}, algebra)
     return "\n".join(f"$${row_text(part)},\\qquad {law_text(part)}$$\n" for part in element.parts(value))
@@ -224,11 +286,12 @@ def fields_table(cls: type[Element]) -> str:
 
 def field_row(declared: Field[Any]) -> list[str]:
     kind = spec_of(declared)
+    kind = kind.of if isinstance(kind, Several) else kind
     is_quantity = isinstance(kind, PhysicalQuantity)
     symbol = f"${sympy.latex(sympy.Symbol(kind.symbol))}$" if is_quantity else ""
     unit = "" if not is_quantity else "-" if kind.dimension == "1" else code(expected_unit(kind.dimension))
     default = "required" if declared.default is MISSING else default_text(declared.default)
-    return [code(declared.name), symbol, unit, bounds(kind), default, prose(kind.description)]
+    return [code(declared.name), symbol, unit, bounds(kind), default, prose(spec_of(declared).description)]
 
 
 def default_text(default: Any) -> str:
@@ -303,6 +366,9 @@ WANTED = {
     "frequency": "cpm",
     "length": "mm",
     "mass": "lb",
+    "force": "kN",
+    "linear stiffness": "kN/m",
+    "velocity": "km/h",
     "density": "kg/m^3",
     "shear modulus": "GPa",
 }

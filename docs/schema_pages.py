@@ -15,6 +15,8 @@ TITLES = {
     "input": "An entry of `inputs`",
     "sensor": "An entry of `sensors`",
     "alternative": "An alternative of `configurations`",
+    "use": "An entry of `use`",
+    "part": "An entry of `parts`",
     "operating_point": "`operating_point`",
     "report": "`report`",
 }

@@ -47,6 +47,12 @@ class Drivetrain(RunningMachinery):
         At which speeds running machinery is examined, who absorbs its power and who drives, and what excites it.
     source, description : str, optional
         Where the numbers come from, and what the model is.
+    ports : iterable of str, optional
+        Nodes at which it is joined to others that use it as a part (:meth:`with_part`).
+    parts : mapping, optional
+        Name -> model with ports, to be put in by ``use``.
+    use : mapping, optional
+        Name -> ``{"part": name, "at": {port: node}, "parameters": {...}, "repeat": n, "chain": [front, rear]}``.
 
     Raises
     ------
@@ -188,6 +194,7 @@ class Drivetrain(RunningMachinery):
         measured_input: Channels | None = None,
         excitation: str | Sequence[str] | None = None,
         lowest: int | None = None,
+        up_to: float | None = None,
     ) -> Modes:
         """Complex modes: natural frequencies, damping ratios, shapes at all nodes and energy shares.
 
@@ -200,7 +207,10 @@ class Drivetrain(RunningMachinery):
             Which input drives the drivetrain then; default: the model's only input.
         lowest : int, optional
             Only so many modes, those of the smallest ``|lambda|``, rigid bodies included; likewise the undamped
-            natural frequencies. Much quicker for large models. Default: all.
+            natural frequencies. Much quicker for large models. Default: all; with continuous shafts, which have
+            infinitely many, the lowest 20.
+        up_to : float, optional
+            Only modes of natural frequencies up to this one in Hz; with continuous shafts all of these.
 
         Examples
         --------
@@ -210,7 +220,7 @@ class Drivetrain(RunningMachinery):
         """
         from torsionnet.solve.modes import modes
 
-        return modes(self, measured_input=measured_input, excitation=excitation, lowest=lowest)
+        return modes(self, measured_input=measured_input, excitation=excitation, lowest=lowest, up_to=up_to)
 
     def symbolic(self, *, referred_to: Sequence[str] = ()) -> SymbolicSystem:
         """M, C, K and transfer functions in the model's own symbols.

@@ -18,6 +18,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.twin import TWINS, Twin, rational, twin, twin_parameters
 from torsionnet.core.errors import UsageError
 from torsionnet.model.elements import Law, Row, Values
+from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.kinematics import Kinematics, kinematics_on, solve_kinematics
 
 OMEGA = sympy.Symbol("omega")
@@ -118,8 +119,9 @@ def symbolic_matrices(drivetrain: AssembledModel, referred_to: Sequence[str] = (
         for key, coefficient in _coefficients(owner, law).items():
             sums[key].add(coefficient, row)
     nodes = [ratios.reduced({node: twin(1)}) for node in kinematics.nodes]
-    inputs = tuple(name for name, channel in drivetrain.inputs.items() if channel.of in kinematics.nodes)
-    loads = [ratios.reduced({drivetrain.inputs[name].of: twin(1)}) for name in inputs]
+    present = set(kinematics.nodes)
+    inputs = tuple(name for name, channel in drivetrain.inputs.items() if set(channel.nodes) <= present)
+    loads = [ratios.reduced(drivetrain.inputs[name].row) for name in inputs]
     return SymbolicMatrices(
         **{key: total.matrix() for key, total in sums.items()},
         coordinates=coordinates,
@@ -168,11 +170,21 @@ def law_parts(owner: str, law: Law) -> tuple[Any, Any, Any]:
 
 
 def _coefficients(owner: str, law: Law) -> dict[str, Any]:
-    table = sympy.Function(f"kappa_{owner}")(OMEGA) if law.table is not None else 0
+    table = stiffness_symbol(owner, law.table) if law.table is not None else 0
     hysteretic = law.stiffness * law.loss_factor
     given = {"M": law.inertia, "C": law.damping, "K": law.stiffness, "H": hysteretic}
     symbols = {key: twin(value).symbol for key, value in given.items()}
     return {key: value for key, value in (symbols | {"tables": table}).items() if value != 0}
+
+
+def stiffness_symbol(owner: str, table: DynamicStiffness) -> Any:
+    """What stands for a stiffness that depends on frequency: ``kappa_NAME(omega)``."""
+    return sympy.Function("_".join(["kappa", owner, *([table.label] if table.label else [])]))(OMEGA)
+
+
+def with_symbols(table: DynamicStiffness) -> DynamicStiffness:
+    """The same with sympy expressions for its coefficients, which are twins."""
+    return table.with_coefficients(*(twin(one).symbol for one in table.coefficients))
 
 
 class _Sum:

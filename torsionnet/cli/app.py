@@ -36,8 +36,8 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "fit": "Find parameters of a model from records or responses.",
     "identify-modes": "Natural frequencies and damping ratios from a record, without a model.",
     "report": "The document on a model: HTML, PDF, LaTeX or Markdown.",
-    "export": "The model for Matlab, Modelica, openTorsion, or as an FMU.",
-    "import": "A model file out of a model of another program.",
+    "export": "The model for Matlab, Modelica, openTorsion, as an FMU or a sheet.",
+    "import": "A model file out of a maker's sheet or another program.",
     "schema": "JSON Schema of model files, for editors.",
 }
 

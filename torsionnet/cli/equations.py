@@ -174,7 +174,8 @@ def matrix_tables(rig: Drivetrain) -> list[Table]:
     """M, C, K with named rows and columns."""
     coordinates = rig.assembly.kinematics.coordinates
     columns = (Column(""), *(Column(name) for name in coordinates))
-    notes = ("frequency-dependent stiffness is not included",) if rig.assembly.system.dynamic else ()
+    notes: tuple[str, ...] = ("frequency-dependent stiffness is not included",) if rig.assembly.system.dynamic else ()
+    notes += ("torques of controllers are not included",) if rig.assembly.system.actions else ()
     return [
         Table(
             f"{rig.title}: {title} {symbol} [{unit}]",

@@ -35,7 +35,16 @@ class ModesCommand(ModelCommand):
     )
     excitation: str | None = EXCITATION
     lowest: int | None = option(
-        "--lowest", type=click.IntRange(min=1), metavar="N", help="Only the N lowest modes; default: all."
+        "--lowest",
+        type=click.IntRange(min=1),
+        metavar="N",
+        help="Only the N lowest modes; default: all, or 20 with continuous shafts.",
+    )
+    up_to: float | None = option(
+        "--up-to",
+        type=click.FloatRange(min=0, min_open=True),
+        metavar="HZ",
+        help="Only modes up to this natural frequency in Hz; with continuous shafts all of these.",
     )
     shapes: bool = option("--shapes", help="Also the mode shapes, at every node.")
     energies: bool = option("--energies", help="Also the share of every element in the energies.")
@@ -47,7 +56,9 @@ class ModesCommand(ModelCommand):
 
         conventions = Conventions(frequency=self.frequency_unit)
         results = [
-            case.drivetrain.modes(measured_input=self.measured_input, excitation=self.excitation, lowest=self.lowest)
+            case.drivetrain.modes(
+                measured_input=self.measured_input, excitation=self.excitation, lowest=self.lowest, up_to=self.up_to
+            )
             for case in cases
         ]
         tables = [modes.table(conventions) for modes in results]

@@ -18,13 +18,14 @@ if TYPE_CHECKING:
 class ShowCommand(ModelCommand):
     """Elements with their values as written and in SI, parameters, inputs, sensors, configurations, mean speeds.
 
-    With --equations or --matrices only these; --csv writes the table of elements.
+    With --equations, --matrices or --flat only these; --csv writes the table of elements.
     """
 
     forms = TABLE
     picture = "the schematic"
 
     equations: bool = option("--equations", help="The equations of motion in the model's own symbols.")
+    flat: bool = option("--flat", help="The model file with its parts put in, dots in the names of what they hold.")
     matrices: bool = option("--matrices", help="M, C, K in numbers.")
 
     def answer(self) -> Answer:
@@ -39,9 +40,14 @@ class ShowCommand(ModelCommand):
         )
 
     def parts(self, cases: list[ConfiguredCase]) -> Iterator[Table | str]:
+        from torsionnet.model.files.writer import flat_text
+
         for number, case in enumerate(cases):
             if number:
                 yield ""
+            if self.flat:
+                yield flat_text(case.drivetrain.definition).rstrip("\n")
+                continue
             if not (self.equations or self.matrices):
                 yield from _described(case.drivetrain)
             if self.equations:

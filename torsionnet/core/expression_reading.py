@@ -26,25 +26,32 @@ from torsionnet.core.units import NUMERAL, UnitError
 RESERVED_NAMES = frozenset({"s", "omega", "ground", "pi", "sqrt"})
 _MAX_LENGTH, _MAX_NODES, _MAX_DEPTH, _MAX_EXPONENT = 200, 60, 20, 4
 _CHARACTERS = re.compile(r"[A-Za-z0-9_+\-*/(). ^]*")
-_PIECE = re.compile(rf"(?P<number>{NUMERAL.pattern.replace('([+-]?)', '()', 1)})|(?P<name>[A-Za-z_][A-Za-z0-9_]*)|.")
+_DOTTED = r"[A-Za-z_][A-Za-z0-9_]*(?:\.[A-Za-z_][A-Za-z0-9_]*)*"
+_PIECE = re.compile(rf"(?P<number>{NUMERAL.pattern.replace('([+-]?)', '()', 1)})|(?P<name>{_DOTTED})|.")
 _OPERATION = re.compile(r"\s*[-+*/^()]")
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*(\.[A-Za-z][A-Za-z0-9_]*)*")
 _SIGNS: dict[type[ast.operator], str] = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/"}
 
 
 def check_name(name: str) -> str | None:
     """Tell why a name cannot be that of a parameter, or None if it can.
 
-    >>> check_name("k_1"), check_name("omega")
-    (None, '"omega" is reserved')
+    That of a parameter of a part comes after the name under which the part is used, and a dot.
+
+    >>> check_name("k_1"), check_name("left.k_1"), check_name("omega")
+    (None, None, '"omega" is reserved')
     """
     if not _NAME.fullmatch(name):
         return f'"{name}" is no name: a letter comes first, then letters, digits and _ (no accents)'
-    if name.lower() in ("nan", "inf", "infinity"):
-        return f'"{name}" is no finite number'
-    if keyword.iskeyword(name):
-        return f'"{name}" is a word of the Python language'
-    return f'"{name}" is reserved' if name in RESERVED_NAMES else None
+    return next((fault for fault in map(_word_fault, name.split(".")) if fault), None)
+
+
+def _word_fault(word: str) -> str | None:
+    if word.lower() in ("nan", "inf", "infinity"):
+        return f'"{word}" is no finite number'
+    if keyword.iskeyword(word):
+        return f'"{word}" is a word of the Python language'
+    return f'"{word}" is reserved' if word in RESERVED_NAMES else None
 
 
 @lru_cache(maxsize=4096)
@@ -56,9 +63,9 @@ def parse_expression(text: str) -> Expression:
 
     >>> str(parse_expression("G*pi*d^4/(32*l)"))
     'G*pi*d**4/(32*l)'
-    >>> parse_expression("k.real")
+    >>> parse_expression("k .real")
     Traceback (most recent call last):
-    torsionnet.core.expressions.ExpressionError: "k.real" at column 2: "." stands only in decimal numbers
+    torsionnet.core.expressions.ExpressionError: "k .real" at column 3: "." stands only in decimal numbers and names
     """
     try:
         return _Reader(text).expression()
@@ -103,7 +110,7 @@ class _Reader:
             if kind == "number":
                 self.number(found, start)
             if found == ".":
-                raise self.fault('"." stands only in decimal numbers', start)
+                raise self.fault('"." stands only in decimal numbers and names', start)
             operand = bool(kind) or found == ")" or (operand and found == " ")
 
     def number(self, numeral: str, start: int) -> Number:
@@ -129,6 +136,8 @@ class _Reader:
             return self.number(self.source[node.col_offset : node.end_col_offset], node.col_offset)
         if isinstance(node, ast.Name) and node.id != "sqrt":
             return Compound("pi") if node.id == "pi" else Name(node.id)
+        if isinstance(node, ast.Attribute) and _NAME.fullmatch(dotted := ast.unparse(node)):
+            return Name(dotted)
         if isinstance(node, ast.UnaryOp):
             return self.signed(node, depth)
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow):

@@ -38,8 +38,8 @@ def nature(model: AssembledModel, name: str) -> Nature:
     >>> nature(tn.load("dmf_rig"), "k_2")
     Nature(unit='N*m/rad', dimension='stiffness', bounds=(0.0, inf))
     """
-    element, dot, field = name.partition(".")
-    if dot and element in model.definition.elements:
+    element, _, field = name.rpartition(".")
+    if name not in model.definition.parameters and element in model.definition.elements:
         spec, _ = model.definition.elements[element].scalars().get(field, (None, None))
         return _of(spec, spec.dimension) if isinstance(spec, PhysicalQuantity) else Nature()
     for element_in in model.definition.elements.values():

@@ -15,13 +15,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 import torsionnet.solve.frozen_stiffness as frozen_stiffness
+from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.solve import continuous
 from torsionnet.solve.lowest import Motions, lowest_vibrations
 from torsionnet.solve.reduction import LARGE, AnyArray, acting, resisting, restricted, stiff_laws, subspaces
 from torsionnet.solve.spectrum import physical, refined, solve
@@ -50,6 +52,8 @@ class EigenSolution:
     errors : (n_modes,) array
         Estimated relative error of each eigenvalue with respect to the exact one of the given coefficients;
         0 for rigid-body modes, which are exact.
+    missing : int
+        Modes that are known to be there but could not be calculated.
     """
 
     eigenvalues: ComplexArray
@@ -58,11 +62,13 @@ class EigenSolution:
     converged: NDArray[np.bool_]
     iterations: NDArray[np.int_]
     errors: FloatArray
+    missing: int = 0
 
     def first(self, count: int | None) -> EigenSolution:
         """Only the first modes."""
-        parts = {part.name: getattr(self, part.name)[..., :count] for part in fields(self) if part.name != "kinds"}
-        return EigenSolution(kinds=self.kinds[:count], **parts)
+        whole = ("kinds", "missing")
+        parts = {part.name: getattr(self, part.name)[..., :count] for part in fields(self) if part.name not in whole}
+        return replace(self, kinds=self.kinds[:count], **parts)
 
 
 def complex_modes(
@@ -83,7 +89,10 @@ def complex_modes(
     SolveError
         Where coordinates have neither inertia nor spring nor damper.
     """
+    refuse_actions(system.actions, "these modes are")
     system = acting(system)
+    if continuous.is_continuous(system):
+        return _of_continuous(system, lowest or continuous.COUNT)
     stiff = stiff_laws(system)
     if lowest is not None and (few := _few_modes(system, stiff, lowest)) is not None:
         return few.first(lowest)
@@ -99,6 +108,12 @@ def complex_modes(
         found = frozen_stiffness.Found.all_converged(spectrum, kept, real)
         passive = dissipates(system)
     return _sorted_solution(spaces.rigid, found, passive=passive).first(lowest)
+
+
+def _of_continuous(system: RowSystem, count: int) -> EigenSolution:
+    rigid, found, missing = continuous.damped_modes(system, count)
+    solution = _sorted_solution(rigid, found, passive=is_passive(system, found.values)).first(count)
+    return replace(solution, missing=missing)
 
 
 def _few_modes(system: RowSystem, stiff: NDArray[np.bool_], lowest: int) -> EigenSolution | None:
@@ -119,7 +134,7 @@ def dissipates(system: RowSystem) -> bool:
 def is_passive(system: RowSystem, eigenvalues: ComplexArray) -> bool:
     """Whether no law feeds energy into any of the vibrations."""
     omega = np.abs(eigenvalues.imag)
-    return dissipates(system) and all(bool(np.all(law(omega).imag >= 0)) for _, law in system.dynamic)
+    return dissipates(system) and all(bool(np.all(law.kappa(omega).imag >= 0)) for _, law in system.dynamic)
 
 
 def _sorted_solution(rigid: FloatArray, found: frozen_stiffness.Found, *, passive: bool) -> EigenSolution:
@@ -161,7 +176,7 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
     """Natural frequencies and shapes of M and K alone, all or the ``lowest`` so many.
 
     Damping is ignored; a frequency-dependent law counts with the real part of its stiffness at the mode's own
-    frequency.
+    frequency. With continuous shafts, which have infinitely many, the lowest 20 unless ``lowest`` says otherwise.
 
     Returns
     -------
@@ -170,7 +185,10 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
     shapes : (n_q, n) array
         Real shapes; the largest component of each is 1.
     """
+    refuse_actions(system.actions, "undamped modes are")
     system = acting(system)
+    if continuous.is_continuous(system):
+        return continuous.undamped_modes(system, lowest or continuous.COUNT)
     kept = resisting(system)
     omega, shapes = _undamped_modes(acting(restricted(system, kept)), lowest)
     every = np.zeros((system.n_coordinates, len(omega)))

@@ -269,7 +269,7 @@ def _driven(system: RowSystem, spaces: Subspaces, damping: FloatArray, forces: A
         raise SolveError("damping and negative damping cancel on a motion without inertia") from None
     slip, creep = followed[:, : C_1x.shape[1]], followed[:, C_1x.shape[1] :]
     size = _norm(C_xx) + _norm(C_1x) * _norm(slip)
-    return _Split(C_xx - C_1x.T @ slip, forces.T @ creep, forces.T @ slip, followed, size)
+    return _Split(np.asarray(C_xx - C_1x.T @ slip), forces.T @ creep, forces.T @ slip, followed, size)
 
 
 def _norm(values: NDArray[np.generic]) -> float:

@@ -32,8 +32,9 @@ def python_code(function: SymbolicFraction, name: str) -> str:
         ``name`` or a parameter is no plain identifier.
     """
     table = _table(function)
-    arguments = {symbol: checked(str(symbol)) for symbol in _symbols(table) - {S}}
-    tables = {kappa: f"_{checked(kappa.func.__name__)}" for kappa in sorted(_tables(table), key=str)}
+    arguments = _plain({symbol: str(symbol) for symbol in _symbols(table) - {S}})
+    kappas = _plain({kappa: kappa.func.__name__ for kappa in _tables(table)})
+    tables = {kappa: f"_{kappas[kappa]}" for kappa in sorted(kappas, key=str)}
     return "\n".join(
         [
             "import numpy as _np",
@@ -63,6 +64,17 @@ def checked(name: str) -> str:
     if not IDENTIFIER.fullmatch(name) or keyword.iskeyword(name):
         raise UsageError(f'"{name}" cannot be a name in Python code; use letters, digits and underscores')
     return name
+
+
+def _plain(names: dict[Any, str]) -> dict[Any, str]:
+    """Names without the dots of those that belong to a part; none is taken twice."""
+    found: dict[Any, str] = {}
+    for owner, name in sorted(names.items(), key=lambda pair: ("." in pair[1], pair[1])):
+        wish = name.replace(".", "_")
+        while wish in found.values():
+            wish += "_"
+        found[owner] = checked(wish)
+    return found
 
 
 def _leaves(table: WhereTable) -> list[Any]:

@@ -23,13 +23,21 @@ _TRAILING = re.compile(r"([A-Za-z]+?)(\d+)")
 
 
 def symbol_latex(name: str) -> str:
-    """A name of letters, digits and ``_``: the part before the first ``_`` is the symbol, the rest its index."""
-    base, _, index = name.partition("_")
+    r"""A name of letters, digits and ``_``: what stands before the first ``_`` is the symbol, the rest its index.
+
+    The part to which a parameter belongs stands at the end of the index.
+
+    >>> symbol_latex("left.k"), symbol_latex("engine.cyl3.J_1")
+    ('k_{\\mathrm{left}}', 'J_{1,\\mathrm{engine.cyl3}}')
+    """
+    owner, _, own = name.rpartition(".")
+    base, _, index = own.partition("_")
     trailing = _TRAILING.fullmatch(base)
     if trailing and not index and _is_symbol(trailing[1]):
         base, index = trailing[1], trailing[2]
     shown = f"\\{base}" if base in GREEK else base if len(base) == 1 else rf"\mathrm{{{base}}}"
-    return f"{shown}_{{{_upright(index.replace('_', ','))}}}" if index else shown
+    shown_index = ",".join(_upright(piece.replace("_", ",")) for piece in (index, owner) if piece)
+    return f"{shown}_{{{shown_index}}}" if shown_index else shown
 
 
 def angle_latex(node: str) -> str:

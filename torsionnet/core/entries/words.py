@@ -10,14 +10,25 @@ from torsionnet.core.entries.spec import EntryError, Schema, Spec
 from torsionnet.core.errors import did_you_mean
 
 MODEL_NAME = "the name of a library model or the path of a model file"
-NAME_SCHEMA: Schema = {"pattern": "^[A-Za-z][A-Za-z0-9_]*$"}
+NAME_SCHEMA: Schema = {"pattern": r"^[A-Za-z][A-Za-z0-9_]*(\.[A-Za-z][A-Za-z0-9_]*)*$"}
 
 
 def name_fault(name: str) -> str | None:
-    """Why ``name`` can be no name of a node, an element, an input or a sensor; or None."""
-    if name.isidentifier() and name.isascii() and not name.startswith("_"):
+    """Why ``name`` can be no name of a node, an element, an input or a sensor; or None.
+
+    What belongs to a part that is used in a model has the name of the use before a dot.
+
+    >>> name_fault("hub"), name_fault("left.hub")
+    (None, None)
+    """
+    if name.isascii() and all(is_plain(piece) for piece in name.split(".")):
         return None
     return f'"{name}" is no name; use letters, digits and _, beginning with a letter'
+
+
+def is_plain(name: str) -> bool:
+    """Whether a name is one word."""
+    return name.isidentifier() and not name.startswith("_")
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -12,10 +12,11 @@ from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, Text
+from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.elements import Element
 from torsionnet.model.elements.gears import Gear
+from torsionnet.model.elements.nodes import ElementName
 from torsionnet.model.excitations.harmonic_torque import PHASE, ByOrder
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderTorques, register_excitation
 from torsionnet.model.excitations.twist_excitation import TwistExcitation
@@ -68,7 +69,7 @@ class GearMesh(TwistExcitation):
     kind: ClassVar[str] = "gear_mesh"
     named_by: ClassVar[str] = "mesh"
 
-    mesh: Any = entry(Text("the gear, an element with a mesh stiffness", "the name of a gear"))
+    mesh: Any = entry(ElementName("the gear, an element with a mesh stiffness", "the name of a gear"))
     teeth: Any = entry(Count("teeth of that wheel; default: as the gear says", 1, 1_000_000), None)
     mate_teeth: Any = entry(Count("teeth of the other wheel; default: as the gear says", 1, 1_000_000), None)
     base_radius: Any = entry(

@@ -11,9 +11,10 @@ import numpy as np
 
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, Text
+from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault
 from torsionnet.model.elements import Element
+from torsionnet.model.elements.nodes import ElementName
 from torsionnet.model.excitations.order_excitation import FloatArray, OrderTorques, register_excitation
 from torsionnet.model.excitations.twist_excitation import TwistExcitation, shafts_of
 
@@ -41,7 +42,7 @@ class UniversalJoint(TwistExcitation):
     kind: ClassVar[str] = "universal_joint"
     named_by: ClassVar[str] = "joint"
 
-    joint: Any = entry(Text("the element between its input and its output, a spring or a compliant gear", "a name"))
+    joint: Any = entry(ElementName("the element between its input and its output, a spring or a compliant gear"))
     angle: Any = entry(Value("angle between input and output shaft", "angle"))
     phase: Any = entry(
         Value("angle of the input yoke where phi is 0; 90 deg if in line with that of the last joint", "angle", None), 0

@@ -10,12 +10,15 @@ from torsionnet.core.collecting import collector_paused
 from torsionnet.core.entries.nearby import files_beside
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.model.checks import has_errors
-from torsionnet.model.definition import Definition, read_definition
+from torsionnet.model.defining import read_definition
+from torsionnet.model.definition import Definition
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.followups import check_what_was_read
+from torsionnet.model.files.including import include_parts
 from torsionnet.model.files.library import library_models
 from torsionnet.model.files.located import LocatedDocument, compose
 from torsionnet.model.files.placing import placed, presentable
+from torsionnet.model.parts.places import at_written_places
 
 SUFFIXES = (".yaml", ".yml", ".json")
 
@@ -44,8 +47,9 @@ def read_text(text: str, file: str, folder: Path | None = None) -> tuple[Definit
     if not isinstance(document.data, dict):
         return None, [_no_model(document)]
     with files_beside(folder):
+        include_parts(document)
         definition, faults = read_definition(document.data)
-        faults = check_what_was_read(definition, document, faults)
+        faults = at_written_places(definition, check_what_was_read(definition, document, faults))
     found = placed([*document.faults, *faults], document)
     return (None if has_errors(found) else definition), found
 

@@ -12,11 +12,11 @@ import numpy as np
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.scalars import Value, check_unit
 from torsionnet.core.entries.spec import EntryError, entry
-from torsionnet.core.entries.words import OneOf, Text
+from torsionnet.core.entries.words import OneOf, Text, name_fault
 from torsionnet.core.errors import Fault, Path, unknown_name
 from torsionnet.core.expressions import Number
 from torsionnet.core.units import RPM
-from torsionnet.model.channels import UNITS, Sensor, named_sensor
+from torsionnet.model.channels import UNITS, ChannelName, Sensor, named_sensor
 from torsionnet.model.excitations.order_excitation import ORDER
 from torsionnet.model.limits.allowed_curve import ALLOWED, AllowedTable, allowed_at
 from torsionnet.model.limits.evidence import Evidence
@@ -48,7 +48,7 @@ class CurveLimit(Limit):
 
     kind: ClassVar[str] = "curve"
 
-    output: Any = entry(Text("sensor, or torque(element), stress(shaft), twist(element), ...", "the name of a sensor"))
+    output: Any = entry(ChannelName("sensor, or torque(element), stress(shaft), ...", "the name of a sensor"))
     value: Any = entry(ALLOWED, None)
     over_speed: Any = entry(AllowedTable("instead: values over the speed of the reference shaft", "speed"), ())
     over_lambda: Any = entry(AllowedTable("instead: values over the speed ratio n/n_rated", "1"), ())
@@ -72,8 +72,8 @@ class CurveLimit(Limit):
         sensor = self.sensor(subject)
         if sensor is None:
             return ""
-        there = subject.active if sensor.is_on_element else subject.active_nodes
-        return "" if sensor.of in there else sensor.of
+        named, there = ((sensor.of,), subject.active) if sensor.is_on_element else (sensor.nodes, subject.active_nodes)
+        return next((name for name in named if name not in there), "")
 
     def contradictions(self) -> list[Fault]:
         given = [key for key in ("value", "over_speed", "over_lambda") if getattr(self, key)]
@@ -89,15 +89,16 @@ class CurveLimit(Limit):
     def sensor(self, subject: LimitSubject) -> Sensor | None:
         """What it is about: an output, or the angle of a node."""
         found = named_sensor(self.output, subject.sensors)
-        return found or (Sensor("angle", self.output) if self.output.isidentifier() else None)
+        return found or (Sensor("angle", self.output) if name_fault(self.output) is None else None)
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
         sensor = self.sensor(subject)
         known = subject.elements if sensor and sensor.is_on_element else subject.nodes
-        if sensor is None or sensor.of not in known:
+        missing = [name for name in (sensor.nodes or (sensor.of,)) if name not in known] if sensor else [self.output]
+        if sensor is None or missing:
             names = [*subject.sensors, *known]
-            what = "output" if sensor is None or sensor.of == self.output else "element or node"
-            yield unknown_name(what, self.output if sensor is None else sensor.of, names, ("output",))
+            what = "output" if missing[0] == self.output else "element or node"
+            yield unknown_name(what, missing[0], names, ("output",))
             return
         if sensor.quantity == "stress" and section_fault(subject.elements[sensor.of]):
             yield Fault(str(section_fault(subject.elements[sensor.of])), ("output",))

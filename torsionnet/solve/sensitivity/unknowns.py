@@ -99,8 +99,8 @@ def unknowns(drivetrain: AssembledModel, names: Sequence[str]) -> Unknowns:
 
 def _with_parameter(definition: Definition, name: str, drivetrain: AssembledModel) -> tuple[Definition, str]:
     """The definition with a parameter in the place of ``element.field``."""
-    element_name, dot, field = name.partition(".")
-    if not dot or element_name not in definition.elements:
+    element_name, _, field = name.rpartition(".")
+    if element_name not in definition.elements:
         known = [*definition.parameters, *(f"{e}.{f}" for e in definition.elements for f in _fields(drivetrain, e))]
         raise UsageError(
             f'no parameter is named "{name}"{did_you_mean(name, known)}; or name a field: element.stiffness'
