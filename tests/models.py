@@ -28,6 +28,14 @@ EVERY_ELEMENT = {
         "e", nodes=("a", "b"), outer_diameter=0.05, inner_diameter=0.02, length=1.2, loss_factor={"zeta": 0.01}
     ),
     "propeller": tn.Propeller("e", node="a", inertia=2, entrained_water=0.25, archer=30, torque=200, speed=15),
+    "fluid_coupling": tn.FluidCoupling(
+        "e", pump="a", turbine="b", speed=150, speed_ratio=0.97, k_factor=[[0.9, 30], [0.99, 90]],
+        pump_inertia=0.2, turbine_inertia=0.1, housing="c",
+    ),
+    "torque_converter": tn.TorqueConverter(
+        "e", pump="a", turbine="b", speed=150, speed_ratio=0.6, performance=[[0, 0.04], [1, 0.02]], diameter=0.26,
+        torque_ratio=[[0, 2.1], [0.9, 1]], pump_inertia=0.2, turbine_inertia=0.1, housing="c",
+    ),
     "controller": tn.Controller(
         "e", sense={"velocity": ["a", "b"]}, act=["c", "b"], law={"p": -3, "i": -5, "d": 1, "filter": 0.2}, delay=0.1
     ),

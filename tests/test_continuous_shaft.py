@@ -255,9 +255,8 @@ def trees(draw):
             start = f"m{index}"
         ends.append(f"n{index}")
         lengths.append((f"s{index}", (start, f"n{index}"), draw(number), 0.04 + draw(number) / 20))
-    for end in ends:
-        if draw(st.booleans()):
-            elements.append(tn.Inertia(f"j{end}", node=end, inertia=draw(number) / 10))
+    heavy = [end for end in ends if draw(st.booleans())]
+    elements += [tn.Inertia(f"j{end}", node=end, inertia=draw(number) / 10) for end in heavy]
     if draw(st.booleans()):
         elements.append(tn.Lock("l", node=draw(st.sampled_from(ends))))
     return elements, lengths

@@ -58,7 +58,7 @@ class TestContract:
         for part in element.parts(Values({})):
             if isinstance(part, Law):
                 assert min(part.inertia, part.stiffness, part.loss_factor) >= 0
-                assert part.damping >= 0 or element.may_drive
+                assert part.damping >= 0 or element.may_feed
 
     def test_ground_drops_out(self, kind):
         """From every port that may stand there."""

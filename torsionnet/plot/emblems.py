@@ -33,7 +33,7 @@ def emblem(element: Boxed, x: float, y: float) -> list[Stroke]:
 
 def gearbox() -> list[Stroke]:
     """Two shafts with three pairs of wheels."""
-    shafts = [Stroke(((-22, y), (22, y)), "shaft") for y in (9, -9)]
+    shafts = [Stroke(((-22, y), (22, y)), "part") for y in (9, -9)]
     pairs = ((-13, 6.5), (0, 9.0), (13, 11.5))
     wheels = []
     for x, upper in pairs:
@@ -57,7 +57,17 @@ def belt() -> list[Stroke]:
     return [Stroke(around, "part", closed=True, fill="#ffffff"), *wheels, *hubs]
 
 
-SMALL: dict[str, Callable[[], list[Stroke]]] = {"gearbox": gearbox, "belt": belt}
+def hydrodynamic() -> list[Stroke]:
+    """Two half shells face to face, with their blades."""
+    found: list[Stroke] = []
+    for sign in (-1, 1):
+        shell = tuple((sign * (x + 2), y) for x, y in arc(0, 0, 14, 18, -90, 90, 20))
+        found.append(Stroke(shell, "part", closed=True, fill=WHEEL))
+        found += [Stroke(((sign * 2, y), (sign * 13, y)), "thin") for y in (-9, 0, 9)]
+    return found
+
+
+SMALL: dict[str, Callable[[], list[Stroke]]] = {"gearbox": gearbox, "belt": belt, "hydrodynamic": hydrodynamic}
 """Pictures that stand in a box and between two ends alike."""
 
 

@@ -88,6 +88,7 @@ _INLINE: dict[str, Callable[[Element, Mapping[str, Any]], Glyph]] = {
     "pendulum": _pendulum,
     "gearbox": _boxed,
     "belt": _boxed,
+    "hydrodynamic": _boxed,
 }
 
 

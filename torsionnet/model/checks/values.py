@@ -164,7 +164,7 @@ def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
         return [Fault(f"{element.name} cannot be calculated: {error}", place)]
     damping = min((law.damping for law in laws), default=0)
     if any(min(law.inertia, law.stiffness, law.loss_factor) < 0 for law in laws) or (
-        damping < 0 and not element.may_drive
+        damping < 0 and not element.may_feed
     ):
         return [Fault(f"the values of {element.name} give it a negative inertia, damping or stiffness", place)]
     if damping < 0:

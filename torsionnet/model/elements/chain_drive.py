@@ -22,8 +22,7 @@ class ChainDrive(LoopDrive):
 
     As for ``belt``, with radii r_i = z_i p / (2 pi) from the counts of teeth z_i and the pitch p; the ratios z_i / z_1
     are exact. The count is negative where the outside of the chain drives the sprocket. The polygon effect is left out.
-    A chain that sags has a stiff span and a soft one: give the slack span its small stiffness (H. Dresig, F.
-    Holzweissig, Dynamics of Machinery, chapter 4).
+    A chain has a tight span and one that sags: give the slack span its own, small stiffness.
 
     Examples
     --------

@@ -42,7 +42,7 @@ class Clutch(Element):
 
     kind: ClassVar[str] = "clutch"
     glyph: ClassVar[str] = "coupling"
-    may_drive: ClassVar[bool] = True
+    may_feed: ClassVar[bool] = True
 
     nodes: Any = entry(NodePair("the two nodes it connects, the driving one first; twist is first minus second"))
     state: Any = entry(OneOf("what its friction faces do", ("closed", "open", "slipping")), "closed")

@@ -33,7 +33,7 @@ class ConstantPowerLoad(Element):
     kind: ClassVar[str] = "constant_power_load"
     glyph: ClassVar[str] = "load"
     sign: ClassVar[str] = "positive when the drivetrain drives the load in the positive sense"
-    may_drive: ClassVar[bool] = True
+    may_feed: ClassVar[bool] = True
 
     node: Any = entry(NodeName("the node it turns with", allow_ground=False))
     power: Any = entry(PhysicalQuantity("power that it takes; negative: that it gives", "power", "P", None))

@@ -72,8 +72,8 @@ class OneOrTwoNodes(Spec):
     """A node, or two; the second may be ground."""
 
     def coerce(self, raw: Any) -> tuple[str, ...]:
-        if isinstance(raw, str):
-            return (read_node(raw, allow_ground=False),)
+        if isinstance(raw, str) or (isinstance(raw, list | tuple) and len(raw) == 1):
+            return (read_node(raw if isinstance(raw, str) else raw[0], allow_ground=False),)
         first, second = NodePair("").coerce(raw)
         if first == GROUND:
             raise EntryError("ground does not move; name a node first, and ground second if at all", (0,))

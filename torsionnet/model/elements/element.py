@@ -74,8 +74,8 @@ class Element(Declared):
     """What a positive torque means at the first port; at any other: positive when it drives out of the element."""
     drives: ClassVar[bool] = False
     """Whether a positive torque at the first port drives out of the element, as of one that acts by itself."""
-    may_drive: ClassVar[bool] = False
-    """Whether its damping may be below zero: its torque rises with the speed of what it drives."""
+    may_feed: ClassVar[bool] = False
+    """Whether it may feed energy into a vibration, by an action or by damping that may be negative."""
 
     name: str
     description: str = entry(Text("free text for tables and reports"), "", kw_only=True)

@@ -24,7 +24,7 @@ class Vehicle(Element):
 
     Air drag F = rho A_d v^2 / 2 with the drag area A_d = c_w A, and a rolling resistance F = m g (f_0 + f_1 v), make a
     damping at the speed v: c = r^2 dF/dv = r^2 (rho A_d v + m g f_1). Constant parts, as f_0 or a gradient, only load
-    the drivetrain in the mean (M. Mitschke, H. Wallentowitz, Dynamik der Kraftfahrzeuge, 5th ed., chapters 4 and 5).
+    the drivetrain in the mean (M. Mitschke, H. Wallentowitz, Dynamik der Kraftfahrzeuge).
     The speed may be a parameter that follows the operating point, as v = n*r with n {by: speed, of: hub}.
 
     Examples
