@@ -24,7 +24,7 @@ class Hydrodynamic(Element):
 
     glyph: ClassVar[str] = "hydrodynamic"
     sign: ClassVar[str] = "positive when the drivetrain drives the pump in the positive sense"
-    may_drive: ClassVar[bool] = True
+    may_feed: ClassVar[bool] = True
     more_tables: ClassVar[tuple[str, ...]] = ()
     """Other tables over the speed ratio."""
 
