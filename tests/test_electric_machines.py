@@ -287,6 +287,19 @@ def test_modes_with_negative_dampers_are_those_of_the_pencil(seed):
     assert np.sort_complex(found) == pytest.approx(np.sort_complex(expected), rel=1e-9)
 
 
+def test_a_load_of_constant_power_beside_a_tabulated_spring():
+    """The spring's table is a constant, so that the modes are those of a plain one."""
+
+    def eigenvalues(spring):
+        parts = [tn.Inertia("motor", node="a", inertia=2), spring, tn.Inertia("rotor", node="b", inertia=0.5), LOAD]
+        return tn.Drivetrain("driven", parts).modes().eigenvalues
+
+    table = tn.TabulatedSpring("shaft", nodes=("a", "b"), table=[[0.1, 900, 0], [99, 900, 0]])
+    found, plain = eigenvalues(table), eigenvalues(tn.Spring("shaft", nodes=("a", "b"), stiffness=900))
+    assert found[found.imag > 0] == pytest.approx(plain[plain.imag > 0], rel=1e-6)
+    assert plain[plain.imag > 0].real > 0
+
+
 def test_few_modes_of_a_large_driven_system():
     rig = random_driven(1, 150)
     every, few = rig.modes().eigenvalues, rig.modes(lowest=6).eigenvalues

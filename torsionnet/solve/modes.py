@@ -80,7 +80,7 @@ def natural_modes(
         count = continuous.number_below(passive, 2 * np.pi * up_to) + MARGIN
         lowest = count if lowest is None else min(lowest, count)
     undamped = undamped_modes(passive) if system.dynamic or is_active(system) else None
-    if is_active(system):
+    if system.actions:
         solution, doubts, more = active_modes(assembly)
     else:
         solution, doubts, more = complex_modes(system, lowest, undamped), (), ()

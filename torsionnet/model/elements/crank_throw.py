@@ -54,15 +54,15 @@ class CrankThrow(Element):
 
     nodes: Any = entry(NodePair("the throw, where its inertia is, and the next station; twist is first minus second"))
     inertia: Any = entry(PhysicalQuantity("inertia of journal, webs, pin and counterweights", "inertia", "J"))
+    stiffness: Any = entry(PhysicalQuantity("stiffness to the next station", "stiffness", "k", exclusive=True), None)
     crank_radius: Any = entry(PhysicalQuantity("radius of the crank, half the stroke", "length", "r"), None)
     rotating_mass: Any = entry(PhysicalQuantity("mass that turns with the pin", "mass", "m_r"), 0)
     reciprocating_mass: Any = entry(PhysicalQuantity("mass that moves with the piston", "mass", "m_o"), 0)
     rod_length: Any = entry(
         PhysicalQuantity("length of the connecting rod; none: very long", "length", "l", exclusive=True), None
     )
-    stiffness: Any = entry(PhysicalQuantity("stiffness to the next station", "stiffness", "k", exclusive=True), None)
     journal_diameter: Any = entry(
-        PhysicalQuantity("instead: diameter of the journal", "length", "D_j", exclusive=True), None
+        PhysicalQuantity("for the stiffness instead: diameter of the journal", "length", "D_j", exclusive=True), None
     )
     journal_length: Any = entry(PhysicalQuantity("length of the journal that twists", "length", "L_j"), None)
     pin_diameter: Any = entry(PhysicalQuantity("diameter of the pin", "length", "D_p", exclusive=True), None)
@@ -97,9 +97,8 @@ class CrankThrow(Element):
     def _stiffness_faults(self) -> list[Fault]:
         given = [name for name in _SECTIONS if getattr(self, name) is not None]
         if self.stiffness is not None:
-            if not given:
-                return []
-            return [Fault(f"the stiffness is given; leave out {given[0]}", (given[0],), on_key=True)]
+            given += [name for name in _BORES if getattr(self, name) != Number(0)]
+            return [Fault(f"the stiffness is given; leave out {name}", (name,), on_key=True) for name in given]
         missing = [name for name in (*_SECTIONS, "crank_radius") if getattr(self, name) is None]
         if not missing:
             return []
