@@ -116,11 +116,14 @@ class EquationsCommand(ModelCommand):
 
 def equations_text(rig: Drivetrain) -> str:
     """An equation for each coordinate, the other nodes in terms of these, and what was taken to be zero."""
+    from torsionnet.symbolic.shown import shown
+
     system = rig.symbolic()
     lines = [f"{rig.title}: equations of motion (' is d/dt)"]
     for name, equation in zip(system.coordinates, system.equations(), strict=True):
         lines += [f"{name}:", *_folded(equation)]
     others = [f"theta_{node} = {text}" for node, text in _dependent(system).items()]
+    others += [f"{name} = {shown(formula)}" for name, formula in system.formulas.items()]
     lines += ["where", *(f"    {text}" for text in others)] if others else []
     if system.conditions:
         lines += ["taking the values into account:", *(f"    {condition} = 0" for condition in system.conditions)]

@@ -170,18 +170,18 @@ class Damped:
             rate[law] += direct[0] - 1j * followed[0]
         return kappa, rate
 
-    def matrices(self, s: complex, share: float) -> tuple[ComplexArray, ComplexArray]:
-        """D and its derivative."""
+    def matrices(self, s: complex, share: float) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+        """D, its derivative, and a scale of the coordinates that makes its terms of one size."""
         rows = self.system.rows
         kappa, rate = self.stiffness(s, share)
-        return rows.T @ (kappa[:, None] * rows), rows.T @ (rate[:, None] * rows)
+        scale = 1 / np.sqrt(rows.T**2 @ np.abs(kappa) + 1e-300)
+        return rows.T @ (kappa[:, None] * rows), rows.T @ (rate[:, None] * rows), np.asarray(scale)
 
     def refined(self, s: complex, shape: ComplexArray, share: float) -> Mode:
         """Newton steps from a pole and its shape nearby."""
         q, previous = shape / np.linalg.norm(shape), np.inf
         for iteration in range(1, NEWTON + 1):
-            D, slope = self.matrices(s, share)
-            scale = 1 / np.sqrt(np.abs(self.system.rows.T**2 @ np.abs(self.stiffness(s, share)[0])) + 1e-300)
+            D, slope, scale = self.matrices(s, share)
             D, slope = scale[:, None] * D * scale, scale[:, None] * slope * scale
             y = q / scale
             y = y / np.linalg.norm(y)
@@ -259,7 +259,7 @@ def _parted(damped: Damped, rate: float, shapes: ComplexArray) -> list[tuple[com
     """Shapes of one frequency, combined as the damping parts them."""
     if shapes.shape[1] == 1:
         return [(1j * rate, shapes[:, 0])]
-    (free, slope), (whole, _) = damped.matrices(1j * rate, 0.0), damped.matrices(1j * rate, 1.0)
+    (free, slope, _), (whole, _, _) = damped.matrices(1j * rate, 0.0), damped.matrices(1j * rate, 1.0)
     reduced = np.linalg.solve(shapes.T @ slope @ shapes, shapes.T @ (whole - free) @ shapes)
     _, mixed = np.linalg.eig(reduced)
     return [(1j * rate, shapes @ mixed[:, place]) for place in range(shapes.shape[1])]

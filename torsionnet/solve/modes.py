@@ -136,7 +136,8 @@ def energies(
     rate = np.abs(solution.eigenvalues)
     inertia, stiffness, loss = (np.zeros((len(motion), len(rate))) for _ in range(3))
     for law, table in system.dynamic:
-        inertia[law], stiffness[law], loss[law] = zip(*map(table.energy, solution.eigenvalues.tolist()), strict=True)
+        found = [table.energy(value) for value in solution.eigenvalues.tolist()]
+        inertia[law], stiffness[law], loss[law] = np.array(found).reshape(-1, 3).T
     kinetic = (system.inertia[:, None] + inertia) * motion
     strain = (system.stiffness[:, None] + stiffness) * motion
     dissipated = (system.damping[:, None] * rate + loss) * rate * motion

@@ -143,6 +143,12 @@ class SymbolicSystem(SymbolicMatrices):
 
         return simplified(self._model, output, input, excitation, written=written, tolerance=tolerance, band=band)
 
+    @property
+    def formulas(self) -> Mapping[Any, Any]:
+        """What the functions kappa(omega) of continuous shafts are, as sympy expressions of omega and parameters."""
+        found = {name: table.formula(name.args[0]) for name, table in _tables(self._model).items()}
+        return {name: formula for name, formula in found.items() if formula is not None}
+
     def to_latex(self, part: str = "") -> str:
         r"""LaTeX of the equations of motion as a matrix equation, or of one part: M, C, K, H, q, B, u.
 
