@@ -20,6 +20,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "show": "Elements, parameters, equations of motion, matrices, schematic.",
     "equations": "Equations of motion and transfer functions in symbols.",
     "modes": "Natural frequencies, damping ratios, mode shapes, energy shares.",
+    "margins": "How far a controlled drivetrain is from becoming unstable.",
     "explore": "A page to play with a model: sliders, responses, modes.",
     "sensitivity": "Which parameter moves which mode, and by how much.",
     "frf": "Frequency responses between sensors, inputs and nodes.",

@@ -38,7 +38,7 @@ class LoopMargins:
     gain_increase, gain_decrease : Margin
         Factors > 1 and < 1 of the gain of the controller at which a pole reaches the imaginary axis.
     phase : Margin
-        Degrees that L may turn, where its magnitude is one; the smallest.
+        Degrees that L may lag (lead, where negative) further, where its magnitude is one; the smallest.
     delay : Margin
         Further delay in s.
     modulus : Margin

@@ -37,7 +37,7 @@ BLURRED = 1e-11
 """Relative error from which on a pole is settled in many digits."""
 MOST_WORK = 3e5
 """Cube of the coordinates times poles that are."""
-NOTHING = 1e-9
+NOTHING = 1e-12
 """Share of the radius below which a pole of a drivetrain with delays is taken for one at zero."""
 
 

@@ -79,9 +79,9 @@ class ActivePencil:
         whole[:n, n:] = np.abs(self._rows[0].T)
         for number, action in enumerate(system.actions):
             above, below = ([abs(float(value)) for value in part] for part in (action.numerator, action.denominator))
-            whole[n + number, :n] = (
-                polynomial(above, size) * np.exp(-s.real * float(action.delay)) * np.abs(self._rows[1][number])
-            )
+            with np.errstate(over="ignore"):
+                factor = polynomial(above, size) * np.exp(-s.real * float(action.delay))
+            whole[n + number, :n] = factor * np.abs(self._rows[1][number])
             whole[n + number, n + number] = polynomial(below, size)
         return whole
 
@@ -97,14 +97,16 @@ class ActivePencil:
     def _law(self, s: complex, number: int) -> tuple[complex, complex]:
         action = self.assembly.system.actions[number]
         above, below = ([float(value) for value in part] for part in (action.numerator, action.denominator))
-        return polynomial(above, s) * np.exp(-s * float(action.delay)), polynomial(below, s)
+        with np.errstate(all="ignore"):  # far to the left nothing comes back
+            return polynomial(above, s) * np.exp(-s * float(action.delay)), polynomial(below, s)
 
     def _law_rate(self, s: complex, number: int) -> tuple[complex, complex]:
         action = self.assembly.system.actions[number]
         above, below = ([float(value) for value in part] for part in (action.numerator, action.denominator))
         tau = float(action.delay)
         slope = polynomial(_derivative(above), s) - tau * polynomial(above, s)
-        return slope * np.exp(-s * tau), polynomial(_derivative(below), s)
+        with np.errstate(all="ignore"):
+            return slope * np.exp(-s * tau), polynomial(_derivative(below), s)
 
     # --- single roots -----------------------------------------------------------------------------------------------
 
@@ -116,7 +118,7 @@ class ActivePencil:
         s, w, last = start, vector, float("inf")
         for _ in range(MOST_STEPS):
             P, rate = self.at(s), self.rate(s)
-            if not np.isfinite(P).all() or not np.isfinite(s):
+            if not (np.isfinite(P).all() and np.isfinite(rate).all() and np.isfinite(s)):
                 return None
             left, right = equilibrated(np.abs(P) + abs(s) * np.abs(rate))
             scaled, slope = left[:, None] * P * right, left[:, None] * rate * right
