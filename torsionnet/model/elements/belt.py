@@ -10,7 +10,7 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.model.elements.element import register
 from torsionnet.model.elements.laws import Values
 from torsionnet.model.elements.loop_drive import LoopDrive
-from torsionnet.model.elements.quantity_table import TableByName
+from torsionnet.model.elements.quantity_table import TableByNode
 
 
 @register
@@ -39,7 +39,7 @@ class Belt(LoopDrive):
     wheels_field: ClassVar[str] = "pulleys"
 
     pulleys: Any = entry(
-        TableByName(
+        TableByNode(
             "radius by node in the order of the run, negative where the back of the belt drives",
             PhysicalQuantity("radius to the middle of the belt", "length", "r", None, nonzero=True, usual=(-5, 5)),
             "radii by node, as {crank: 80 mm, pump: 60 mm}",

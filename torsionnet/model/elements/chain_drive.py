@@ -12,7 +12,7 @@ from torsionnet.core.expressions import Number
 from torsionnet.model.elements.element import register
 from torsionnet.model.elements.laws import Values
 from torsionnet.model.elements.loop_drive import LoopDrive
-from torsionnet.model.elements.quantity_table import TableByName
+from torsionnet.model.elements.quantity_table import TableByNode
 
 
 @register
@@ -35,7 +35,7 @@ class ChainDrive(LoopDrive):
     wheels_field: ClassVar[str] = "sprockets"
 
     sprockets: Any = entry(
-        TableByName(
+        TableByNode(
             "teeth by node in the order of the run, negative where the outside of the chain drives",
             PhysicalQuantity("count of teeth", "1", "z", None, nonzero=True),
             "teeth by node, as {crank: 21, cam: 42}",

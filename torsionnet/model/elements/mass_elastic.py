@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
 from torsionnet.core.errors import Fault, did_you_mean
 from torsionnet.core.expression_reading import scalar
@@ -48,6 +49,9 @@ class Stations(Spec):
             except EntryError as error:
                 raise EntryError(error.fault.under(mass)) from None
         return tuple(found)
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return tuple((mass, names.node(node)) for mass, node in value)
 
     def plain(self, value: Any) -> dict[str, str]:
         return dict(value)

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import EntryError, Schema, Spec
 from torsionnet.core.entries.words import name_fault
 from torsionnet.core.errors import Fault, Path
@@ -78,6 +79,14 @@ class TableByName(Several):
             for name, one in value
             for path, expression, dimension in self.of.expressions(one)
         )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class TableByNode(TableByName):
+    """``{crank: 80 mm, pump: 60 mm}``, the names being nodes."""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return tuple((names.node(node), names.within(one)) for node, one in value)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
