@@ -36,6 +36,10 @@ def rows():
     one = tn.Shaft("S", nodes=("a", "b"), length=3, outer_diameter=0.05, segments=SEGMENTS)
     shaft = tn.Drivetrain("shaft", [one])
     yield f"a shaft of {SEGMENTS} segments, lowest 20", seconds(lambda: shaft.modes(lowest=20), runs=1), None, "<= 2 s"
+    whole = tn.Drivetrain("shaft", [tn.ContinuousShaft("S", nodes=("a", "b"), length=3, outer_diameter=0.05)])
+    exact = seconds(lambda: whole.modes(lowest=20), runs=3)
+    fine = seconds(lambda: shaft.modes(lowest=20), runs=1)
+    yield f"a continuous shaft, lowest 20, against {SEGMENTS} segments (1.5e-4 off in the last)", exact, fine, ""
     chain = rig(LARGE)
     here = seconds(lambda: chain.modes(lowest=20), runs=3)
     there = opentorsion_seconds(LARGE, 1, "modes") if "OPENTORSION_PYTHON" in os.environ else None

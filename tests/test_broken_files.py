@@ -173,7 +173,7 @@ CASES = [
     case("name number", "2:7", "expected text, got 3", ("name: chain", "name: 3")),
     case("sensor unknown key", "10:19", 'unknown key "angel"; did you mean "angle"?', ("angle: motor", "angel: motor")),
     case("sensor two", "10:18", "expected one of angle, velocity, acceleration, twist, torque, stress, as in {angle: node} or {torque: e", ("angle: motor", "angle: motor, velocity: motor")),
-    case("input shape", "9:16", "expected {torque: node} or {angle: node}, got 'motor'", ("T_M: {torque: motor}", "T_M: motor")),
+    case("input shape", "9:16", "expected {torque: node}, {angle: node} or {torque: [node, node]}, got 'motor'", ("T_M: {torque: motor}", "T_M: motor")),
     case("sensors list", "10:10", "expected entries by name, got ['theta', 'T']", ("{theta: {angle: motor}, T: {torque: shaft}}", "[theta, T]")),
     case("damping at", "7:73", "zeta gives a viscous coefficient only at a stated frequency", ("stiffness: k", "stiffness: k, damping: {zeta: 0.02}")),
     case("damping unit", "7:73", '"4 N*m/rad" is not a value of damping', ("stiffness: k", "stiffness: k, damping: 4 N*m/rad")),

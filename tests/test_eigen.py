@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 
 from torsionnet.assembly.rows import Rows, RowSystem
 from torsionnet.core.errors import SolveError
+from torsionnet.model.elements.dynamic_stiffness import ComplexStiffness, DynamicStiffness
 from torsionnet.solve import refine
 from torsionnet.solve import spectrum as spectrum_module
 from torsionnet.solve.eigen import complex_modes, undamped_modes
@@ -423,11 +424,21 @@ def test_long_gear_train_locked_at_one_end_has_no_rigid_body(ratio):
 
 
 def hysteretic(k, eta):
-    return lambda omega: k * (1 + 1j * eta) * np.ones_like(omega)
+    return ComplexStiffness(k * (1 + 1j * eta))
 
 
-def rising(omega):
-    return (100 + 10 * omega) * (1 + 0.1j)
+class OfFunction(DynamicStiffness):
+    """Whatever a function of omega says."""
+
+    is_passive = holds_at_rest = True
+
+    def __init__(self, function):
+        self.kappa = function
+
+    kappa = kappa_rate = None
+
+
+rising = OfFunction(lambda omega: (100 + 10 * omega) * (1 + 0.1j))
 
 
 def test_hysteretic_spring():
@@ -472,7 +483,7 @@ def test_graded_hysteretic_chain_is_refined():
 def test_stiffness_rising_with_frequency_is_a_fixed_point():
     modes = complex_modes(system(([1], 2.0, 0.3, 0), dynamic=[(0, rising)]))
     (lam,) = modes.eigenvalues
-    assert abs(2 * lam**2 + 0.3 * lam + rising(lam.imag)) < 1e-10 * abs(rising(lam.imag))
+    assert abs(2 * lam**2 + 0.3 * lam + rising.kappa(lam.imag)) < 1e-10 * abs(rising.kappa(lam.imag))
     assert modes.converged.all()
     assert modes.iterations.max() <= 8
     omega, _ = undamped_modes(system(([1], 2.0, 0.3, 0), dynamic=[(0, rising)]))
@@ -491,7 +502,7 @@ def test_repeated_modes_with_frequency_dependent_branches():
 
 
 def test_jumping_stiffness_is_reported_as_not_converged():
-    jump = lambda omega: np.where(omega < 6, 100.0, 50.0) + 0j  # noqa: E731
+    jump = OfFunction(lambda omega: np.where(omega < 6, 100.0, 50.0) + 0j)
     modes = complex_modes(system(([1], 2.0, 0, 0), dynamic=[(0, jump)]))
     assert not modes.converged.any()
 

@@ -371,7 +371,7 @@ class TestCode:
         H = model.symbolic().transfer_function("a", "a")
         expected = model.frequency_response("a", "a", F).values[:, 0, 0]
         np.testing.assert_allclose(H.evaluate(F).values[:, 0, 0], expected, rtol=1e-12)
-        kappa = model.assembly.system.dynamic[0][1](2 * np.pi * F)
+        kappa = model.assembly.system.dynamic[0][1].kappa(2 * np.pi * F)
         np.testing.assert_allclose(run_code(H.python_code())(F, _kappa_bush=kappa), expected, rtol=1e-12)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,8 +17,10 @@ if TYPE_CHECKING:
     import networkx as nx
     from numpy.typing import ArrayLike
 
+    from torsionnet.core.errors import Fault
     from torsionnet.model.channels import Sensor
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
+    from torsionnet.response.loop_margins import LoopMargins
     from torsionnet.response.recording import Recording
     from torsionnet.solve.grid import Adaptive
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
@@ -67,6 +70,18 @@ class Drivetrain(RunningMachinery):
     >>> round(float(rig.modes().natural_frequencies[0]), 3)
     8.755
     """
+
+    def check(self) -> tuple[Fault, ...]:
+        """Warnings and notes about the model, modes that grow among them (errors have already been refused)."""
+        return (*super().check(), *self._growing)
+
+    @cached_property
+    def _growing(self) -> tuple[Fault, ...]:
+        if not any(element.may_feed for element in self.elements.values()):
+            return ()
+        from torsionnet.solve.stability import unstable_modes
+
+        return unstable_modes(self)
 
     def graph(self) -> nx.MultiGraph[str]:
         """The drivetrain as a networkx graph: nodes, and an edge for each pair of ports an element connects.
@@ -194,6 +209,7 @@ class Drivetrain(RunningMachinery):
         measured_input: Channels | None = None,
         excitation: str | Sequence[str] | None = None,
         lowest: int | None = None,
+        up_to: float | None = None,
     ) -> Modes:
         """Complex modes: natural frequencies, damping ratios, shapes at all nodes and energy shares.
 
@@ -206,7 +222,10 @@ class Drivetrain(RunningMachinery):
             Which input drives the drivetrain then; default: the model's only input.
         lowest : int, optional
             Only so many modes, those of the smallest ``|lambda|``, rigid bodies included; likewise the undamped
-            natural frequencies. Much quicker for large models. Default: all.
+            natural frequencies. Much quicker for large models. Default: all; with continuous shafts, which have
+            infinitely many, the lowest 20.
+        up_to : float, optional
+            Only modes of natural frequencies up to this one in Hz; with continuous shafts all of these.
 
         Examples
         --------
@@ -216,7 +235,31 @@ class Drivetrain(RunningMachinery):
         """
         from torsionnet.solve.modes import modes
 
-        return modes(self, measured_input=measured_input, excitation=excitation, lowest=lowest)
+        return modes(self, measured_input=measured_input, excitation=excitation, lowest=lowest, up_to=up_to)
+
+    def loop_margins(self, controller: str | None = None) -> LoopMargins:
+        """Stability margins of the loop opened at a controller, and the loop itself for Nyquist's plot.
+
+        Gain, phase, delay and modulus margins, each with its frequency, all other loops being closed; delays are exact.
+        :func:`torsionnet.plot.nyquist` draws it.
+
+        Parameters
+        ----------
+        controller : str, optional
+            Name of the element; default: the only one.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> rig = tn.Drivetrain("governed", [tn.Inertia("rotor", node="a", inertia=2),
+        ...     tn.Controller("governor", sense={"velocity": "a"}, act="a", law=-30, delay="50 ms")])
+        >>> margins = rig.loop_margins()
+        >>> round(margins.gain_increase.value, 4), round(margins.phase.value, 3), round(margins.delay.value, 6)
+        (2.0944, 47.028, 0.05472)
+        """
+        from torsionnet.solve.opened_loops import loop_margins
+
+        return loop_margins(self, controller)
 
     def symbolic(self, *, referred_to: Sequence[str] = ()) -> SymbolicSystem:
         """M, C, K and transfer functions in the model's own symbols.

@@ -58,13 +58,15 @@ class Functional:
     """A reading: terms of motion, and shares of the torques applied to nodes.
 
     ``sensor`` is None for an excitation in the place of a measured input; ``applied`` is empty unless the torque of a
-    rigid connection is read.
+    rigid connection is read. ``actions`` are the factors of the torques of actions that belong to the element read;
+    what actions apply to nodes counts with ``applied``.
     """
 
     name: str
     unit: str
     terms: tuple[Term, ...]
     applied: Mapping[str, Fraction] = field(default_factory=dict)
+    actions: Mapping[int, Fraction] = field(default_factory=dict)
     sensor: Sensor | None = None
 
     @property
@@ -72,9 +74,9 @@ class Functional:
         """Name and unit."""
         return Channel(self.name, self.unit)
 
-    def direct(self, node: str) -> float:
-        """What is read of a torque applied to a node, without any motion."""
-        return float(self.applied.get(node, 0))
+    def direct(self, row: Mapping[str, int]) -> Fraction:
+        """What is read of torques applied to nodes, without any motion."""
+        return sum((share * self.applied.get(node, Fraction(0)) for node, share in row.items()), start=Fraction(0))
 
 
 def coefficient(term: Term, kappa: LawStiffness) -> ComplexArray:
@@ -102,16 +104,19 @@ def functional(drivetrain: AssembledModel, sensor: Sensor, name: str = "") -> Fu
     if sensor.is_on_element:
         _require(sensor.of, drivetrain.elements, "element", definition.elements)
     else:
-        _require(sensor.of, drivetrain.nodes, "node", all_nodes(definition.elements.values()))
+        for node in sensor.nodes:
+            _require(node, drivetrain.nodes, "node", all_nodes(definition.elements.values()))
     laws = ((owner, law.row) for owner, law in zip(assembly.owners, assembly.laws, strict=True))
     values = Values(drivetrain.exact_values)
-    read = reading(sensor, drivetrain.elements, values, laws, assembly.kinematics.constraints)
+    actions = ((one.owner, one.nodes) for one in assembly.system.actions)
+    read = reading(sensor, drivetrain.elements, values, laws, assembly.kinematics.constraints, actions)
     found = Functional(name or str(sensor), UNITS[sensor.quantity], (), sensor=sensor)
     if read.row is not None:
         return replace(found, terms=(_motion(assembly, read.row, read.power),))
     balanced = balance(read, assembly.kinematics, [law.row for law in assembly.laws])
     terms = tuple(_law_term(assembly, law, factor) for law, factor in balanced.laws if factor)
-    return replace(found, terms=terms, applied=balanced.applied)
+    own = {number: exact(factor) for number, factor in read.actions.items()}
+    return replace(found, terms=terms, applied=balanced.applied, actions=own)
 
 
 def _require(name: str, known: Any, what: str, switched_off: Any = ()) -> None:

@@ -27,6 +27,8 @@ class LawStiffness:
         rad/s.
     sampled : tuple of (law index, (n_variants, n_f) complex array)
         What is no polynomial in omega, N m/rad.
+    actions : tuple of (n_variants, n_f) complex arrays
+        Torque per angle sensed of every action, N m/rad.
     """
 
     inertia: FloatArray
@@ -34,6 +36,7 @@ class LawStiffness:
     stiffness: FloatArray
     omega: FloatArray
     sampled: tuple[tuple[int, ComplexArray], ...] = ()
+    actions: tuple[ComplexArray, ...] = ()
 
     @property
     def n_laws(self) -> int:
@@ -84,14 +87,15 @@ class LawStiffness:
 
     def at(self, points: NDArray[np.intp]) -> LawStiffness:
         """Some points, as frequencies of one variant."""
-        some = replace(self, omega=self._all_omega[points])
+        actions = tuple(values.reshape(1, -1)[:, points] for values in self.actions)
+        some = replace(self, omega=self._all_omega[points], actions=actions)
         return some.sampled_as(self.by_law[:, points])
 
     def sampled_as(self, values: ComplexArray) -> LawStiffness:
         """At the same frequencies of one variant, but with stiffnesses (n_laws, n_f) of any values."""
         nothing = np.zeros((1, self.n_laws))
         sampled = tuple((law, value[None]) for law, value in enumerate(values))
-        return LawStiffness(nothing, nothing, nothing, self.omega, sampled)
+        return LawStiffness(nothing, nothing, nothing, self.omega, sampled, self.actions)
 
     @property
     def is_real(self) -> bool:
@@ -180,6 +184,7 @@ class LawStiffness:
             stiffness=self.stiffness[variants],
             omega=self.omega[frequencies] if self.omega.ndim == 1 else self.omega[variants, frequencies],
             sampled=tuple((law, values[variants, frequencies]) for law, values in self.sampled),
+            actions=tuple(values[variants, frequencies] for values in self.actions),
         )
 
 
@@ -202,5 +207,14 @@ def law_stiffness(systems: Sequence[RowSystem], omega: FloatArray) -> LawStiffne
     sampled = {law: np.zeros((len(systems), omega.shape[-1]), dtype=complex) for law in laws}
     for variant, system in enumerate(systems):
         for law, at in system.dynamic:
-            sampled[law][variant] += at(omega if omega.ndim == 1 else omega[variant])
-    return LawStiffness(J, c, k, omega, tuple(sampled.items()))
+            sampled[law][variant] += at.kappa(omega if omega.ndim == 1 else omega[variant])
+    actions = tuple(
+        np.array(
+            [
+                one.kappa(1j * np.broadcast_to(omega, (len(systems), omega.shape[-1]))[variant])
+                for variant, one in enumerate(alike)
+            ]
+        )
+        for alike in zip(*(system.actions for system in systems), strict=True)
+    )
+    return LawStiffness(J, c, k, omega, tuple(sampled.items()), actions)

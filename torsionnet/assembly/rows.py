@@ -10,7 +10,7 @@ Solvers that care about accuracy use the rows; the assembled matrices are for th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeAlias
@@ -18,13 +18,12 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.assembly.action_law import ActionLaw
 from torsionnet.core.memo import Memo
+from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
 
 FloatArray: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
-
-DynamicStiffness: TypeAlias = Callable[[FloatArray], ComplexArray]
-"""kappa(omega): complex stiffness in N m/rad at omega in rad/s; shape in = shape out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,8 +99,10 @@ class RowSystem:
         gamma = row @ q, the scalar motion on which each law acts, in rad.
     inertia, damping, stiffness : (n_laws,) arrays
         J in kg m^2, c in N m s/rad, k in N m/rad of each law; all >= 0.
-    dynamic : tuple of (law index, kappa)
+    dynamic : tuple of (law index, DynamicStiffness)
         Laws that also have a frequency-dependent complex stiffness kappa(omega), omega >= 0.
+    actions : tuple of ActionLaw
+        Torques that follow the motion of another row; no part of ``M``, ``C`` and ``K``.
     memo : Memo
         What solvers have worked out from the rows alone; systems with the same rows share it.
     """
@@ -111,6 +112,7 @@ class RowSystem:
     damping: FloatArray
     stiffness: FloatArray
     dynamic: tuple[tuple[int, DynamicStiffness], ...] = ()
+    actions: tuple[ActionLaw, ...] = ()
     memo: Memo = field(default_factory=Memo, compare=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -155,5 +157,5 @@ class RowSystem:
         """Frequency-dependent complex stiffness of each law at one omega in rad/s, shape (n_laws,)."""
         values = np.zeros(len(self.stiffness), dtype=complex)
         for index, law in self.dynamic:
-            values[index] += law(np.array([omega]))[0]
+            values[index] += law.kappa(np.array([omega]))[0]
         return values

@@ -11,10 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from torsionnet.assembly.rows import DynamicStiffness, FloatArray, Rows, RowSystem
+from torsionnet.assembly.action_law import action_laws
+from torsionnet.assembly.rows import FloatArray, Rows, RowSystem
 from torsionnet.core.collecting import collector_paused
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Law, Values
+from torsionnet.model.elements.dynamic_stiffness import ComplexStiffness, DynamicStiffness
 from torsionnet.model.kinematics import Kinematics, exact_row, pseudo_node, solve_kinematics
 
 
@@ -117,9 +119,11 @@ def assemble(
     """
     kinematics = solve_kinematics(definition, Values(values), referred_to, like.kinematics if like else None)
     laws = [(owner, law) for owner, law in kinematics.laws if law.acts]
-    if like is not None and _same_rows(kinematics, like.kinematics):
+    actions = action_laws(kinematics)
+    same_actions = like is not None and [one.rows for one in actions] == [one.rows for one in like.system.actions]
+    if like is not None and same_actions and _same_rows(kinematics, like.kinematics):
         shared = like.system
-        system = RowSystem(shared.law_rows, *_coefficients(laws), memo=shared.memo)
+        system = RowSystem(shared.law_rows, *_coefficients(laws), actions=actions, memo=shared.memo)
         return replace(like, kinematics=kinematics, system=system)
     coordinates, imposed = _columns(kinematics)
     in_floats = kinematics.reduction.in_floats
@@ -127,7 +131,7 @@ def assemble(
     rows = [in_floats(exact_row(law.row)) for _, law in laws]
     return Assembly(
         kinematics,
-        RowSystem(Rows.named(rows, coordinates), *_coefficients(laws)),
+        RowSystem(Rows.named(rows, coordinates), *_coefficients(laws), actions=actions),
         node_rows=Rows.named(nodes, coordinates),
         imposed_node_rows=Rows.named(nodes, imposed),
         imposed_law_rows=Rows.named(rows, imposed),
@@ -162,16 +166,16 @@ def _columns(kinematics: Kinematics) -> tuple[dict[str, int], dict[str, int]]:
 
 def _dynamic(index: int, law: Law) -> tuple[int, DynamicStiffness]:
     if law.table is not None:
-        return index, law.table.kappa
-    stiffness = complex(float(law.stiffness), float(law.stiffness * law.loss_factor))
-    return index, lambda omega: np.full(np.shape(omega), stiffness)
+        return index, law.table
+    return index, ComplexStiffness(complex(float(law.stiffness), float(law.stiffness * law.loss_factor)))
 
 
 def smallest_rate(system: RowSystem) -> float:
     """A circular frequency in rad/s safely below the slowest motion of the system, for limits at zero frequency."""
-    stiff = [*system.stiffness[system.stiffness > 0], *(abs(law(np.zeros(1))[0]) for _, law in system.dynamic)]
-    inertia = float(system.inertia.sum()) or 1.0
-    damping = float(system.damping.sum())
+    stiff = [*system.stiffness[system.stiffness > 0], *(abs(law.kappa(np.zeros(1))[0]) for _, law in system.dynamic)]
+    inertia = float(system.inertia.sum()) + sum(law.inertia_at_rest for _, law in system.dynamic) or 1.0
+    drags = np.abs(system.damping)
+    damping = float(drags.sum())
     softest = min((float(value) for value in stiff if value > 0), default=1.0)
-    drag = min((float(value) for value in system.damping if value > 0), default=inertia) / inertia
+    drag = min((float(value) for value in drags if value > 0), default=inertia) / inertia
     return min(math.sqrt(softest / inertia), drag, softest / damping if damping else math.inf)

@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.cli.command import JSON, Answer, Command, click_command
 from torsionnet.cli.declarations import argument
-from torsionnet.cli.models import read_model
+from torsionnet.cli.models import checked_model
 from torsionnet.cli.terminal import message
 from torsionnet.core.errors import Fault, UsageError
 
@@ -27,7 +27,7 @@ class CheckCommand(Command):
         code = 0
         for model in dict.fromkeys(self.models):
             try:
-                reports[model] = read_model(model)[1]
+                reports[model] = checked_model(model)
             except UsageError as error:
                 message("error", str(error))
                 code = WRONG_USAGE

@@ -116,11 +116,14 @@ class EquationsCommand(ModelCommand):
 
 def equations_text(rig: Drivetrain) -> str:
     """An equation for each coordinate, the other nodes in terms of these, and what was taken to be zero."""
+    from torsionnet.symbolic.shown import shown
+
     system = rig.symbolic()
     lines = [f"{rig.title}: equations of motion (' is d/dt)"]
     for name, equation in zip(system.coordinates, system.equations(), strict=True):
         lines += [f"{name}:", *_folded(equation)]
     others = [f"theta_{node} = {text}" for node, text in _dependent(system).items()]
+    others += [f"{name} = {shown(formula)}" for name, formula in system.formulas.items()]
     lines += ["where", *(f"    {text}" for text in others)] if others else []
     if system.conditions:
         lines += ["taking the values into account:", *(f"    {condition} = 0" for condition in system.conditions)]
@@ -174,7 +177,8 @@ def matrix_tables(rig: Drivetrain) -> list[Table]:
     """M, C, K with named rows and columns."""
     coordinates = rig.assembly.kinematics.coordinates
     columns = (Column(""), *(Column(name) for name in coordinates))
-    notes = ("frequency-dependent stiffness is not included",) if rig.assembly.system.dynamic else ()
+    notes: tuple[str, ...] = ("frequency-dependent stiffness is not included",) if rig.assembly.system.dynamic else ()
+    notes += ("torques of controllers are not included",) if rig.assembly.system.actions else ()
     return [
         Table(
             f"{rig.title}: {title} {symbol} [{unit}]",

@@ -276,6 +276,18 @@ OUTPUTS: dict[str, Schema] = {
             crossings=listed(CROSSING),
         )
     ),
+    "margins": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            controller=TEXT,
+            stable=YES_OR_NO,
+            **dict.fromkeys(
+                ("gain_increase", "gain_decrease", "phase_deg", "delay_s", "modulus"),
+                record(value=NUMBER, frequency_Hz=NUMBER),
+            ),
+        )
+    ),
     "holzer": listed(
         record(
             title=TEXT,

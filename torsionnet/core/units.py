@@ -37,7 +37,7 @@ class UnitError(TorsionnetError, ValueError):
 
 @dataclass(frozen=True)
 class Dimension:
-    """Exponents of kg, m, s and cycle; the radian counts as 1.
+    """Exponents of kg, m, s, cycle and kelvin; the radian counts as 1.
 
     >>> str(Dimension(kg=Fraction(1), m=Fraction(2)))
     'kg*m^2'
@@ -47,20 +47,23 @@ class Dimension:
     m: Fraction = Fraction(0)
     s: Fraction = Fraction(0)
     cycle: Fraction = Fraction(0)
+    K: Fraction = Fraction(0)
 
     def __mul__(self, other: Dimension) -> Dimension:
-        return Dimension(self.kg + other.kg, self.m + other.m, self.s + other.s, self.cycle + other.cycle)
+        kg, m, s = self.kg + other.kg, self.m + other.m, self.s + other.s
+        return Dimension(kg, m, s, self.cycle + other.cycle, self.K + other.K)
 
     def __truediv__(self, other: Dimension) -> Dimension:
-        return Dimension(self.kg - other.kg, self.m - other.m, self.s - other.s, self.cycle - other.cycle)
+        kg, m, s = self.kg - other.kg, self.m - other.m, self.s - other.s
+        return Dimension(kg, m, s, self.cycle - other.cycle, self.K - other.K)
 
     def __pow__(self, power: Fraction | int) -> Dimension:
-        return Dimension(self.kg * power, self.m * power, self.s * power, self.cycle * power)
+        return Dimension(self.kg * power, self.m * power, self.s * power, self.cycle * power, self.K * power)
 
     def __str__(self) -> str:
         if self in _SI_TEXT:
             return _SI_TEXT[self]
-        parts = [(name, getattr(self, name)) for name in ("kg", "m", "s", "cycle")]
+        parts = [(name, getattr(self, name)) for name in ("kg", "m", "s", "cycle", "K")]
         return "*".join(name if e == 1 else f"{name}^{e}" if e.denominator == 1 else f"{name}^({e})"
                         for name, e in parts if e)  # fmt: skip
 
@@ -83,8 +86,8 @@ class Quantity:
     text: str
 
 
-def _dimension(kg: int = 0, m: int = 0, s: int = 0, cycle: int = 0) -> Dimension:
-    return Dimension(Fraction(kg), Fraction(m), Fraction(s), Fraction(cycle))
+def _dimension(kg: int = 0, m: int = 0, s: int = 0, cycle: int = 0, K: int = 0) -> Dimension:
+    return Dimension(Fraction(kg), Fraction(m), Fraction(s), Fraction(cycle), Fraction(K))
 
 
 _Atom = tuple[Real, Dimension]
@@ -108,6 +111,7 @@ _BASE: dict[str, tuple[Real, Dimension, str]] = {
     "arcmin": (math.pi / 10800, _NUMBER, ""), "%": (Fraction(1, 100), _NUMBER, ""),
     "rpm": (math.pi / 30, _dimension(s=-1), ""), "Hz": (Fraction(1), _dimension(s=-1, cycle=1), "km"),
     "cpm": (Fraction(1, 60), _dimension(s=-1, cycle=1), ""), "cycle": (Fraction(1), _dimension(cycle=1), ""),
+    "K": (Fraction(1), _dimension(K=1), ""),
 }  # fmt: skip
 _ATOMS: dict[str, _Atom] = {
     prefix + name: (_PREFIXES[prefix] * factor, dimension)
@@ -133,6 +137,8 @@ def _product(names: str) -> _Atom:
 
 
 _ATOMS |= {name: _product(names) for name, names in _JOINED.items()}
+_SUGGESTED = tuple(name for name in _ATOMS if name != "K")
+"""For a misread unit: a letter alone is rather meant to go on than to be a temperature."""
 _SQUARED = "|".join(sorted((name[:-2] for name in _JOINED if name.endswith("^2")), key=len, reverse=True))
 _TOKEN = re.compile(
     rf"\s*(?:(?P<power>(?:\^|\*\*)\s*(?P<exponent>[+-]?\d+|\([+-]?\d+(?:/\d+)?\)))|(?P<atom>(?:{_SQUARED})(?:\^|\*\*)2"
@@ -140,6 +146,9 @@ _TOKEN = re.compile(
 )
 _MEAN = {"lbin": "lbf*in", "inlb": "lbf*in", "lbft": "lbf*ft", "ftlb": "lbf*ft", "sec": "s", "Kg": "kg", "KNm": "kNm",
          "NM": "Nm", "kgm": 'kg*m" or "kgm^2', "degree": "deg", "rads": "rad/s", "inch": "in", "°": "deg"}  # fmt: skip
+CELSIUS = "degC"
+"""Of a temperature, not of a difference: it stands alone after a number, and has an offset instead of a factor."""
+_ICE = Fraction("273.15")
 _SIGNS = str.maketrans({"·": "*", "⋅": "*", "∙": "*", "×": "*", "µ": "u", "μ": "u", "°": "deg",
                         "\N{NO-BREAK SPACE}": " ", "\N{NARROW NO-BREAK SPACE}": " ", "−": "-"})  # fmt: skip
 _RAISED = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁻", "0123456789-")
@@ -226,13 +235,15 @@ class _Parser:
 
 def _hint(name: str) -> str:
     bare = name.rstrip("0123456789")
+    if name == CELSIUS:
+        return "; degC stands alone after a temperature, as in 60 degC; differences are in K"
     if name in _MEAN:
         return f'; did you mean "{_MEAN[name]}"?'
     if bare != name and bare in _ATOMS:
         return f'; did you mean "{bare}^{name[len(bare) :]}"?'
     if bare in ("GD", "WR", "WK"):
         return f"; {name} stands once, at the end, after a unit of inertia"
-    return '; write "*" between units' if name.startswith(("-", ".")) else did_you_mean(name, _ATOMS)
+    return '; write "*" between units' if name.startswith(("-", ".")) else did_you_mean(name, _SUGGESTED)
 
 
 @lru_cache(maxsize=1024)
@@ -308,11 +319,21 @@ def parse_quantity(text: str) -> Quantity:
     rest = written[numeral.end() :]
     if rest and _STRAY.match(rest):
         raise UnitError(_misread(written))
+    if rest and _plain(rest) == CELSIUS:
+        return _celsius(numeral, written)
     unit = parse_unit(rest.strip()) if rest else None
     value = _times(_ratio(numeral), unit.factor if unit else 1)
     if numeral[3] or len(written) > _SAFE_LENGTH:
         _check_range(value, written)
     return Quantity(value, unit.dimension if unit else None, written)
+
+
+def _celsius(numeral: re.Match[str], written: str) -> Quantity:
+    value = Fraction(*_ratio(numeral)) + _ICE
+    _check_range(value, written)
+    if value < 0:
+        raise UnitError(f'"{written}" is below absolute zero')
+    return Quantity(value, DIMENSIONS["temperature"], written)
 
 
 def _times(ratio: tuple[int, int], factor: Real) -> Real:
@@ -409,12 +430,12 @@ def _read_given(quantity: Any) -> Quantity:
 _EXPECTED = {"inertia": "kg*m^2", "stiffness": "N*m/rad", "torque": "N*m", "damping": "N*m*s/rad",
              "compliance": "rad/(N*m)", "angle": "rad", "speed": "rad/s", "acceleration": "rad/s^2", "length": "m",
              "mass": "kg", "density": "kg/m^3", "pressure": "Pa", "shear modulus": "Pa", "frequency": "Hz", "time": "s",
-             "power": "W", "heat flux": "W/m^2", "area": "m^2", "1": "1"}  # fmt: skip
+             "power": "W", "heat flux": "W/m^2", "area": "m^2", "temperature": "K", "force": "N",
+             "linear stiffness": "N/m", "velocity": "m/s", "per velocity": "s/m", "1": "1"}  # fmt: skip
 _SI_TEXT: dict[Dimension, str] = {}
 DIMENSIONS: dict[str, Dimension] = {"inertia": _dimension(1, 2)}
 DIMENSIONS |= {name: parse_unit(text).dimension for name, text in _EXPECTED.items()}
 _SI_TEXT |= {DIMENSIONS[name]: text for name, text in _EXPECTED.items()}
-_SI_TEXT[parse_unit("N/m").dimension] = "N/m"
 
 
 def expected_unit(dimension_name: str) -> str:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.functionals import Functional, powers_of_s
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.assembly.system import Assembly
@@ -68,11 +69,11 @@ def matrices(drivetrain: Drivetrain) -> Matrices:
     assembly, system = drivetrain.assembly, drivetrain.assembly.system
     present = active_channels(drivetrain)
     _refuse(drivetrain, assembly)
-    loads = [assembly.rows_of({channel.of: 1})[0] for channel in present.inputs.values()]
+    loads = [assembly.rows_of(channel.row)[0] for channel in present.inputs.values()]
     readings = present.readings(drivetrain)
     n, n_in = system.n_coordinates, len(loads)
     motion = np.array([_motion(assembly, reading) for reading in readings]).reshape(len(readings), 3, n)
-    direct = [[reading.direct(channel.of) for channel in present.inputs.values()] for reading in readings]
+    direct = [[float(reading.direct(channel.row)) for channel in present.inputs.values()] for reading in readings]
     return Matrices(
         system.M, system.C, system.K, np.array(loads).reshape(n_in, n).T, motion[:, 0], motion[:, 1], motion[:, 2],
         np.array(direct).reshape(len(readings), n_in), assembly.T, assembly.kinematics.coordinates, assembly.nodes,
@@ -81,6 +82,7 @@ def matrices(drivetrain: Drivetrain) -> Matrices:
 
 
 def _refuse(drivetrain: Drivetrain, assembly: Assembly) -> None:
+    refuse_actions(assembly.system.actions, "constant matrices are")
     dynamic = sorted({assembly.owners[index] for index, _ in assembly.system.dynamic})
     if dynamic:
         raise UsageError(

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 
 from torsionnet.core.atomic import write_text
 from torsionnet.core.errors import UsageError
+from torsionnet.core.plain_names import Names
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.modelica_elements import write_element
 from torsionnet.io.modelica_net import Net
 from torsionnet.io.modelica_parts import COMPONENTS, FIXED, has_counterpart, port
 from torsionnet.io.modelica_words import KEYWORDS, ROTATIONAL, ModelicaWords, quoted, unit_of, written_unit
 from torsionnet.io.part_words import unwritten
-from torsionnet.io.plain_names import Names
 from torsionnet.model.channels import UNITS, Input, Sensor
 from torsionnet.model.elements import Values
 from torsionnet.model.parameters import dimensions
@@ -97,6 +97,8 @@ class _Model:
         }
         meters: dict[tuple[str, int], list[str]] = {}
         for name, sensor in channels.sensors.items():
+            if sensor.referred_to is not None:
+                raise UsageError(f"{name} is referred to {sensor.referred_to}, which is not written to Modelica")
             if sensor.quantity == "stress":
                 raise UsageError(f"{name} is a stress, which is not written to Modelica; measure torque({sensor.of})")
             if sensor.quantity == "torque":
@@ -140,19 +142,24 @@ class _Model:
         self.net.equations += [f"connect({meter}.tau, {output});" for output in outputs]
 
     def _drive(self, name: str, entry: Input) -> None:
-        kind, values, signal = (
-            ("Torque", "", "tau") if entry.quantity == "torque" else ("Position", "exact=true", "phi_ref")
-        )
-        source = self.net.declare(f"{ROTATIONAL}.Sources.{kind}", f"{name}_source", values)
+        kind, signal = ("Torque", "tau") if entry.quantity == "torque" else ("Position", "phi_ref")
+        values = ["exact=true"] * (kind == "Position") + ["useSupport=true"] * (entry.against is not None)
+        source = self.net.declare(f"{ROTATIONAL}.Sources.{kind}", f"{name}_source", ", ".join(values))
         self.net.points.join(f"node:{entry.of}", f"{source}.flange")
+        if entry.against is not None:
+            self.net.points.join(f"node:{entry.against}", f"{source}.support")
         self.net.equations.append(f"connect({name}, {source}.{signal});")
 
     def _read(self, name: str, sensor: Sensor) -> None:
         if sensor.quantity in MOTIONS:
-            self.net.equations.append(f"connect({self._motion(name, sensor.quantity, sensor.of)}, {name});")
-            return
-        row = self.drivetrain.elements[sensor.of].twist(Values(self.drivetrain.exact_values))
-        shares = [f"{float(share)!r}*{self._motion(f'{name}_{node}', 'angle', node)}" for node, share in row.items()]
+            if sensor.against is None:
+                self.net.equations.append(f"connect({self._motion(name, sensor.quantity, sensor.of)}, {name});")
+                return
+            quantity, row = sensor.quantity, dict(sensor.row)
+        else:
+            quantity = "angle"
+            row = dict(self.drivetrain.elements[sensor.of].twist(Values(self.drivetrain.exact_values)))
+        shares = [f"{float(share)!r}*{self._motion(f'{name}_{node}', quantity, node)}" for node, share in row.items()]
         self.net.equations.append(f"{name} = {' + '.join(shares) or '0'};")
 
     def _motion(self, wish: str, quantity: str, node: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from torsionnet.core.groups import Groups
-from torsionnet.io.plain_names import Names
+from torsionnet.core.plain_names import Names
 
 
 class Net:

@@ -8,7 +8,7 @@ from typing import TypeAlias
 from torsionnet.io.modelica_net import Net
 from torsionnet.io.modelica_words import ROTATIONAL, ModelicaWords, quoted
 from torsionnet.io.open_numbers import OpenNumber, open_number
-from torsionnet.model.elements import GROUND, Constraint, Element, Law, Part, Row
+from torsionnet.model.elements import GROUND, Action, Constraint, Element, Law, Part, Row
 
 COMPONENTS = f"{ROTATIONAL}.Components"
 FIXED = f"node:{GROUND}"
@@ -41,6 +41,8 @@ def write_parts(element: Element, net: Net, words: ModelicaWords) -> None:
 
 def has_counterpart(part: Part) -> bool:
     """Whether components can do what a part does: nothing that depends on frequency."""
+    if isinstance(part, Action):
+        return False
     return isinstance(part, Constraint) or (part.loss_factor == 0 and part.table is None)
 
 
@@ -55,7 +57,7 @@ class _PartWriter:
     def write(self, part: Part) -> None:
         if isinstance(part, Constraint):
             self._constraint(part.row)
-        elif part.acts:
+        elif isinstance(part, Law) and part.acts:
             if part.is_elastic or part.damping != 0:
                 self._spring(part)
             if part.inertia != 0:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from torsionnet.model.elements import Element, Law, Part
+from torsionnet.model.elements import Action, Element, Law, Part
 
 
 def unwritten(element: Element, part: Part) -> str:
@@ -21,6 +21,8 @@ def unwritten(element: Element, part: Part) -> str:
 
 def part_words(part: Part) -> str:
     """What acts, and on which weighted sum of angles."""
+    if isinstance(part, Action):
+        return f"torque on {row_words(part.row)} that follows {row_words(part.sensed)}"
     if not isinstance(part, Law):
         return f"constraint {row_words(part.row)} = 0"
     found = {

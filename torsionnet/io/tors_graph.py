@@ -13,7 +13,7 @@ from torsionnet.core.groups import Groups
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.part_words import unwritten
 from torsionnet.io.tors_elements import SHEAR_MODULUS
-from torsionnet.model.elements import GROUND, Constraint, Element, Gear, Law, Row, Shaft, Values
+from torsionnet.model.elements import GROUND, Action, Constraint, Element, Gear, Law, Part, Row, Shaft, Values
 
 Disks: TypeAlias = dict[str, list[dict[str, Any]]]
 
@@ -86,9 +86,15 @@ class _GraphWriter:
             self.edges.append(Edge(first, second, [element.name], items))
             return
         for part in element.parts(self.value):
-            is_written = self._law(element, part) if isinstance(part, Law) else self._constraint(element, part.row)
+            is_written = self._part(element, part)
             if not is_written:
                 self.refused.append(unwritten(element, part))
+
+    def _part(self, element: Element, part: Part) -> bool:
+        """Whether it can be written."""
+        if isinstance(part, Action):
+            return False
+        return self._law(element, part) if isinstance(part, Law) else self._constraint(element, part.row)
 
     def _law(self, element: Element, law: Law) -> bool:
         """An inertia or damping at a node, a spring or damper between two; whether it is one of these."""

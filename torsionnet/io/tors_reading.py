@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from torsionnet.core.errors import Fault, ModelError, Position, TorsionnetWarning, UsageError
+from torsionnet.core.plain_names import Names
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.io.plain_names import Names
 from torsionnet.io.tors_elements import DENSITY, SHEAR_MODULUS, Entry, TorsDocument, read_document
 from torsionnet.model.elements import GROUND, Damper, Element, Gear, Inertia, Shaft, Spring
 from torsionnet.model.files.located import compose

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import UsageError, did_you_mean, unknown_key
-from torsionnet.model.elements import Element
+from torsionnet.model.elements import GROUND, Element
 
 SENSOR_QUANTITIES = ("angle", "velocity", "acceleration", "twist", "torque", "stress")
 """angle, velocity, acceleration of a node; twist of an element; torque through an element at one of its ports, and the
 nominal shear stress it makes there in a round shaft."""
 
+MOTIONS = ("angle", "velocity", "acceleration")
+"""Of a node, or of one node relative to another."""
 ELEMENT_QUANTITIES = ("twist", "torque", "stress")
 PORT_QUANTITIES = ("torque", "stress")
 INPUT_QUANTITIES = ("torque", "angle")
@@ -36,17 +38,21 @@ UNITS = {
 class Sensor:
     """A measured quantity: angle, velocity or acceleration of a node, twist, torque or shear stress of an element.
 
-    ``at`` is the port (or its node) where a torque or stress is taken; without it, the port that defines the sign.
+    ``at`` is the port (or its node) where a torque or stress is taken; without it, the port that defines the sign. A
+    motion is relative to that of the node ``against``, if there is one. With ``referred_to``, a node of another shaft,
+    an angle is what it would be there, times the speed of that shaft over that of its own, and a torque divided by it.
 
     Examples
     --------
-    >>> print(Sensor("torque", "gearbox", at="output_shaft"))
-    torque(gearbox, output_shaft)
+    >>> print(Sensor("torque", "gearbox", at="output_shaft"), Sensor("angle", "pulley", against="block"))
+    torque(gearbox, output_shaft) angle(pulley, block)
     """
 
     quantity: str
     of: str
     at: str | None = None
+    against: str | None = None
+    referred_to: str | None = None
 
     def __post_init__(self) -> None:
         if self.quantity not in SENSOR_QUANTITIES:
@@ -55,55 +61,153 @@ class Sensor:
             raise UsageError(f"a sensor is on a node or element given by its name, got {self.of!r}, {self.at!r}")
         if self.at is not None and self.quantity not in PORT_QUANTITIES:
             raise UsageError(f"only a torque is taken at a port; leave out at={self.at!r}, or measure a torque instead")
+        if self.against is not None:
+            if self.is_on_element:
+                raise UsageError(f"the {self.quantity} of an element is not relative to a node: leave out against=")
+            _settle_pair(self)
+        if self.referred_to is not None and self.quantity == "stress":
+            raise UsageError(STRESS_AT_HOME)
 
     @property
     def is_on_element(self) -> bool:
         """Whether ``of`` is an element; else it is a node."""
         return self.quantity in ELEMENT_QUANTITIES
 
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """The nodes whose motion it measures."""
+        return () if self.is_on_element else nodes_of(self)
+
+    @property
+    def row(self) -> dict[str, int]:
+        """What of the nodes' angles is measured: 1 of the first, -1 of the second."""
+        return dict(zip(self.nodes, SHARES, strict=False))
+
     def __str__(self) -> str:
-        return f"{self.quantity}({self.of}{', ' + self.at if self.at else ''})"
+        second = self.at or self.against
+        referred = f"{REFERRED}{self.referred_to}" if self.referred_to else ""
+        return f"{self.quantity}({self.of}{', ' + second if second else ''}){referred}"
+
+    def to_data(self) -> dict[str, Any]:
+        extra = {"at": self.at, "referred_to": self.referred_to}
+        return {self.quantity: _plain(self), **{key: name for key, name in extra.items() if name}}
 
     def renamed(self, names: Renaming) -> Sensor:
         """The same in a part, with the names it has in the whole."""
+        shaft = _renamed(self.referred_to, names)
         if not self.is_on_element:
-            return Sensor(self.quantity, names.node(self.of))
-        return Sensor(self.quantity, names.own(self.of), names.at(self.of, self.at))
-
-    def to_data(self) -> dict[str, str]:
-        return {self.quantity: self.of, **({"at": self.at} if self.at else {})}
+            against = _renamed(self.against, names)
+            return Sensor(self.quantity, names.node(self.of), against=against, referred_to=shaft)
+        return Sensor(self.quantity, names.own(self.of), names.at(self.of, self.at), referred_to=shaft)
 
 
 @dataclass(frozen=True)
 class Input:
     """An excitation: a ``torque`` on a node, an imposed ``angle`` of a node, or an imposed ``twist`` of an element.
 
-    An imposed twist e is what the springs of the element take for no twist: their torque is kappa(s) (gamma - e).
+    With ``against``, a second node, +T acts on the first node and -T on the second, or the angle of the first relative
+    to the second is imposed. Against the ground that is the same as on the node alone. An imposed twist e is what the
+    springs of the element take for no twist: their torque is kappa(s) (gamma - e).
+
+    Examples
+    --------
+    >>> engine = Input("torque", "pulley", "block")
+    >>> print(engine, engine.row, engine.to_data())
+    torque on pulley against block {'pulley': 1, 'block': -1} {'torque': ['pulley', 'block']}
     """
 
     quantity: str
     of: str
+    against: str | None = None
 
     def __post_init__(self) -> None:
         if self.quantity not in (*INPUT_QUANTITIES, "twist"):
             raise UsageError(_wrong_quantity("an input drives", self.quantity, INPUT_QUANTITIES))
         if not isinstance(self.of, str):
             raise UsageError(f"an input is on a node given by its name, got {self.of!r}")
+        if self.against is not None:
+            if self.is_on_element:
+                raise UsageError("a twist is imposed in an element, not against a node: leave out against=")
+            _settle_pair(self)
 
     @property
     def is_on_element(self) -> bool:
         """Whether ``of`` is an element; else it is a node."""
         return self.quantity == "twist"
 
+    @property
+    def nodes(self) -> tuple[str, ...]:
+        """The nodes it acts on."""
+        return () if self.is_on_element else nodes_of(self)
+
+    @property
+    def row(self) -> dict[str, int]:
+        """Torques on the nodes per unit, or what of their angles is imposed: 1 of the first, -1 of the second."""
+        return dict(zip(self.nodes, SHARES, strict=False))
+
     def __str__(self) -> str:
-        return f"{self.quantity} on {self.of}"
+        return f"{self.quantity} on {self.of}{f' against {self.against}' if self.against else ''}"
 
     def renamed(self, names: Renaming) -> Input:
         """The same in a part, with the names it has in the whole."""
-        return Input(self.quantity, (names.own if self.is_on_element else names.node)(self.of))
+        if self.is_on_element:
+            return Input(self.quantity, names.own(self.of))
+        return Input(self.quantity, names.node(self.of), _renamed(self.against, names))
 
-    def to_data(self) -> dict[str, str]:
-        return {self.quantity: self.of}
+    def to_data(self) -> dict[str, Any]:
+        return {self.quantity: _plain(self)}
+
+
+def _renamed(node: str | None, names: Renaming) -> str | None:
+    return None if node is None else names.node(node)
+
+
+REFERRED = " referred to "
+"""Between what is read and the shaft it is referred to, as in ``torque(shaft) referred to crank``."""
+
+STRESS_AT_HOME = "a stress is that of its own shaft; refer the torque to another one"
+
+SHARES = (1, -1)
+"""Of the first node and of the one it is taken against."""
+
+
+def nodes_of(channel: Sensor | Input) -> tuple[str, ...]:
+    """The node of a channel, and the one it is taken against."""
+    return (channel.of,) if channel.against is None else (channel.of, channel.against)
+
+
+def named_nodes(channel: Sensor | Input) -> str:
+    """The nodes of a channel in a sentence: ``"pulley" against "block"``."""
+    return " against ".join(f'"{node}"' for node in nodes_of(channel))
+
+
+def still_words(channel: Sensor | Input) -> str:
+    """Why its nodes do not move, as the end of a sentence."""
+    return "it is locked" if channel.against is None else f"{named_nodes(channel)} is held rigidly"
+
+
+def _plain(channel: Sensor | Input) -> str | list[str]:
+    return channel.of if channel.against is None else [channel.of, channel.against]
+
+
+def _settle_pair(channel: Sensor | Input) -> None:
+    """Refuse what is no pair of nodes; what is taken against the ground is on its node alone."""
+    fault = pair_fault(channel.of, channel.against, channel.quantity)
+    if fault:
+        raise UsageError(fault)
+    if channel.against == GROUND:
+        object.__setattr__(channel, "against", None)
+
+
+def pair_fault(first: str, second: Any, quantity: str) -> str | None:
+    """Why two names are no nodes that a ``quantity`` can be between, or None."""
+    if not isinstance(second, str) or not second:
+        return f"expected the name of a node, got {second!r}"
+    if first == second:
+        return f'both nodes are "{first}"; a {quantity} is between two different nodes, or on one: {quantity}: {first}'
+    if first == GROUND:
+        return f"ground does not move; name the node first, {quantity}: {second}, and mind the sign"
+    return None
 
 
 def _wrong_quantity(what: str, quantity: object, known: tuple[str, ...]) -> str:
@@ -116,20 +220,53 @@ _CALL = re.compile(r"\s*([a-z]+)\s*\(\s*([A-Za-z][\w.]*)\s*(?:,\s*([A-Za-z][\w.]
 def parse_sensor(text: str) -> Sensor | None:
     """Sensor from text such as ``torque(gearbox, output_shaft)``, or None if the text has another form.
 
-    >>> parse_sensor("twist(dmf)")
-    Sensor(quantity='twist', of='dmf', at=None)
+    >>> print(parse_sensor("twist(dmf)"), parse_sensor("angle(pulley,block)"))
+    twist(dmf) angle(pulley, block)
     """
     match = _CALL.fullmatch(text)
-    if match is None or match[1] not in SENSOR_QUANTITIES or (match[3] and match[1] not in PORT_QUANTITIES):
+    if match is None or match[1] not in SENSOR_QUANTITIES or (match[3] and match[1] == "twist"):
         return None
-    return Sensor(match[1], match[2], match[3])
+    if match[1] in PORT_QUANTITIES or not match[3]:
+        return Sensor(match[1], match[2], match[3])
+    return Sensor(match[1], match[2], against=match[3])
+
+
+_PAIR = re.compile(r"\s*([A-Za-z][\w.]*)\s*-\s*([A-Za-z][\w.]*)\s*")
+
+
+def parse_pair(text: str) -> tuple[str, str] | None:
+    """The two nodes of a text such as ``pulley-block``: a torque between them; or None if it has another form.
+
+    >>> parse_pair("pulley-block"), parse_pair("pulley")
+    (('pulley', 'block'), None)
+    """
+    match = _PAIR.fullmatch(text)
+    return None if match is None else (match[1], match[2])
 
 
 def named_sensor(entry: str | Sensor, declared: Mapping[str, Sensor]) -> Sensor | None:
-    """The sensor meant: an object, a declared name, or text such as ``torque(gearbox)``."""
+    """The sensor meant: an object, a declared name, or text such as ``torque(gearbox)``; referred to a shaft or not.
+
+    >>> print(named_sensor("torque(gearbox) referred to crank", {}))
+    torque(gearbox) referred to crank
+    """
     if isinstance(entry, Sensor):
         return entry
-    return declared[entry] if entry in declared else parse_sensor(entry)
+    if entry in declared:
+        return declared[entry]
+    measured, _, shaft = entry.partition(REFERRED)
+    if not shaft:
+        return parse_sensor(entry)
+    found = named_sensor(measured.strip(), declared)
+    if found is None and re.fullmatch(r"[A-Za-z][\w.]*", measured.strip()):
+        found = Sensor("angle", measured.strip())
+    return found and replace(found, referred_to=shaft.strip())
+
+
+EXTRA = {
+    "at": "the port, or its node, where a torque is taken",
+    "referred_to": "a node of the shaft that an angle or torque is referred to",
+}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -139,7 +276,7 @@ class ChannelName(Text):
     def renamed(self, value: Any, names: Renaming) -> Any:
         if value in names.channels:
             return names.own(value)
-        sensor = parse_sensor(value)
+        sensor = named_sensor(value, {})
         return names.node(value) if sensor is None else str(sensor.renamed(names))
 
 
@@ -155,22 +292,32 @@ class ChannelEntry(Spec):
     def coerce(self, raw: Any) -> Input | Sensor:
         if isinstance(raw, self.made) and raw.quantity in self.quantities:
             return raw
-        quantity, of = self._one_quantity(raw)
+        quantity, of, against = self._one_quantity(raw)
         if self.made is Input:
-            return Input(quantity, of)
+            return Input(quantity, of, against)
         at = raw.get("at")
         if at is not None and (quantity not in PORT_QUANTITIES or not isinstance(at, str)):
             only = f"only a torque is taken at a port; leave out at:, or measure a torque instead of the {quantity}"
             raise EntryError(
                 only if quantity not in PORT_QUANTITIES else f"expected the name of a node, got {at!r}", ("at",)
             )
-        return Sensor(quantity, of, at)
+        shaft = raw.get("referred_to")
+        if not isinstance(shaft, str | None):
+            raise EntryError(f"expected the name of a node, got {shaft!r}", ("referred_to",))
+        if shaft is not None and quantity == "stress":
+            raise EntryError(STRESS_AT_HOME, ("referred_to",))
+        return Sensor(quantity, of, at, against, shaft)
 
     @property
     def _extra(self) -> tuple[str, ...]:
-        return ("at",) if self.made is Sensor else ()
+        return tuple(EXTRA) if self.made is Sensor else ()
 
-    def _one_quantity(self, raw: Any) -> tuple[str, str]:
+    @property
+    def _of_pairs(self) -> tuple[str, ...]:
+        """Quantities that may be between two nodes."""
+        return self.quantities if self.made is Input else MOTIONS
+
+    def _one_quantity(self, raw: Any) -> tuple[str, str, str | None]:
         if not isinstance(raw, Mapping):
             raise EntryError(f"expected {self.description}, got {raw!r}")
         for key in raw:
@@ -180,13 +327,23 @@ class ChannelEntry(Spec):
         given = [key for key in raw if key in self.quantities]
         if len(given) != 1:
             raise EntryError(f"expected one of {', '.join(self.quantities)}, as in {self.description}")
-        name = raw[given[0]]
-        if not isinstance(name, str) or not name:
-            raise EntryError(f"expected a name, got {name!r}", (given[0],))
-        return given[0], name
+        return given[0], *self._names(given[0], raw[given[0]])
 
-    def plain(self, value: Any) -> dict[str, str]:
-        plain: dict[str, str] = value.to_data()
+    def _names(self, quantity: str, given: Any) -> tuple[str, str | None]:
+        """The name of a node or element, and of a second node."""
+        if isinstance(given, str) and given:
+            return given, None
+        if quantity not in self._of_pairs or not isinstance(given, list | tuple):
+            raise EntryError(f"expected a name, got {given!r}", (quantity,))
+        if len(given) != 2 or not isinstance(given[0], str) or not given[0]:
+            raise EntryError(f"expected a node, or two nodes [first, second], got {given!r}", (quantity,))
+        fault = pair_fault(given[0], given[1], quantity)
+        if fault:
+            raise EntryError(fault, (quantity, 0 if given[0] == GROUND else 1))
+        return given[0], given[1]
+
+    def plain(self, value: Any) -> dict[str, Any]:
+        plain: dict[str, Any] = value.to_data()
         return plain
 
     def schema(self) -> Schema:
@@ -194,11 +351,15 @@ class ChannelEntry(Spec):
 
     def definitions(self) -> Schema:
         texts = {quantity: f"where the {quantity} acts or is measured" for quantity in self.quantities}
-        texts |= dict.fromkeys(self._extra, "the port, or its node, where a torque is taken")
+        texts |= {key: EXTRA[key] for key in self._extra}
+        pair: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
+        forms: dict[str, Schema] = {
+            key: {"anyOf": [{"type": "string"}, pair]} if key in self._of_pairs else {"type": "string"} for key in texts
+        }
         schema: Schema = {
             "type": "object",
             "description": self.description,
-            "properties": {key: {"type": "string", "description": text} for key, text in texts.items()},
+            "properties": {key: {**forms[key], "description": text} for key, text in texts.items()},
             "oneOf": [{"required": [quantity]} for quantity in self.quantities],
             "additionalProperties": False,
         }
@@ -212,7 +373,7 @@ class ChannelEntry(Spec):
         }
 
 
-INPUT = ChannelEntry("{torque: node} or {angle: node}", Input, INPUT_QUANTITIES, "input")
+INPUT = ChannelEntry("{torque: node}, {angle: node} or {torque: [node, node]}", Input, INPUT_QUANTITIES, "input")
 SENSOR = ChannelEntry("{angle: node} or {torque: element, at: node}", Sensor, SENSOR_QUANTITIES, "sensor")
 
 

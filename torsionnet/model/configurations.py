@@ -25,14 +25,14 @@ Axes = Mapping[str, Mapping[str, "Overlay"]]
 
 @dataclass(frozen=True)
 class Overlay:
-    """What one alternative changes: parameter values, elements switched on or off, the operating point."""
+    """What one alternative changes: parameter values, elements switched on or off, the operating point, entries."""
 
     parameters: Mapping[str, Expression] = field(default_factory=dict)
     on: tuple[str, ...] = ()
     off: tuple[str, ...] = ()
     operating_point: OperatingPoint | None = None
     entries: Mapping[str, Any] = field(default_factory=dict)
-    """Entries of excitations and of the load as they are written, by ``excitation.entry`` and ``load.entry``."""
+    """Entries of elements, excitations and the load as they are written, by ``element.entry`` and so on."""
 
     def renamed(self, names: Renaming) -> Overlay:
         """The same of a part, with the names it has in the whole; ``entries`` are as they were written."""
@@ -54,7 +54,7 @@ class Overlay:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class AlternativeEntry(Spec):
-    """``{parameter: value, on: [element], off: [element], operating_point: {...}, engine.misfire: [3]}``."""
+    """``{parameter: value, on: [element], off: [element], operating_point: {...}, box.engaged: II}``."""
 
     @property
     def absent(self) -> Overlay:
@@ -94,7 +94,7 @@ class AlternativeEntry(Spec):
             "type": ["object", "null"],
             "description": self.description,
             "properties": {key: spec.schema() for key, spec in _KNOWN.items()},
-            "patternProperties": {r"\.": {"description": "of an excitation or the load: engine.misfire, load.power"}},
+            "patternProperties": {r"\.": {"description": "of an element, excitation or load: box.engaged, load.power"}},
             "additionalProperties": reference("scalar"),
         }
         return {"alternative": alternative, **OPERATING_POINT.definitions()}

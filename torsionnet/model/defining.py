@@ -10,7 +10,7 @@ from torsionnet.core.entries.format_version import version_faults
 from torsionnet.core.entries.nearby import names_a_file
 from torsionnet.core.errors import Fault
 from torsionnet.model.configurations import VALUE, Overlay
-from torsionnet.model.definition import Definition
+from torsionnet.model.definition import Definition, section_of
 from torsionnet.model.elements import Element
 from torsionnet.model.parts.authored import AuthoredModel
 from torsionnet.model.parts.flattening import flattened
@@ -106,8 +106,8 @@ def _settled(definition: Definition, changes: Mapping[str, Any]) -> dict[str, An
     """What cannot be read stays as it is; checks say why."""
     found = dict(changes)
     for key, raw in changes.items():
-        name, _, field = key.rpartition(".")
-        specs = dict(definition.excitations[name].specs()) if name in definition.excitations else {}
+        section, field = section_of(definition, key), key.rpartition(".")[2]
+        specs = dict(section[2].specs()) if section else {}
         value, faults = specs[field].read(raw) if field in specs and names_a_file(raw) else (None, [])
         if value is not None and not faults:
             found[key] = specs[field].plain(value)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import torsionnet.model.section_entries as sections
@@ -16,8 +17,9 @@ from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.configurations import Overlay
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
-from torsionnet.model.parameters import Parameter
+from torsionnet.model.parameters import Parameter, resolve
 from torsionnet.model.parts.part import INCLUDE, PARTS, PORTS, USE, Part, Use
+from torsionnet.model.referral import at_own_speeds
 
 if TYPE_CHECKING:
     from torsionnet.model.bench import Plan
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
 
 LOAD = "load"
 """What ``load.entry`` in a configuration means; no excitation can have this name."""
+EXCITATIONS = "excitations"
+ELEMENTS = "elements"
 
 
 class Authored(Protocol):
@@ -81,10 +85,13 @@ class Definition(Declared):
             fitted = {name: one.fitted(self.elements) for name, one in self.excitations.items()}
             object.__setattr__(self, "excitations", fitted)
 
-    @property
+    @cached_property
     def active(self) -> tuple[Element, ...]:
-        """The elements that are switched on."""
-        return tuple(element for element in self.elements.values() if element.enabled)
+        """The elements that are switched on, with the values of their own shafts where they are quoted at another."""
+        on = tuple(element for element in self.elements.values() if element.enabled)
+        if all(element.referred_to is None for element in on):
+            return on
+        return at_own_speeds(on, resolve(self.parameters)[0])
 
     def overlaid(self, overlay: Overlay) -> Definition:
         """The definition with one alternative laid over it."""
@@ -100,21 +107,20 @@ class Definition(Declared):
         return replace(
             self,
             parameters=parameters,
-            elements=elements,
             operating_point=point,
-            **self._overridden(overlay.entries),
+            **self._overridden(overlay.entries, elements),
         )
 
-    def _overridden(self, changes: Mapping[str, Any]) -> dict[str, Any]:
-        """The sections with ``engine.misfire: [3]``, ``load.power: 1 MW`` and the like put in."""
-        found, load = dict(self.excitations), self.load
+    def _overridden(self, changes: Mapping[str, Any], elements: Mapping[str, Element]) -> dict[str, Any]:
+        """The sections with ``box.engaged: II``, ``engine.misfire: [3]``, ``load.power: 1 MW`` and the like put in."""
+        found: dict[str, Any] = {EXCITATIONS: dict(self.excitations), ELEMENTS: dict(elements), LOAD: self.load}
         # All entries of one section at once: each alone may contradict what the others change.
-        for name, fields in by_section(changes).items():
-            if name == LOAD and load is not None:
-                load = replace(load, **fields)
+        for (table, name), fields in by_section(self, changes).items():
+            if table == LOAD:
+                found[LOAD] = replace(found[LOAD], **fields)
             else:
-                found[name] = replace(found[name], **fields)
-        return {"excitations": found, LOAD: load}
+                found[table][name] = replace(found[table][name], **fields)
+        return found
 
     @classmethod
     def key_faults(cls, raw: Mapping[Any, Any], name: str = "") -> list[Fault]:
@@ -135,12 +141,30 @@ class Definition(Declared):
         return {KEY: VERSION, "name": self.name, **super().to_data()}
 
 
-def by_section(changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """``engine.misfire: [3]`` and the like as tables of entries by name."""
-    found: dict[str, dict[str, Any]] = {}
+def section_of(definition: Definition, key: str) -> tuple[str, str, Declared] | None:
+    """Table, name and section that ``box.engaged`` and the like are about; None if nothing has that name.
+
+    Of an excitation and an element of one name it is the excitation, unless only the element has such an entry.
+    """
+    name, _, entry = key.rpartition(".")
+    if name == LOAD and definition.load is not None:
+        return LOAD, name, definition.load
+    tables: dict[str, Mapping[str, Declared]] = {EXCITATIONS: definition.excitations, ELEMENTS: definition.elements}
+    found = [(table, name, sections[name]) for table, sections in tables.items() if name in sections]
+    fitting = [one for one in found if entry in dict(one[2].specs())]
+    return next(iter(fitting or found), None)
+
+
+def by_section(definition: Definition, changes: Mapping[str, Any]) -> dict[tuple[str, str], dict[str, Any]]:
+    """``engine.misfire: [3]`` and the like as entries by the table and the name of the section they belong to.
+
+    What belongs to none is left out.
+    """
+    found: dict[tuple[str, str], dict[str, Any]] = {}
     for key, value in changes.items():
-        name, _, field = key.rpartition(".")
-        found.setdefault(name, {})[field] = value
+        section = section_of(definition, key)
+        if section is not None:
+            found.setdefault(section[:2], {})[key.rpartition(".")[2]] = value
     return found
 
 

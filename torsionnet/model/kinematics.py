@@ -10,7 +10,7 @@ from typing import Any
 
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.definition import Definition, all_nodes
-from torsionnet.model.elements import Constraint, Law, Part, Row, Values
+from torsionnet.model.elements import Action, Constraint, Law, Part, Row, Values
 from torsionnet.model.elimination import Reduction, exact, holding, reduce_rows, smallest_culprits
 
 
@@ -35,8 +35,8 @@ class Kinematics:
     imposed : tuple of str
         Names of the inputs that impose an angle; each appears in rows as the pseudo node ``input:NAME``. One on a node
         that elements lock is not among them.
-    driven : tuple of str
-        The nodes they impose it on.
+    driven : tuple of dict
+        The rows over nodes that they impose: of one node, or of one relative to another.
     reduction : Reduction
         Every dependent node over coordinates and imposed angles; an empty row is a node held at zero.
     coordinates : tuple of str
@@ -46,7 +46,7 @@ class Kinematics:
     nodes: tuple[str, ...]
     parts: tuple[OwnedPart, ...]
     imposed: tuple[str, ...]
-    driven: tuple[str, ...]
+    driven: tuple[Row, ...]
     reduction: Reduction
     coordinates: tuple[str, ...]
 
@@ -58,9 +58,17 @@ class Kinematics:
         """Whether rigid connections to ground keep the node at zero."""
         return not self.reduction.is_free(node) and not self.reduction.reduced({node: 1})
 
+    def stills(self, row: Mapping[str, Any]) -> bool:
+        """Whether rigid connections keep a row over nodes at zero: a locked node, or two that turn as one."""
+        return not self.reduction.reduced(row)
+
     @cached_property
     def laws(self) -> tuple[tuple[str, Law], ...]:
         return tuple((owned.element, owned.part) for owned in self.parts if isinstance(owned.part, Law))
+
+    @cached_property
+    def actions(self) -> tuple[tuple[str, Action], ...]:
+        return tuple((owned.element, owned.part) for owned in self.parts if isinstance(owned.part, Action))
 
     @cached_property
     def constraints(self) -> tuple[tuple[str, Row], ...]:
@@ -91,11 +99,11 @@ def exact_row(row: Mapping[str, Any]) -> dict[str, Fraction]:
 
 
 def imposed_rows(definition: Definition, nodes: Collection[str]) -> dict[str, Row]:
-    """Row node - imposed angle = 0 of every input that imposes an angle on one of ``nodes``."""
+    """Row node - imposed angle = 0 of every input that imposes an angle on ``nodes``, alone or relative to another."""
     return {
-        name: {channel.of: Fraction(1), pseudo_node(name): Fraction(-1)}
+        name: {**exact_row(channel.row), pseudo_node(name): Fraction(-1)}
         for name, channel in definition.inputs.items()
-        if channel.quantity == "angle" and channel.of in nodes
+        if channel.quantity == "angle" and all(node in nodes for node in channel.nodes)
     }
 
 
@@ -115,7 +123,7 @@ def solve_kinematics(
     _require_nodes(referred_to, nodes)
     parts = owned_parts(definition, value)
     imposed = imposed_rows(definition, set(nodes))
-    driven = tuple(definition.inputs[name].of for name in imposed)
+    driven = tuple(definition.inputs[name].row for name in imposed)
     same = like is not None and (nodes, tuple(imposed), driven) == (like.nodes, like.imposed, like.driven)
     if like is not None and same and not referred_to:
         again = replace(like, parts=parts)
@@ -124,7 +132,7 @@ def solve_kinematics(
     order = {node: index for index, node in enumerate(nodes)}
     rigid = [exact_row(row) for _, row in constraints_of(parts)]
     imposed = _without_locked(imposed, rigid, order)
-    driven = tuple(definition.inputs[name].of for name in imposed)
+    driven = tuple(definition.inputs[name].row for name in imposed)
     owners = [*imposed, *(name for name, _ in constraints_of(parts))]
     rows: list[Any] = [*imposed.values(), *rigid]
     keep = {*referred_to, *(pseudo_node(name) for name in imposed)}
@@ -167,8 +175,8 @@ def _without_locked(imposed: dict[str, Row], rigid: Sequence[Row], order: Mappin
     if not imposed:
         return imposed
     alone = reduce_rows(rigid, order)
-    locked = {name for row in imposed.values() for name in row if name in order and not alone.reduced({name: 1})}
-    return {name: row for name, row in imposed.items() if locked.isdisjoint(row)}
+    moved = {name: {node: share for node, share in row.items() if node in order} for name, row in imposed.items()}
+    return {name: row for name, row in imposed.items() if alone.reduced(moved[name])}
 
 
 def _names_kept(row: Row, reduction: Reduction, referred_to: Collection[str]) -> bool:
@@ -211,7 +219,7 @@ def contradicting_loop(parts: Sequence[OwnedPart], nodes: Sequence[str]) -> list
 def virtual_motion(kinematics: Kinematics, index: int, number: Callable[[Any], Any] = exact) -> dict[str, Any]:
     """Motion z that violates constraint number ``index`` by one and no other: its torque is the work of all else on z.
 
-    Driven nodes stand still in it: what drives them does no work on z. ``number`` makes the numbers to work with.
+    Imposed angles stand still in it: what drives them does no work on z. ``number`` makes the numbers to work with.
 
     Raises
     ------
@@ -223,7 +231,7 @@ def virtual_motion(kinematics: Kinematics, index: int, number: Callable[[Any], A
     rows[index] = {**rows[index], UNIT: Fraction(-1)}
     rows = [row for number, row in enumerate(rows) if number != index] + [rows[index]]
     names = [name for number, (name, _) in enumerate(constraints) if number != index] + [constraints[index][0]]
-    imposed: list[Any] = [{node: Fraction(1)} for node in kinematics.driven]
+    imposed: list[Any] = [exact_row(row) for row in kinematics.driven]
     order = {node: number for number, node in enumerate(kinematics.nodes)}
     reduction = reduce_rows([*imposed, *rows], order, {UNIT})
     for blocked in reduction.blocked:

@@ -10,12 +10,13 @@ over the section modulus of a round shaft, pi (D^4 - d^4) / (16 D).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor, port_fault
 from torsionnet.model.elements import GROUND, Element, Row, Values
+from torsionnet.model.elements.speed_path import SpeedPaths, own_node
 from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import Kinematics, virtual_motion
 
@@ -31,14 +32,15 @@ class Reading:
     power : int
     row : Row, optional
         Over nodes.
-    laws, constraints : mapping
-        Number of a law or constraint of the element -> factor of its torque.
+    laws, constraints, actions : mapping
+        Number of a law, constraint or action of the element -> factor of its torque.
     """
 
     power: int = 0
     row: Row | None = None
     laws: Mapping[int, Any] = field(default_factory=dict)
     constraints: Mapping[int, Any] = field(default_factory=dict)
+    actions: Mapping[int, Any] = field(default_factory=dict)
 
 
 def reading(
@@ -47,20 +49,68 @@ def reading(
     value: Values,
     laws: Iterable[tuple[str, Row]],
     constraints: Iterable[tuple[str, Row]],
+    actions: Iterable[tuple[str, Mapping[str, Any]]] = (),
 ) -> Reading:
-    """What a sensor reads that is known to be there; ``laws`` and ``constraints`` are owners and rows, in order."""
+    """What a sensor reads that is known to be there; laws, constraints and actions are owners and rows, in order.
+
+    Raises
+    ------
+    UsageError
+        No ratio leads to the shaft that the reading is referred to.
+    """
+    found = _at_own_shaft(sensor, elements, value, laws, constraints, actions)
+    if sensor.referred_to is None:
+        return found
+    factor = referring_factor(sensor, elements, value)
+    if found.row is not None:
+        return replace(found, row={node: share * factor for node, share in found.row.items()})
+    own, rigid, driving = (
+        {number: share * factor for number, share in shares.items()}
+        for shares in (found.laws, found.constraints, found.actions)
+    )
+    return replace(found, laws=own, constraints=rigid, actions=driving)
+
+
+def referring_factor(sensor: Sensor, elements: Mapping[str, Element], value: Values) -> Any:
+    """What a reading of its own shaft is multiplied with at the shaft it is referred to: a motion by the ratio of both.
+
+    Raises
+    ------
+    UsageError
+        No ratio leads there.
+    """
+    own, shaft = sensor.of, str(sensor.referred_to)
+    if sensor.is_on_element:
+        element = elements[sensor.of]
+        own = port_of(element, sensor.at)[0] if sensor.quantity == "torque" else own_node(element.ports)
+    path = SpeedPaths([one for one in elements.values() if one.enabled], value).between(own, shaft)
+    if path is None:
+        raise UsageError(f"{sensor}: no ratio leads from {own} to {shaft} in this configuration")
+    ratio = path.ratio(value)
+    return 1 / ratio if sensor.quantity == "torque" else ratio
+
+
+def _at_own_shaft(
+    sensor: Sensor,
+    elements: Mapping[str, Element],
+    value: Values,
+    laws: Iterable[tuple[str, Row]],
+    constraints: Iterable[tuple[str, Row]],
+    actions: Iterable[tuple[str, Mapping[str, Any]]],
+) -> Reading:
     if sensor.quantity in POWERS:
-        return Reading(POWERS[sensor.quantity], {sensor.of: 1})
+        return Reading(POWERS[sensor.quantity], sensor.row)
     element = elements[sensor.of]
     if sensor.quantity == "twist":
         return Reading(0, element.twist(value))
     node, sign = port_of(element, sensor.at)
     share = sign if sensor.quantity == "torque" else sign / section_modulus(element, value)
-    own, rigid = (
+    tables: tuple[Iterable[tuple[str, Mapping[str, Any]]], ...] = (laws, constraints, actions)
+    own, rigid, driving = (
         {number: share * row[node] for number, (owner, row) in enumerate(rows) if owner == element.name and node in row}
-        for rows in (laws, constraints)
+        for rows in tables
     )
-    return Reading(laws=own, constraints=rigid)
+    return Reading(laws=own, constraints=rigid, actions={number: -factor for number, factor in driving.items()})
 
 
 def section_fault(element: Element) -> str | None:
@@ -127,6 +177,8 @@ def balance(
 def port_of(element: Element, at: str | None) -> tuple[str, int]:
     """(node, sign) of a port given by its own name or its node: +1 into the element at the first port, else -1.
 
+    An element that drives by itself has -1 at all ports.
+
     A connection without inertia hands on to ground what it takes at its other end, so that end is returned instead.
     """
     fault = None if at is None else port_fault(element, at)
@@ -135,7 +187,7 @@ def port_of(element: Element, at: str | None) -> tuple[str, int]:
     nodes, index = list(element.ports.values()), element.place_of(at)
     if nodes[index] == GROUND:
         index = _other_end(element, index)
-    return nodes[index], 1 if index == 0 else -1
+    return nodes[index], 1 if index == 0 and not element.drives else -1
 
 
 def _other_end(element: Element, index: int) -> int:

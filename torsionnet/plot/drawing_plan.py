@@ -9,6 +9,7 @@ from functools import cached_property
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from torsionnet.model.channels import Input
 from torsionnet.model.elements import GROUND, Element, Law, Values
 from torsionnet.plot.epicyclic import Boxed, EpicyclicSet
 from torsionnet.plot.labels import value_lines
@@ -79,14 +80,22 @@ class DrawingPlan:
     @cached_property
     def inputs(self) -> dict[str, list[tuple[str, str]]]:
         """(input, what it is) by node."""
-        words = {"torque": "torque", "angle": "imposed angle"}
-        return self._by_node((name, words[given.quantity], given.of) for name, given in self.drivetrain.inputs.items())
+        return self._by_node((name, _input_words(given), given.of) for name, given in self.drivetrain.inputs.items())
+
+    @cached_property
+    def reactions(self) -> dict[str, list[tuple[str, str]]]:
+        """(input, what it is) by the second node of inputs between two."""
+        return self._by_node(
+            (name, f"of {given.of}", given.against)
+            for name, given in self.drivetrain.inputs.items()
+            if given.against is not None
+        )
 
     @cached_property
     def motions(self) -> dict[str, list[tuple[str, str]]]:
         """(sensor, quantity) of the motion of nodes, by node."""
         return self._by_node(
-            (name, sensor.quantity, sensor.of)
+            (name, f"{sensor.quantity}{f' against {sensor.against}' if sensor.against else ''}", sensor.of)
             for name, sensor in self.drivetrain.sensors.items()
             if not sensor.is_on_element
         )
@@ -199,3 +208,9 @@ def inertia_of(element: Element, values: Mapping[str, Any]) -> float:
     """What an element adds to the inertia of the nodes it is on, kg m^2."""
     laws = [part for part in element.parts(Values(values)) if isinstance(part, Law)]
     return sum(float(law.inertia) * sum(float(factor) ** 2 for factor in law.row.values()) for law in laws)
+
+
+def _input_words(channel: Input) -> str:
+    """What an input is, beside its arrow."""
+    what = {"torque": "torque", "angle": "imposed angle"}[channel.quantity]
+    return what if channel.against is None else f"{what} against {channel.against}"

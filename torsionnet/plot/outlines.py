@@ -76,11 +76,12 @@ def wall(x: float, half: float = 18.0) -> list[Stroke]:
     return [Stroke(((x, -half), (x, half))), *hatches]
 
 
-def torque_arrow(x: float) -> list[Stroke]:
-    """An arrow around the shaft."""
-    path = arc(x, 0, 6.5, 17, 150, -150)
+def torque_arrow(x: float, *, opposite: bool = False) -> list[Stroke]:
+    """An arrow around the shaft, or the opposite one."""
+    way = -1 if opposite else 1
+    path = arc(x, 0, 6.5, 17, way * 150, way * -150)
     x1, y1 = path[-1]
-    head = ((x1 - 1.6, y1 + 6.5), (x1 - 3.2, y1 - 2.5), (x1 + 4.8, y1 - 0.5))
+    head = ((x1 - 1.6, y1 + way * 6.5), (x1 - 3.2, y1 - way * 2.5), (x1 + 4.8, y1 - way * 0.5))
     return [Stroke(path, "input"), Stroke(head, "input", closed=True, fill="input")]
 
 

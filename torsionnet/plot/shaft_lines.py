@@ -140,6 +140,7 @@ class Line(PlannedRow):
 
     def inputs_and_motion(self, node: str) -> list[Mark]:
         inputs = [Mark("input", symbol(name), what) for name, what in self.plan.inputs.get(node, ())]
+        inputs += [Mark("reaction", f"\u2212{symbol(name)}", what) for name, what in self.plan.reactions.get(node, ())]
         return inputs + [Mark("motion", symbol(name), what) for name, what in self.plan.motions.get(node, ())]
 
     def leave(self, link: Link, child: Vertex, parent: Vertex, *, alone: bool) -> None:

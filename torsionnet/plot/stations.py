@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from itertools import permutations, zip_longest
 from typing import TYPE_CHECKING
 
+from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import GROUND, Gear
 from torsionnet.model.speeds import speeds_with
 from torsionnet.plot.line_routes import Course, courses
@@ -197,8 +198,8 @@ def idle_nodes(drivetrain: Drivetrain) -> set[str]:
 
     What drives, measures or loads the drivetrain is no idler.
     """
-    used = {channel.of for channel in drivetrain.inputs.values()}
-    used |= {sensor.of for sensor in drivetrain.sensors.values()}
+    channels: tuple[Input | Sensor, ...] = (*drivetrain.inputs.values(), *drivetrain.sensors.values())
+    used = {name for channel in channels for name in (channel.of, *channel.nodes)}
     used |= {*drivetrain.mean_torques, *drivetrain.definition.operating_point.speed}
     ways = _ways(drivetrain)
     left = {node: set(names) for node, names in ways.items()}

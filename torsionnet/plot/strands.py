@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from torsionnet.model.elements import GROUND, Element, Law, Part, Values
+from torsionnet.model.elements import GROUND, Action, Element, Law, Part, Values
 from torsionnet.model.elements.damping_entries import LossFactor
 from torsionnet.model.elements.stiffness_rows import TableEntry
 from torsionnet.plot.outlines import Glyph, dashpot, rectangle, zigzag
@@ -49,6 +49,8 @@ def far_end(element: Element, values: Mapping[str, Any]) -> str:
 
 def _resists_turning(part: Part) -> bool:
     """Whether a part is felt when all nodes turn alike at a constant speed, or stand turned."""
+    if isinstance(part, Action):
+        return False
     acts = not isinstance(part, Law) or part.is_elastic or part.damping != 0
     return bool(acts and sum(part.row.values()) != 0)
 

@@ -35,7 +35,8 @@ def channel_latex(name: str) -> str:
     """A sensor, input or node in a formula."""
     sensor = None if is_symbol(name) else parse_sensor(name)
     if sensor is not None:
-        at = f", {plain(sensor.at)}" if sensor.at else ""
+        second = sensor.at or sensor.against
+        at = f", {plain(second)}" if second else ""
         return rf"\text{{{sensor.quantity}({plain(sensor.of)}{at})}}"
     return symbol_latex(name) if is_symbol(name) else rf"\text{{{plain(name)}}}"
 

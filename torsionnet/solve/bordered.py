@@ -50,7 +50,7 @@ class Bordered:
                     for j, b in ours.items():
                         _add(powers[power][i], j, value * a * b)
         for column, excitation in enumerate(request.excitations):
-            for name, value in exact_row(assembly.kinematics.reduced({excitation.of: 1})).items():
+            for name, value in exact_row(assembly.kinematics.reduced(excitation.row)).items():
                 if name in index:  # the rest of the torque acts on imposed angles, which stand still
                     _add(powers[0][index[name]], n + column, -value)
         for line, reading in enumerate(request.measured, start=n):
@@ -60,7 +60,7 @@ class Bordered:
                     for i, a in ours.items():
                         _add(powers[power][line], i, term.factor * share * a)
             for column, excitation in enumerate(request.excitations):
-                _add(powers[0][line], n + column, reading.applied.get(excitation.of, Fraction(0)))
+                _add(powers[0][line], n + column, reading.direct(excitation.row))
         kept = ([{key: value for key, value in row.items() if value} for row in block] for block in powers)
         return cls(tuple(kept), n)  # type: ignore[arg-type]
 

@@ -192,8 +192,11 @@ class _Question:
         senses = input_senses(self.drivetrain, excitation, self.reference)
         for number, one in enumerate(near):
             shape = dict(zip(self.drivetrain.assembly.nodes, one.mode.shape.tolist(), strict=True))
-            shape |= {node: sense * shape[node] for node, sense in senses.items() if node in shape}
-            yield self._with_force(one, excitation, found, (number, lines.index((one.order, one.fixed))), shape)
+            largest = self._largest(shape, excitation.shaft)
+            still = shape.get(excitation.reaction_node or "", 0.0)
+            shape |= {node: sense * (shape[node] - still) for node, sense in senses.items() if node in shape}
+            at = number, lines.index((one.order, one.fixed))
+            yield self._with_force(one, excitation, found, at, shape, largest)
 
     def _with_force(
         self,
@@ -202,10 +205,11 @@ class _Question:
         found: OrderTorques,
         at: tuple[int, int],
         shape: Mapping[str, complex],
+        largest: float,
     ) -> CriticalSpeed:
         if excitation.quantity != "torque":
             return replace(one, excited=bool(found.amplitudes[at].any()))
-        force = generalised_force(excitation, found, at, shape, self._largest(shape, excitation.shaft))
+        force = generalised_force(excitation, found, at, shape, largest)
         title = f"{self.title}, mode {one.mode.number}" + (f", {force.case}" if force.case else "")
         return replace(
             one,

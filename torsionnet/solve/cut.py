@@ -54,8 +54,9 @@ def poles_of_measured(
 def beyond_cut(drivetrain: AssembledModel, request: TransferRequest) -> tuple[str, ...] | None:
     """Elements that stay when the drivetrain is cut at the measured torque and the side of the excitation taken away.
 
-    None if more than that is measured or it does not separate the drivetrain. The torque at a port flows between the
-    element and its node there; elements join their other nodes, ground does not.
+    None if more than that is measured, it does not separate the drivetrain, or an excitation acts on both sides. The
+    torque at a port flows between the element and its node there; elements join their other nodes, as does an imposed
+    relative motion; ground does not.
     """
     sensor = request.measured[0].sensor
     if sensor is None or sensor.quantity != "torque" or len(request.measured) > 1:
@@ -64,11 +65,12 @@ def beyond_cut(drivetrain: AssembledModel, request: TransferRequest) -> tuple[st
     ends = {name: {*one.ports.values(), *one.internal_nodes} - {GROUND} for name, one in drivetrain.elements.items()}
     ends[sensor.of].discard(node)
     parts = Groups(drivetrain.nodes)
-    for joined in ends.values():
+    tied = [set(one.nodes) for one in drivetrain.inputs.values() if one.quantity == "angle"]
+    for joined in (*ends.values(), *(nodes for nodes in tied if nodes.issubset(drivetrain.nodes))):
         if joined:
             parts.join(*joined)
     sides = [set(parts.of(node)), {other for end in ends[sensor.of] for other in parts.of(end)}]
-    is_driven = [any(one.of in side for one in request.excitations) for side in sides]
+    is_driven = [any(not side.isdisjoint(one.nodes) for one in request.excitations) for side in sides]
     if sum(is_driven) != 1:
         return None
     at_node, with_element = sides
@@ -80,16 +82,16 @@ def beyond_cut(drivetrain: AssembledModel, request: TransferRequest) -> tuple[st
 def cut_definition(definition: Definition, kept: Sequence[str]) -> Definition:
     """The definition with only the elements kept, and the inputs and sensors that still make sense."""
     elements: dict[str, Element] = {name: definition.elements[name] for name in kept}
-    nodes = all_nodes(elements.values())
+    nodes = set(all_nodes(elements.values()))
     inputs = {
         name: channel
         for name, channel in definition.inputs.items()
-        if channel.of in nodes and channel.quantity == "angle"
+        if channel.quantity == "angle" and nodes.issuperset(channel.nodes)
     }
     sensors = {
         name: sensor
         for name, sensor in definition.sensors.items()
-        if sensor.of in (elements if sensor.is_on_element else nodes)
+        if (sensor.of in elements if sensor.is_on_element else nodes.issuperset(sensor.nodes))
     }
     return replace(definition, elements=elements, inputs=inputs, sensors=sensors)
 

@@ -15,13 +15,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 import torsionnet.solve.frozen_stiffness as frozen_stiffness
+from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.solve import continuous
 from torsionnet.solve.lowest import Motions, lowest_vibrations
 from torsionnet.solve.reduction import LARGE, AnyArray, acting, resisting, restricted, stiff_laws, subspaces
 from torsionnet.solve.spectrum import physical, refined, solve
@@ -50,6 +52,8 @@ class EigenSolution:
     errors : (n_modes,) array
         Estimated relative error of each eigenvalue with respect to the exact one of the given coefficients;
         0 for rigid-body modes, which are exact.
+    missing : int
+        Modes that are known to be there but could not be calculated.
     """
 
     eigenvalues: ComplexArray
@@ -58,11 +62,13 @@ class EigenSolution:
     converged: NDArray[np.bool_]
     iterations: NDArray[np.int_]
     errors: FloatArray
+    missing: int = 0
 
     def first(self, count: int | None) -> EigenSolution:
         """Only the first modes."""
-        parts = {part.name: getattr(self, part.name)[..., :count] for part in fields(self) if part.name != "kinds"}
-        return EigenSolution(kinds=self.kinds[:count], **parts)
+        whole = ("kinds", "missing")
+        parts = {part.name: getattr(self, part.name)[..., :count] for part in fields(self) if part.name not in whole}
+        return replace(self, kinds=self.kinds[:count], **parts)
 
 
 def complex_modes(
@@ -74,7 +80,7 @@ def complex_modes(
     them.
 
     Of passive laws real parts are never positive: the damping matrix is positive semidefinite, so a positive one is
-    rounding. A table whose damping is negative can make a mode grow.
+    rounding. A damping below zero, also in a table, can make a mode grow.
     With frequency-dependent laws each mode uses their stiffness at its own frequency |Im lambda|; real poles
     use the real part at rest.
 
@@ -83,38 +89,52 @@ def complex_modes(
     SolveError
         Where coordinates have neither inertia nor spring nor damper.
     """
+    refuse_actions(system.actions, "these modes are")
     system = acting(system)
+    if continuous.is_continuous(system):
+        return _of_continuous(system, lowest or continuous.COUNT)
     stiff = stiff_laws(system)
     if lowest is not None and (few := _few_modes(system, stiff, lowest)) is not None:
         return few.first(lowest)
-    spaces = subspaces(system, stiff, system.damping > 0)
+    spaces = subspaces(system, stiff, system.damping != 0)
     if system.dynamic:
         omega, shapes = undamped_modes(system) if undamped is None else undamped
         starts = [(float(omega[i]), shapes[:, i].astype(complex)) for i in np.flatnonzero(omega)]
         found = frozen_stiffness.modes(system, spaces, starts)
         passive = is_passive(system, found.values)
     else:
-        spectrum = refined(solve(system, spaces, system.stiffness, undamped=not np.any(system.damping > 0)))
+        spectrum = refined(solve(system, spaces, system.stiffness, undamped=not np.any(system.damping)))
         kept, real = physical(spectrum)
         found = frozen_stiffness.Found.all_converged(spectrum, kept, real)
-        passive = True
+        passive = dissipates(system)
     return _sorted_solution(spaces.rigid, found, passive=passive).first(lowest)
+
+
+def _of_continuous(system: RowSystem, count: int) -> EigenSolution:
+    rigid, found, missing = continuous.damped_modes(system, count)
+    solution = _sorted_solution(rigid, found, passive=is_passive(system, found.values)).first(count)
+    return replace(solution, missing=missing)
 
 
 def _few_modes(system: RowSystem, stiff: NDArray[np.bool_], lowest: int) -> EigenSolution | None:
     """The lowest modes of a large system by a sparse route, or None where none fits."""
     if system.n_coordinates <= LARGE or system.dynamic:
         return None
-    damped = system.damping > 0
+    damped = system.damping != 0
     motions = Motions.of(system, stiff, damped, lowest)
     found = lowest_vibrations(system, motions, lowest - motions.rigid.shape[1], undamped=not np.any(damped))
-    return None if found is None else _sorted_solution(motions.rigid, found, passive=True)
+    return None if found is None else _sorted_solution(motions.rigid, found, passive=dissipates(system))
+
+
+def dissipates(system: RowSystem) -> bool:
+    """Whether no constant damping feeds energy in."""
+    return not np.any(system.damping < 0)
 
 
 def is_passive(system: RowSystem, eigenvalues: ComplexArray) -> bool:
-    """Whether no frequency-dependent law feeds energy into any of the vibrations."""
+    """Whether no law feeds energy into any of the vibrations."""
     omega = np.abs(eigenvalues.imag)
-    return all(bool(np.all(law(omega).imag >= 0)) for _, law in system.dynamic)
+    return dissipates(system) and all(bool(np.all(law.kappa(omega).imag >= 0)) for _, law in system.dynamic)
 
 
 def _sorted_solution(rigid: FloatArray, found: frozen_stiffness.Found, *, passive: bool) -> EigenSolution:
@@ -156,7 +176,7 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
     """Natural frequencies and shapes of M and K alone, all or the ``lowest`` so many.
 
     Damping is ignored; a frequency-dependent law counts with the real part of its stiffness at the mode's own
-    frequency.
+    frequency. With continuous shafts, which have infinitely many, the lowest 20 unless ``lowest`` says otherwise.
 
     Returns
     -------
@@ -165,7 +185,10 @@ def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatA
     shapes : (n_q, n) array
         Real shapes; the largest component of each is 1.
     """
+    refuse_actions(system.actions, "undamped modes are")
     system = acting(system)
+    if continuous.is_continuous(system):
+        return continuous.undamped_modes(system, lowest or continuous.COUNT)
     kept = resisting(system)
     omega, shapes = _undamped_modes(acting(restricted(system, kept)), lowest)
     every = np.zeros((system.n_coordinates, len(omega)))

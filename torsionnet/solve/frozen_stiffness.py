@@ -89,7 +89,7 @@ class FrozenProblem:
         stiffness = self.stiffness(omega)
         key = stiffness.tobytes()
         if key not in self.known:
-            no_loss = self.undamped or not (np.iscomplexobj(stiffness) or np.any(self.system.damping > 0))
+            no_loss = self.undamped or not (np.iscomplexobj(stiffness) or np.any(self.system.damping))
             self.known[key] = solve(self.system, self.spaces, stiffness, undamped=no_loss)
         return self.known[key]
 
@@ -127,7 +127,7 @@ def modes(
 
 def _at_rest(system: RowSystem, spaces: Subspaces, *, undamped: bool) -> Spectrum:
     stiffness = FrozenProblem(system, spaces, undamped=True).stiffness(0.0)
-    return refined(solve(system, spaces, stiffness, undamped=undamped or not np.any(system.damping > 0)))
+    return refined(solve(system, spaces, stiffness, undamped=undamped or not np.any(system.damping)))
 
 
 def _real_poles(rest: Spectrum) -> list[Mode]:

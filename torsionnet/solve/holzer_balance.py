@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.assembly.system import Assembly
@@ -67,8 +68,9 @@ def trial(drivetrain: AssembledModel, omega: float, first: str, last: str) -> Fl
         There is no such motion: ``first`` stands still whatever acts on ``last``.
     """
     assembly = drivetrain.assembly
-    stiffness, rows = _stiffness(assembly, omega), assembly.system.rows
-    dynamic = rows.T @ ((stiffness - omega**2 * assembly.system.inertia)[:, None] * rows)
+    refuse_actions(assembly.system.actions, "a Holzer table is")
+    (stiffness, inertia), rows = _coefficients(assembly, omega), assembly.system.rows
+    dynamic = rows.T @ ((stiffness - omega**2 * inertia)[:, None] * rows)
     nodes = assembly.node_rows.dense
     start, end = nodes[assembly.node_index[first]], nodes[assembly.node_index[last]]
     scale = max(np.abs(dynamic).max(initial=0), 1e-300)
@@ -84,11 +86,12 @@ def trial(drivetrain: AssembledModel, omega: float, first: str, last: str) -> Fl
 def balance_of(drivetrain: AssembledModel, omega: float, angles: FloatArray, last: str | None = None) -> HolzerBalance:
     """All torques of a motion; a torque may remain on ``last``."""
     assembly = drivetrain.assembly
+    refuse_actions(assembly.system.actions, "a Holzer table is")
     angle = dict(zip(assembly.nodes, angles.tolist(), strict=True))
     inertias, torques = dict.fromkeys(angle, 0.0), dict.fromkeys(angle, 0.0)
     loads = []
     rest = dict.fromkeys(angle, 0.0)
-    stiffnesses, own = _stiffness(assembly, omega).tolist(), assembly.system.inertia.tolist()
+    stiffnesses, own = (part.tolist() for part in _coefficients(assembly, omega))
     numbers = zip(assembly.owners, assembly.laws, stiffnesses, own, strict=True)
     for owner, law, stiffness, inertia in numbers:
         row = {node: float(value) for node, value in law.row.items() if node in angle}
@@ -136,6 +139,13 @@ def _of_constraints(
     return [(owner, row, torque) for (owner, row), torque in zip(rows, multipliers, strict=True)]
 
 
-def _stiffness(assembly: Assembly, omega: float) -> FloatArray:
-    """Real stiffness of every law at omega."""
-    return np.asarray(assembly.system.stiffness + assembly.system.kappa(omega).real)
+def _coefficients(assembly: Assembly, omega: float) -> tuple[FloatArray, FloatArray]:
+    """Real stiffness and inertia of every law at omega; the ends of a continuous shaft are inertias."""
+    stiffness, inertia = assembly.system.stiffness.copy(), assembly.system.inertia.copy()
+    for law, table in assembly.system.dynamic:
+        kappa = table.with_loss(0).kappa(np.array([omega])).real.item()
+        if table.is_elastic:
+            stiffness[law] += kappa
+        else:
+            inertia[law] += -kappa / omega**2 if omega else table.inertia_at_rest
+    return stiffness, inertia

@@ -10,9 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, TypeAlias
 
-import numpy as np
-
 import torsionnet.solve.tape as ops
+from torsionnet.assembly.action_law import ActionLaw, polynomial
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import SolveError
 from torsionnet.model.elements import Law
@@ -36,7 +35,7 @@ class ManyDigits:
     """A request to an assembly, in as many digits as ``mpmath.workdps`` says, within which it is to be used."""
 
     def __init__(self, assembly: Assembly, request: TransferRequest) -> None:
-        self.request, self.laws = request, assembly.laws
+        self.request, self.laws, self.actions = request, assembly.laws, assembly.system.actions
         measured = request.measured if request.is_measured else ()
         self.posed = pose(assembly, request.outputs, measured, request.excitations, number, _accuracy())
 
@@ -61,7 +60,27 @@ class ManyDigits:
             for value, found in walked(part.tape, slots).items():
                 reading, place = divmod(value, len(excitations))
                 solved[reading][excitations[place]] = found
-        return [[_factor(part, kappa, s) * motion for motion in solved[part.solved]] for part in self.posed.parts]
+        solved, torques = self._closed(solved, s) if self.actions else (solved, [])
+        readings = [[_factor(part, kappa, s) * motion for motion in solved[part.solved]] for part in self.posed.parts]
+        for values, driven in zip(readings, self.posed.driven, strict=True):
+            for action, factor in driven.items():
+                values[:] = [value + number(factor) * t for value, t in zip(values, torques[action], strict=True)]
+        return readings
+
+    def _closed(self, solved: list[list[Number]], s: Number) -> tuple[list[list[Number]], list[list[Number]]]:
+        """What is solved with the actions at work, and their torques."""
+        n, gains = self.posed.n_excitations, [_action_gain(one, s) for one in self.actions]
+        sensed = [[gain * value for value in solved[row]] for gain, row in zip(gains, self.posed.sensed, strict=True)]
+        places = range(len(gains))
+        loop = [[_left([number(int(i == j)), -sensed[i][n + j]]) for j in places] for i in places]
+        transposed = [[loop[j][i] for j in places] for i in places]
+        excited = [[sensed[i][e] for i in places] for e in range(n)]
+        by_excitation = _quotient(excited, transposed)
+        if by_excitation is None:
+            raise SolveError("the loop of a controller is at a pole here; ask for another frequency")
+        torques = [[row[i] for row in by_excitation] for i in places]
+        every = [[_left([row[e], *(row[n + i] * torques[i][e] for i in places)]) for e in range(n)] for row in solved]
+        return every, torques
 
 
 def _accuracy() -> Accuracy:
@@ -108,15 +127,23 @@ def _factor(part: ReadingPart, kappa: Sequence[Number], s: Number) -> Number:
     return number(part.term.factor) * (s**part.term.power if part.term.law is None else kappa[part.term.law])
 
 
+def _action_gain(action: ActionLaw, s: Number) -> Number:
+    """Torque per angle sensed."""
+    import mpmath
+
+    above, below = (polynomial([number(value) for value in part], s) for part in (action.numerator, action.denominator))
+    if not below:
+        raise SolveError(f"the law of {action.owner} has a pole here; ask for another frequency")
+    return above / below * (mpmath.exp(-s * number(action.delay)) if action.delay else 1)
+
+
 def _dynamic_stiffness(law: Law, s: Number) -> Number:
-    """Of a table at |Im s|, and beside the axis with its damping."""
     import mpmath
 
     loss = mpmath.mpc(0, number(law.loss_factor)) if law.loss_factor else 0
     total = number(law.stiffness) * (1 + loss) + s * (number(law.damping) + s * number(law.inertia))
     if law.table is not None:
-        total += mpmath.mpmathify(complex(law.table.kappa(np.array([abs(float(mpmath.im(s)))]))[0]))
-        total += mpmath.re(s) * number(law.table.damping[0])
+        total += law.table.in_many_digits(s)
     return total
 
 

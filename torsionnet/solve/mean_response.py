@@ -1,7 +1,8 @@
 """Mean torques and what they wind up: the static solution under the torques from outside.
 
 Springs hand mean torques on. Dampers stand for vibration, and inertias feel nothing at steady speed; so of all laws
-only stiffness is left, the real part at rest where it depends on frequency. Motions that no spring resists are held in
+only stiffness is left, the real part at rest where it depends on frequency, and of controllers what follows rates is
+nothing. Motions that no spring resists are held in
 one node each. What that node takes is what the torques leave over, which is nothing where they are in balance.
 """
 
@@ -13,6 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import Functional, functional
 from torsionnet.assembly.law_stiffness import LawStiffness, law_stiffness
@@ -138,6 +140,8 @@ def _held_in(held: AssembledModel) -> list[str]:
 
 def _per_torque(rigs: Sequence[AssembledModel], request: TransferRequest) -> FloatArray:
     """Readings (n_rigs, n_readings, n_nodes) per torque on a node."""
+    for rig in rigs:
+        refuse_actions([one for one in rig.assembly.system.actions if one.acts_at_rest], "mean torques are")
     kappa = _at_rest(law_stiffness([rig.assembly.system for rig in rigs], np.zeros(1)))
     return np.asarray(transfer_functions(request, kappa, "graph").values.real)
 
@@ -171,7 +175,8 @@ def _at_rest(kappa: LawStiffness) -> LawStiffness:
     for law, values in kappa.sampled:
         stiffness[:, law] += values[:, 0].real
     nothing = np.zeros_like(stiffness)
-    return LawStiffness(nothing, nothing, stiffness, kappa.omega)
+    resting = tuple(np.zeros_like(values) for values in kappa.actions)
+    return LawStiffness(nothing, nothing, stiffness, kappa.omega, actions=resting)
 
 
 def _require_balance(left_over: FloatArray, sizes: FloatArray) -> None:

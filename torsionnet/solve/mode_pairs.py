@@ -66,7 +66,9 @@ def _similarity(system: RowSystem, rates: FloatArray, shapes: FloatArray, damped
     found = np.zeros((len(rates), damped.shape[1]))
     rows = system.rows
     for group in _groups(rates):
-        stiffness = np.maximum(system.stiffness + system.kappa(float(rates[group[0]])).real, 0)
+        stiffness = system.stiffness.copy()
+        for law, table in system.dynamic:
+            stiffness[law] += max(table.energy(1j * float(rates[group[0]]))[1], 0.0)
         weight = np.sqrt(stiffness)[:, None]
         basis, strain = np.linalg.qr(weight * (rows @ shapes[:, group]))[0], weight * (rows @ damped)
         sizes = np.sum(np.abs(strain) ** 2, axis=0)

@@ -16,6 +16,7 @@ NOTEWORTHY = 0.1
 STILL = 1e-6
 UNCERTAIN = 1e-6
 """Relative error of an eigenvalue that is worth a warning."""
+UNSTABLE = "unstable, it grows"
 NOISE = 1e-10
 """Angles below this share of the largest are rounding, and their signs mean nothing."""
 
@@ -38,17 +39,22 @@ def describe(
             sentences.append(_overdamped(solution.eigenvalues[index], elements, strain[:, index], dissipated[:, index]))
         else:
             crossings = links.vibration_nodes(solution.vectors[:, index])
-            grows = "unstable, it grows; " if solution.eigenvalues[index].real > 0 else ""
+            grows = f"{UNSTABLE}; " if solution.eigenvalues[index].real > 0 else ""
             sentences.append(grows + _vibration(elements, strain[:, index], crossings))
     return tuple(sentences)
 
 
 def unsettled(solution: EigenSolution) -> tuple[str, ...]:
     """Name the modes for which the frequency of a law and that of the mode did not meet."""
+    lost = (
+        (f"{solution.missing} mode(s) could not be followed from the undamped model; it has more than are given",)
+        if solution.missing
+        else ()
+    )
     if solution.converged.all():
-        return ()
+        return lost
     stuck = ", ".join(f"{abs(value) / (2 * np.pi):.4g} Hz" for value in solution.eigenvalues[~solution.converged])
-    return (f"the frequency-dependent stiffness did not settle for the mode(s) near {stuck}",)
+    return (*lost, f"the frequency-dependent stiffness did not settle for the mode(s) near {stuck}")
 
 
 def uncertain(errors: FloatArray) -> tuple[str, ...]:
@@ -77,12 +83,16 @@ def _leading(elements: tuple[str, ...], shares: FloatArray) -> str:
 def _overdamped(value: complex, elements: tuple[str, ...], strain: FloatArray, dissipated: FloatArray) -> str:
     time = 1 / abs(value.real) if value.real else math.inf
     damping = _leading(elements, dissipated)
-    text = f"overdamped, time constant {time:.3g} s"
+    text = f"{UNSTABLE}; " if value.real > 0 else ""
+    text += f"overdamped, time constant {time:.3g} s" if value.real <= 0 else f"e times as much every {time:.3g} s"
+    damping = damping if value.real <= 0 else ""
     text += f"; damped by {damping}" if damping else ""
     return text if strain.any() else f"{text}; no spring involved"
 
 
 def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[str] | None) -> str:
+    if not strain.any():
+        return "no spring involved"
     if crossings is None:
         return f"strain in {_leading(elements, strain)}"
     count = len(crossings)
@@ -96,7 +106,8 @@ def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[st
 class Links:
     """The elastic laws between two coordinates: left = a * first, right = -b * second.
 
-    Over coordinates what is rigidly geared together counts as one wheel. ``wide`` says that a law ties three of them.
+    Over coordinates what is rigidly geared together counts as one wheel. ``wide`` says that a law ties three of them,
+    or that motions go up and down between two.
     """
 
     names: tuple[str, ...]
@@ -114,13 +125,15 @@ class Links:
         factors = np.array([list(row.values()) for _, row in pairs]).reshape(-1, 2)
         owners = tuple(owner for owner, _ in pairs)
         names = assembly.kinematics.coordinates
-        return cls(names, owners, ends, factors * [1.0, -1.0], wide=len(pairs) < len(elastic))
+        waves = any(table.is_continuous for _, table in assembly.system.dynamic)
+        return cls(names, owners, ends, factors * [1.0, -1.0], wide=len(pairs) < len(elastic) or waves)
 
     def vibration_nodes(self, motion: ComplexArray) -> list[str] | None:
         """Where the motion (n_q,) changes its sense: ``in shaft``, or ``at wheel`` if that rests in between.
 
         Angles either side of an elastic element are compared over its ratio, a complex shape is turned to its main
-        phase first. None where there is no such count because an element ties three coordinates.
+        phase first. None where there is no such count: an element ties three coordinates, or is a continuous
+        shaft.
         """
         if self.wide:
             return None

@@ -14,9 +14,8 @@ from numpy.typing import ArrayLike
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray
 from torsionnet.core.errors import UsageError, meant_or
-from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.channels import Input, Sensor, named_nodes
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
-from torsionnet.model.speeds import total_ratio
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
@@ -25,6 +24,7 @@ from torsionnet.solve.operating_groups import Settled, at_speeds, solved_togethe
 from torsionnet.solve.posed import twisted_law
 from torsionnet.solve.settling import settled_by_vibration
 from torsionnet.solve.shared_response import shared_response
+from torsionnet.solve.total_ratios import remembered_ratio
 from torsionnet.solve.transfer import evaluate, warn_infinite
 from torsionnet.solve.transfer_request import remembered, stressed_sections
 from torsionnet.solve.worst_case import contributions, worst_case
@@ -78,12 +78,12 @@ def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, fl
 def with_motions_held(drivetrain: AssembledModel, acting: Mapping[str, OrderExcitation]) -> AssembledModel:
     """The drivetrain whose imposed motions are inputs, all of them held while one moves: so they may be added up."""
     inputs = dict(drivetrain.inputs)
-    known = {channel.of for channel in inputs.values() if channel.quantity == "angle"}
+    known = {channel for channel in inputs.values() if channel.quantity == "angle"}
     for name, one in acting.items():
         for node in one.nodes if one.quantity == "angle" else ():
-            if node not in known:
-                known.add(node)
-                inputs[_unused(f"{name} on {node}", inputs)] = Input("angle", node)
+            if (channel := one.channel(node)) not in known:
+                known.add(channel)
+                inputs[_unused(f"{name} on {node}", inputs)] = channel
     if len(inputs) == len(drivetrain.inputs):
         return drivetrain
     held = drivetrain.with_definition(replace(drivetrain.definition, inputs=inputs))
@@ -106,12 +106,12 @@ def input_senses(drivetrain: AssembledModel, one: OrderExcitation, reference: st
         name = one.element_entry[1]
         row = drivetrain.assembly.laws[twisted_law(drivetrain.assembly, name)].row
         return {name: float(row[one.shaft]) * _sense(drivetrain, one.shaft, reference)}
-    holds = drivetrain.assembly.kinematics.holds
-    return {node: _sense(drivetrain, one.reactions.get(node, node), reference) for node in one.nodes if not holds(node)}
+    stills = drivetrain.assembly.kinematics.stills
+    return {node: _sense(drivetrain, node, reference) for node in one.nodes if not stills(one.channel(node).row)}
 
 
 def _sense(drivetrain: AssembledModel, node: str, reference: str) -> float:
-    return -1.0 if _ratio(drivetrain, node, reference) < 0 else 1.0
+    return -1.0 if remembered_ratio(drivetrain, node, reference) < 0 else 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +133,7 @@ def _acts(name: str, one: OrderExcitation, ratio: Fraction, senses: Senses, foun
     if not ratio and found.orders.any():
         raise UsageError(f"{one.shaft} does not turn, so it has no orders; {name} can act at frequencies there")
     columns = {place: column for column, place in enumerate(found.nodes) if place in senses}
-    inputs = {place: (Input(one.quantity, place), senses[place]) for place in columns}
+    inputs = {place: (one.channel(place), senses[place]) for place in columns}
     loads = {channel: sense * found.amplitudes[:, :, columns[place]] for place, (channel, sense) in inputs.items()}
     return _Acting(name, lines, loads, found, inputs)
 
@@ -234,12 +234,13 @@ def _require_moving(drivetrain: AssembledModel, name: str, excitation: OrderExci
     if excitation.element_entry is not None and excitation.element_entry[1] not in drivetrain.elements:
         raise UsageError(f"{name} acts in {excitation.element_entry[1]}, which is switched off in this configuration")
     for node in excitation.nodes:
-        if node not in drivetrain.nodes:
-            raise UsageError(f'{name} acts on "{node}", to which nothing is attached in this configuration')
-        if drivetrain.assembly.kinematics.holds(node) and node not in excitation.reactions:
-            raise UsageError(
-                f'{name} acts on "{node}", which is locked in this configuration; nothing would come of it'
-            )
+        channel = excitation.channel(node)
+        missing = next((one for one in channel.nodes if one not in drivetrain.nodes), None)
+        if missing is not None:
+            raise UsageError(f'{name} acts on "{missing}", to which nothing is attached in this configuration')
+        if drivetrain.assembly.kinematics.stills(channel.row):
+            held = f'"{node}", which is locked' if channel.against is None else f"{named_nodes(channel)}, held rigidly"
+            raise UsageError(f"{name} acts on {held} in this configuration; nothing would come of it")
 
 
 def _speeds(drivetrain: AssembledModel, speeds: ArrayLike | None, speed_of: str | None) -> tuple[str, FloatArray]:
@@ -272,12 +273,4 @@ def _turning(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
     """Revolutions of a shaft per revolution of the reference."""
     if node not in drivetrain.nodes:
         raise UsageError(f'"{node}" is not there in this configuration, so that its orders have no speed')
-    return _ratio(drivetrain, node, reference)
-
-
-def _ratio(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
-    return drivetrain.assembly.system.memo.once(
-        Fraction,
-        ("total ratio", node, reference),
-        lambda: total_ratio(drivetrain.definition, drivetrain.exact_values, node, reference),
-    )
+    return remembered_ratio(drivetrain, node, reference)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import torsionnet.solve.refine as refine
+from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
@@ -52,6 +53,9 @@ def measured_poles(drivetrain: AssembledModel, request: TransferRequest) -> tupl
         For laws that depend on frequency, imposed angles as excitation, or an excitation that reaches no reading.
     """
     assembly = drivetrain.assembly
+    refuse_actions(
+        assembly.system.actions, "poles against a measured input that does not cut the drivetrain in two are"
+    )
     if acting(assembly.system).dynamic or any(excitation.quantity != "torque" for excitation in request.excitations):
         raise UsageError(
             "the measured input does not cut the drivetrain in two, and with frequency-dependent stiffness or imposed "

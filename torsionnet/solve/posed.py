@@ -44,6 +44,10 @@ class Gap:
     laws: Mapping[int, Fraction]
     nodes: Mapping[str, Fraction]
 
+    def work(self, row: Mapping[str, Fraction | int]) -> Fraction:
+        """Of torques on nodes as it opens by one."""
+        return sum((share * self.nodes.get(node, Fraction(0)) for node, share in row.items()), start=Fraction(0))
+
 
 @dataclass(frozen=True, eq=False)
 class PosedProblem:
@@ -58,20 +62,49 @@ class PosedProblem:
         Of measured inputs, what their size is compared with: the reading written out as terms of motion.
     applied : (n_readings, n_exc) array
         The share of applied torques in that.
+    sensed : tuple of int
+        Which of what is solved the actions follow; their torques are the last excitations of the problem.
+    driven : tuple of mapping
+        Action -> factor of its torque in every reading.
     """
 
     problem: ResponseProblem
     parts: tuple[ReadingPart, ...]
     terms: tuple[tuple[ReadingPart, ...], ...]
     applied: FloatArray
+    sensed: tuple[int, ...] = ()
+    driven: tuple[Mapping[int, Fraction], ...] = ()
+
+    @property
+    def n_excitations(self) -> int:
+        """Without the torques of actions."""
+        return len(self.problem.excitations) - len(self.sensed)
 
     def felt_by(self, reading: int) -> frozenset[int]:
-        """Excitations that reach a reading at all."""
-        solved, found = self.parts[reading].solved, set[int]()
+        """Excitations that reach a reading at all, also by way of actions."""
+        reached = self._reached
+        found = set(reached.get(self.parts[reading].solved, ()))
+        waiting = [*self.driven[reading], *(number - self.n_excitations for number in found)]
+        seen: set[int] = set()
+        while waiting:
+            action = waiting.pop()
+            if action < 0 or action in seen:
+                continue
+            seen.add(action)
+            more = reached.get(self.sensed[action], frozenset())
+            found |= more
+            waiting += [number - self.n_excitations for number in more]
+        return frozenset(number for number in found if number < self.n_excitations)
+
+    @cached_property
+    def _reached(self) -> dict[int, frozenset[int]]:
+        """Excitations of the problem that reach each number of what is solved."""
+        found: dict[int, set[int]] = {}
         for excitations, part in self.problem.parts:
-            values = (divmod(value, len(excitations)) for value in part.tape.reached)
-            found |= {excitations[number] for place, number in values if place == solved}
-        return frozenset(found)
+            for value in part.tape.reached:
+                place, number = divmod(value, len(excitations))
+                found.setdefault(place, set()).add(excitations[number])
+        return {place: frozenset(numbers) for place, numbers in found.items()}
 
     @cached_property
     def turned(self) -> PosedProblem:
@@ -99,11 +132,13 @@ def pose(
     ]
     terms: list[tuple[ReadingPart, ...]] = [() for _ in outputs]
     terms += [tuple(rows.part(term) for term in reading.terms) for reading in measured]
+    sensed = tuple(rows.number_of(assembly.columns_of(one.sensed, number)) for one in assembly.system.actions)
     columns = dict(enumerate(gaps.found, n_given + len(twists)))
+    driving = [_torque(assembly, one.row, one.nodes, columns, number) for one in assembly.system.actions]
     problem = ResponseProblem(
         _laws(assembly, columns, twisted, number),
         assembly.system.n_coordinates,
-        tuple(_excitation(assembly, one, columns, twists, number) for one in excitations),
+        (*(_excitation(assembly, one, columns, twists, number) for one in excitations), *driving),
         tuple(rows.rows),
         tuple(columns),
         accuracy=accuracy,
@@ -111,9 +146,10 @@ def pose(
     applied = np.zeros((len(readings), len(excitations)))
     for place, reading in enumerate(measured, len(outputs)):
         for column, one in enumerate(excitations):
-            applied[place, column] = reading.direct(one.of) if one.quantity == "torque" else 0.0
+            applied[place, column] = float(reading.direct(one.row)) if one.quantity == "torque" else 0.0
     parts = (part if part.term else part._replace(solved=len(rows.rows) + part.solved) for part in found)
-    return PosedProblem(problem, tuple(parts), tuple(terms), applied)
+    driven = tuple(reading.actions for reading in readings)
+    return PosedProblem(problem, tuple(parts), tuple(terms), applied, sensed, driven)
 
 
 def twisted_law(assembly: Assembly, element: str) -> int:
@@ -138,11 +174,22 @@ def _excitation(
 ) -> Loading:
     if excitation.is_on_element:
         return Loading(motion={column: number(Fraction(1)) for column, one in twists.items() if one == excitation})
-    effect = assembly.columns_of(exact_row(assembly.kinematics.reduced({excitation.of: 1})), number)
+    effect = exact_row(assembly.kinematics.reduced(excitation.row))
     if excitation.quantity == "angle":
-        return Loading(motion=effect)
-    at_gaps = {j: number(gap.nodes[excitation.of]) for j, gap in gaps.items() if excitation.of in gap.nodes}
-    return Loading(load={**effect, **at_gaps})
+        return Loading(motion=assembly.columns_of(effect, number))
+    return _torque(assembly, effect, excitation.row, gaps, number)
+
+
+def _torque(
+    assembly: Assembly,
+    row: Mapping[str, Any],
+    nodes: Mapping[str, Fraction | int],
+    gaps: Mapping[int, Gap],
+    number: Number,
+) -> Loading:
+    """A torque on a row over nodes; ``row`` is the same over coordinates and imposed angles."""
+    at_gaps = {column: number(work) for column, gap in gaps.items() if (work := gap.work(nodes))}
+    return Loading(load={**assembly.columns_of(row, number), **at_gaps})
 
 
 @dataclass
@@ -160,10 +207,14 @@ class _Rows:
         row = self.assembly.columns_of(term.exact, self.number)
         if term.law is not None and term.law in self.twisted:
             row = {**row, self.twisted[term.law]: self.number(Fraction(-1))}
+        return ReadingPart(self.number_of(row), term)
+
+    def number_of(self, row: Row) -> int:
+        """Where a row stands among those asked for."""
         number = self.numbers.setdefault(frozenset(row.items()), len(self.rows))
         if number == len(self.rows):
             self.rows.append(row)
-        return ReadingPart(number, term)
+        return number
 
 
 @dataclass

@@ -13,6 +13,7 @@ import torsionnet.solve.dense as dense
 import torsionnet.solve.starmesh as starmesh
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.solve.closed_loops import ClosedLoops, closed
 from torsionnet.solve.doubt import SHARE
 from torsionnet.solve.posed import PosedProblem
 from torsionnet.solve.response_problem import ResponseProblem
@@ -43,22 +44,25 @@ def transfer_functions(
     """Outputs over inputs; ``turned``: by another order of elimination."""
     posed, n_out = request.posed.turned if turned else request.posed, len(request.outputs)
     found = METHODS[method](posed.problem, kappa)
+    loops = closed(posed, kappa, found.values, found.doubtful)
     with np.errstate(invalid="ignore"):
-        readings = _readings(posed, kappa, found.values)
-    values, doubtful, conditioning = readings[:, :n_out], found.doubtful, np.ones(kappa.n_points)
+        readings = _readings(posed, kappa, loops)
+    values, doubtful, conditioning = readings[:, :n_out], loops.doubtful, np.ones(kappa.n_points)
     if request.is_measured:
         measured = readings[:, n_out:]
         values, lost, apart = _divide(values, measured)
-        conditioning = _shares(posed, kappa, found.values, measured).max(axis=2).min(axis=1) * apart
+        conditioning = _shares(posed, kappa, loops.values, measured).max(axis=2).min(axis=1) * apart
         doubtful = doubtful | lost
     return FrequencyPoints(values, conditioning, doubtful)
 
 
-def _readings(posed: PosedProblem, kappa: LawStiffness, solved: ComplexArray) -> ComplexArray:
+def _readings(posed: PosedProblem, kappa: LawStiffness, loops: ClosedLoops) -> ComplexArray:
     """Readings (n_points, n_readings, n_exc)."""
-    values = np.empty((kappa.n_points, len(posed.parts), solved.shape[1]), dtype=complex)
+    values = np.empty((kappa.n_points, len(posed.parts), loops.values.shape[1]), dtype=complex)
     for number, part in enumerate(posed.parts):
-        values[:, number] = part.of(kappa, solved).T
+        values[:, number] = part.of(kappa, loops.values).T
+        for action, factor in posed.driven[number].items():
+            values[:, number] += float(factor) * loops.torques[action].T
     return values
 
 

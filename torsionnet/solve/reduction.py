@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -210,27 +210,66 @@ def first_order(
         A = [[-(P G X)^T (P G X), -(Y^T E X - H^T Q_1^T G X)^T],
              [(Y^T Y)^-1 (Y^T E X - H^T Q_1^T G X), -(Y^T Y)^-1 H^T H]],    P = I - Q_1 Q_1^T
 
-    whose symmetric part is -(C^ + D^) <= 0 for real stiffness: no unstable pole.
+    whose symmetric part is -(C^ + D^) <= 0 for real stiffness: no unstable pole, unless a damping is negative.
     """
     damping = system.damping if damping is None else damping
     E = _spring_rows(system, spaces, stiffness)
-    acting = damping > 0
-    G = np.sqrt(damping[acting])[:, None] * system.rows[acting]
     E_x, E_1, E_2 = E @ spaces.moving, E @ spaces.damped, E @ spaces.held
     Y = _force_basis(E, E_2, spaces.spring_rank)
+    split = _driven if np.any(damping < 0) else _dissipated
+    part = split(system, spaces, damping, E_1.T @ Y)
+    forces = Y.T @ E_x - part.cross
+    gram_inverse = np.linalg.inv(Y.T @ Y) if np.iscomplexobj(Y) else np.eye(Y.shape[1])
+    coupling = gram_inverse @ forces if np.iscomplexobj(Y) else forces
+    matrix = np.block([[-part.drag, -forces.T], [coupling, -gram_inverse @ part.yielding]])
+    recover = _recover(spaces, E, E_2, -part.followed)
+    size = part.size + _norm(E_x) + _norm(matrix)
+    return FirstOrder(np.asarray(matrix), np.asarray(coupling), spaces, recover, size)
+
+
+class _Split(NamedTuple):
+    """The damping C on X and on N_1, which is eliminated; F are the forces of springs on N_1."""
+
+    drag: AnyArray  # C_xx - C_x1 C_11^-1 C_1x
+    yielding: AnyArray  # F^T C_11^-1 F
+    cross: AnyArray  # F^T C_11^-1 C_1x
+    followed: AnyArray  # C_11^-1 [C_1x, F]
+    size: float  # norm of what cancelled
+
+
+def _dissipated(system: RowSystem, spaces: Subspaces, damping: FloatArray, forces: AnyArray) -> _Split:
+    """By roots of dampers, which form no product of them."""
+    acting = damping > 0
+    G = np.sqrt(damping[acting])[:, None] * system.rows[acting]
     Q_1, R_1 = np.linalg.qr(G @ spaces.damped)
     G_x = G @ spaces.moving
     slip = Q_1.T @ G_x
-    H = np.linalg.solve(R_1.T, E_1.T @ Y)
+    H = np.linalg.solve(R_1.T, forces)
     G_p = G_x - Q_1 @ slip
-    forces = Y.T @ E_x - H.T @ slip
-    gram_inverse = np.linalg.inv(Y.T @ Y) if np.iscomplexobj(Y) else np.eye(Y.shape[1])
-    coupling = gram_inverse @ forces if np.iscomplexobj(Y) else forces
-    lower = -gram_inverse @ (H.T @ H)
-    matrix = np.block([[-(G_p.T @ G_p), -forces.T], [coupling, lower]])
-    recover = _recover(spaces, E, E_2, -np.linalg.solve(R_1, np.hstack([slip, H])))
-    size = _norm(G_x) * _norm(G_p) + _norm(H) * _norm(slip) + _norm(E_x) + _norm(matrix)
-    return FirstOrder(np.asarray(matrix), np.asarray(coupling), spaces, recover, size)
+    size = _norm(G_x) * _norm(G_p) + _norm(H) * _norm(slip)
+    return _Split(G_p.T @ G_p, H.T @ H, H.T @ slip, np.linalg.solve(R_1, np.hstack([slip, H])), size)
+
+
+def _driven(system: RowSystem, spaces: Subspaces, damping: FloatArray, forces: AnyArray) -> _Split:
+    """Where some damping is negative, so that it has no root.
+
+    Raises
+    ------
+    SolveError
+        Where dampers cancel on a motion without inertia.
+    """
+    G = system.rows
+    signed = damping[:, None] * G
+    C_x = G.T @ (signed @ spaces.moving)
+    C_xx, C_1x = spaces.moving.T @ C_x, spaces.damped.T @ C_x
+    C_11 = np.asarray(spaces.damped.T @ (G.T @ (signed @ spaces.damped)), dtype=float)
+    try:
+        followed = np.linalg.inv(C_11) @ np.hstack([C_1x, forces])
+    except np.linalg.LinAlgError:
+        raise SolveError("damping and negative damping cancel on a motion without inertia") from None
+    slip, creep = followed[:, : C_1x.shape[1]], followed[:, C_1x.shape[1] :]
+    size = _norm(C_xx) + _norm(C_1x) * _norm(slip)
+    return _Split(np.asarray(C_xx - C_1x.T @ slip), forces.T @ creep, forces.T @ slip, followed, size)
 
 
 def _norm(values: NDArray[np.generic]) -> float:

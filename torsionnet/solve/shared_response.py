@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from torsionnet.assembly.action_law import ActionLaw
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Law
@@ -20,7 +21,7 @@ from torsionnet.solve.transfer_request import stressed_sections
 class LatestResponse:
     """What was asked last of these rows, and the answer; only one, for an answer may be large."""
 
-    laws: tuple[Law, ...] = ()
+    laws: tuple[Law | ActionLaw, ...] = ()
     asked: Any = None
     frequencies: FloatArray | None = None
     found: FrequencyResponse | None = None
@@ -38,11 +39,12 @@ def shared_response(
     """
     latest = drivetrain.assembly.system.memo.once(LatestResponse, None, LatestResponse)
     asked = (outputs, inputs, stressed_sections(drivetrain, (outputs,)))
+    laws: tuple[Law | ActionLaw, ...] = (*drivetrain.assembly.laws, *drivetrain.assembly.system.actions)
     if latest.found is not None and latest.frequencies is not None:
         alike = latest.asked == asked and np.array_equal(latest.frequencies, frequencies)
-        if alike and latest.laws == drivetrain.assembly.laws:
+        if alike and latest.laws == laws:
             return latest.found
     found = frequency_response(drivetrain, outputs, inputs, frequencies)
-    latest.laws, latest.asked = drivetrain.assembly.laws, asked
+    latest.laws, latest.asked = laws, asked
     latest.frequencies, latest.found = frequencies, found
     return found

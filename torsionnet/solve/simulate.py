@@ -41,7 +41,10 @@ def simulate(
     if request.is_measured or any(source.quantity != "torque" for source in request.excitations):
         raise UsageError("a simulation is driven by torques: name inputs or nodes on which they act")
     motion = respond(drivetrain, request, torques, sampling_rate)
-    names = (name if name in drivetrain.inputs else f"torque on {name}" for name in inputs)
+    names = (
+        name if name in drivetrain.inputs else str(source)
+        for name, source in zip(inputs, request.excitations, strict=True)
+    )
     driven = (Signal(name, "torque", torque) for name, torque in zip(names, torques, strict=True))
     read = (
         Signal(reading.name, QUANTITIES[reading.unit], values)

@@ -11,8 +11,8 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.functionals import Functional, functional
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.model.channels import UNITS, Input, Sensor, named_sensor
-from torsionnet.model.elements import Values
+from torsionnet.model.channels import UNITS, Input, Sensor, named_nodes, named_sensor, parse_pair, still_words
+from torsionnet.model.elements import GROUND, Values
 from torsionnet.model.imposed_twist import twist_fault
 from torsionnet.model.readings import section_modulus
 from torsionnet.solve.posed import PosedProblem, pose
@@ -82,8 +82,8 @@ class TransferRequest:
 def remembered(
     drivetrain: AssembledModel,
     output: str | Sensor | Sequence[str | Sensor],
-    input: str | Sensor | Sequence[str | Sensor],
-    excitation: str | Sequence[str] | None,
+    input: str | Sensor | Input | Sequence[str | Sensor | Input],
+    excitation: str | Input | Sequence[str | Input] | None,
 ) -> TransferRequest:
     """As :func:`ask`, but asked once for all configurations with the same rows and the same sections of shafts."""
     parts = tuple(tuple(entry) if isinstance(entry, list) else entry for entry in (output, input, excitation))
@@ -102,7 +102,7 @@ def remembered(
 
 
 def stressed_sections(
-    drivetrain: AssembledModel, entries: Iterable[str | Sensor | Sequence[str | Sensor]]
+    drivetrain: AssembledModel, entries: Iterable[str | Sensor | Input | Sequence[str | Sensor | Input]]
 ) -> tuple[Any, ...]:
     """Section moduli of the shafts whose stress is asked for: what a reading depends on beside the rows."""
     found = []
@@ -117,8 +117,8 @@ def stressed_sections(
 def ask(
     drivetrain: AssembledModel,
     output: str | Sensor | Sequence[str | Sensor],
-    input: str | Sensor | Sequence[str | Sensor],
-    excitation: str | Sequence[str] | None,
+    input: str | Sensor | Input | Sequence[str | Sensor | Input],
+    excitation: str | Input | Sequence[str | Input] | None,
 ) -> TransferRequest:
     """Resolve the names of a transfer function.
 
@@ -135,8 +135,8 @@ def ask(
 
 def driven(
     drivetrain: AssembledModel,
-    input: str | Sensor | Sequence[str | Sensor],
-    excitation: str | Sequence[str] | None,
+    input: str | Sensor | Input | Sequence[str | Sensor | Input],
+    excitation: str | Input | Sequence[str | Input] | None,
 ) -> TransferRequest:
     """As :func:`ask`, without outputs."""
     entries = _listed(input, "an input", (str, Sensor, Input))
@@ -155,9 +155,9 @@ def driven(
 
 def _measured(
     drivetrain: AssembledModel,
-    entries: Sequence[str | Sensor],
+    entries: Sequence[str | Sensor | Input],
     resolved: Sequence[Input | Functional],
-    excitation: str | Sequence[str] | None,
+    excitation: str | Input | Sequence[str | Input] | None,
 ) -> TransferRequest:
     unmeasured = [str(entry) for entry, found in zip(entries, resolved, strict=True) if isinstance(found, Input)]
     if unmeasured:
@@ -188,24 +188,40 @@ def _default(drivetrain: AssembledModel) -> tuple[Input, ...]:
     raise UsageError(msg)
 
 
-def _torque_on(drivetrain: AssembledModel, node: str) -> Input:
-    """A torque on a node that can move; anywhere else every response would silently be zero."""
-    solved = drivetrain.assembly.kinematics.reduction.solved
-    driven = [name for name, channel in drivetrain.inputs.items() if channel.quantity == "angle" and channel.of == node]
-    if driven:
-        raise UsageError(f'the angle of "{node}" is imposed by {driven[0]}; name that input, or another node')
-    if node in solved and solved[node].keys().isdisjoint(drivetrain.assembly.kinematics.coordinates):
-        held = "its motion is imposed" if solved[node] else "it is locked"
-        raise UsageError(f'a torque on "{node}" moves nothing: {held}')
-    return Input("torque", node)
+def _torque_on(drivetrain: AssembledModel, channel: Input) -> Input:
+    """A torque on nodes that can move; anywhere else every response would silently be zero."""
+    kinematics, where = drivetrain.assembly.kinematics, named_nodes(channel)
+    same = (name for name, one in drivetrain.inputs.items() if one.quantity == "angle" and one.nodes == channel.nodes)
+    if (driven := next(same, None)) is not None:
+        raise UsageError(f"the angle of {where} is imposed by {driven}; name that input, or another node")
+    moved = kinematics.reduced(channel.row)
+    if moved.keys().isdisjoint(kinematics.coordinates):
+        held = "its motion is imposed" if moved else still_words(channel)
+        raise UsageError(f"a torque on {where} moves nothing: {held}")
+    return channel
+
+
+def _torque_on_nodes(drivetrain: AssembledModel, name: Any) -> Input | None:
+    """A torque on a node by its name, or between two nodes as ``pulley-block``; None where no node is meant."""
+    if name in drivetrain.nodes:
+        return _torque_on(drivetrain, Input("torque", str(name)))
+    pair = parse_pair(str(name))
+    if pair is None:
+        return None
+    for node in pair:
+        if node not in (*drivetrain.nodes, GROUND):
+            raise UsageError(f'{name}: no node is named "{node}"{did_you_mean(node, drivetrain.nodes)}')
+    return _torque_on(drivetrain, Input("torque", *pair))
 
 
 def _present(drivetrain: AssembledModel, name: str) -> Input:
     channel = drivetrain.inputs[name]
-    if channel.of not in drivetrain.nodes:
-        raise UsageError(f'input {name} acts on node "{channel.of}", which is not there in this configuration')
-    if drivetrain.assembly.kinematics.holds(channel.of):
-        raise UsageError(f'input {name} does nothing: "{channel.of}" is locked in this configuration')
+    missing = next((node for node in channel.nodes if node not in drivetrain.nodes), None)
+    if missing is not None:
+        raise UsageError(f'input {name} acts on node "{missing}", which is not there in this configuration')
+    if drivetrain.assembly.kinematics.stills(channel.row):
+        which = f'"{channel.of}" is locked' if channel.against is None else still_words(channel)
+        raise UsageError(f"input {name} does nothing: {which} in this configuration")
     return channel
 
 
@@ -222,8 +238,9 @@ def _named_input(drivetrain: AssembledModel, name: Any) -> Input:
         return _given(drivetrain, name)
     if name in drivetrain.inputs:
         return _present(drivetrain, name)
-    if name in drivetrain.nodes:
-        return _torque_on(drivetrain, name)
+    torque = _torque_on_nodes(drivetrain, name)
+    if torque is not None:
+        return torque
     known = [*drivetrain.inputs, *drivetrain.nodes]
     declared = ", ".join(drivetrain.inputs) or "none"
     raise UsageError(f'no input or node is named "{name}"{did_you_mean(name, known)}; inputs: {declared}')
@@ -233,8 +250,8 @@ def _given(drivetrain: AssembledModel, channel: Input) -> Input:
     """An excitation given as an object: a torque or twist anywhere, an imposed angle where the model declares it."""
     if channel.is_on_element:
         return _twist_in(drivetrain, channel)
-    if channel.quantity == "torque" and channel.of in drivetrain.nodes:
-        return _torque_on(drivetrain, channel.of)
+    if channel.quantity == "torque" and set(channel.nodes) <= set(drivetrain.nodes):
+        return _torque_on(drivetrain, channel)
     for name, declared in drivetrain.inputs.items():
         if channel == declared:
             return _present(drivetrain, name)
@@ -283,12 +300,12 @@ def usable(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
     >>> usable(tn.load("dmf_rig"))
     (['T_M'], ['theta_1', 'T_T'])
     """
-    nodes, holds = set(drivetrain.nodes), drivetrain.assembly.kinematics.holds
+    nodes, stills = set(drivetrain.nodes), drivetrain.assembly.kinematics.stills
 
     def acts(channel: Input | Sensor) -> bool:
         if channel.is_on_element:
             return channel.of in drivetrain.elements
-        return channel.of in nodes and not holds(channel.of)
+        return nodes.issuperset(channel.nodes) and not stills(channel.row)
 
     tables: tuple[Any, Any] = (drivetrain.inputs, drivetrain.sensors)
     inputs, sensors = ([name for name, channel in table.items() if acts(channel)] for table in tables)
@@ -298,8 +315,9 @@ def usable(drivetrain: AssembledModel) -> tuple[list[str], list[str]]:
 def _read(drivetrain: AssembledModel, sensor: Sensor, name: str) -> Functional:
     """What a sensor reads; one of the model on a locked node is refused, a node asked for by name is zero there."""
     of_node = name in drivetrain.sensors and not sensor.is_on_element
-    if of_node and sensor.of in drivetrain.nodes and drivetrain.assembly.kinematics.holds(sensor.of):
-        raise UsageError(f'{name} reads zero: "{sensor.of}" is locked in this configuration')
+    if of_node and set(sensor.nodes) <= set(drivetrain.nodes) and drivetrain.assembly.kinematics.stills(sensor.row):
+        which = f'"{sensor.of}" is locked' if sensor.against is None else still_words(sensor)
+        raise UsageError(f"{name} reads zero: {which} in this configuration")
     return functional(drivetrain, sensor, name)
 
 
@@ -311,7 +329,8 @@ def _input(drivetrain: AssembledModel, entry: str | Sensor | Input) -> Input | F
     sensor = named_sensor(entry, drivetrain.sensors)
     if sensor is not None:
         return _read(drivetrain, sensor, str(entry))
-    if entry in drivetrain.nodes:
-        return _torque_on(drivetrain, str(entry))
+    torque = _torque_on_nodes(drivetrain, entry)
+    if torque is not None:
+        return torque
     known = [*drivetrain.inputs, *drivetrain.sensors, *drivetrain.nodes]
     raise UsageError(f'no input, sensor or node is named "{entry}"{did_you_mean(str(entry), known)}')

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.model.elements import Element, Lock
+from torsionnet.model.elements import Element, Lock, RigidCoupling
 from torsionnet.response import Channel
 from torsionnet.solve.transfer_request import ask
 
@@ -26,8 +26,8 @@ class ImposedRequest:
     """
 
     drivetrain: AssembledModel
-    input: str | Sensor
-    excitation: str | None
+    input: str | Sensor | Input
+    excitation: str | Input | None
     channel: Channel | None = None
 
 
@@ -36,15 +36,20 @@ def is_imposed(drivetrain: AssembledModel) -> bool:
     return any(channel.quantity == "angle" for channel in drivetrain.inputs.values())
 
 
-def at_rest(drivetrain: AssembledModel, driven: str = "") -> AssembledModel:
-    """The drivetrain with its imposed angles held at zero, but for the node ``driven``, which turns freely."""
-    definition = drivetrain.definition
-    imposed = [channel.of for channel in definition.inputs.values() if channel.quantity == "angle"]
-    locks = [Lock(_unused(f"rest_{node}", definition.elements), node=node) for node in imposed if node != driven]
-    nodes = set(drivetrain.nodes)
-    elements = {**definition.elements, **{lock.name: lock for lock in locks if lock.node in nodes}}
+def at_rest(drivetrain: AssembledModel, driven: Input | None = None) -> AssembledModel:
+    """The drivetrain with its imposed angles held at zero, but for ``driven``, where it turns freely."""
+    definition, nodes = drivetrain.definition, set(drivetrain.nodes)
+    imposed = [one for one in definition.inputs.values() if one.quantity == "angle" and nodes.issuperset(one.nodes)]
+    held = [_holder(one, definition.elements) for one in imposed if one != driven]
+    elements = {**definition.elements, **{holder.name: holder for holder in held}}
     inputs = {name: channel for name, channel in definition.inputs.items() if channel.quantity != "angle"}
     return drivetrain.with_definition(replace(definition, elements=elements, inputs=inputs))
+
+
+def _holder(channel: Input, known: Mapping[str, Element]) -> Element:
+    """What holds an imposed angle at zero: a clamp, or between two nodes a rigid coupling."""
+    name = _unused(f"rest_{'_'.join(channel.nodes)}", known)
+    return Lock(name, node=channel.of) if channel.against is None else RigidCoupling(name, nodes=channel.nodes)
 
 
 def _unused(name: str, elements: Mapping[str, Element]) -> str:
@@ -54,7 +59,7 @@ def _unused(name: str, elements: Mapping[str, Element]) -> str:
 
 
 def posed(
-    drivetrain: AssembledModel, output: str | Sensor, input: str | Sensor, excitation: str | None
+    drivetrain: AssembledModel, output: str | Sensor, input: str | Sensor | Input, excitation: str | Input | None
 ) -> ImposedRequest:
     """The request without imposed angles.
 
@@ -68,14 +73,15 @@ def posed(
     request = ask(drivetrain, output, input, excitation)
     source: Input = request.excitations[0]
     if source.quantity == "torque":
-        return ImposedRequest(at_rest(drivetrain), input, source.of if request.is_measured else None)
-    free = at_rest(drivetrain, source.of)
+        return ImposedRequest(at_rest(drivetrain), input, source if request.is_measured else None)
+    free, torque = at_rest(drivetrain, source), replace(source, quantity="torque")
     if request.is_measured:
-        return ImposedRequest(free, input, source.of)
-    return ImposedRequest(free, Sensor("angle", source.of), source.of, request.measured[0].channel)
+        return ImposedRequest(free, input, torque)
+    measured = Sensor("angle", source.of, against=source.against)
+    return ImposedRequest(free, measured, torque, request.measured[0].channel)
 
 
 def single(output: object, input: object) -> None:
     """Refuse several outputs or inputs."""
-    if not isinstance(output, str | Sensor) or not isinstance(input, str | Sensor):
+    if not isinstance(output, str | Sensor) or not isinstance(input, str | Sensor | Input):
         raise UsageError("a transfer function in symbols has one output and one input; transfer_matrix takes several")

@@ -13,7 +13,7 @@ stiffness, in which everything appears once.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -143,12 +143,12 @@ def _times(law: Stiffness, factor: Any) -> Stiffness:
 def response(
     mechanism: Mechanism,
     parts: Collection[SymbolicPart],
-    node: str,
+    load: Mapping[str, int],
     element: Callable[[Any], Any],
     *,
     shift: bool = False,
 ) -> tuple[Any, Any]:
-    """(A reading over the motion at the root, the receptance at the root) under a torque on a node.
+    """(A reading over the motion at the root, the receptance at the root) under torques on nodes.
 
     With ``shift``, a torque on a coordinate without inertia is moved along the only edge there, to where it arrives.
 
@@ -157,11 +157,11 @@ def response(
     NoContinuedFractionError
         There are closed loops, or the torque acts on several coordinates.
     """
-    found = mechanism.reduced([mechanism.row({node: 1})])
-    network, load = single_edges(found.network), found.rows[0]
-    if len(load) != 1 or not is_forest(network):
+    found = mechanism.reduced([mechanism.row(load)])
+    network, loaded = single_edges(found.network), found.rows[0]
+    if len(loaded) != 1 or not is_forest(network):
         raise NoContinuedFractionError
-    ((root, share),) = load.items()
+    ((root, share),) = loaded.items()
     rows = [mechanism.reduced([mechanism.row(part.row)]).rows[0] for part in parts]
     if shift and not any(part.rigid is not None for part in parts):
         root, share = _arrival(network, root, share, {name for row in rows for name in row})
@@ -173,7 +173,7 @@ def response(
         if part.rigid is None:
             value = tree.reading(row, part.law)
         else:
-            value = _handed_through(mechanism, part.rigid, tree, node, element)
+            value = _handed_through(mechanism, part.rigid, tree, load, element)
         for _ in range(part.power):
             value = value * element("s")
         total = total + element(part.factor) * value
@@ -193,11 +193,13 @@ def _arrival(network: Network[Stiffness], root: str, share: Any, read: Collectio
     return root, share
 
 
-def _handed_through(mechanism: Mechanism, rigid: int, tree: Continued, node: str, element: Callable[[Any], Any]) -> Any:
+def _handed_through(
+    mechanism: Mechanism, rigid: int, tree: Continued, load: Mapping[str, int], element: Callable[[Any], Any]
+) -> Any:
     """The torque a rigid connection hands on: what the side away from the root answers to its motion there."""
-    found = mechanism.reduced([mechanism.row({node: 1})], rigid)
-    network, (load, row) = single_edges(found.network), found.rows
-    near = set(orient(network, next(iter(load))).order) if len(load) == 1 else set()
+    found = mechanism.reduced([mechanism.row(load)], rigid)
+    network, (loaded, row) = single_edges(found.network), found.rows
+    near = set(orient(network, next(iter(loaded))).order) if len(loaded) == 1 else set()
     away = [name for name in row if name not in near]
     if not is_forest(network) or len(away) != 1:
         raise NoContinuedFractionError

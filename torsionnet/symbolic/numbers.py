@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import TorsionnetWarning, UsageError
+from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.elimination import exact
 from torsionnet.response import FrequencyResponse
 from torsionnet.symbolic.algebras import InPowersOfS, NumericValues, evaluated
@@ -55,6 +56,19 @@ def _complete(function: SymbolicFraction, given: Mapping[Any, Any]) -> dict[Any,
     return values
 
 
+def _tables(function: SymbolicFraction, values: Mapping[Any, Any]) -> dict[Any, DynamicStiffness]:
+    """What depends on frequency, for these values of the symbols."""
+    known = {name: sympy.Rational(value.numerator, value.denominator) for name, value in values.items()}
+
+    def number(coefficient: Any) -> Fraction:
+        value = coefficient.xreplace(known)
+        return exact_fraction(value) if value.is_Rational else exact(float(value))
+
+    return {
+        name: table.with_coefficients(*map(number, table.coefficients)) for name, table in function.used_tables.items()
+    }
+
+
 def exact_fraction(value: Any) -> Fraction:
     """A sympy rational as a Fraction."""
     return Fraction(int(value.p), int(value.q))
@@ -64,7 +78,7 @@ def _at(function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any
     """In double precision, and in as many digits as it takes where rounding may show."""
     omega = 2 * np.pi * frequencies
     known = {name: Scaled.rational(value) for name, value in values.items()}
-    known |= {name: Scaled.of(kappa(omega)) for name, kappa in function.tables.items()}
+    known |= {name: Scaled.of(table.kappa(omega)) for name, table in _tables(function, values).items()}
     known |= {sympy.I: Scaled.of(1j)}
     algebra = NumericValues(known, Scaled.rational, Scaled.of(1j * omega))
     above, below = function.steps.run(algebra, [function.numerator, function.denominator])
@@ -82,11 +96,12 @@ def _in_many_digits(function: SymbolicFraction, omega: float, values: Mapping[An
     def number(value: Fraction) -> Any:
         return mpmath.mpf(value.numerator) / value.denominator
 
+    tables = _tables(function, values)
     last: complex = complex("nan")
     for digits in DIGITS:
         with mpmath.workdps(digits):
             known = {name: number(value) for name, value in values.items()}
-            known |= {name: mpmath.mpc(complex(kappa(np.array([omega]))[0])) for name, kappa in function.tables.items()}
+            known |= {name: table.in_many_digits(mpmath.mpc(0, omega)) for name, table in tables.items()}
             algebra = NumericValues(known | {sympy.I: mpmath.mpc(0, 1)}, number, mpmath.mpc(0, omega))
             above, below = function.steps.run(algebra, [function.numerator, function.denominator])
             value = complex(above / below) if below else complex(np.inf)
@@ -99,9 +114,8 @@ def _in_many_digits(function: SymbolicFraction, omega: float, values: Mapping[An
 def static_value(function: SymbolicFraction, values: Mapping[Any, Any]) -> complex:
     """The limit at zero frequency for exact values."""
     known = dict(values)
-    for name, kappa in function.tables.items():
-        at_rest = complex(kappa(np.zeros(1))[0])
-        known[name] = exact(at_rest.real)
+    for name, table in _tables(function, values).items():
+        known[name] = exact(complex(table.kappa(np.zeros(1))[0]).real)
     known = {name: sympy.Rational(value.numerator, value.denominator) for name, value in known.items()}
 
     def coefficient(payload: Any) -> Any:

@@ -32,7 +32,7 @@ class SymbolicFraction:
     asked : SymbolicRequest or None
         The mechanism behind, for the continued fraction.
     tables : dict
-        Tabulated stiffness by its symbolic function: kappa(omega).
+        What depends on frequency by the symbolic function that stands for it, kappa(omega).
     notes : tuple of str
     """
 
@@ -54,14 +54,30 @@ class SymbolicFraction:
     @cached_property
     def free_symbols(self) -> frozenset[Any]:
         """Parameters that appear, as sympy symbols."""
-        found: set[Any] = set()
-        for index in self.steps.needed([self.numerator, self.denominator]):
-            step = self.steps.steps[index]
-            payload = step[1] if step[0] == "leaf" else None
-            for part in payload.parts if isinstance(payload, Stiffness) else (payload,):
-                if isinstance(part, sympy.Basic):
-                    found |= {part} if part.is_Symbol else part.free_symbols
-        return frozenset(found - {sympy.Symbol("omega")})
+        found = {symbol for leaf in self._leaves for symbol in leaf.free_symbols} - {sympy.Symbol("omega")}
+        coefficients = (one for table in self.used_tables.values() for one in table.coefficients)
+        return frozenset(found.union(*(coefficient.free_symbols for coefficient in coefficients)))
+
+    @cached_property
+    def used_tables(self) -> Mapping[Any, Any]:
+        """Those of ``tables`` that appear."""
+        found = {function for leaf in self._leaves for function in leaf.atoms(sympy.core.function.AppliedUndef)}
+        return {name: table for name, table in self.tables.items() if name in found}
+
+    @property
+    def formulas(self) -> Mapping[Any, Any]:
+        """What the functions kappa(omega) of continuous shafts are, as sympy expressions of omega and parameters."""
+        omega = sympy.Symbol("omega")
+        found = {name: table.formula(omega) for name, table in self.used_tables.items()}
+        return {name: formula for name, formula in found.items() if formula is not None}
+
+    @cached_property
+    def _leaves(self) -> tuple[Any, ...]:
+        """The sympy expressions that the steps begin with."""
+        needed = (self.steps.steps[index] for index in self.steps.needed([self.numerator, self.denominator]))
+        payloads = [step[1] for step in needed if step[0] == "leaf"]
+        parts = [part for one in payloads for part in (one.parts if isinstance(one, Stiffness) else (one,))]
+        return tuple(dict.fromkeys(part for part in parts if isinstance(part, sympy.Basic)))
 
     @cached_property
     def nested(self) -> Any:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError
 from torsionnet.core.memo import Memo
-from torsionnet.model.channels import Sensor
+from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.readings import port_of
 from torsionnet.response import Channel
 from torsionnet.solve.cut import beyond_cut, cut_definition
@@ -26,9 +26,9 @@ class SymbolicRequest:
     mechanism : Mechanism
         The drivetrain, or what is left of it downstream of a cut.
     output, measured : list of SymbolicPart
-        What is read; ``measured`` is None where the input is a torque on ``node``.
-    node : str
-        Where the torque acts.
+        What is read; ``measured`` is None where the input is a torque.
+    load : mapping
+        Torques on nodes per unit of the excitation.
     sign : int
         Of that torque, for a cut on whose far side a positive reading drives backwards.
     channels : tuple of Channel
@@ -41,7 +41,7 @@ class SymbolicRequest:
     mechanism: Mechanism
     output: list[SymbolicPart]
     measured: list[SymbolicPart] | None
-    node: str
+    load: Mapping[str, int]
     sign: int
     channels: tuple[Channel, Channel]
     notes: tuple[str, ...]
@@ -56,8 +56,8 @@ class SymbolicRequest:
 def resolve(
     drivetrain: AssembledModel,
     output: str | Sensor,
-    input: str | Sensor,
-    excitation: str | None,
+    input: str | Sensor | Input,
+    excitation: str | Input | None,
     referred_to: Sequence[str] = (),
     memo: Memo | None = None,
 ) -> SymbolicRequest:
@@ -69,14 +69,14 @@ def resolve(
         As for a frequency response; also where the excitation does not reach the measured input.
     """
     request = ask(drivetrain, output, input, excitation)
-    sensors, node = request.sensors, request.excitations[0].of
+    sensors, load = request.sensors, request.excitations[0].row
     mechanism = _mechanism(drivetrain, sensors, referred_to, memo)
     reading, *measured = (parts_of(mechanism, sensor) for sensor in sensors)
     channels = (request.outputs[0].channel, request.measured[0].channel)
-    whole = SymbolicRequest(mechanism, reading, None, node, 1, channels, request.notes)
+    whole = SymbolicRequest(mechanism, reading, None, load, 1, channels, request.notes)
     if not measured:
         return whole
-    if mechanism.numerator(measured[0], node).is_zero:
+    if mechanism.numerator(measured[0], load).is_zero:
         felt = f"{request.names} does not feel the {request.excitations[0]}"
         raise UsageError(f"{felt}: the transfer function against it does not exist")
     whole = replace(whole, measured=measured[0])
@@ -105,12 +105,14 @@ def _of_cut(
 ) -> SymbolicRequest:
     """What is left downstream of the cut, if the output is; the measured torque is an excitation there."""
     output, sensor = request.sensors
+    if sensor.referred_to is not None:  # the torque at the cut is another one
+        return whole
     node, sign = port_of(drivetrain.elements[sensor.of], sensor.at)
     rest = drivetrain.with_definition(cut_definition(drivetrain.definition, kept))
-    if output.of not in (rest.elements if output.is_on_element else rest.nodes):
+    if not (output.of in rest.elements if output.is_on_element else set(rest.nodes).issuperset(output.nodes)):
         return whole
     mechanism = _mechanism(rest, [output], referred_to)
     removed = ", ".join(name for name in drivetrain.elements if name not in kept)
     notes = (*whole.notes, f"cut at {whole.channels[1].name}: independent of {removed}") if removed else whole.notes
     into = sign if sensor.of in kept else -sign
-    return SymbolicRequest(mechanism, parts_of(mechanism, output), None, node, into, whole.channels, notes)
+    return SymbolicRequest(mechanism, parts_of(mechanism, output), None, {node: 1}, into, whole.channels, notes)

@@ -112,16 +112,16 @@ class Mechanism:
         first = next(iter(found.rows[0]), "")
         return self.program.leaf(found.factor) * determinant(found.network, self.program, first)
 
-    def numerator(self, parts: Collection[SymbolicPart], node: str) -> ProgramNode:
-        """Det D times a reading under a unit torque on a node."""
+    def numerator(self, parts: Collection[SymbolicPart], load: Mapping[str, int]) -> ProgramNode:
+        """Det D times a reading under torques on nodes."""
         total = self.program.leaf(0)
         for part in parts:
-            found = self.reduced([self.row(part.row), self.row({node: 1})], part.rigid)
-            row, load = found.rows[-1 if part.rigid is not None else 0], found.rows[1]
+            found = self.reduced([self.row(part.row), self.row(load)], part.rigid)
+            row, loaded = found.rows[-1 if part.rigid is not None else 0], found.rows[1]
             number = self.program.leaf(part.factor * found.factor)
             for law in [PURE_S] * part.power + ([part.law] if part.law else []):
                 number = number * self.program.leaf(law)
-            total = total + bilinear(found.network, self.program, row, load) * number
+            total = total + bilinear(found.network, self.program, row, loaded) * number
         return total
 
 

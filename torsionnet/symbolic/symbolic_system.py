@@ -6,12 +6,14 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
-import sympy
-
+from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.symbolic import OMEGA, SymbolicMatrices, symbolic_matrices
+from torsionnet.assembly.symbolic import SymbolicMatrices, stiffness_symbol, symbolic_matrices, with_symbols
+from torsionnet.assembly.twin import TWINS, twin_parameters
 from torsionnet.core.memo import Memo
-from torsionnet.model.channels import Sensor
+from torsionnet.model.channels import Input, Sensor
+from torsionnet.model.elements import Law, Values
+from torsionnet.model.kinematics import owned_parts
 from torsionnet.response import Channel
 from torsionnet.solve.transfer_request import ask
 from torsionnet.symbolic.imposed import at_rest, is_imposed, posed, single
@@ -45,7 +47,7 @@ class SymbolicSystem(SymbolicMatrices):
     memo: Memo = field(default_factory=Memo, repr=False)
 
     def transfer_function(
-        self, output: str | Sensor, input: str | Sensor, excitation: str | None = None
+        self, output: str | Sensor, input: str | Sensor | Input, excitation: str | Input | None = None
     ) -> TransferFunction:
         """One transfer function, exact and in symbols.
 
@@ -63,6 +65,7 @@ class SymbolicSystem(SymbolicMatrices):
         (k_1*tau**2 + k_2)/(k_1*k_2)
         """
         drivetrain = self._model
+        refuse_actions(drivetrain.assembly.system.actions, "transfer functions in symbols are")
         single(output, input)
         request = posed(drivetrain, output, input, excitation)
         memo = self.memo if request.drivetrain is drivetrain else None
@@ -74,8 +77,8 @@ class SymbolicSystem(SymbolicMatrices):
     def transfer_matrix(
         self,
         outputs: Sequence[str | Sensor],
-        inputs: Sequence[str | Sensor],
-        excitation: str | Sequence[str] | None = None,
+        inputs: Sequence[str | Sensor | Input],
+        excitation: str | Input | Sequence[str | Input] | None = None,
     ) -> TransferMatrix:
         """Several outputs and inputs at once; with several measured inputs, Y_out Y_in^-1.
 
@@ -91,10 +94,11 @@ class SymbolicSystem(SymbolicMatrices):
         1
         """
         drivetrain = self._model
+        refuse_actions(drivetrain.assembly.system.actions, "transfer functions in symbols are")
         request = ask(drivetrain, list(outputs), list(inputs), excitation)
         if request.is_measured and len(inputs) > 1:
             return over_measured(drivetrain, request, self._written)
-        given = excitation if isinstance(excitation, str | None) else excitation[0]
+        given = excitation if isinstance(excitation, str | Input | None) else excitation[0]
         source = given if request.is_measured else None
         return TransferMatrix(
             tuple(tuple(self.transfer_function(output, entry, source) for entry in inputs) for output in outputs)
@@ -139,6 +143,12 @@ class SymbolicSystem(SymbolicMatrices):
 
         return simplified(self._model, output, input, excitation, written=written, tolerance=tolerance, band=band)
 
+    @property
+    def formulas(self) -> Mapping[Any, Any]:
+        """What the functions kappa(omega) of continuous shafts are, as sympy expressions of omega and parameters."""
+        found = {name: table.formula(name.args[0]) for name, table in _tables(self._model).items()}
+        return {name: formula for name, formula in found.items() if formula is not None}
+
     def to_latex(self, part: str = "") -> str:
         r"""LaTeX of the equations of motion as a matrix equation, or of one part: M, C, K, H, q, B, u.
 
@@ -170,18 +180,20 @@ class SymbolicSystem(SymbolicMatrices):
 def _fraction(asked: SymbolicRequest) -> tuple[ProgramNode, ProgramNode]:
     """Numerator and denominator without what they have in common."""
     mechanism = asked.mechanism
-    numerator = mechanism.numerator(asked.output, asked.node) * asked.sign
+    numerator = mechanism.numerator(asked.output, asked.load) * asked.sign
     if asked.measured is None:
-        denominator = mechanism.determinant(mechanism.row({asked.node: 1}))
+        denominator = mechanism.determinant(mechanism.row(asked.load))
     else:
-        denominator = mechanism.numerator(asked.measured, asked.node)
+        denominator = mechanism.numerator(asked.measured, asked.load)
     return mechanism.program.reduced(numerator, denominator)
 
 
 def _tables(drivetrain: AssembledModel) -> Mapping[Any, Any]:
-    """The functions kappa(omega) of tabulated elements by the symbols that stand for them."""
-    laws = drivetrain.assembly.kinematics.laws
-    return {sympy.Function(f"kappa_{owner}")(OMEGA): law.table.kappa for owner, law in laws if law.table is not None}
+    """What depends on frequency by the symbols that stand for it, its coefficients as sympy expressions."""
+    values = Values(twin_parameters(drivetrain.definition.parameters, drivetrain.exact_values), TWINS)
+    parts = [(owned.element, owned.part) for owned in owned_parts(drivetrain.definition, values)]
+    laws = [(owner, part) for owner, part in parts if isinstance(part, Law) and part.table is not None]
+    return {stiffness_symbol(owner, law.table): with_symbols(law.table) for owner, law in laws if law.table is not None}
 
 
 def symbolic_system(drivetrain: AssembledModel, referred_to: Collection[str] = ()) -> SymbolicSystem:

@@ -119,8 +119,11 @@ class TransferFunction(SymbolicFraction):
         >>> H.derivative("k_2").static_gain
         -1/k_2**2
         """
-        program = Program()
-        algebra = Derivatives(program, self._symbol(parameter))
+        program, symbol = Program(), self._symbol(parameter)
+        for function, table in self.used_tables.items():
+            if any(coefficient.has(symbol) for coefficient in table.coefficients):
+                raise UsageError(f"{function} depends on {symbol}; sensitivities in numbers know its derivative")
+        algebra = Derivatives(program, symbol)
         above, below = self.steps.run(algebra, [self.numerator, self.denominator])
         numerator = above.slope * below.value + below.slope * above.value * -1
         numerator, denominator = program.reduced(numerator, below.value * below.value)
@@ -152,7 +155,10 @@ class TransferFunction(SymbolicFraction):
         nodes = self.steps.run(Changed(program, change), [self.numerator, self.denominator])
         numerator, denominator = program.reduced(*nodes)
         asked = None if self.asked is None else self.asked.changed(change)
-        return replace(self, numerator=numerator, denominator=denominator, asked=asked)
+        tables = {
+            name: table.with_coefficients(*map(change, table.coefficients)) for name, table in self.tables.items()
+        }
+        return replace(self, numerator=numerator, denominator=denominator, asked=asked, tables=tables)
 
     def _symbol(self, name: str) -> Any:
         known = {str(symbol): symbol for symbol in {*self.values, *self.free_symbols}}

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError, did_you_mean
-from torsionnet.model.channels import Sensor
+from torsionnet.model.channels import Input, Sensor
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.solve.transfer_request import TransferRequest
 from torsionnet.symbolic.algebras import InPowersOfS
@@ -122,17 +122,19 @@ def over_measured(drivetrain: AssembledModel, request: TransferRequest, write: W
     if len(request.measured) > MOST_MEASURED:
         raise UsageError(f"in symbols at most {MOST_MEASURED} inputs are measured at a time")
     sensors = request.sensors
-    program, mechanisms = Program(), dict[str, Mechanism]()
+    program, mechanisms = Program(), dict[Input | None, Mechanism]()
     columns = []
     for source in request.excitations:
-        driven = source.of if source.quantity == "angle" else ""
+        driven = source if source.quantity == "angle" else None
         mechanism = mechanisms.get(driven) or _mechanism(drivetrain, driven, sensors, program)
         mechanisms[driven] = mechanism
-        columns.append([mechanism.numerator(parts_of(mechanism, sensor), source.of) for sensor in sensors])
+        columns.append([mechanism.numerator(parts_of(mechanism, sensor), source.row) for sensor in sensors])
     return _by_cramer(program, [list(row) for row in zip(*columns, strict=True)], request, write)
 
 
-def _mechanism(drivetrain: AssembledModel, driven: str, sensors: Sequence[Sensor], program: Program) -> Mechanism:
+def _mechanism(
+    drivetrain: AssembledModel, driven: Input | None, sensors: Sequence[Sensor], program: Program
+) -> Mechanism:
     """The drivetrain with all imposed angles at rest, but that of ``driven``."""
     system = at_rest(drivetrain, driven) if is_imposed(drivetrain) else drivetrain
     return Mechanism(system, loose=loose_constraints(system, sensors), program=program)

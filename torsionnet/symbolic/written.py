@@ -26,10 +26,10 @@ def continued(asked: SymbolicRequest, leaf: Callable[[Any], Any]) -> Any:
 
     try:
         alone = asked.measured is None
-        above, receptance = response(asked.mechanism, asked.output, asked.node, element, shift=alone)
+        above, receptance = response(asked.mechanism, asked.output, asked.load, element, shift=alone)
         if asked.measured is None:
             return above * receptance * element(asked.sign)
-        return above / response(asked.mechanism, asked.measured, asked.node, element)[0]
+        return above / response(asked.mechanism, asked.measured, asked.load, element)[0]
     except NoContinuedFractionError:
         return None
 

@@ -194,6 +194,9 @@ class Declared:
 
 
 def _with_default(declared: Field[Any]) -> Schema:
-    schema = spec_of(declared).schema()
+    spec = spec_of(declared)
+    schema = {**spec.schema()}
+    if "$ref" in schema:
+        schema.setdefault("description", spec.description)
     plain = isinstance(declared.default, bool | int | float | str) and declared.default != ""
     return {**schema, "default": declared.default} if plain else schema

@@ -16,6 +16,7 @@ import torsionnet.io.fmu.description2 as description2
 import torsionnet.io.fmu.description3 as description3
 from torsionnet.core.atomic import write_bytes
 from torsionnet.core.errors import UsageError, did_you_mean
+from torsionnet.core.plain_names import Names
 from torsionnet.core.version import __version__
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.fmu.c_source import header, model
@@ -25,7 +26,6 @@ from torsionnet.io.fmu.dependencies import dependencies
 from torsionnet.io.fmu.step_size import suggested_step
 from torsionnet.io.fmu.traced_matrices import System, trace_system
 from torsionnet.io.fmu.variables import Variables, list_variables
-from torsionnet.io.plain_names import Names
 
 SOURCES = ("export.h", "dense.c", "exponential.c", "system.c", "stepping.c", "instance.c", "advancing.c", "services.c")
 OF_VERSION = {"2.0": ("fmi2.h", "fmi2.c", "fmi2_modes.c"), "3.0": ("fmi3.h", "fmi3.c", "fmi3_modes.c", "fmi3_absent.c")}

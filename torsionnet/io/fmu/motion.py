@@ -16,6 +16,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
+from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.core.errors import UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.fmu.traced_numbers import NumberTape, Traced
@@ -77,6 +78,7 @@ def trace_motion(drivetrain: Drivetrain) -> Motion:
 
 
 def _traced(drivetrain: Drivetrain, settled: Iterable[str]) -> Motion:
+    refuse_actions(drivetrain.assembly.system.actions, "an FMU is")
     definition, tape = drivetrain.definition, NumberTape()
     parameters = _parameters(tape, definition.parameters, drivetrain.exact_values, settled)
     values = Values(parameters, tape.algebra)

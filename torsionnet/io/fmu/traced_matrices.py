@@ -89,12 +89,12 @@ def trace_system(drivetrain: Drivetrain) -> System:
     for _, law in motion.kinematics.laws:
         if law.acts:
             _add_law(matrices, law, motion.over_coordinates(law.row), place, motion)
-    nodes = [channel.of for channel in channels.inputs.values()]
-    for number, node in enumerate(nodes):
-        for name, share in motion.over_coordinates({node: 1}).items():
+    loads = [channel.row for channel in channels.inputs.values()]
+    for number, load in enumerate(loads):
+        for name, share in motion.over_coordinates(load).items():
             matrices["L"].add(place[name], number, share)
     for number, sensor in enumerate(channels.sensors.values()):
-        _add_reading(matrices, number, sensor, drivetrain, motion, place, nodes)
+        _add_reading(matrices, number, sensor, drivetrain, motion, place, loads)
     return System(motion, coordinates, tuple(channels.inputs), tuple(channels.sensors), matrices)
 
 
@@ -126,9 +126,9 @@ def _add_law(
 
 def _add_reading(
     matrices: Mapping[str, Entries], number: int, sensor: Sensor, drivetrain: Drivetrain, motion: Motion,
-    place: Mapping[str, int], nodes: Sequence[str],
+    place: Mapping[str, int], loads: Sequence[Mapping[str, int]],
 ) -> None:  # fmt: skip
-    """Add what a sensor reads of coordinates and of torques on ``nodes``."""
+    """Add what a sensor reads of coordinates and of torques, each on the nodes of its row."""
     tape, laws = motion.tape, motion.kinematics.laws
     rows = [(owner, law.row) for owner, law in laws]
     read = reading(sensor, drivetrain.elements, motion.values, rows, motion.kinematics.constraints)
@@ -143,7 +143,8 @@ def _add_reading(
         over_coordinates = motion.over_coordinates(row)
         for power, weight in enumerate(factors):
             if not weight.vanishes:
-                for name, share in over_coordinates.items():
-                    matrices[f"R{power}"].add(number, place[name], weight * share)
-    for column, node in enumerate(nodes):
-        matrices["F"].add(number, column, tape.number(balanced.applied.get(node, 0)))
+                for name, angle in over_coordinates.items():
+                    matrices[f"R{power}"].add(number, place[name], weight * angle)
+    for column, load in enumerate(loads):
+        for node, share in load.items():
+            matrices["F"].add(number, column, tape.number(share) * tape.number(balanced.applied.get(node, 0)))

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from torsionnet.core.errors import UsageError
-from torsionnet.io.plain_names import free_name
+from torsionnet.core.plain_names import free_name
 from torsionnet.io.records.source import FileChannel, Source
 from torsionnet.response.recording import QUANTITY_UNITS, FloatArray, Recording
 

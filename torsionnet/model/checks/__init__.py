@@ -6,12 +6,13 @@ and run on the base model and on every alternative of every axis.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from torsionnet.core.collecting import collector_paused
 from torsionnet.core.errors import USELESS, Fault
 from torsionnet.model.checks import names, values
+from torsionnet.model.checks.overrides import at_override
 from torsionnet.model.checks.plausible import unusual_sizes
 from torsionnet.model.checks.structure import structure, unconnected_parts
 from torsionnet.model.configurations import combinations, label
@@ -32,8 +33,8 @@ def check_definition(definition: Definition) -> list[Fault]:
     faults += found + values.sizes(definition, known) + unusual_sizes(definition, known)
     if has_errors(faults):
         return _unique(faults)
-    base = structure(definition, known)
-    others = {name: check_variant(variant) for name, variant in variants(definition)}
+    base, axes = structure(definition, known), definition.configurations
+    others = {label(choice, axes): _of_choice(definition, choice) for choice in choices(definition)}
     faults += _refused_everywhere(base, others.values())
     for name, found in others.items():
         faults += _in_configuration(name, found, faults)
@@ -48,20 +49,30 @@ def check_variant(definition: Definition) -> list[Fault]:
     return faults if has_errors(faults) else faults + structure(definition, known)
 
 
-def variants(definition: Definition) -> Iterator[tuple[str, Definition]]:
+def choices(definition: Definition) -> list[dict[str, str]]:
     """Every combination of alternatives while they are few, else each alternative alone."""
     count = 1
     for alternatives in definition.configurations.values():
         count *= max(1, len(alternatives))
     if count <= MOST_COMBINATIONS:
-        choices = [choice for choice in combinations(definition.configurations) if choice]
-    else:
-        choices = [{axis: name} for axis, alternatives in definition.configurations.items() for name in alternatives]
-    for choice in choices:
-        variant = definition
-        for axis, name in choice.items():
-            variant = variant.overlaid(definition.configurations[axis][name])
-        yield label(choice, definition.configurations), variant
+        return [choice for choice in combinations(definition.configurations) if choice]
+    return [{axis: name} for axis, alternatives in definition.configurations.items() for name in alternatives]
+
+
+def variants(definition: Definition) -> Iterator[tuple[str, Definition]]:
+    """The definition in each of its :func:`choices`, by the label of the configuration."""
+    axes = definition.configurations
+    return ((label(choice, axes), _chosen(definition, choice)) for choice in choices(definition))
+
+
+def _chosen(definition: Definition, choice: Mapping[str, str]) -> Definition:
+    for axis, name in choice.items():
+        definition = definition.overlaid(definition.configurations[axis][name])
+    return definition
+
+
+def _of_choice(definition: Definition, choice: Mapping[str, str]) -> list[Fault]:
+    return [at_override(fault, definition, choice) for fault in check_variant(_chosen(definition, choice))]
 
 
 def has_errors(faults: list[Fault]) -> bool:

@@ -6,7 +6,8 @@ from collections.abc import Collection, Iterator
 
 from torsionnet.core.errors import Fault, Path, did_you_mean, unknown_name
 from torsionnet.core.expressions import Expression
-from torsionnet.model.channels import port_fault
+from torsionnet.model.channels import Input, Sensor, port_fault
+from torsionnet.model.checks.overrides import expressions_of_overrides, unfit_overrides
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND
 from torsionnet.model.operating_point import OperatingPoint
@@ -39,6 +40,7 @@ def _expressions(definition: Definition) -> Iterator[tuple[Path, Expression]]:
                 yield ("configurations", axis, label, name), value
             yield from _point_expressions(overlay.operating_point, ("configurations", axis, label, "operating_point"))
     yield from _point_expressions(definition.operating_point, ("operating_point",))
+    yield from expressions_of_overrides(definition)
 
 
 def _point_expressions(point: OperatingPoint | None, path: Path) -> Iterator[tuple[Path, Expression]]:
@@ -74,8 +76,10 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
     faults = []
     for table in ("inputs", "sensors"):
         for name, channel in getattr(definition, table).items():
-            if not channel.is_on_element and channel.of not in nodes:
-                faults.append(_unknown_node(channel.of, nodes, (table, name, channel.quantity)))
+            places = ((), ()) if len(channel.nodes) < 2 else ((0,), (1,))
+            for node, place in zip(channel.nodes, places, strict=False):
+                if node not in nodes:
+                    faults.append(_unknown_node(node, nodes, (table, name, channel.quantity, *place)))
     for index, port in enumerate(definition.ports):
         if port not in nodes:
             faults.append(_unknown_node(port, nodes, ("ports", index)))
@@ -91,6 +95,21 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
             unknown = [str(node) for node in given if node not in nodes]
             faults += [_unknown_node(node, nodes, (*path, table, node), on_key=True) for node in unknown]
     return faults
+
+
+def unknown_references(definition: Definition) -> list[Fault]:
+    """Shafts at which elements quote their values, or that sensors refer theirs to."""
+    nodes = _nodes(definition)
+    faults = [
+        _unknown_node(sensor.referred_to, nodes, ("sensors", name, "referred_to"))
+        for name, sensor in definition.sensors.items()
+        if sensor.referred_to is not None and sensor.referred_to not in nodes
+    ]
+    return faults + [
+        _unknown_node(element.referred_to, nodes, ("elements", name, "referred_to"))
+        for name, element in definition.elements.items()
+        if element.referred_to is not None and element.referred_to not in nodes
+    ]
 
 
 def unknown_followed(definition: Definition) -> list[Fault]:
@@ -164,7 +183,7 @@ def hidden_names(definition: Definition) -> list[Fault]:
     faults = []
     for table in ("inputs", "sensors"):
         for name, channel in getattr(definition, table).items():
-            same = table == "inputs" and (channel.quantity, channel.of) == ("torque", name)
+            same = table == "inputs" and (channel.quantity, *channel.nodes) == ("torque", name)
             if name in nodes and not same:
                 what = "a measured input" if table == "sensors" else channel
                 text = f'"{name}" is also a node; as input= it means {what}, as output= {channel}, not the node'
@@ -182,8 +201,9 @@ def dead_ends(definition: Definition) -> list[Fault]:
     for element in definition.elements.values():
         for node in element.ports.values():
             touching.setdefault(node, []).append(element.name)
-    used = {channel.of for table in (definition.inputs, definition.sensors) for channel in table.values()}
-    used |= {node for one in definition.excitations.values() for node in one.nodes}
+    channels: tuple[Input | Sensor, ...] = (*definition.inputs.values(), *definition.sensors.values())
+    used = {name for channel in channels for name in (channel.of, *channel.nodes)}
+    used |= {node for one in definition.excitations.values() for node in (*one.nodes, one.reaction_node or GROUND)}
     used |= {*definition.load.by_node, *definition.load.driven_by} if definition.load else set()
     used |= {GROUND, *definition.ports, *definition.operating_point.speed, *definition.operating_point.torque}
     faults: list[Fault] = []
@@ -207,16 +227,11 @@ def unfit_bench(definition: Definition) -> list[Fault]:
 
 def unfit_excitations(definition: Definition) -> list[Fault]:
     """Excitations, speeds and a load that name what the model does not have."""
-    running = definition.speeds or definition.load or definition.excitations
-    if not running and not _overridden(definition):
+    if not (definition.speeds or definition.load or definition.excitations):
         return []
     import torsionnet.model.checks.running as checks
 
     return checks.unfit_excitations(definition)
-
-
-def _overridden(definition: Definition) -> bool:
-    return any(overlay.entries for axis in definition.configurations.values() for overlay in axis.values())
 
 
 def unfit_limits(definition: Definition) -> list[Fault]:
@@ -226,6 +241,15 @@ def unfit_limits(definition: Definition) -> list[Fault]:
     import torsionnet.model.checks.limits_fit as limits_fit
 
     return limits_fit.unfit_limits(definition)
+
+
+def unfit_catalogues(definition: Definition) -> list[Fault]:
+    """Columns of catalogues that nothing takes."""
+    if all(element.catalogue is None for element in definition.elements.values()):
+        return []
+    import torsionnet.model.checks.catalogues as catalogues
+
+    return catalogues.unfit_columns(definition)
 
 
 def unfit_report(definition: Definition) -> list[Fault]:
@@ -240,6 +264,7 @@ def unfit_report(definition: Definition) -> list[Fault]:
 CHECKS = (
     undefined_parameters,
     unknown_nodes,
+    unknown_references,
     unknown_elements,
     unknown_followed,
     unknown_in_configurations,
@@ -247,8 +272,10 @@ CHECKS = (
     unused_parameters,
     hidden_names,
     dead_ends,
+    unfit_overrides,
     unfit_excitations,
     unfit_limits,
+    unfit_catalogues,
     unfit_bench,
     unfit_report,
 )

@@ -1,17 +1,16 @@
-"""Checks of excitations and speeds: do they fit the drivetrain, and does a configuration change what there is."""
+"""Checks of excitations and speeds: do they fit the drivetrain."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from torsionnet.core.entries.declared import Declared
-from torsionnet.core.errors import Fault, ModelError, Path, UsageError, unknown_name
+from torsionnet.core.errors import Fault, Path, UsageError, unknown_name
+from torsionnet.model.channels import Input, named_nodes
 from torsionnet.model.checks.load_fits import unknown_in_load
-from torsionnet.model.definition import LOAD, Definition, all_nodes, by_section
+from torsionnet.model.definition import LOAD, Definition, all_nodes
 from torsionnet.model.elements import Values
 from torsionnet.model.excitations import OrderExcitation
 from torsionnet.model.imposed_twist import twist_fault
@@ -34,59 +33,12 @@ def unfit_excitations(definition: Definition) -> list[Fault]:
         faults.append(Fault(text, ("excitations", LOAD), on_key=True))
     if definition.load is not None:
         faults += unknown_in_load(definition, definition.load)
-    faults += _overrides(definition)
     values, wrong = resolve(definition.parameters)
     if faults or not _has_values(definition, values):
         return faults
     ratios, without = ({}, []) if wrong else _shaft_ratios(definition, values)
     found = [*without, *(() if wrong else _rigid(definition, values)), *_on_imposed(definition)]
     return found or [*_remarks(definition, ratios)]
-
-
-def _overrides(definition: Definition) -> Iterator[Fault]:
-    """Alternatives whose ``excitation.entry`` or ``load.entry`` means nothing, or gives it a wrong value."""
-    sections: dict[str, Declared] = dict(definition.excitations)
-    if definition.load is not None:
-        sections[LOAD] = definition.load
-    for axis, alternatives in definition.configurations.items():
-        for label, overlay in alternatives.items():
-            for name, changes in by_section(overlay.entries).items():
-                path = ("configurations", axis, label)
-                keys = {entry: (*path, f"{name}.{entry}") for entry in changes}
-                if name not in sections:
-                    yield _no_section(name, sections, next(iter(keys.values())))
-                    continue
-                known = dict(sections[name].specs())
-                unknown = [entry for entry in changes if entry not in known]
-                for entry in unknown:
-                    yield unknown_name(f"entry of {name}", entry, known, keys[entry], on_key=True)
-                if not unknown:
-                    yield from _wrong_values(definition, name, changes, keys)
-
-
-def _no_section(name: str, sections: Mapping[str, Declared], path: Path) -> Fault:
-    """Why entries of this section cannot be changed."""
-    if name in {declared.name for declared in Definition.declared()} - {LOAD}:
-        text = f"a configuration does not change entries of {name}:; it may change parameters, those of excitations"
-        return Fault(f"{text} and of load: (engine.misfire, load.power)", path, on_key=True)
-    return unknown_name("excitation", name, sections, path, on_key=True)
-
-
-def _wrong_values(
-    definition: Definition, name: str, changes: Mapping[str, Any], keys: Mapping[str, Path]
-) -> Iterator[Fault]:
-    """What is wrong with a section in which an alternative changes entries, at the one it is about."""
-    from torsionnet.model.configurations import Overlay
-
-    try:
-        changed = definition.overlaid(Overlay(entries={f"{name}.{entry}": value for entry, value in changes.items()}))
-        is_judged = name == LOAD or any(_misplaced(definition, name))
-        faults = () if is_judged else tuple(_misplaced(changed, name))
-    except ModelError as error:
-        faults = error.faults
-    for fault in faults:
-        about = next((one for one in fault.path if one in keys), next(iter(keys)))
-        yield replace(fault, path=keys[str(about)])
 
 
 def _unfit_elements(definition: Definition) -> Iterator[Fault]:
@@ -106,7 +58,7 @@ def _unfit_element(definition: Definition, name: str) -> Iterator[Fault]:
         yield from (fault.under("excitations", name) for fault in excitation.misfits(definition.elements))
 
 
-def _misplaced(definition: Definition, name: str) -> Iterator[Fault]:
+def misplaced(definition: Definition, name: str) -> Iterator[Fault]:
     """An excitation on nodes or in an element that are not there, or of the wrong kind."""
     nodes = all_nodes(definition.elements.values())
     for node, path in _places(name, definition.excitations[name]):
@@ -117,7 +69,8 @@ def _misplaced(definition: Definition, name: str) -> Iterator[Fault]:
 
 def _places(name: str, excitation: OrderExcitation) -> Iterator[tuple[str, Path]]:
     """The nodes that an excitation names."""
-    for path, node in excitation.node_entries:
+    reaction = (excitation.reaction_entry,) if excitation.reaction_entry else ()
+    for path, node in (*excitation.node_entries, *reaction):
         yield node, ("excitations", name, *path)
     if excitation.shaft:
         yield excitation.shaft, ("excitations", name, "speed_of")
@@ -165,9 +118,18 @@ def _remarks(definition: Definition, ratios: Mapping[str, float]) -> Iterator[Fa
 def _on_imposed(definition: Definition) -> Iterator[Fault]:
     """Torques where another excitation says how the node moves."""
     acting = {name: one for name, one in definition.excitations.items() if one.enabled}
-    imposed = {node: name for name, one in acting.items() if one.quantity == "angle" for node in one.nodes}
+    motions = [(name, one) for name, one in acting.items() if one.quantity == "angle"]
+    imposed = {frozenset(one.channel(node).nodes): name for name, one in motions for node in one.nodes}
     for name, one in acting.items():
         for path, node in one.node_entries if one.quantity == "torque" else ():
-            if node in imposed and node not in one.reactions:
-                text = f'the motion of "{node}" is imposed by {imposed[node]}; a torque there does nothing'
+            channel = one.channel(node)
+            by = imposed.get(frozenset(channel.nodes)) or _all_imposed(channel, imposed)
+            if by is not None:
+                text = f"the motion of {named_nodes(channel)} is imposed by {by}; a torque there does nothing"
                 yield Fault(text, ("excitations", name, *path))
+
+
+def _all_imposed(channel: Input, imposed: Mapping[frozenset[str], str]) -> str | None:
+    """What imposes the motion of the first node where that of every node is imposed by itself, or None."""
+    each = [imposed.get(frozenset({node})) for node in channel.nodes]
+    return each[0] if None not in each else None

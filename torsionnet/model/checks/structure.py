@@ -7,7 +7,9 @@ from typing import Any
 
 from torsionnet.core.errors import USELESS, Fault, ModelError, UsageError, did_you_mean
 from torsionnet.core.groups import Groups
+from torsionnet.model.channels import Input, Sensor, named_nodes, still_words
 from torsionnet.model.checks.balance import unbalanced_torques
+from torsionnet.model.checks.curves_in_use import beyond_curves
 from torsionnet.model.checks.load_fits import unfit_load
 from torsionnet.model.checks.motions import left_free
 from torsionnet.model.definition import Definition, all_nodes
@@ -21,6 +23,7 @@ from torsionnet.model.kinematics import (
 )
 from torsionnet.model.load.external_torques import ExternalTorques
 from torsionnet.model.operating_values import unfit_parameters
+from torsionnet.model.referral import unfit_references
 
 MOST_GROUPS = 10
 """Unconnected groups that are reported one by one."""
@@ -97,31 +100,40 @@ def massless_without_hold(definition: Definition, kinematics: Kinematics) -> lis
 
 def locked_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]:
     """Inputs, excitations and motion sensors on a node that cannot move: another configuration may set it free."""
-    faults = []
+    faults, nodes = [], set(kinematics.nodes)
     for name, channel in definition.inputs.items():
-        if channel.of in kinematics.nodes and kinematics.holds(channel.of):
-            text = f'input {name} does nothing: "{channel.of}" is locked'
+        if nodes.issuperset(channel.nodes) and kinematics.stills(channel.row):
+            text = f"input {name} does nothing: {_still(channel)}"
             faults.append(Fault(text, ("inputs", name, channel.quantity), "warning", kind=USELESS))
     for name, excitation in definition.excitations.items():
         for path, node in excitation.node_entries if excitation.enabled else ():
-            if node in kinematics.nodes and kinematics.holds(node) and node not in excitation.reactions:
-                text = f'{name} acts on "{node}", which is locked; nothing would come of it'
+            acting = excitation.channel(node)
+            if nodes.issuperset(acting.nodes) and kinematics.stills(acting.row):
+                held = (
+                    f'"{node}", which is locked' if acting.against is None else f"{named_nodes(acting)}, held rigidly"
+                )
+                text = f"{name} acts on {held}; nothing would come of it"
                 faults.append(Fault(text, ("excitations", name, *path), "warning", kind=USELESS))
     for name, sensor in definition.sensors.items():
-        moves = not sensor.is_on_element and sensor.of in kinematics.nodes
-        if moves and kinematics.holds(sensor.of):
-            text = f'sensor {name} reads zero: "{sensor.of}" is locked'
+        moves = not sensor.is_on_element and nodes.issuperset(sensor.nodes)
+        if moves and kinematics.stills(sensor.row):
+            text = f"sensor {name} reads zero: {_still(sensor)}"
             faults.append(Fault(text, ("sensors", name, sensor.quantity), "warning"))
     return faults
 
 
+def _still(channel: Input | Sensor) -> str:
+    return f'"{channel.of}" is locked' if channel.against is None else still_words(channel)
+
+
 def contradicting_inputs(definition: Definition, kinematics: Kinematics) -> list[Fault]:
     """Inputs that act where an imposed angle already says what moves."""
-    imposed = {definition.inputs[name].of: name for name in kinematics.imposed}
+    imposed = {frozenset(definition.inputs[name].nodes): name for name in kinematics.imposed}
     faults = []
     for name, channel in definition.inputs.items():
-        if channel.quantity == "torque" and channel.of in imposed:
-            text = f'the angle of "{channel.of}" is imposed by {imposed[channel.of]}; a torque there does nothing'
+        driven = imposed.get(frozenset(channel.nodes))
+        if channel.quantity == "torque" and driven is not None:
+            text = f"the angle of {named_nodes(channel)} is imposed by {driven}; a torque there does nothing"
             faults.append(Fault(text, ("inputs", name, channel.quantity)))
     fixed = [index for index in kinematics.reduction.blocked if index < len(kinematics.imposed)]
     for index in fixed:
@@ -159,8 +171,10 @@ def idle_channels(definition: Definition, kinematics: Kinematics) -> list[Fault]
     faults = []
     for table in ("inputs", "sensors"):
         for name, channel in getattr(definition, table).items():
-            if channel.of not in (active if channel.is_on_element else nodes):
-                text = f"{name} has nothing to act on: {channel.of} is switched off"
+            named = (channel.of,) if channel.is_on_element else channel.nodes
+            missing = [one for one in named if one not in (active if channel.is_on_element else nodes)]
+            if missing:
+                text = f"{name} has nothing to act on: {missing[0]} is switched off"
                 faults.append(Fault(text, (table, name), "note", on_key=True))
     return faults
 
@@ -202,6 +216,9 @@ CHECKS = (
 
 def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
     """All structural checks of one configuration; contradicting gears make the rest meaningless."""
+    unfit = list(unfit_references([one for one in definition.elements.values() if one.enabled], values))
+    if unfit:
+        return unfit
     kinematics = solve_kinematics(definition, Values(values))
     faults = contradicting_gears(definition, kinematics)
     if faults:
@@ -212,5 +229,5 @@ def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
     sound = all(fault.severity != "error" for fault in faults)
     if not sound:
         return faults if definition.load else faults + unbalanced_torques(external, kinematics)
-    unfit = unfit_load(external) or unfit_parameters(external)
-    return faults + (unfit or unbalanced_torques(external, kinematics))
+    misfits = unfit_load(external) or unfit_parameters(external) or beyond_curves(external)
+    return faults + (misfits or unbalanced_torques(external, kinematics))

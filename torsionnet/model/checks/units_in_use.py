@@ -21,6 +21,6 @@ def parameter_units(definition: Definition) -> dict[str, str]:
     units = {name: "" if dimension is None else str(dimension) for name, dimension in found.items()}
     for element in definition.elements.values():
         for _, _, expression, dimension in element.expressions():
-            if isinstance(expression, Name):
+            if isinstance(expression, Name) and dimension:
                 units[expression.name] = expected_unit(dimension)
     return {name: "" if unit == "1" else unit for name, unit in units.items()}

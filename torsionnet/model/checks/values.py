@@ -6,13 +6,14 @@ import math
 from collections.abc import Mapping
 from fractions import Fraction
 
+from torsionnet.core.damping import MEASURES
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.errors import Fault, TorsionnetError
+from torsionnet.core.errors import Fault, Path, TorsionnetError
 from torsionnet.core.expressions import Compound, Expression, ExpressionError
 from torsionnet.core.units import DIMENSIONS, Dimension, expected_unit, is_beyond_range
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Element, Law, Values
-from torsionnet.model.elements.damping_entries import DampingQuantity
+from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor
 from torsionnet.model.parameters import dimensions
 
 Numbers = Mapping[str, "Fraction | float"]
@@ -56,7 +57,7 @@ def bound_dimensions(definition: Definition) -> list[Fault]:
 
 
 def _dimension_fault(expression: Expression, wanted: str, known: Mapping[str, Dimension | None]) -> str | None:
-    if not expression.names or not expression.names <= known.keys():
+    if not wanted or not expression.names or not expression.names <= known.keys():
         return None
     try:
         found = expression.dimension(known)
@@ -117,10 +118,15 @@ def _point_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
 def _field_sizes(element: Element, numbers: Numbers) -> list[Fault]:
     faults = []
     for path, spec, expression, wanted in element.expressions():
-        text = _size_fault(spec, expression, numbers, measure=len(path) > 1, wanted=wanted)
+        text = _size_fault(spec, expression, numbers, measure=_is_in_measure(spec, path), wanted=wanted)
         if text:
             faults.append(Fault(text, ("elements", element.name, *path)))
     return faults
+
+
+def _is_in_measure(spec: object, path: Path) -> bool:
+    """Whether an entry is a part of a measure of damping."""
+    return isinstance(spec, DampingQuantity | LossFactor) and path[-1] in (*MEASURES, "at")
 
 
 def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measure: bool, wanted: str) -> str | None:
@@ -148,21 +154,22 @@ def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measu
 
 
 def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
-    """A safety net behind the bounds of single fields: no law may have a negative coefficient."""
+    """A safety net behind the bounds of single fields: no law may have a negative coefficient, unless it may drive."""
     if not all(expression.names <= numbers.keys() for _, _, expression, _ in element.expressions()):
         return []
+    place = ("elements", element.name)
     try:
-        parts = element.parts(Values(numbers))
+        laws = [part for part in element.parts(Values(numbers)) if isinstance(part, Law)]
     except (TorsionnetError, ArithmeticError) as error:
-        return [Fault(f"{element.name} cannot be calculated: {error}", ("elements", element.name))]
-    for part in parts:
-        if isinstance(part, Law) and min(part.inertia, part.damping, part.stiffness, part.loss_factor) < 0:
-            return [
-                Fault(
-                    f"the values of {element.name} give it a negative inertia, damping or stiffness",
-                    ("elements", element.name),
-                )
-            ]
+        return [Fault(f"{element.name} cannot be calculated: {error}", place)]
+    damping = min((law.damping for law in laws), default=0)
+    if any(min(law.inertia, law.stiffness, law.loss_factor) < 0 for law in laws) or (
+        damping < 0 and not element.may_feed
+    ):
+        return [Fault(f"the values of {element.name} give it a negative inertia, damping or stiffness", place)]
+    if damping < 0:
+        text = f"{element.name} drives vibrations here: its damping is {float(damping):.4g} N*m*s/rad"
+        return [Fault(text, place, "note")]
     return []
 
 
@@ -176,5 +183,5 @@ def passive_tables(definition: Definition) -> list[Fault]:
         )
         for name, element in definition.elements.items()
         for entry, (_, value) in element.scalars().items()
-        if entry == "table" and not value.is_passive
+        if entry == "table" and not getattr(value, "is_passive", True)
     ]

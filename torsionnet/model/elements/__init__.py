@@ -5,7 +5,7 @@ import pkgutil
 from typing import TYPE_CHECKING
 
 from torsionnet.model.elements.element import ELEMENT_TYPES, Element, element_classes, make_element, register
-from torsionnet.model.elements.laws import GROUND, Constraint, Law, Part, Row, Values
+from torsionnet.model.elements.laws import GROUND, Action, Constraint, Law, Part, Row, Values
 
 if TYPE_CHECKING:
     from torsionnet.model.elements.element_types import *
@@ -16,6 +16,7 @@ for _name in sorted(module.name for module in pkgutil.iter_modules(__path__)):
 __all__ = [
     "ELEMENT_TYPES",
     "GROUND",
+    "Action",
     "Constraint",
     "Element",
     "Law",

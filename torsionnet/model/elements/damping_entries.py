@@ -10,7 +10,7 @@ from torsionnet.core.damping import MEASURES, DampingMeasure
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, PhysicalQuantity, plain_scalar, read_scalar
 from torsionnet.core.entries.spec import EntryError, Schema
 from torsionnet.core.errors import Fault, Path, did_you_mean
-from torsionnet.core.expressions import Expression
+from torsionnet.core.expressions import Algebra, Expression
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -103,3 +103,10 @@ class LossFactor(PhysicalQuantity):
         if isinstance(value, DampingMeasure):
             return (((value.measure,), value.value, "1"),)
         return (((), value, "1"),)
+
+
+def loss_factor(entry: Expression | DampingMeasure | None, parameters: Mapping[str, Any], algebra: Algebra) -> Any:
+    """The eta of a loss factor entry, given directly or by a measure; 0 where nothing is given."""
+    if isinstance(entry, DampingMeasure):
+        return entry.loss_factor(parameters, algebra)
+    return 0 if entry is None else entry.evaluate(parameters, algebra)

@@ -1,7 +1,8 @@
-"""What an element is made of: kinematic rows, and the laws and constraints that act on them.
+"""What an element is made of: kinematic rows, and the laws, constraints and actions on them.
 
 Every mechanical element acts on a scalar gamma = a^T theta, the *row* a being a sparse map from node to coefficient.
-A :class:`Law` answers the motion gamma with a torque kappa(s) gamma; a :class:`Constraint` holds gamma at zero.
+A :class:`Law` answers the motion gamma with a torque kappa(s) gamma; a :class:`Constraint` holds gamma at zero. An
+:class:`Action` drives one gamma by the motion of another.
 Coefficients are numbers, exact rationals or symbols: nothing here knows which.
 """
 
@@ -12,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from torsionnet.core.expressions import RATIONAL, Algebra, Expression
-from torsionnet.model.elements.stiffness_table import StiffnessTable
+from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
 
 GROUND = "ground"
 """The node with no angle; a coefficient on it drops out of every row."""
@@ -24,7 +25,8 @@ Row: TypeAlias = dict[str, Any]
 class Law:
     """A torque kappa(s) gamma on the row gamma, kappa(s) = J s^2 + c s + k (1 + j eta) + table(omega).
 
-    ``inertia`` kg m^2, ``damping`` N m s/rad, ``stiffness`` N m/rad, ``loss_factor`` eta without unit.
+    ``inertia`` kg m^2, ``damping`` N m s/rad, ``stiffness`` N m/rad, ``loss_factor`` eta without unit,
+    ``table`` what depends on frequency.
     """
 
     row: Row
@@ -32,21 +34,21 @@ class Law:
     damping: Any = 0
     stiffness: Any = 0
     loss_factor: Any = 0
-    table: StiffnessTable | None = None
+    table: DynamicStiffness | None = None
 
     @property
     def is_elastic(self) -> bool:
         """Whether the law is a spring; a table is one even if its stiffness vanishes at rest."""
-        return bool(self.stiffness != 0) or self.table is not None
+        return bool(self.stiffness != 0) or (self.table is not None and self.table.is_elastic)
 
     @property
     def holds_at_rest(self) -> bool:
         """Whether the law resists a constant gamma."""
-        return bool(self.stiffness != 0) or (self.table is not None and self.table.stiffness[0] > 0)
+        return bool(self.stiffness != 0) or (self.table is not None and self.table.holds_at_rest)
 
     @property
     def acts(self) -> bool:
-        return self.is_elastic or bool(self.inertia != 0) or bool(self.damping != 0)
+        return self.is_elastic or self.table is not None or bool(self.inertia != 0) or bool(self.damping != 0)
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,27 @@ class Constraint:
     row: Row
 
 
-Part: TypeAlias = Law | Constraint
+@dataclass(frozen=True)
+class Action:
+    """A torque kappa(s) gamma_sensed on the row ``row``, from the motion of another row; a positive one drives.
+
+    kappa(s) = (n_0 + n_1 s + ...)/(d_0 + d_1 s + ...) e^(-s delay) in N m/rad, ``numerator`` and ``denominator``
+    ascending in s, ``delay`` in s. A law that opposes its own motion is a :class:`Law`; an action need not be passive,
+    nor the same both ways.
+    """
+
+    row: Row
+    sensed: Row
+    numerator: tuple[Any, ...]
+    denominator: tuple[Any, ...] = (1,)
+    delay: Any = 0
+
+    @property
+    def acts(self) -> bool:
+        return bool(self.row) and bool(self.sensed) and any(bool(value != 0) for value in self.numerator)
+
+
+Part: TypeAlias = Law | Constraint | Action
 
 
 def make_row(entries: Iterable[tuple[str, Any]]) -> Row:

@@ -50,6 +50,13 @@ class ElementName(Text):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
+class ReferenceNode(NodeName):
+    """A node of the shaft at which values are quoted: no port."""
+
+    allow_ground: bool = False
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class NodePair(Spec):
     """Two nodes; the first defines the sign of the element's twist and torque."""
 

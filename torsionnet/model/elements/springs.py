@@ -5,16 +5,30 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
-from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor
+from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Expression, Number
+from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.laws import Law, Part, Values, difference
 from torsionnet.model.elements.nodes import NodePair
 from torsionnet.model.elements.stiffness_rows import TableEntry
 
 PAIR = "the two nodes it connects, one may be ground; twist is the angle of the first minus the second"
+SECTION = PhysicalQuantity(
+    "outer diameter of the shaft that it stands for, where its stress is judged", "length", "D", exclusive=True
+)
+BORE = PhysicalQuantity("inner diameter there", "length", "d")
+
+
+def _section_faults(element: Any) -> list[Fault]:
+    inner, outer = element.inner_diameter, element.outer_diameter
+    if outer is None:
+        return [] if inner == Number(0) else [Fault("inner_diameter needs outer_diameter too", ("inner_diameter",))]
+    if isinstance(inner, Number) and isinstance(outer, Number) and inner.value >= outer.value:
+        return [Fault("the inner diameter must be smaller than the outer diameter", ("inner_diameter",))]
+    return []
 
 
 @register
@@ -35,6 +49,15 @@ class Spring(Element):
     nodes: Any = entry(NodePair(PAIR))
     stiffness: Any = entry(PhysicalQuantity("torsional stiffness", "stiffness", "k"))
     damping: Any = entry(DampingQuantity("viscous damping, or a damping measure at a frequency", "damping", "c"), 0)
+    outer_diameter: Any = entry(SECTION, None)
+    inner_diameter: Any = entry(BORE, 0)
+
+    def contradictions(self) -> list[Fault]:
+        return _section_faults(self)
+
+    @property
+    def diameters(self) -> tuple[Expression, Expression] | None:
+        return None if self.outer_diameter is None else (self.outer_diameter, self.inner_diameter)
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         stiffness = value(self.stiffness)
@@ -85,16 +108,21 @@ class HystereticSpring(Element):
     stiffness: Any = entry(PhysicalQuantity("torsional stiffness, the real part", "stiffness", "k"))
     loss_factor: Any = entry(LossFactor("loss factor, or another frequency-free damping measure", "1", "eta"))
     damping: Any = entry(DampingQuantity("viscous damping in parallel", "damping", "c"), 0)
+    outer_diameter: Any = entry(SECTION, None)
+    inner_diameter: Any = entry(BORE, 0)
+
+    def contradictions(self) -> list[Fault]:
+        return _section_faults(self)
+
+    @property
+    def diameters(self) -> tuple[Expression, Expression] | None:
+        return None if self.outer_diameter is None else (self.outer_diameter, self.inner_diameter)
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         stiffness = value(self.stiffness)
-        eta = self.loss_factor
-        if isinstance(eta, DampingMeasure):
-            loss_factor = eta.loss_factor(value.parameters, value.algebra)
-        else:
-            loss_factor = value(eta)
+        eta = loss_factor(self.loss_factor, value.parameters, value.algebra)
         damping = viscous(self.damping, stiffness, value)
-        return (Law(difference(*self.nodes), damping=damping, stiffness=stiffness, loss_factor=loss_factor),)
+        return (Law(difference(*self.nodes), damping=damping, stiffness=stiffness, loss_factor=eta),)
 
 
 @register

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
 
 if TYPE_CHECKING:
     import numpy as np
@@ -11,7 +13,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class StiffnessTable:
+class StiffnessTable(DynamicStiffness):
     """Dynamic stiffness kappa(omega) = k(f) + j omega c(f) from a table.
 
     Attributes
@@ -59,3 +61,14 @@ class StiffnessTable:
     def is_passive(self) -> bool:
         """Whether the table can only take energy out of a vibration (c >= 0 at every row)."""
         return min(self.damping) >= 0
+
+    @property
+    def holds_at_rest(self) -> bool:
+        """Whether there is stiffness at the lowest frequency."""
+        return self.stiffness[0] > 0
+
+    def in_many_digits(self, s: Any) -> Any:
+        """At ``|Im s|``, and beside the axis with the damping at rest."""
+        import mpmath
+
+        return super().in_many_digits(s) + mpmath.re(s) * mpmath.mpf(self.damping[0])

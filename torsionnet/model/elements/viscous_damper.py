@@ -6,14 +6,22 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
+from torsionnet.model.elements.curves import Temperature
 from torsionnet.model.elements.damping_entries import DampingQuantity
+from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness, ScaledStiffness
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
 from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.elements.sheared_shapes import FilmGap
+from torsionnet.model.elements.stiffness_rows import TableEntry
+from torsionnet.model.elements.viscoelastic import Viscoelastic, temperature_faults
+
+_FILMS = ("damping", "table", "silicone")
 
 
 @register
@@ -26,13 +34,22 @@ class ViscousDamper(Element):
     (untuned) has its best damping on a mass on a spring, J and K, at c = 2 zeta J_r sqrt(K/J) with
     zeta = 1/sqrt(2 (1 + mu) (2 + mu)) and mu = J_r/J, J with the hub; then theta is at most (2 + mu)/mu times what the
     torque amplitude would turn the spring at rest (J. P. Den Hartog, Mechanical Vibrations, 4th ed., chapter 3).
-    Silicone oils are stiff, too, and both values change with frequency and temperature: those here are constant.
+    Silicone oils are stiff, too, and both values change with frequency and temperature: c and k are constants, or a
+    table over frequency that holds at one temperature, or S (G' + j G'') of the silicone in the gaps round the ring at
+    the temperature of the film, by time-temperature superposition, with S = pi (r_o^4 - r_i^4)/h_a + 2 pi b r_o^3/h_o
+    + 2 pi b r_i^3/h_i; ``scale`` multiplies either, for an oil of another viscosity, or in a fit.
 
     Examples
     --------
     >>> damper = ViscousDamper("damper", node="nose", ring_inertia="0.12 kg*m^2", damping="60 N*m*s/rad")
     >>> damper.internal_nodes
     ('damper.ring',)
+    >>> silicone = {"moduli": [[1, 3e3, 9e3], [100, "60 kPa", "70 kPa"]], "reference_temperature": "25 degC",
+    ...     "shift": {"25 degC": 1, "75 degC": 0.4}}
+    >>> warm = ViscousDamper("damper", node="nose", ring_inertia=2, silicone=silicone, temperature="75 degC",
+    ...     gap={"outer_diameter": "400 mm", "inner_diameter": "250 mm", "axial_gap": "0.5 mm"})
+    >>> [round(f, 3) for f in warm.parts(Values({}))[0].table.frequencies]
+    [2.5, 250.0]
     """
 
     kind: ClassVar[str] = "viscous_damper"
@@ -41,11 +58,42 @@ class ViscousDamper(Element):
 
     node: Any = entry(NodeName("the node its hub turns with", allow_ground=False))
     ring_inertia: Any = entry(PhysicalQuantity("inertia of the ring", "inertia", "J_r", exclusive=True))
-    damping: Any = entry(DampingQuantity("viscous damping of the film, or a measure of its damping", "damping", "c"))
+    damping: Any = entry(
+        DampingQuantity("viscous damping of the film, or a measure of its damping", "damping", "c"), None
+    )
     stiffness: Any = entry(PhysicalQuantity("stiffness of the film", "stiffness", "k"), 0)
     hub_inertia: Any = entry(PhysicalQuantity("inertia of hub and casing", "inertia", "J_h"), 0)
+    table: Any = entry(
+        TableEntry("instead: rows [frequency in Hz, stiffness in N*m/rad, damping in N*m*s/rad] of the film"), None
+    )
+    silicone: Any = entry(Nested("instead: moduli of the silicone", lambda: Viscoelastic, "viscoelastic"), None)
+    gap: Any = entry(Nested("its gaps round the ring", lambda: FilmGap, "film_gap"), None)
+    scale: Any = entry(PhysicalQuantity("factor on the table or on the moduli", "1", "F", exclusive=True), None)
+    temperature: Any = entry(Temperature("temperature of the silicone", "temperature", "t", exclusive=True), None)
 
     def contradictions(self) -> list[Fault]:
+        given = [name for name in _FILMS if getattr(self, name) is not None]
+        if not given:
+            return [Fault("a viscous_damper needs damping, a table, or silicone and gap", on_key=True)]
+        if len(given) > 1:
+            return [Fault(f"the film is given by {given[0]} or by {given[1]}, not both", (given[1],), on_key=True)]
+        if self.damping is None and self.stiffness != Number(0):
+            return [Fault(f"the {given[0]} says the stiffness already", ("stiffness",), on_key=True)]
+        if self.damping is not None and self.scale is not None:
+            return [Fault("this multiplies a table or a silicone, and there is none", ("scale",), on_key=True)]
+        return [*self._measure_faults(), *self._silicone_faults()]
+
+    def _silicone_faults(self) -> list[Fault]:
+        if (self.silicone is None) != (self.gap is None):
+            lacking = "gap, as {outer_diameter: ...}" if self.silicone is not None else "silicone, as {moduli: ...}"
+            return [Fault(f"a film of silicone needs its moduli and its gaps; here is no {lacking}", on_key=True)]
+        if self.silicone is not None:
+            return temperature_faults(self.silicone, self.temperature)
+        if self.temperature is not None:
+            return [Fault("nothing here depends on it; give silicone and gap", ("temperature",), on_key=True)]
+        return []
+
+    def _measure_faults(self) -> list[Fault]:
         if isinstance(self.damping, DampingMeasure) and self.damping.measure != "c" and self.stiffness == Number(0):
             return [Fault("a measure of damping needs a film with stiffness; give damping in N*m*s/rad", ("damping",))]
         return []
@@ -56,10 +104,26 @@ class ViscousDamper(Element):
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         (ring,) = self.internal_nodes
-        stiffness = value(self.stiffness)
-        film = Law(difference(self.node, ring), damping=viscous(self.damping, stiffness, value), stiffness=stiffness)
         hub = Law(make_row([(self.node, 1)]), inertia=value(self.hub_inertia))
-        return (film, Law(make_row([(ring, 1)]), inertia=value(self.ring_inertia)), *([hub] if hub.acts else []))
+        return (
+            self._film(ring, value),
+            Law(make_row([(ring, 1)]), inertia=value(self.ring_inertia)),
+            *([hub] if hub.acts else []),
+        )
+
+    def _film(self, ring: str, value: Values) -> Law:
+        row = difference(self.node, ring)
+        if self.table is not None:
+            return Law(row, table=self._scaled(self.table, value))
+        if self.silicone is not None:
+            temperature = None if self.temperature is None else float(self.temperature.value)
+            film = self.silicone.stiffness(self.gap.factor, temperature)
+            return Law(row, table=self._scaled(film, value))
+        stiffness = value(self.stiffness)
+        return Law(row, damping=viscous(self.damping, stiffness, value), stiffness=stiffness)
+
+    def _scaled(self, film: DynamicStiffness, value: Values) -> DynamicStiffness:
+        return film if self.scale is None else ScaledStiffness(film, value(self.scale))
 
     def holds(self, value: Values) -> tuple[Row, ...]:
         """The ring turns with the hub on average, whatever the film."""

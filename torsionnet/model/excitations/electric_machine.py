@@ -15,7 +15,7 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.elements.nodes import NodeName
-from torsionnet.model.excitations.harmonic_torque import FREQUENCY, PHASE, ByOrder, with_reaction
+from torsionnet.model.excitations.harmonic_torque import FREQUENCY, PHASE, ByOrder
 from torsionnet.model.excitations.order_excitation import (
     ComplexArray,
     FloatArray,
@@ -174,12 +174,11 @@ class ElectricMachine(OrderExcitation):
 
     @property
     def node_entries(self) -> tuple[tuple[Path, str], ...]:
-        own = ((("node",), self.node),)
-        return (*own, (("stator",), self.stator)) if self.stator else own
+        return ((("node",), self.node),)
 
     @property
-    def reactions(self) -> Mapping[str, str]:
-        return {self.stator: self.node} if self.stator else {}
+    def reaction_entry(self) -> tuple[Path, str] | None:
+        return (("stator",), self.stator) if self.stator else None
 
     def remarks(self, speeds: FloatArray | None) -> list[Fault]:
         slip = self.slip.amplitude if self.slip else None
@@ -191,7 +190,7 @@ class ElectricMachine(OrderExcitation):
         return OrderTorques(
             np.array([line.order for line in lines]),
             self.nodes,
-            with_reaction(amplitudes, len(self.nodes)),
+            amplitudes[:, :, None],
             fixed=np.array([line.fixed for line in lines]),
         )
 

@@ -20,14 +20,14 @@ from torsionnet.model.excitations.cylinder_entries import CYLINDER, FACTOR, Cyli
 from torsionnet.model.excitations.engine_load import LOAD
 from torsionnet.model.excitations.firing import banked_phases, even_phases
 from torsionnet.model.excitations.gas_torque import GAS, Crank
-from torsionnet.model.excitations.order_excitation import ORDER, FloatArray, OrderExcitation
+from torsionnet.model.excitations.order_excitation import ORDER, FloatArray, ReactingExcitation
 
 HIGHEST = {4: 12.0, 2: 15.0}
 """Orders unless others are given."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class EngineEntries(OrderExcitation):
+class EngineEntries(ReactingExcitation):
     """Cylinders on a crankshaft, when they fire, and what is in them."""
 
     speed_of: Any = entry(NodeName("a node of the crankshaft; orders count its revolutions", allow_ground=False))

@@ -17,8 +17,8 @@ from torsionnet.model.elements.nodes import NodeName
 from torsionnet.model.excitations.order_excitation import (
     ORDER,
     FloatArray,
-    OrderExcitation,
     OrderTorques,
+    ReactingExcitation,
     register_excitation,
 )
 from torsionnet.model.excitations.speed_table import SpeedTable, not_covered, over_speed
@@ -125,10 +125,11 @@ AMPLITUDE = Nested(
 
 @register_excitation
 @dataclass(frozen=True, kw_only=True)
-class HarmonicTorque(OrderExcitation):
+class HarmonicTorque(ReactingExcitation):
     """A torque on a node, or a motion imposed on it, by orders of a shaft and by frequencies.
 
-    A node with an imposed motion is held by it: it does not move at the orders of other excitations.
+    A node with an imposed motion is held by it: it does not move at the orders of other excitations. With ``reaction``,
+    a second node, the torque acts oppositely there, and a motion is imposed relative to it.
 
     Examples
     --------
@@ -143,9 +144,6 @@ class HarmonicTorque(OrderExcitation):
     kind: ClassVar[str] = "harmonic"
 
     node: Any = entry(NodeName("the node it acts on", allow_ground=False))
-    reaction: Any = entry(
-        NodeName("the node on which the opposite torque acts; default: the ground", allow_ground=False), None
-    )
     speed_of: Any = entry(NodeName("the shaft whose orders are given; default: node", allow_ground=False), None)
     orders: Any = entry(ByOrder("order -> peak value and phase", AMPLITUDE, fewest=0), None)
     frequencies: Any = entry(ByOrder("frequency -> peak value and phase", AMPLITUDE, FREQUENCY, "frequency", 0), None)
@@ -159,9 +157,7 @@ class HarmonicTorque(OrderExcitation):
         if len({part.of_motion for part in parts}) > 1:
             text = "torques and imposed motions are two excitations: where a motion is imposed, a torque does nothing"
             return [Fault(text, ("orders" if self.orders else "frequencies",), on_key=True)]
-        if parts[0].of_motion and self.reaction:
-            return [Fault("an imposed motion has no reaction; leave it out", ("reaction",), on_key=True)]
-        return []
+        return super().contradictions()
 
     @property
     def shaft(self) -> str:
@@ -173,12 +169,7 @@ class HarmonicTorque(OrderExcitation):
 
     @property
     def node_entries(self) -> tuple[tuple[Path, str], ...]:
-        own = ((("node",), self.node),)
-        return (*own, (("reaction",), self.reaction)) if self.reaction else own
-
-    @property
-    def reactions(self) -> Mapping[str, str]:
-        return {self.reaction: self.node} if self.reaction else {}
+        return ((("node",), self.node),)
 
     def remarks(self, speeds: FloatArray | None) -> list[Fault]:
         return not_covered({("factor",): self.factor}, speeds)
@@ -191,9 +182,4 @@ class HarmonicTorque(OrderExcitation):
         amplitudes = np.stack([part.over_frequency(omega[:, place]) for place, part in enumerate(parts)], axis=1)
         if self.factor:
             amplitudes = amplitudes * over_speed(self.factor, speeds, "factor")[:, None]
-        return OrderTorques(orders, self.nodes, with_reaction(amplitudes, len(self.nodes)), fixed=fixed)
-
-
-def with_reaction(amplitudes: Any, count: int) -> Any:
-    """Amplitudes (n_speeds, n_lines) on a node, and their opposites on a second one if there are two."""
-    return np.stack([amplitudes, -amplitudes][:count], axis=2)
+        return OrderTorques(orders, self.nodes, amplitudes[:, :, None], fixed=fixed)

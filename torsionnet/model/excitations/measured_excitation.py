@@ -18,7 +18,12 @@ from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, ModelError, Path, UsageError
 from torsionnet.model.elements.nodes import NodeName
 from torsionnet.model.excitations.measured_columns import FORM, POWERS, MeasuredLines, measured_lines
-from torsionnet.model.excitations.order_excitation import FloatArray, OrderExcitation, OrderTorques, register_excitation
+from torsionnet.model.excitations.order_excitation import (
+    FloatArray,
+    OrderTorques,
+    ReactingExcitation,
+    register_excitation,
+)
 from torsionnet.model.excitations.order_table_file import read_order_table
 from torsionnet.model.excitations.speed_table import not_covered
 
@@ -84,7 +89,7 @@ class OrderTableEntry(Nested):
 
 @register_excitation
 @dataclass(frozen=True, kw_only=True)
-class MeasuredExcitation(OrderExcitation):
+class MeasuredExcitation(ReactingExcitation):
     """A torque or a motion on a node as it was recorded, by order or by frequency.
 
     Amplitudes are peak values unless the column says ``rms`` or ``peak_to_peak``; phases are those of a cosine,

@@ -14,7 +14,9 @@ from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Flag
 from torsionnet.core.errors import Fault, Path
+from torsionnet.model.channels import Input
 from torsionnet.model.elements import Element
+from torsionnet.model.elements.nodes import NodeName
 
 ORDER = Value("vibrations per revolution", "1", exclusive=True, below=10_000)
 FloatArray = NDArray[np.float64]
@@ -116,9 +118,18 @@ class OrderExcitation(Declared):
         return tuple(dict.fromkeys(node for _, node in self.node_entries))
 
     @property
-    def reactions(self) -> Mapping[str, str]:
-        """Nodes that take the torque of another one, whose sense of turning counts for it then."""
-        return {}
+    def reaction_entry(self) -> tuple[Path, str] | None:
+        """Where the node is named that takes the opposite of all torques, or that motions are relative to; its name."""
+        return None
+
+    @property
+    def reaction_node(self) -> str | None:
+        """That node, where it is not the ground."""
+        return None if self.reaction_entry is None else self.reaction_entry[1]
+
+    def channel(self, place: str) -> Input:
+        """The input that it is at one of its nodes or elements."""
+        return Input(self.quantity, place, self.reaction_node)
 
     def fitted(self, elements: Mapping[str, Element]) -> Self:
         """With what the elements it names know: a shaft, a number of teeth."""
@@ -143,6 +154,29 @@ class OrderExcitation(Declared):
         """What is wrong at speeds of its shaft in rad/s, where these are known, and what is worth a warning or note."""
         del speeds
         return []
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReactingExcitation(OrderExcitation):
+    """Base of those whose torques may act between two nodes: a crankshaft and the block, a pump and its housing."""
+
+    reaction: Any = entry(
+        NodeName(
+            "the node that takes the opposite torques, or that an imposed motion is relative to; default: the ground",
+            allow_ground=False,
+        ),
+        None,
+    )
+
+    @property
+    def reaction_entry(self) -> tuple[Path, str] | None:
+        return (("reaction",), self.reaction) if self.reaction else None
+
+    def contradictions(self) -> list[Fault]:
+        if self.reaction not in self.nodes:
+            return []
+        text = f'"{self.reaction}" takes the opposite of a torque on itself; name the node of what it reacts on'
+        return [Fault(text, ("reaction",))]
 
 
 def register_excitation(cls: T) -> T:

@@ -29,7 +29,8 @@ class ReciprocatingEngine(EngineEntries):
 
     With x(phi) the way of a piston from top dead centre over the crank radius r, the gas torque of a cylinder is
     (p - p_crankcase) A r x' and the inertia torque -m r^2 Omega^2 x' x''. Cylinder i acts with T(phi - alpha_i),
-    alpha_i the angle at which it fires; phi is 0 at firing top dead centre of the first.
+    alpha_i the angle at which it fires; phi is 0 at firing top dead centre of the first. With ``reaction``, the node of
+    the block, that takes -T of every cylinder.
 
     Examples
     --------
@@ -43,7 +44,7 @@ class ReciprocatingEngine(EngineEntries):
     kind: ClassVar[str] = "reciprocating_engine"
 
     def contradictions(self) -> list[Fault]:
-        return list(engine_faults(self))
+        return [*engine_faults(self), *super().contradictions()]
 
     def remarks(self, speeds: FloatArray | None) -> list[Fault]:
         return list(engine_remarks(self, speeds))

@@ -72,8 +72,8 @@ class CurveLimit(Limit):
         sensor = self.sensor(subject)
         if sensor is None:
             return ""
-        there = subject.active if sensor.is_on_element else subject.active_nodes
-        return "" if sensor.of in there else sensor.of
+        named, there = ((sensor.of,), subject.active) if sensor.is_on_element else (sensor.nodes, subject.active_nodes)
+        return next((name for name in named if name not in there), "")
 
     def contradictions(self) -> list[Fault]:
         given = [key for key in ("value", "over_speed", "over_lambda") if getattr(self, key)]
@@ -94,10 +94,11 @@ class CurveLimit(Limit):
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
         sensor = self.sensor(subject)
         known = subject.elements if sensor and sensor.is_on_element else subject.nodes
-        if sensor is None or sensor.of not in known:
+        missing = [name for name in (sensor.nodes or (sensor.of,)) if name not in known] if sensor else [self.output]
+        if sensor is None or missing:
             names = [*subject.sensors, *known]
-            what = "output" if sensor is None or sensor.of == self.output else "element or node"
-            yield unknown_name(what, self.output if sensor is None else sensor.of, names, ("output",))
+            what = "output" if missing[0] == self.output else "element or node"
+            yield unknown_name(what, missing[0], names, ("output",))
             return
         if sensor.quantity == "stress" and section_fault(subject.elements[sensor.of]):
             yield Fault(str(section_fault(subject.elements[sensor.of])), ("output",))

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import TYPE_CHECKING
 
 from torsionnet.core.errors import Fault, Path, UsageError, meant_or
-from torsionnet.model.channels import parse_sensor
+from torsionnet.model.channels import parse_pair, parse_sensor
 from torsionnet.model.configurations import parse_choice
 from torsionnet.model.report.report_plan import Pair, ReportPlan
 
@@ -35,6 +35,7 @@ def _pair(pair: Pair, definition: Definition) -> Iterator[Fault]:
     }
     for what, (name, names) in known.items():
         is_written_out = what != "input or node" and parse_sensor(name) is not None
+        is_written_out |= what != "sensor or node" and set(parse_pair(name) or "?") <= nodes
         if name and name not in names and not is_written_out:
             text = f'no {what} is named "{name}"{meant_or(name, names, _declared(definition, what))}'
             yield Fault(text, kind="unknown name", about=name)

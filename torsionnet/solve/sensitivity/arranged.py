@@ -25,7 +25,7 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import Element
 from torsionnet.model.elimination import exact, reduce_rows
-from torsionnet.model.kinematics import UNIT
+from torsionnet.model.kinematics import UNIT, exact_row
 from torsionnet.solve.response_problem import Loading, ResponseProblem
 from torsionnet.solve.row_algebra import Row
 from torsionnet.solve.sensitivity.augmented import Augmented
@@ -197,7 +197,7 @@ class Arranged:
 
     def _load(self, load: Input, names: Mapping[Input, str]) -> Loading:
         if load.quantity == "torque":
-            return Loading(load=self._row({load.of: Fraction(1)}))
+            return Loading(load=self._row(exact_row(load.row)))
         return Loading(motion={self.columns[f"input:{names[load]}"]: 1.0})
 
     # --- what its solution says -------------------------------------------------------------------------------------

@@ -20,8 +20,8 @@ import numpy as np
 
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.core.errors import UsageError
-from torsionnet.model.elements import Row, Values
-from torsionnet.model.elements.stiffness_table import StiffnessTable
+from torsionnet.model.elements import Action, Row, Values
+from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import OwnedPart, constraints_of, imposed_rows, owned_parts
 from torsionnet.solve.sensitivity.dual import DUALS, gradient_of, value_of
@@ -46,7 +46,8 @@ class Augmented:
         Derivatives of the rows.
     inertia, damping, stiffness, hysteretic : LawCoefficients
         J, c, k, and k eta of every law.
-    tables : tuple of (law index, table)
+    tables : tuple of (law index, DynamicStiffness)
+        What depends on frequency, its coefficients as duals.
     law_owners, condition_owners : tuple of str
         Elements; of a condition that imposes an angle ``input:NAME``.
     law_rows, condition_rows : tuple of dict
@@ -59,7 +60,7 @@ class Augmented:
     damping: LawCoefficients
     stiffness: LawCoefficients
     hysteretic: LawCoefficients
-    tables: tuple[tuple[int, StiffnessTable], ...]
+    tables: tuple[tuple[int, DynamicStiffness], ...]
     law_owners: tuple[str, ...]
     condition_owners: tuple[str, ...]
     law_rows: tuple[Row, ...]
@@ -88,7 +89,7 @@ class Augmented:
         J, c, k, loss = (part.values[:, None] for part in (self.inertia, self.damping, self.stiffness, self.hysteretic))
         kappa = np.asarray(k + 1j * loss * (at > 0) + s * (c + s * J), dtype=complex)
         for law, table in self.tables:
-            kappa[law] += table.kappa(at)
+            kappa[law] += table.at(s, at)
         return kappa
 
     def kappa_rates(self, s: ComplexArray, at: FloatArray) -> tuple[ComplexArray, ComplexArray]:
@@ -96,7 +97,8 @@ class Augmented:
         rates = np.asarray(self.damping.values[:, None] + 2 * s * self.inertia.values[:, None], dtype=complex)
         followed = np.zeros_like(rates)
         for law, table in self.tables:
-            followed[law] = [table.kappa_rate(omega) for omega in at.tolist()]
+            rate, followed[law] = table.rates(s, at)
+            rates[law] += rate
         return rates, followed
 
     @cached_property
@@ -104,18 +106,34 @@ class Augmented:
         """Laws in which a parameter sits."""
         slopes = (self.inertia.slopes, self.damping.slopes, self.stiffness.slopes, self.hysteretic.slopes)
         moved = np.any([slope.any(axis=1) for slope in slopes], axis=0) | self.law_slopes.any(axis=(1, 2))
+        moved[[law for law, gradients in self._gradients.items() if gradients.any()]] = True
         return tuple(int(law) for law in np.flatnonzero(moved))
+
+    @cached_property
+    def _gradients(self) -> dict[int, FloatArray]:
+        """Derivatives (n_coefficients, n_p) of the coefficients of what depends on frequency, by law."""
+        count = self.inertia.slopes.shape[1]
+        return {
+            law: np.array([gradient_of(one, count) for one in table.coefficients]).reshape(-1, count)
+            for law, table in self.tables
+        }
 
     def kappa_slopes(self, law: int, s: ComplexArray, at: FloatArray) -> Iterator[tuple[int, ComplexArray]]:
         """Derivative of the dynamic stiffness of one law, (n_points,), to every parameter that it depends on."""
         J, c, k, loss = (part.slopes[law] for part in (self.inertia, self.damping, self.stiffness, self.hysteretic))
-        for p in np.flatnonzero(np.any([J, c, k, loss], axis=0)):
-            yield int(p), np.asarray(k[p] + 1j * loss[p] * (at > 0) + s * (c[p] + s * J[p]))
+        table, gradients = dict(self.tables).get(law), self._gradients.get(law, np.zeros((0, len(J))))
+        slopes = None if table is None else table.slopes(s, at)
+        for p in np.flatnonzero(np.any([J, c, k, loss, *gradients], axis=0)):
+            found = np.asarray(k[p] + 1j * loss[p] * (at > 0) + s * (c[p] + s * J[p]), dtype=complex)
+            yield int(p), found if slopes is None else found + gradients[:, p] @ slopes
 
 
 def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], redundant: Sequence[int]) -> Augmented:
     """Numbers for these values of the unknowns; conditions that follow from others are left out."""
     parts = owned_parts(unknowns.definition, Values(unknowns.values(at), DUALS))
+    acting = ", ".join(dict.fromkeys(part.element for part in parts if isinstance(part.part, Action)))
+    if acting:
+        raise UsageError(f"derivatives are not worked out for a drivetrain with controllers; switch off {acting}")
     count, place = len(unknowns.names), {node: index for index, node in enumerate(nodes)}
     owned = [(part.element, part.part) for part in parts if hasattr(part.part, "inertia")]
     laws: list[Any] = [law for _, law in owned]

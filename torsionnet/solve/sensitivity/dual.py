@@ -77,7 +77,11 @@ class Dual:
 
 def _root(number: Any) -> Any:
     root = math.sqrt(float(number))
-    return Dual(root, number.gradient / (2 * root)) if isinstance(number, Dual) else root
+    if not isinstance(number, Dual):
+        return root
+    # The root of a square that vanishes has a kink, not a pole: its derivative is the mean of both sides.
+    at_kink = root == 0 and not number.gradient.any()
+    return Dual(root, number.gradient if at_kink else number.gradient / (2 * root))
 
 
 DUALS = Algebra(number=Fraction, sqrt=_root, pi=math.pi)

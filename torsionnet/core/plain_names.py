@@ -6,6 +6,8 @@ import re
 from collections.abc import Container, Iterable
 from itertools import chain, count
 
+_UMLAUTS = str.maketrans({"ä": "ae", "ö": "oe", "ü": "ue", "Ä": "Ae", "Ö": "Oe", "Ü": "Ue", "ß": "ss"})
+
 
 class Names:
     """Hands out names of letters, digits and _, none of them twice and none that is reserved.
@@ -20,11 +22,19 @@ class Names:
 
     def new(self, wish: str) -> str:
         """A free name as near to ``wish`` as can be."""
-        plain = re.sub(r"[^A-Za-z0-9_]+", "_", wish).strip("_") or "n"
-        plain = plain if plain[0].isalpha() else f"n{plain}"
-        name = free_name(plain, self.taken)
+        name = free_name(plain_name(wish), self.taken)
         self.taken.add(name)
         return name
+
+
+def plain_name(wish: str) -> str:
+    """A name of letters, digits and _ as near to ``wish`` as can be.
+
+    >>> plain_name("Zyl. 1"), plain_name("Kühlerlüfter"), plain_name("2nd")
+    ('Zyl_1', 'Kuehlerluefter', 'n2nd')
+    """
+    plain = re.sub(r"[^A-Za-z0-9_]+", "_", wish.translate(_UMLAUTS)).strip("_") or "n"
+    return plain if plain[0].isalpha() else f"n{plain}"
 
 
 def free_name(wish: str, taken: Container[str]) -> str:

@@ -1,0 +1,163 @@
+"""Active elements: torques that follow the motion of some node, against dense matrices written down here."""
+
+import numpy as np
+import pytest
+
+import torsionnet as tn
+
+FREQUENCIES = np.array([0.05, 0.7, 1.3, 2.9, 8.0])
+
+
+class Plant:
+    """A random tree with controllers, and its dense M, C, K and laws."""
+
+    def __init__(self, seed, delay=False, forms=("gain", "pid", "polynomials", "roots", "matrices")):
+        rng = self.rng = np.random.default_rng(seed)
+        self.n = n = int(rng.integers(3, 7))
+        self.M, self.C, self.K = np.diag(rng.uniform(0.5, 3, n)), np.zeros((n, n)), np.zeros((n, n))
+        self.elements = [tn.Inertia(f"J{i}", node=f"n{i}", inertia=float(self.M[i, i])) for i in range(n)]
+        for i in range(1, n):
+            row = np.zeros(n)
+            row[i], row[int(rng.integers(0, i))] = 1, -1
+            k, c = rng.uniform(50, 400), rng.uniform(0.5, 5)
+            self.K += k * np.outer(row, row)
+            self.C += c * np.outer(row, row)
+            ends = (f"n{i}", f"n{int(np.argmin(row))}")
+            self.elements.append(tn.Spring(f"k{i}", nodes=ends, stiffness=k, damping=c))
+        self.C[0, 0] += 3
+        self.elements.append(tn.Damper("bearing", nodes=("n0", "ground"), damping=3))
+        self.laws = [self._controller(number, forms, delay) for number in range(int(rng.integers(1, 4)))]
+        self.rig = tn.Drivetrain("plant", self.elements)
+
+    def _nodes(self):
+        nodes = self.rng.permutation(self.n)[: self.rng.integers(1, 3)]
+        row = np.zeros(self.n)
+        row[nodes[0]] = 1
+        if len(nodes) > 1:
+            row[nodes[1]] = -1
+        names = [f"n{node}" for node in nodes]
+        return row, names[0] if len(names) == 1 else names
+
+    def _controller(self, number, forms, delay):
+        rng = self.rng
+        out, act = self._nodes()
+        sensed, of = self._nodes()
+        power = int(rng.integers(0, 3))
+        law, H = self.law(str(rng.choice(forms)), power)
+        tau = float(rng.uniform(0.01, 0.2)) if delay else 0.0
+        quantity = ("angle", "velocity", "acceleration")[power]
+        element = tn.Controller(f"act{number}", sense={quantity: of}, act=act, law=law, delay=tau)
+        self.elements.append(element)
+        return out, sensed, lambda s: s**power * H(s) * np.exp(-s * tau)
+
+    def law(self, form, power):
+        rng = self.rng
+        size = (30, 3, 0.3)[power]
+        a, b, c, d = (float(value) for value in size * rng.uniform(-1, 1, 4))
+        w = float(rng.uniform(2, 20))
+        if form == "gain":
+            return a, lambda s: a + 0 * s
+        if form == "pid":
+            d, T = d / 10, 0.1
+            return {"p": a, "i": b, "d": d, "filter": T}, lambda s: a + b / s + d * s / (1 + T * s)
+        if form == "polynomials":
+            return {
+                "numerator": [a, b],
+                "denominator": [1 / w, 0.5, w],
+            }, lambda s: (a * s + b) / (s * s / w + s / 2 + w)
+        if form == "roots":
+
+            def H(s):
+                return c * (s + 3) * (s + 1) / ((s + w) * ((s + 1) ** 2 + w * w))
+
+            return {"gain": c, "zeros": [-3, -1], "poles": [-w, [-1, w]]}, H
+        A, B, C = [[-1, w], [-w, -2]], [[1], [2]], [[a, b]]
+
+        def of_matrices(s):
+            return (np.array(C) @ np.linalg.solve(s * np.eye(2) - np.array(A), np.array(B))).item() + c
+
+        return {"A": A, "B": B, "C": C, "D": [[c]]}, of_matrices
+
+    def dynamic_stiffness(self, s):
+        D = self.M * s**2 + self.C * s + self.K
+        for out, sensed, kappa in self.laws:
+            D = D - kappa(s) * np.outer(out, sensed)
+        return D
+
+    def torque(self, number, motion, s):
+        _, sensed, kappa = self.laws[number]
+        return kappa(s) * (sensed @ motion)
+
+
+class TestFrequencyResponse:
+    @pytest.mark.parametrize("seed", range(30))
+    @pytest.mark.parametrize("method", ["auto", "dense"])
+    def test_is_that_of_dense_matrices(self, seed, method):
+        plant = Plant(seed, delay=seed % 2 > 0)
+        outputs = [f"n{node}" for node in range(plant.n)] + ["torque(act0)", "torque(k1)"]
+        found = plant.rig.frequency_response(outputs, ["n0", "n1"], FREQUENCIES, method=method).values
+        for f, value in zip(FREQUENCIES, found, strict=True):
+            s = 2j * np.pi * f
+            motion = np.linalg.inv(plant.dynamic_stiffness(s))[:, :2]
+            spring = plant.elements[plant.n]
+            twist = np.array([motion[int(node[1:])] for node in spring.nodes])
+            kappa = float(spring.stiffness.value) + s * float(spring.damping.value)
+            expected = np.vstack([motion, plant.torque(0, motion, s), kappa * (twist[0] - twist[1])])
+            assert np.allclose(value, expected, rtol=1e-10, atol=1e-10 * np.abs(expected).max(axis=0))
+
+    def test_against_a_measured_input(self):
+        """Torque over speed, both read with the loop closed."""
+        plant = Plant(3)
+        found = plant.rig.frequency_response("n2", "velocity(n1)", FREQUENCIES, excitation="n0").values[:, 0, 0]
+        for f, value in zip(FREQUENCIES, found, strict=True):
+            s = 2j * np.pi * f
+            motion = np.linalg.inv(plant.dynamic_stiffness(s))[:, 0]
+            assert value == pytest.approx(motion[2] / (s * motion[1]), rel=1e-10)
+
+    def test_a_rigid_coupling_hands_on_what_a_controller_applies_behind_it(self):
+        elements = [
+            tn.Inertia("one", node="a", inertia=2),
+            tn.RigidCoupling("joint", nodes=("a", "b")),
+            tn.Inertia("two", node="b", inertia=3),
+            tn.Spring("hold", nodes=("a", "ground"), stiffness=100),
+            tn.Controller("brake", sense={"velocity": "a"}, act="b", law=-4, delay="50 ms"),
+        ]
+        s = 2j * np.pi * 1.5
+        kappa = -4 * s * np.exp(-0.05 * s)
+        motion = 1 / (5 * s**2 + 100 - kappa)
+        H = tn.Drivetrain("two", elements).frequency_response(["torque(joint)", "torque(brake)"], "a", [1.5])
+        assert H.values[0, :, 0] == pytest.approx([3 * s**2 * motion - kappa * motion, kappa * motion], rel=1e-12)
+
+    def test_at_rest_an_integral_holds_what_nothing_else_does(self):
+        elements = [
+            tn.Inertia("rotor", node="a", inertia=2),
+            tn.Controller("governor", sense={"velocity": "a"}, act="a", law={"p": -4, "i": -50}),
+        ]
+        H = tn.Drivetrain("governed", elements).frequency_response("a", "a", [0.0])
+        assert H.values.item() == pytest.approx(1 / 50, rel=1e-12)
+
+    def test_digits_lost_in_a_stiff_loop_are_found_again(self):
+        """A gain of 1e13 holds the node almost still; what is left is the difference of two large numbers."""
+        elements = [
+            tn.Inertia("one", node="a", inertia=1),
+            tn.Spring("shaft", nodes=("a", "b"), stiffness=100),
+            tn.Inertia("two", node="b", inertia=1),
+            tn.Controller("hold", sense={"angle": "a"}, act="a", law=-1e13),
+        ]
+        f = 0.5
+        s = 2j * np.pi * f
+        H = tn.Drivetrain("held", elements).frequency_response("a", "a", [f])
+        expected = 1 / (1e13 + s**2 + 100 * s**2 / (s**2 + 100))
+        assert H.values.item() == pytest.approx(expected, rel=1e-12)
+
+    def test_a_plant_connected_by_a_controller_alone_feels_the_other_side(self):
+        elements = [
+            tn.Inertia("one", node="a", inertia=1),
+            tn.Inertia("two", node="b", inertia=2),
+            tn.Controller("link", sense={"angle": "a"}, act="b", law=7),
+        ]
+        H = tn.Drivetrain("linked", elements).frequency_response("b", "a", [1.0], method="auto")
+        s = 2j * np.pi
+        assert H.values.item() == pytest.approx(7 / (s**2 * 2 * s**2), rel=1e-12)
+        with pytest.raises(tn.UsageError, match="stays zero"):
+            tn.Drivetrain("linked", elements).frequency_response("b", "angle(a)", [1.0], excitation="b")

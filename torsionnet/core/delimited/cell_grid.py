@@ -1,0 +1,111 @@
+"""Spreadsheets as text: rows of cells with their places, whatever separates them, and the remarks around them."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from torsionnet.core.delimited.dialect import encoding_of
+from torsionnet.core.errors import Fault, ModelError, Position
+
+SEPARATING = (";", "\t", "|", ",")
+MARKS = ("#", "%", "//")
+"""What a line of remarks begins with."""
+MOST_ROWS = 5000
+_BINARY = (b"PK\x03\x04", b"\xd0\xcf\x11\xe0")
+"""How files of spreadsheet programs begin."""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """Text of a cell, and the line and column, from 1, where it begins."""
+
+    text: str
+    line: int
+    column: int
+
+
+@dataclass(frozen=True)
+class CellGrid:
+    """The cells of a file that hold something, by row; ``remarks`` are its lines that are comments."""
+
+    file: str
+    separator: str
+    rows: tuple[tuple[Cell, ...], ...]
+    remarks: tuple[str, ...]
+    lines: tuple[str, ...]
+
+    def fault(self, text: str, cell: Cell, severity: str = "error") -> Fault:
+        """What is wrong with a cell, with its place."""
+        source = self.lines[cell.line - 1][:200].replace("\t", " ") if cell.line <= len(self.lines) else ""
+        end = cell.column + max(len(cell.text), 1)
+        return Fault(text, severity=severity, position=Position(self.file, cell.line, cell.column, end, source))
+
+
+def read_grid(path: Path) -> CellGrid:
+    """The cells of a text file.
+
+    Raises
+    ------
+    ModelError
+        It is no text, has no columns, or too many rows.
+    """
+    with path.open("rb") as file:
+        if file.read(4).startswith(_BINARY):
+            text = f'"{path.name}" is a file of a spreadsheet program; save the sheet as CSV'
+            raise ModelError([Fault(text, position=Position(path.name, 1, 1, 2))], path.name)
+    with path.open(encoding=encoding_of(path), newline=None, errors="replace") as file:
+        return grid_of(file.read().splitlines(), path.name)
+
+
+def grid_of(lines: Sequence[str], file: str) -> CellGrid:
+    """The cells in lines of text.
+
+    >>> grid = grid_of(["# of 2020", "mass;J", "disc; 0,5"], "x.csv")
+    >>> grid.separator, [cell.text for cell in grid.rows[1]], grid.rows[1][1].column, grid.remarks
+    (';', ['disc', '0,5'], 7, ('of 2020',))
+    """
+    remarks = tuple(line.lstrip("#%/ ").strip() for line in lines if line.lstrip().startswith(MARKS))
+    body = [(number, line) for number, line in enumerate(lines, 1) if not line.lstrip().startswith(MARKS)]
+    filled = [line for _, line in body if line.strip()]
+    if len(filled) > MOST_ROWS:
+        raise _refused(f"more than {MOST_ROWS} rows are no sheet of a drivetrain", file, lines)
+    separator = next((sign for sign in SEPARATING if 2 * sum(sign in line for line in filled) > len(filled)), None)
+    if separator is None:
+        what = "found no columns; they are separated by semicolons, commas or tabs"
+        raise _refused(what if filled else "the sheet is empty", file, lines)
+    try:
+        rows = list(_rows(body, separator))
+    except csv.Error as error:
+        raise _refused(f"this cannot be read as a table: {error}", file, lines) from None
+    return CellGrid(
+        file, separator, tuple(row for row in rows if any(cell.text for cell in row)), remarks, tuple(lines)
+    )
+
+
+def _refused(text: str, file: str, lines: Sequence[str]) -> ModelError:
+    return ModelError([Fault(text, position=Position(file, 1, 1, 2, lines[0][:200] if lines else ""))], file)
+
+
+def _rows(body: Sequence[tuple[int, str]], separator: str) -> list[tuple[Cell, ...]]:
+    reader = csv.reader((f"{line}\n" for _, line in body), delimiter=separator, skipinitialspace=separator != "\t")
+    rows, before = [], 0
+    for cells in reader:
+        number, line = body[before]
+        rows.append(_placed(cells, number, line))
+        before = reader.line_num
+    return rows
+
+
+def _placed(cells: Sequence[str], number: int, line: str) -> tuple[Cell, ...]:
+    """Cells with their columns; one of several lines is one line of text."""
+    placed, at = [], 0
+    for cell in cells:
+        text = " ".join(cell.split())
+        found = line.find(text.split(" ")[0], at) if text else -1
+        column = found if found >= 0 else min(at, len(line))
+        placed.append(Cell(text, number, column + 1))
+        at = column + len(text) if text else column + 1
+    return tuple(placed)

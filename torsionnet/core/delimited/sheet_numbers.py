@@ -1,0 +1,78 @@
+"""Numbers as spreadsheets of several countries write them: which sign is the decimal one is told by all together."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from torsionnet.core.delimited.cell_grid import Cell
+
+_BLANKS = "\N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}"
+_LIKE_NUMBER = re.compile(rf"[+\-−]?[\d.,'’ {_BLANKS}]*\d[.,]?(?:[eE][+\-−]?\d+)?")
+_EXPONENT = re.compile(r"[eE].*")
+_GROUP = 3
+
+
+def is_like_number(text: str) -> bool:
+    """Whether nothing but digits, signs and separators stands there."""
+    return _LIKE_NUMBER.fullmatch(text) is not None
+
+
+def decimal_sign(cells: Iterable[Cell]) -> tuple[str, tuple[Cell, str] | None]:
+    """The decimal sign of numbers, and the first one that does not fit it or may mean two things, with what is wrong.
+
+    >>> decimal_sign([Cell("1.250,5", 1, 1), Cell("36.000", 2, 1)])
+    (',', None)
+    """
+    hints: dict[str, Cell] = {}
+    for cell in cells:
+        for hint in _hints(_EXPONENT.sub("", cell.text)):
+            hints.setdefault(hint, cell)
+    if "," in hints and "." in hints:
+        odd = max(hints[","], hints["."], key=lambda cell: (cell.line, cell.column))
+        return ".", (odd, f'"{odd.text}" has another decimal sign than cells before it; write all alike')
+    if "," in hints or "." in hints:
+        return ("," if "," in hints else "."), None
+    if "1,234" in hints:
+        cell = hints["1,234"]
+        whole = cell.text.replace(",", "")
+        text = f'"{cell.text}" may be {cell.text.replace(",", ".")} or {whole}, and no other number tells'
+        return ".", (cell, f"{text}; write it without the comma, or with a decimal point")
+    return ".", None
+
+
+def _hints(text: str) -> Iterable[str]:
+    """``,`` or ``.`` where only that can be the decimal sign; ``1,234`` where a comma may be or not."""
+    commas, points = text.count(","), text.count(".")
+    if commas and points:
+        yield "," if text.rindex(",") > text.rindex(".") else "."
+    elif commas > 1 or points > 1:
+        yield "." if commas else ","
+    elif commas or points:
+        sign = "," if commas else "."
+        head, _, tail = text.lstrip("+-−").partition(sign)
+        if len(tail) != _GROUP or not 1 <= len(head) <= _GROUP or head.startswith("0"):
+            yield sign
+        elif commas:
+            yield "1,234"
+
+
+def plain_number_text(text: str, decimal: str) -> str | None:
+    """A number with a decimal point and nothing else, None for what is no number.
+
+    >>> plain_number_text("1.250,5", ","), plain_number_text("12'000", "."), plain_number_text("1.2.3", ".")
+    ('1250.5', '12000', None)
+    """
+    other = "." if decimal == "," else ","
+    sign, groups = re.escape(decimal), rf"[{other}'’ {_BLANKS}]"
+    whole = rf"(?:\d{{1,3}}(?:{groups}\d{{3}})+|\d+)"
+    found = re.fullmatch(
+        rf"(?P<sign>[+\-−]?)(?:(?P<whole>{whole})(?:{sign}(?P<part>\d*))?|{sign}(?P<only>\d+))(?P<power>[eE][+\-−]?\d+)?",
+        text,
+    )
+    if found is None:
+        return None
+    digits = re.sub(r"\D", "", found["whole"] or "0").lstrip("0") or "0"
+    decimals = found["part"] or found["only"] or ""
+    power = (found["power"] or "").replace("−", "-")
+    return f"{'-' if found['sign'] in ('-', '−') else ''}{digits}{'.' if decimals else ''}{decimals}{power}"

@@ -1,0 +1,109 @@
+"""Entries of elements, excitations and the load that alternatives change: are they there, and do the values fit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import Any
+
+from torsionnet.core.errors import Fault, ModelError, Path, unknown_name
+from torsionnet.core.expressions import Expression
+from torsionnet.model.configurations import Overlay
+from torsionnet.model.definition import ELEMENTS, EXCITATIONS, LOAD, Definition, by_section, section_of
+from torsionnet.model.elements import Element
+
+
+def unfit_overrides(definition: Definition) -> list[Fault]:
+    """Alternatives whose ``box.engaged``, ``engine.misfire`` or ``load.power`` means nothing, or has a wrong value."""
+    return [fault for path, overlay in _alternatives(definition) for fault in _unfit(definition, overlay, path)]
+
+
+def expressions_of_overrides(definition: Definition) -> Iterator[tuple[Path, Expression]]:
+    """Expressions that alternatives put into entries of elements."""
+    for path, overlay in _alternatives(definition):
+        for (table, name), changes in by_section(definition, overlay.entries).items():
+            element = _changed_element(definition.elements[name], changes) if table == ELEMENTS else None
+            for (entry, *rest), _, expression, _ in element.expressions() if element else ():
+                if entry in changes:
+                    yield (*path, f"{name}.{entry}", *rest), expression
+
+
+def at_override(fault: Fault, definition: Definition, choice: Mapping[str, str]) -> Fault:
+    """A fault of an entry of an element, moved to the alternative that gives the entry its value."""
+    if fault.path[:1] != (ELEMENTS,) or len(fault.path) < 3:
+        return fault
+    key = f"{fault.path[1]}.{fault.path[2]}"
+    for axis, label in choice.items():
+        if key in definition.configurations[axis][label].entries:
+            return replace(fault, path=("configurations", axis, label, key, *fault.path[3:]))
+    return fault
+
+
+def _alternatives(definition: Definition) -> Iterator[tuple[Path, Overlay]]:
+    for axis, alternatives in definition.configurations.items():
+        for label, overlay in alternatives.items():
+            if overlay.entries:
+                yield ("configurations", axis, label), overlay
+
+
+def _changed_element(element: Element, changes: Mapping[str, Any]) -> Element | None:
+    """The element with other entries; None where they cannot be."""
+    try:
+        return replace(element, **changes) if changes.keys() <= dict(element.specs()).keys() else None
+    except ModelError:
+        return None
+
+
+def _unfit(definition: Definition, overlay: Overlay, path: Path) -> Iterator[Fault]:
+    unknown = {key: fault for key in overlay.entries if (fault := _meaningless(definition, key, (*path, key)))}
+    yield from unknown.values()
+    for (table, name), changes in by_section(definition, overlay.entries).items():
+        keys = {entry: (*path, f"{name}.{entry}") for entry in changes}
+        if not any(f"{name}.{entry}" in unknown for entry in changes):
+            for fault in _wrong_values(definition, table, name, changes):
+                about = next((one for one in fault.path if one in keys), next(iter(keys)))
+                yield replace(fault, path=keys[str(about)])
+
+
+def _meaningless(definition: Definition, key: str, path: Path) -> Fault | None:
+    """Why there is no such entry, or None."""
+    name, _, entry = key.rpartition(".")
+    found = section_of(definition, key)
+    if found is None:
+        return _no_section(definition, name, path)
+    known = dict(found[2].specs())
+    return None if entry in known else unknown_name(f"entry of {name}", entry, known, path, on_key=True)
+
+
+def _no_section(definition: Definition, name: str, path: Path) -> Fault:
+    """Why entries of this section cannot be changed."""
+    if name in {declared.name for declared in definition.declared()} - {LOAD}:
+        text = f"a configuration does not change entries of {name}:; it may change parameters, and entries of elements"
+        return Fault(f"{text}, excitations and load: (box.engaged, engine.misfire, load.power)", path, on_key=True)
+    known = [*definition.excitations, *definition.elements, *([LOAD] if definition.load else [])]
+    return unknown_name("element or excitation", name, known, path, on_key=True)
+
+
+def _wrong_values(definition: Definition, table: str, name: str, changes: Mapping[str, Any]) -> tuple[Fault, ...]:
+    """What is wrong with a section in which an alternative changes entries."""
+    try:
+        changed = definition.overlaid(Overlay(entries={f"{name}.{entry}": value for entry, value in changes.items()}))
+    except ModelError as error:
+        return error.faults
+    if table == EXCITATIONS:
+        from torsionnet.model.checks.running import misplaced
+
+        return () if any(misplaced(definition, name)) else tuple(misplaced(changed, name))
+    if table == ELEMENTS:
+        return tuple(_moved(definition.elements[name], changed.elements[name], changes))
+    return ()
+
+
+def _moved(before: Element, after: Element, changes: Mapping[str, Any]) -> Iterator[Fault]:
+    """Elements that are switched or go to other nodes: the model has its nodes in all configurations."""
+    if before.enabled != after.enabled:
+        text = f"write on: [{before.name}] or off: [{before.name}] to switch an element"
+        yield Fault(text, ("enabled",), on_key=True)
+    if before.ports != after.ports:
+        text = f"a configuration does not move {before.name} to other nodes; write two elements, and switch them"
+        yield Fault(f"{text} with on: and off:", (next(iter(changes)),), on_key=True)

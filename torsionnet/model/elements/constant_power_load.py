@@ -1,0 +1,55 @@
+"""A load whose power does not change with its speed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.errors import Fault
+from torsionnet.model.elements.element import Element, register
+from torsionnet.model.elements.laws import Law, Part, Row, Values, difference
+from torsionnet.model.elements.nodes import NodeName
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class ConstantPowerLoad(Element):
+    """A load that takes the power P at any speed, as a generator behind a fast converter: negative damping.
+
+    Its torque P/omega falls with the speed, so that small changes of speed are driven: dT/domega = -P/omega^2. A
+    machine of negative power feeds a constant one in; that damps. The speed is that of the node against its housing,
+    at which P is taken; it may be a parameter that follows the operating point.
+
+    Examples
+    --------
+    >>> load = ConstantPowerLoad("converter", node="rotor", power="2 MW", speed="100 rad/s")
+    >>> (law,) = load.parts(Values({}))
+    >>> float(law.damping)
+    -200.0
+    """
+
+    kind: ClassVar[str] = "constant_power_load"
+    glyph: ClassVar[str] = "load"
+    sign: ClassVar[str] = "positive when the drivetrain drives the load in the positive sense"
+    may_feed: ClassVar[bool] = True
+
+    node: Any = entry(NodeName("the node it turns with", allow_ground=False))
+    power: Any = entry(PhysicalQuantity("power that it takes; negative: that it gives", "power", "P", None))
+    speed: Any = entry(PhysicalQuantity("speed at which it takes it", "speed", "Omega", exclusive=True))
+    housing: Any = entry(NodeName("the node that takes its torque"), "ground")
+
+    def contradictions(self) -> list[Fault]:
+        if self.node == self.housing:
+            return [Fault("the load and its housing are on two nodes", ("housing",))]
+        return []
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        damping = -value(self.power) / value(self.speed) ** 2
+        return (Law(difference(self.node, self.housing), damping=damping),)
+
+    def holds(self, value: Values) -> tuple[Row, ...]:
+        """The load turns in its housing."""
+        del value
+        return ()

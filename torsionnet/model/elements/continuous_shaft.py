@@ -1,0 +1,100 @@
+"""A uniform shaft as the continuum it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, ClassVar
+
+from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Expression, Number
+from torsionnet.model.elements.damping_entries import LossFactor
+from torsionnet.model.elements.element import Element, register
+from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
+from torsionnet.model.elements.nodes import NodePair
+from torsionnet.model.elements.shaft_stiffness import ShaftEnd, ShaftTwist
+
+INSIDE = Fraction(382, 1000)
+"""Where the inner node is, over the length: the golden section is far from the node of every low mode."""
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class ContinuousShaft(Element):
+    """A uniform round shaft, solid or hollow, by the exact solution of the wave equation: no segments.
+
+    With k = G I_p / L, J = rho I_p L, I_p = pi (D^4 - d^4) / 32 and x = omega sqrt(J/k) = omega L sqrt(rho/G), the
+    torques into its ends are k x cot x on the own angle and -k x / sin x on the other one. It has infinitely many
+    modes; those of a drivetrain are counted by the algorithm of Wittrick and Williams (1971), so that none is missed.
+    A loss factor makes the shear modulus G (1 + j eta). Shafts with steps or a taper are several in series.
+
+    An inner node ``NAME.inside`` at 0.382 L shows how it moves between its ends, also where these stand still.
+
+    Examples
+    --------
+    >>> pipe = ContinuousShaft("pipe", nodes=("a", "b"), outer_diameter="127 mm", length="1 km", inner_diameter=0.1)
+    >>> pipe.internal_nodes
+    ('pipe.inside',)
+    """
+
+    kind: ClassVar[str] = "continuous_shaft"
+    glyph: ClassVar[str] = "shaft"
+
+    nodes: Any = entry(NodePair("its two ends; twist is the angle of the first minus the second"))
+    outer_diameter: Any = entry(PhysicalQuantity("outer diameter", "length", "D", exclusive=True, usual=(1e-3, 5)))
+    length: Any = entry(PhysicalQuantity("length", "length", "L", exclusive=True, usual=(1e-3, 2e4)))
+    shear_modulus: Any = entry(
+        PhysicalQuantity("shear modulus", "shear modulus", "G", exclusive=True, usual=(1e5, 1e12)), "79.3 GPa"
+    )
+    density: Any = entry(
+        PhysicalQuantity("density", "density", "rho", exclusive=True, usual=(100, 25e3)), "7850 kg/m^3"
+    )
+    inner_diameter: Any = entry(
+        PhysicalQuantity("inner diameter, 0 for a solid shaft", "length", "d", usual=(1e-4, 5)), 0
+    )
+    loss_factor: Any = entry(
+        LossFactor("loss factor of the material, or another frequency-free damping measure", "1", "eta"), 0
+    )
+
+    def contradictions(self) -> list[Fault]:
+        inner, outer = self.inner_diameter, self.outer_diameter
+        if isinstance(inner, Number) and isinstance(outer, Number) and inner.value >= outer.value:
+            return [Fault("the inner diameter must be smaller than the outer diameter", ("inner_diameter",))]
+        return []
+
+    @property
+    def diameters(self) -> tuple[Expression, Expression]:
+        return self.outer_diameter, self.inner_diameter
+
+    @property
+    def internal_nodes(self) -> tuple[str, ...]:
+        return (f"{self.name}.inside",)
+
+    def twist(self, value: Values) -> Row:
+        del value
+        return difference(*self.nodes)
+
+    def holds(self, value: Values) -> tuple[Row, ...]:
+        del value
+        inside = self.internal_nodes[0]
+        return difference(self.nodes[0], inside), difference(inside, self.nodes[1])
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        polar = value.algebra.pi * (value(self.outer_diameter) ** 4 - value(self.inner_diameter) ** 4) / 32
+        stiffness = value(self.shear_modulus) * polar / value(self.length)
+        inertia = value(self.density) * polar * value(self.length)
+        eta = self.loss_factor
+        measured = isinstance(eta, DampingMeasure)
+        loss = eta.loss_factor(value.parameters, value.algebra) if measured else value(eta)
+        (inside,) = self.internal_nodes
+        parts: list[Part] = []
+        pieces = ((self.nodes[0], inside, INSIDE), (inside, self.nodes[1], 1 - INSIDE))
+        for number, (first, second, share) in enumerate(pieces, 1):
+            numbers = stiffness / share, inertia * share, loss
+            parts.append(Law(difference(first, second), table=ShaftTwist(*numbers, f"twist_{number}")))
+            ends = [make_row([(node, 1)]) for node in (first, second)]
+            parts += [Law(row, table=ShaftEnd(*numbers, f"end_{number}")) for row in ends if row]
+        return tuple(parts)

@@ -1,0 +1,119 @@
+"""Dual mass flywheel: two masses with arc springs between them, linear at a working point."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Number
+from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor, loss_factor
+from torsionnet.model.elements.element import Element, register, viscous
+from torsionnet.model.elements.laws import GROUND, Law, Part, Values, difference, make_row
+from torsionnet.model.elements.nodes import NodePair
+from torsionnet.model.elements.spring_stages import SpringStages, stage_at, stage_torques
+
+_CENTRIFUGAL = ("friction_coefficient", "spring_mass", "spring_radius", "speed")
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class DualMassFlywheel(Element):
+    r"""A dual mass flywheel: J_1 and J_2 with arc springs and friction between them.
+
+    The springs are linear about the mean ``torque``: k is given, or that of the stage which this torque has brought
+    into force. A share b of the coils that friction holds fast at the swing in question leaves k/(1 - b).
+    Friction M loses 4 M alpha in a cycle of swing alpha, which a loss factor 4 M/(pi k alpha) loses too (harmonic
+    balance; J. P. Den Hartog, Mechanical Vibrations, 4th ed., chapter 8), so that the law is
+    k (1 + j (eta + 4 M/(pi k alpha))) + c s. M is the basic friction and that of springs pressed outward against
+    their channel, M = M_0 + mu m r^2 Omega^2, m and r the mass and radius of all of them.
+
+    Examples
+    --------
+    >>> dmf = DualMassFlywheel("dmf", nodes=("crank", "gearbox"), primary_inertia=0.09, secondary_inertia=0.05,
+    ...     stages=[{"stiffness": "6 N*m/deg", "to": "120 N*m"}, {"stiffness": "14 N*m/deg"}], torque="200 N*m",
+    ...     friction="8 N*m", swing="3 deg")
+    >>> springs = dmf.parts(Values({}))[0]
+    >>> round(springs.stiffness), round(springs.loss_factor, 4)
+    (802, 0.2425)
+    """
+
+    kind: ClassVar[str] = "dual_mass_flywheel"
+    glyph: ClassVar[str] = "spring"
+
+    nodes: Any = entry(NodePair("primary and secondary side; twist is the angle of the first minus the second"))
+    primary_inertia: Any = entry(PhysicalQuantity("inertia of the primary side", "inertia", "J_1"))
+    secondary_inertia: Any = entry(PhysicalQuantity("inertia of the secondary side", "inertia", "J_2"))
+    stiffness: Any = entry(
+        PhysicalQuantity("stiffness of the arc springs at the working point", "stiffness", "k", exclusive=True), None
+    )
+    stages: Any = entry(SpringStages("instead: stages of the springs, each up to a torque or an angle"), None)
+    torque: Any = entry(PhysicalQuantity("mean torque, which tells the stage", "torque", "T", None), None)
+    blocked: Any = entry(PhysicalQuantity("share of the coils that friction holds fast", "1", "b"), 0)
+    loss_factor: Any = entry(LossFactor("loss factor of the springs, or another measure of it", "1", "eta"), 0)
+    damping: Any = entry(DampingQuantity("viscous damping in parallel", "damping", "c"), 0)
+    friction: Any = entry(PhysicalQuantity("basic friction", "torque", "M_0"), 0)
+    swing: Any = entry(PhysicalQuantity("amplitude of the twist, for friction", "angle", "alpha", exclusive=True), None)
+    friction_coefficient: Any = entry(PhysicalQuantity("between springs and channel", "1", "mu"), None)
+    spring_mass: Any = entry(PhysicalQuantity("mass of all arc springs", "mass", "m"), None)
+    spring_radius: Any = entry(PhysicalQuantity("radius on which they lie", "length", "r"), None)
+    speed: Any = entry(PhysicalQuantity("speed that presses them outward", "speed", "Omega", None), None)
+
+    def contradictions(self) -> list[Fault]:
+        return [*self._spring_faults(), *self._friction_faults()]
+
+    def _spring_faults(self) -> list[Fault]:
+        if bool(self.stages) == (self.stiffness is not None):
+            return [Fault(f"give stiffness or stages, {'not both' if self.stages else 'one of the two'}", on_key=True)]
+        if not self.stages:
+            return []
+        if self.torque is None:
+            return [Fault("stages need torque: the mean torque tells which of them is in force", on_key=True)]
+        if self.torque.names:
+            text = (
+                f'"{self.torque}" is an expression of parameters; a stage is told by a number. What follows the torque '
+                "is the stiffness: a parameter by: mean_torque with a table"
+            )
+            return [Fault(text, ("torque",))]
+        if stage_at(self.stages, float(self.torque.value)) is None:
+            last = stage_torques(self.stages)[-1]
+            return [Fault(f"the last stage ends at {last:g} N*m; leave out its end, or reduce the torque", ("torque",))]
+        return []
+
+    def _friction_faults(self) -> list[Fault]:
+        if isinstance(self.blocked, Number) and self.blocked.value >= 1:
+            return [Fault("with all coils blocked nothing is elastic; the share is below 1", ("blocked",))]
+        given = [name for name in _CENTRIFUGAL if getattr(self, name) is not None]
+        if given and len(given) < len(_CENTRIFUGAL):
+            missing = " and ".join(name for name in _CENTRIFUGAL if name not in given)
+            return [Fault(f"friction of springs pressed outward needs {', '.join(_CENTRIFUGAL)}; here is no {missing}")]
+        rubs = given or self.friction != Number(0)
+        if rubs and self.swing is None:
+            return [Fault("friction needs swing: the amplitude of the twist, which its loss depends on", on_key=True)]
+        return []
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        stiffness = self._stiffness(value) / (1 - value(self.blocked))
+        eta = loss_factor(self.loss_factor, value.parameters, value.algebra)
+        if self.swing is not None:
+            eta = eta + 4 * self._friction(value) / (value.algebra.pi * stiffness * value(self.swing))
+        damping = viscous(self.damping, stiffness, value)
+        springs = Law(difference(*self.nodes), damping=damping, stiffness=stiffness, loss_factor=eta)
+        sides = zip(self.nodes, (self.primary_inertia, self.secondary_inertia), strict=True)
+        masses = [Law(make_row([(node, 1)]), inertia=value(inertia)) for node, inertia in sides if node != GROUND]
+        return (springs, *(law for law in masses if law.acts))
+
+    def _stiffness(self, value: Values) -> Any:
+        if self.stiffness is not None:
+            return value(self.stiffness)
+        stage = stage_at(self.stages, float(self.torque.value))
+        assert stage is not None  # contradictions() has looked
+        return value(Number(stage.stiffness))
+
+    def _friction(self, value: Values) -> Any:
+        if self.speed is None:
+            return value(self.friction)
+        pressed = value(self.spring_mass) * value(self.spring_radius) ** 2 * value(self.speed) ** 2
+        return value(self.friction) + value(self.friction_coefficient) * pressed

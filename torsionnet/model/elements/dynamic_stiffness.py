@@ -1,0 +1,249 @@
+"""Stiffness that depends on frequency: what a law may have beside J s^2 + c s + k.
+
+A measured one is known along the imaginary axis alone, as kappa(omega); one from a formula is known at every s. Both
+are asked by s and by the frequency omega of what vibrates: a pole lies beside the axis, and a table is then read at its
+``|Im s|``.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Self
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    Complexes = NDArray[np.complex128]
+
+
+class DynamicStiffness(ABC):
+    """Dynamic stiffness kappa(omega) = k + j omega c in N m/rad of a law; subclasses are frozen dataclasses.
+
+    Its ``coefficients`` are numbers in the algebra of the element that made it. Derivatives to parameters follow from
+    ``slopes``, the derivatives to them.
+    """
+
+    @property
+    def coefficients(self) -> tuple[Any, ...]:
+        """The numbers it is made from that parameters may change."""
+        return ()
+
+    def with_coefficients(self, *coefficients: Any) -> Self:
+        """The same from other numbers, or from numbers of another algebra."""
+        del coefficients
+        return self
+
+    @abstractmethod
+    def kappa(self, omega: Floats) -> Complexes:
+        """Complex stiffness in N m/rad at omega >= 0 in rad/s; shape in = shape out."""
+
+    @abstractmethod
+    def kappa_rate(self, omega: float) -> complex:
+        """Derivative of kappa to omega, N m s/rad."""
+
+    @property
+    @abstractmethod
+    def is_passive(self) -> bool:
+        """Whether it can only take energy out of a vibration."""
+
+    @property
+    @abstractmethod
+    def holds_at_rest(self) -> bool:
+        """Whether it resists a constant angle."""
+
+    @property
+    def is_elastic(self) -> bool:
+        """Whether it is a spring, even one whose stiffness vanishes at rest; what only adds inertia is none."""
+        return True
+
+    def at(self, s: Complexes, omega: Floats) -> Complexes:
+        """At any s in rad/s of the upper half plane; by default what there is at omega."""
+        del s
+        return self.kappa(omega)
+
+    def rates(self, s: Complexes, omega: Floats) -> tuple[Complexes, Complexes]:
+        """Derivatives of that to s and to omega."""
+        import numpy as np
+
+        followed = np.array([self.kappa_rate(one) for one in omega.tolist()], dtype=complex)
+        return np.zeros_like(s), followed
+
+    def slopes(self, s: Complexes, omega: Floats) -> Complexes:
+        """Derivatives of that to the coefficients, (n_coefficients, n_points)."""
+        import numpy as np
+
+        del omega
+        return np.zeros((0, len(s)), dtype=complex)
+
+    def in_many_digits(self, s: Any) -> Any:
+        """At a number s of mpmath, in as many digits as are known."""
+        import mpmath
+        import numpy as np
+
+        return mpmath.mpmathify(complex(self.kappa(np.array([abs(float(mpmath.im(s)))]))[0]))
+
+    @property
+    def is_continuous(self) -> bool:
+        """Whether it stands for something with infinitely many modes."""
+        return False
+
+    def with_loss(self, share: float) -> DynamicStiffness:
+        """The same with a share of its damping: 0 for none, 1 for all."""
+        return WithLoss(self, share)
+
+    @property
+    def inertia_at_rest(self) -> float:
+        """J of k - J omega^2, which it is for slow motions, kg m^2."""
+        return 0.0
+
+    def clamped_modes(self, omega: Floats) -> Floats:
+        """How many modes below omega in rad/s it has inside while the motion it acts on is zero."""
+        import numpy as np
+
+        return np.zeros(np.shape(omega))
+
+    def energy(self, s: complex) -> tuple[float, float, float]:
+        """J, k and k'' of the kinetic, strain and dissipated energy of a vibration at s.
+
+        These are J |s|^2 |gamma|^2, k |gamma|^2 and k'' |gamma|^2 but for a common factor; by default all that is
+        stored is strain.
+        """
+        import numpy as np
+
+        kappa = complex(self.kappa(np.array([abs(s.imag)]))[0])
+        return 0.0, kappa.real, kappa.imag
+
+    @property
+    def label(self) -> str:
+        """What tells it from others of the same element, in symbols."""
+        return ""
+
+    def formula(self, omega: Any) -> Any:
+        """A sympy expression of omega and the coefficients, which are symbols then; None of what is measured."""
+        del omega
+
+
+@dataclass(frozen=True)
+class ComplexStiffness(DynamicStiffness):
+    """The same k (1 + j eta) at every frequency, as hysteresis has it."""
+
+    value: complex
+
+    def kappa(self, omega: Floats) -> Complexes:
+        import numpy as np
+
+        return np.full(np.shape(omega), self.value)
+
+    def kappa_rate(self, omega: float) -> complex:
+        del omega
+        return 0j
+
+    @property
+    def is_passive(self) -> bool:
+        return self.value.imag >= 0
+
+    @property
+    def holds_at_rest(self) -> bool:
+        return self.value.real > 0
+
+
+@dataclass(frozen=True)
+class WithLoss(DynamicStiffness):
+    """The real part of another one and a share of the imaginary one."""
+
+    of: DynamicStiffness
+    share: float
+
+    def kappa(self, omega: Floats) -> Complexes:
+        found = self.of.kappa(omega)
+        return found.real + 1j * self.share * found.imag
+
+    def kappa_rate(self, omega: float) -> complex:
+        rate = self.of.kappa_rate(omega)
+        return complex(rate.real, self.share * rate.imag)
+
+    @property
+    def is_passive(self) -> bool:
+        return self.of.is_passive
+
+    @property
+    def holds_at_rest(self) -> bool:
+        return self.of.holds_at_rest
+
+    @property
+    def is_elastic(self) -> bool:
+        return self.of.is_elastic
+
+
+@dataclass(frozen=True)
+class ScaledStiffness(DynamicStiffness):
+    """A dynamic stiffness times a number, which may be that of a parameter.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from fractions import Fraction
+    >>> twice = ScaledStiffness(ComplexStiffness(100 + 5j), Fraction(2))
+    >>> twice.kappa(np.array([1.0])), twice.slopes(np.array([1j]), np.array([1.0]))
+    (array([200.+10.j]), array([[100.+5.j]]))
+    """
+
+    base: DynamicStiffness
+    factor: Any
+    name: str = ""
+
+    @property
+    def coefficients(self) -> tuple[Any, ...]:
+        return (self.factor, *self.base.coefficients)
+
+    def with_coefficients(self, *coefficients: Any) -> Self:
+        factor, *rest = coefficients
+        return replace(self, factor=factor, base=self.base.with_coefficients(*rest))
+
+    def kappa(self, omega: Floats) -> Complexes:
+        return float(self.factor) * self.base.kappa(omega)
+
+    def kappa_rate(self, omega: float) -> complex:
+        return float(self.factor) * self.base.kappa_rate(omega)
+
+    @property
+    def is_passive(self) -> bool:
+        return self.base.is_passive
+
+    @property
+    def holds_at_rest(self) -> bool:
+        return self.base.holds_at_rest
+
+    @property
+    def is_elastic(self) -> bool:
+        return self.base.is_elastic
+
+    @property
+    def label(self) -> str:
+        return self.name or self.base.label
+
+    def at(self, s: Complexes, omega: Floats) -> Complexes:
+        return float(self.factor) * self.base.at(s, omega)
+
+    def rates(self, s: Complexes, omega: Floats) -> tuple[Complexes, Complexes]:
+        rate, followed = self.base.rates(s, omega)
+        return float(self.factor) * rate, float(self.factor) * followed
+
+    def slopes(self, s: Complexes, omega: Floats) -> Complexes:
+        import numpy as np
+
+        own = self.base.at(s, omega)[None]
+        return np.concatenate([own, float(self.factor) * self.base.slopes(s, omega)])
+
+    def in_many_digits(self, s: Any) -> Any:
+        import mpmath
+
+        factor = mpmath.mpf(self.factor.numerator) / self.factor.denominator
+        return factor * self.base.in_many_digits(s)
+
+    def formula(self, omega: Any) -> Any:
+        base = self.base.formula(omega)
+        return None if base is None else self.factor * base

@@ -1,0 +1,169 @@
+"""Flexible coupling: dynamic stiffness and damping as makers' sheets give them, or of rubber from its material."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.composite import Nested, Typed
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import Spec, entry
+from torsionnet.core.entries.words import Count
+from torsionnet.core.errors import Fault, Path
+from torsionnet.core.expression_reading import scalar
+from torsionnet.core.expressions import Expression, Number
+from torsionnet.model.elements.coupling_faults import contradictions, read_offs
+from torsionnet.model.elements.curves import LookupCurve, OnCurve, Rows, Temperature, is_share, read_off
+from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor, loss_factor
+from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness, ScaledStiffness
+from torsionnet.model.elements.element import Element, register, viscous
+from torsionnet.model.elements.frequency_curves import over_frequency
+from torsionnet.model.elements.laws import GROUND, Law, Part, Values, difference, make_row
+from torsionnet.model.elements.nodes import NodePair
+from torsionnet.model.elements.sheared_shapes import RUBBER_SHAPES
+from torsionnet.model.elements.viscoelastic import Viscoelastic
+
+_OVER_TORQUE = "{0.25: 0.9, 1: 1.6}, of T_KN, or {2 kN*m: 0.9, 8 kN*m: 1.6}"
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class FlexibleCoupling(Element):
+    r"""A flexible coupling by its maker's sheet, at a working point; or by the material of its rubber.
+
+    The dynamic stiffness is k = k_0 S_T(T) S_A(T_W) S_t(t) n_p/n_s: k_0 as given or read off its curve over the mean
+    torque T, factors over T, over the vibratory torque T_W and over the temperature t of the rubber, and n_s groups in
+    series of n_p couplings in parallel. The damping is a loss factor, k (1 + j eta S_d(t)); the relative damping of
+    the sheets is psi = 2 pi eta, written {psi: 0.9}; or a viscous damping c of one coupling. Curves are straight
+    between their rows; over torque these are torques, or shares of T_KN. What is read off may be a parameter, so that
+    the coupling follows the mean torque (``by: mean_torque``). Curves over frequency multiply k and replace eta.
+
+    Of a material, k (1 + j eta) = S (G' + j G'') with the factor S of a disc in shear, pi (r_o^4 - r_i^4)/(2 t), or of
+    a bush, 4 pi L/(1/r_i^2 - 1/r_o^2), at f by time-temperature superposition; ``scale`` multiplies it, for rubber of
+    another hardness, or in a fit.
+
+    Terms as in DIN 740-2 (1986) and ISO 14691 (2008).
+
+    Examples
+    --------
+    >>> rubber = FlexibleCoupling("rubber", nodes=("engine", "gearbox"), T_KN="20 kN*m", torque="12 kN*m",
+    ...     stiffness_over_torque={0.25: "90 kN*m/rad", 0.5: "120 kN*m/rad", 1: "240 kN*m/rad"},
+    ...     temperature="60 degC", temperature_factor={"30 degC": 1, "90 degC": 0.6}, loss_factor={"psi": 0.9})
+    >>> (law,) = rubber.parts(Values({}))
+    >>> float(law.stiffness), round(law.loss_factor, 4)
+    (115200.0, 0.1432)
+    """
+
+    kind: ClassVar[str] = "flexible_coupling"
+    glyph: ClassVar[str] = "spring"
+
+    nodes: Any = entry(NodePair("the two halves; twist is the angle of the first minus the second"))
+    stiffness: Any = entry(PhysicalQuantity("dynamic stiffness of one coupling", "stiffness", "k_0"), None)
+    stiffness_over_torque: Any = entry(
+        LookupCurve(
+            "instead: dynamic stiffness over mean torque",
+            "torque",
+            "stiffness",
+            exclusive=True,
+            shown="{0.25: 90 kN*m/rad, 1: 240 kN*m/rad}, of T_KN",
+        ),
+        None,
+    )
+    loss_factor: Any = entry(LossFactor("loss factor, or another measure as {psi: 0.9}", "1", "eta"), None)
+    damping: Any = entry(DampingQuantity("instead: viscous damping of one coupling", "damping", "c"), None)
+    T_KN: Any = entry(
+        PhysicalQuantity("nominal torque, of which rows are shares", "torque", "T_KN", exclusive=True), None
+    )
+    torque: Any = entry(PhysicalQuantity("mean torque at the working point", "torque", "T"), None)
+    vibratory_torque: Any = entry(PhysicalQuantity("amplitude at the working point", "torque", "T_W"), None)
+    temperature: Any = entry(Temperature("temperature of the rubber", "temperature", "t", exclusive=True), None)
+    torque_factor: Any = entry(LookupCurve("S_T, k over k_0", "torque", exclusive=True, shown=_OVER_TORQUE), None)
+    amplitude_factor: Any = entry(LookupCurve("S_A, k over k_0", "torque", exclusive=True, shown=_OVER_TORQUE), None)
+    temperature_factor: Any = entry(LookupCurve("S_t, k over k_0", "temperature", exclusive=True), None)
+    damping_temperature_factor: Any = entry(LookupCurve("S_d, of the loss factor", "temperature", exclusive=True), None)
+    frequency_factor: Any = entry(
+        LookupCurve("k over k_0", "frequency", exclusive=True, shown="{1 Hz: 1, 100 Hz: 1.3}"), None
+    )
+    loss_over_frequency: Any = entry(
+        LookupCurve("loss factor", "frequency", exclusive=True, shown="{1 Hz: 0.15, 100 Hz: 0.2}"), None
+    )
+    material: Any = entry(Nested("rubber: its moduli", lambda: Viscoelastic, "viscoelastic"), None)
+    geometry: Any = entry(Typed("rubber: its shape", lambda: RUBBER_SHAPES, "shape", "rubber_shape"), None)
+    scale: Any = entry(PhysicalQuantity("factor on the moduli of the material", "1", "F", exclusive=True), None)
+    in_series: Any = entry(Count("n_s, groups in series", 1, 100), 1)
+    in_parallel: Any = entry(Count("n_p, couplings in parallel in each group", 1, 100), 1)
+    first_inertia: Any = entry(PhysicalQuantity("inertia that turns with the first node", "inertia", "J_1"), 0)
+    second_inertia: Any = entry(PhysicalQuantity("inertia that turns with the second node", "inertia", "J_2"), 0)
+
+    def contradictions(self) -> list[Fault]:
+        return contradictions(self)
+
+    def expressions(self) -> Iterator[tuple[Path, Spec, Expression, str]]:
+        """What is read off a curve has to lie within it."""
+        curves = {operating: self._rows(name) for name, operating in read_offs(self)}
+        for path, spec, expression, dimension in super().expressions():
+            rows = curves.get(str(path[0]), ())
+            if rows and isinstance(spec, PhysicalQuantity):
+                on_curve = OnCurve(
+                    spec.description, dimension, exclusive=spec.exclusive, rows=rows, share_of=self._share_of(rows)
+                )
+                yield path, on_curve, expression, dimension
+            else:
+                yield path, spec, expression, dimension
+
+    def _rows(self, name: str) -> Rows:
+        rows: Rows = getattr(self, name)
+        return rows if not is_share(rows[0][0]) or isinstance(self.T_KN, Number) else ()
+
+    def _share_of(self, rows: Rows) -> Any:
+        return self.T_KN.value if is_share(rows[0][0]) else 1
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        sides = zip(self.nodes, (self.first_inertia, self.second_inertia), strict=True)
+        masses = [Law(make_row([(node, 1)]), inertia=value(inertia)) for node, inertia in sides if node != GROUND]
+        return (self._law(value), *(law for law in masses if law.acts))
+
+    def _law(self, value: Values) -> Law:
+        row = difference(*self.nodes)
+        groups = value(scalar(self.in_parallel)) / value(scalar(self.in_series))
+        if self.material is not None or self.frequency_factor or self.loss_over_frequency:
+            one = 0 if self.damping is None else value(self.damping)
+            return Law(row, damping=one * groups, table=self._over_frequency(groups, value))
+        stiffness = self._stiffness(value)
+        damping = viscous(self.damping, stiffness, value) * groups
+        return Law(row, damping=damping, stiffness=stiffness * groups, loss_factor=self._loss_factor(value))
+
+    def _over_frequency(self, groups: Any, value: Values) -> DynamicStiffness:
+        """The law over frequency: numbers, times what parameters may change."""
+        if self.material is not None:
+            temperature = None if self.temperature is None else float(self.temperature.value)
+            base = self.material.stiffness(self.geometry.factor, temperature)
+            return ScaledStiffness(base, groups if self.scale is None else groups * value(self.scale))
+        eta = float(self._loss_factor(Values({})))
+        base = over_frequency(1.0, self.frequency_factor, self.loss_over_frequency, eta)
+        return ScaledStiffness(base, groups * self._stiffness(value))
+
+    def _stiffness(self, value: Values) -> Any:
+        if self.stiffness_over_torque:
+            stiffness = self._read(self.stiffness_over_torque, self.torque, value)
+        else:
+            stiffness = value(self.stiffness)
+        for rows, operating in (
+            (self.torque_factor, self.torque),
+            (self.amplitude_factor, self.vibratory_torque),
+            (self.temperature_factor, self.temperature),
+        ):
+            if rows:
+                stiffness = stiffness * self._read(rows, operating, value)
+        return stiffness
+
+    def _loss_factor(self, value: Values) -> Any:
+        eta = loss_factor(self.loss_factor, value.parameters, value.algebra)
+        if self.damping_temperature_factor:
+            eta = eta * self._read(self.damping_temperature_factor, self.temperature, value)
+        return eta
+
+    def _read(self, rows: Rows, operating: Expression, value: Values) -> Any:
+        at = value(operating) / value(self.T_KN) if is_share(rows[0][0]) else value(operating)
+        return read_off(rows, at, value)

@@ -1,0 +1,127 @@
+"""An induction machine about a slip: its torque over speed, with the lag of its rotor currents."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Number
+from torsionnet.model.elements.element import Element, register
+from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
+from torsionnet.model.elements.nodes import NodeName
+
+_RATED = ("rated_torque", "rated_slip")
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class InductionMachine(Element):
+    """An induction motor or generator on a line of fixed frequency, about its slip s: a damper, as spring in series.
+
+    Its torque over slip is T = 2 T_k/(s/s_k + s_k/s) (Kloss), with the breakdown torque T_k at the breakdown slip s_k
+    and s = 1 - omega/omega_s. Small changes of speed feel its slope,
+
+        c = 2 T_k s_k (s_k^2 - s^2)/(omega_s (s^2 + s_k^2)^2),
+
+    which is below zero beyond s_k: there it drives vibrations. The breakdown slip is given, or follows from the rated
+    torque T_n at the rated slip s_n: s_k = s_n (m + sqrt(m^2 - 1)), m = T_k/T_n; the slip is then s_n if it is not
+    given. Torque follows the slope with the time constant tau of the rotor currents, T + tau dT/dt = c domega: the
+    dashpot c in series with the spring c/tau. With rotor resistance and leakage alone tau = 1/(2 pi f s_k).
+
+    Examples
+    --------
+    >>> motor = InductionMachine("motor", node="rotor", inertia="0.4 kg*m^2", synchronous_speed="1500 rpm",
+    ...     breakdown_torque="400 N*m", breakdown_slip="10 %", slip=0, time_constant="30 ms")
+    >>> spring, dashpot, rotor = motor.parts(Values({}))
+    >>> round(float(dashpot.damping), 3), round(float(spring.stiffness), 1)
+    (50.93, 1697.7)
+    """
+
+    kind: ClassVar[str] = "induction_machine"
+    glyph: ClassVar[str] = "machine"
+    sign: ClassVar[str] = "positive when the drivetrain drives the rotor in the positive sense"
+    may_feed: ClassVar[bool] = True
+
+    node: Any = entry(NodeName("the node of the rotor", allow_ground=False))
+    synchronous_speed: Any = entry(
+        PhysicalQuantity("speed without slip, 2 pi f over the pole pairs", "speed", "omega_s", exclusive=True)
+    )
+    breakdown_torque: Any = entry(PhysicalQuantity("largest torque", "torque", "T_k", exclusive=True))
+    breakdown_slip: Any = entry(PhysicalQuantity("slip of the largest torque", "1", "s_k", exclusive=True), None)
+    slip: Any = entry(
+        PhysicalQuantity(
+            "slip about which it works, negative as a generator; default: the rated one", "1", "s_0", None
+        ),
+        None,
+    )
+    rated_torque: Any = entry(
+        PhysicalQuantity("instead of the breakdown slip: rated torque", "torque", "T_n", exclusive=True), None
+    )
+    rated_slip: Any = entry(PhysicalQuantity("slip at the rated torque", "1", "s_n", exclusive=True), None)
+    time_constant: Any = entry(PhysicalQuantity("time constant of its torque", "time", "tau", exclusive=True), None)
+    inertia: Any = entry(PhysicalQuantity("inertia of the rotor", "inertia", "J"), 0)
+    housing: Any = entry(NodeName("the node of the stator"), "ground")
+
+    def contradictions(self) -> list[Fault]:
+        if self.node == self.housing:
+            return [Fault("rotor and stator are on two nodes", ("housing",))]
+        rated = [name for name in _RATED if getattr(self, name) is not None]
+        if self.breakdown_slip is not None and rated:
+            return [Fault("give breakdown_slip, or rated_torque and rated_slip, not both", (rated[0],), on_key=True)]
+        if self.breakdown_slip is None and len(rated) < len(_RATED):
+            return [Fault("the slope of its torque needs breakdown_slip, or rated_torque and rated_slip", on_key=True)]
+        if self.breakdown_slip is not None and self.slip is None:
+            return [Fault("an induction machine works about a slip: slip: 1 %", on_key=True)]
+        return [*self._rated_faults(), *self._lag_faults()]
+
+    def _rated_faults(self) -> list[Fault]:
+        rated, breakdown = self.rated_torque, self.breakdown_torque
+        if isinstance(rated, Number) and isinstance(breakdown, Number) and rated.value > breakdown.value:
+            return [Fault(f"the rated torque must not be above the breakdown torque {breakdown}", ("rated_torque",))]
+        return []
+
+    def _lag_faults(self) -> list[Fault]:
+        breakdown, slip = self.breakdown_slip, self.slip
+        if self.time_constant is None or not (isinstance(breakdown, Number) and isinstance(slip, Number)):
+            return []
+        if abs(slip.value) < breakdown.value:
+            return []
+        text = "a time constant belongs to a slip below the breakdown slip; beyond, leave it out: the slope alone acts"
+        return [Fault(text, ("time_constant",))]
+
+    @property
+    def internal_nodes(self) -> tuple[str, ...]:
+        return () if self.time_constant is None else (f"{self.name}.field",)
+
+    def twist(self, value: Values) -> Row:
+        del value
+        return difference(self.node, self.housing)
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        damping = self._slope(value)
+        rotor = Law(make_row([(self.node, 1)]), inertia=value(self.inertia))
+        own = (rotor,) if rotor.acts else ()
+        if self.time_constant is None:
+            return (Law(difference(self.node, self.housing), damping=damping), *own)
+        (field,) = self.internal_nodes
+        spring = Law(difference(self.node, field), stiffness=damping / value(self.time_constant))
+        return (spring, Law(difference(field, self.housing), damping=damping), *own)
+
+    def holds(self, value: Values) -> tuple[Row, ...]:
+        """The field turns with the rotor on average, as seen from the synchronous speed."""
+        return () if self.time_constant is None else (self.parts(value)[0].row,)
+
+    def _slope(self, value: Values) -> Any:
+        breakdown = self._breakdown_slip(value)
+        slip = value(self.rated_slip if self.slip is None else self.slip)
+        size = 2 * value(self.breakdown_torque) / value(self.synchronous_speed)
+        return size * breakdown * (breakdown**2 - slip**2) / (slip**2 + breakdown**2) ** 2
+
+    def _breakdown_slip(self, value: Values) -> Any:
+        if self.breakdown_slip is not None:
+            return value(self.breakdown_slip)
+        ratio = value(self.breakdown_torque) / value(self.rated_torque)
+        return value(self.rated_slip) * (ratio + value.algebra.sqrt(ratio**2 - 1))

@@ -1,0 +1,199 @@
+"""A maker's mass-elastic sheet as an element."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any, ClassVar
+
+from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.renaming import Renaming
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
+from torsionnet.core.errors import Fault, did_you_mean
+from torsionnet.core.expression_reading import scalar
+from torsionnet.core.plain_names import free_name
+from torsionnet.model.elements.element import Element, register
+from torsionnet.model.elements.gears import Gear
+from torsionnet.model.elements.inertia import Inertia
+from torsionnet.model.elements.laws import GROUND, Part, Row, Values, make_row
+from torsionnet.model.elements.nodes import read_node
+from torsionnet.model.elements.rigid import Lock, RigidCoupling
+from torsionnet.model.elements.shaft import Shaft
+from torsionnet.model.elements.springs import Damper, HystereticSpring, Spring
+from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet
+from torsionnet.model.sheets.sheet_entry import SheetEntry
+from torsionnet.model.sheets.sheet_rows import SheetLink, SheetMass
+
+MOST_DIGITS = 10**6
+"""A ratio of speeds with whole numbers up to this is written as they are, any other as a decimal number."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Stations(Spec):
+    """Which masses of a sheet are on which nodes of the model: ``{flywheel: fly}``."""
+
+    @property
+    def absent(self) -> tuple[tuple[str, str], ...]:
+        return ()
+
+    def coerce(self, raw: Any) -> tuple[tuple[str, str], ...]:
+        if isinstance(raw, tuple):
+            return raw
+        if not isinstance(raw, Mapping) or not raw:
+            raise EntryError(f"expected {{mass of the sheet: node}}, as {{flywheel: fly}}, got {raw!r}")
+        found = []
+        for mass, node in raw.items():
+            try:
+                found.append((str(mass), read_node(node, allow_ground=False)))
+            except EntryError as error:
+                raise EntryError(error.fault.under(mass)) from None
+        return tuple(found)
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return tuple((mass, names.node(node)) for mass, node in value)
+
+    def plain(self, value: Any) -> dict[str, str]:
+        return dict(value)
+
+    def schema(self) -> Schema:
+        return {"type": "object", "additionalProperties": {"type": "string"}, "description": self.description}
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class MassElastic(Element):
+    """A maker's mass-elastic sheet: inertias, shafts, damping and gears out of a table beside the model file.
+
+    The columns are told by their headings, with units: inertia, stiffness or compliance to the next mass, damping of a
+    mass (to ground) and of a shaft, diameters, speed ratio n (speed of the mass over that of the first), names. A mass
+    called ``Cyl. 1`` becomes the inertia and the node ``engine.Cyl_1`` of an element ``engine``, the shaft after it
+    ``engine.Cyl_1_to_Cyl_2``; ``at`` puts masses on nodes of the model. Values that the sheet calls referred are made
+    real: J = J_ref/n^2, k = k_ref/n^2, c = c_ref/n^2. Where n changes from one mass to the next there is a gear at the
+    end of the shaft, of ratio n_first/n_second.
+
+    Examples
+    --------
+    >>> from torsionnet.core.delimited.cell_grid import grid_of
+    >>> from torsionnet.model.sheets.mass_elastic_sheet import sheet_of
+    >>> sheet = sheet_of(grid_of(["mass;J [kg m²];k [MNm/rad]", "Cyl. 1;52;36", "Flywheel;780;"], "engine.csv"))
+    >>> engine = MassElastic("engine", table=sheet, at={"flywheel": "fly"})
+    >>> engine.nodes_of_masses
+    {'Cyl_1': 'engine.Cyl_1', 'Flywheel': 'fly'}
+    """
+
+    kind: ClassVar[str] = "mass_elastic"
+    glyph: ClassVar[str] = "sheet"
+    sign: ClassVar[str] = "positive when the drivetrain drives the mass at the first port in the positive sense"
+
+    table: Any = entry(SheetEntry("the sheet: a file with columns, beside the model file"))
+    at: Any = entry(Stations("masses of the sheet that are on nodes of the model, as {flywheel: fly}"), ())
+
+    def contradictions(self) -> list[Fault]:
+        masses, taken = self.table.masses, list[str]()
+        faults: list[Fault] = []
+        for mass, node in self.at:
+            found = _mass_called(mass, masses)
+            if found is None:
+                known = ", ".join(one.name for one in masses)
+                hint = did_you_mean(mass, [one.name for one in masses]) or f"; there are {known}"
+                faults.append(Fault(f'the sheet has no mass "{mass}"{hint}', ("at", mass), on_key=True))
+            elif found in taken:
+                faults.append(Fault(f'"{found}" is put on two nodes', ("at", mass), on_key=True))
+            if sum(node == other for _, other in self.at) > 1:
+                faults.append(Fault(f'two masses are on node "{node}"', ("at", mass)))
+            taken += [found] if found else []
+        return faults
+
+    @property
+    def nodes_of_masses(self) -> dict[str, str]:
+        """The node of every mass of the sheet."""
+        given = {_mass_called(mass, self.table.masses): node for mass, node in self.at}
+        return {mass.name: given.get(mass.name, f"{self.name}.{mass.name}") for mass in self.table.masses}
+
+    @property
+    def ports(self) -> dict[str, str]:
+        return {str(_mass_called(mass, self.table.masses)): node for mass, node in self.at}
+
+    @property
+    def internal_nodes(self) -> tuple[str, ...]:
+        own = set(self.ports.values())
+        nodes = (node for element in self.expanded() for node in element.ports.values())
+        return tuple(node for node in dict.fromkeys(nodes) if node not in own and node != GROUND)
+
+    def expanded(self) -> tuple[Element, ...]:
+        """The elements that it stands for."""
+        found = tuple(sheet_elements(self.table, self.nodes_of_masses, f"{self.name}."))
+        return found if self.enabled else tuple(replace(element, enabled=False) for element in found)
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        return tuple(part for element in self.expanded() for part in element.parts(value))
+
+    def twist(self, value: Values) -> Row:
+        """The motion of the first mass: there is no twist of a whole sheet."""
+        del value
+        return make_row([(next(iter(self.nodes_of_masses.values())), 1)])
+
+
+def _mass_called(wanted: str, masses: tuple[SheetMass, ...]) -> str | None:
+    """The name of the mass that is meant by a name, a number or what the sheet calls it, whatever the letters' case."""
+    words = [(mass.name, mass.name) for mass in masses] + [(mass.label, mass.name) for mass in masses]
+    words += [(mass.number, mass.name) for mass in masses if mass.number]
+    exact = [name for word, name in words if word == wanted]
+    return next(iter(exact or [name for word, name in words if word.casefold() == wanted.casefold()]), None)
+
+
+def sheet_elements(sheet: MassElasticSheet, nodes: Mapping[str, str], prefix: str = "") -> Iterator[Element]:
+    """Elements with the masses of a sheet on these nodes; names begin with ``prefix``."""
+    ratios = {mass.name: mass.ratio for mass in sheet.masses}
+    places = {**nodes, GROUND: GROUND}
+    taken = {*ratios, *(link.name for link in sheet.links)}
+    for mass in sheet.masses:
+        node, name = nodes[mass.name], f"{prefix}{mass.name}"
+        said = mass.label if mass.label != mass.name else ""
+        if mass.inertia is not None and mass.inertia.si:
+            yield Inertia(name, node=node, inertia=mass.inertia.raw, description=said)
+        if mass.damping is not None and mass.damping.si:
+            yield Damper(
+                f"{prefix}{free_name(f'{mass.name}_damping', taken)}", nodes=(node, GROUND), damping=mass.damping.raw
+            )
+    for link in sheet.links:
+        ratio = ratios[link.first] / ratios.get(link.second, ratios[link.first])
+        yield from _connection(link, (places[link.first], places[link.second]), ratio, prefix)
+
+
+def _connection(link: SheetLink, nodes: tuple[str, str], ratio: Fraction, prefix: str) -> Iterator[Element]:
+    """A shaft, a rigid connection, and a gear at the end where the speeds differ."""
+    name, (first, second) = f"{prefix}{link.name}", nodes
+    rigid = link.stiffness is None and link.length is None
+    if ratio == 1:
+        yield _shaft(link, name, nodes) if not rigid else _joint(name, nodes)
+        return
+    start = first
+    if not rigid:
+        start = f"{name}_end"
+        yield _shaft(link, name, (first, start))
+    plain = max(abs(ratio.numerator), ratio.denominator) < MOST_DIGITS
+    yield Gear(f"{name}_gear" if not rigid else name, nodes=(start, second), ratio=ratio if plain else float(ratio))
+
+
+def _joint(name: str, nodes: tuple[str, str]) -> Element:
+    return Lock(name, node=nodes[0]) if nodes[1] == GROUND else RigidCoupling(name, nodes=nodes)
+
+
+def _shaft(link: SheetLink, name: str, nodes: tuple[str, str]) -> Element:
+    """A spring with the section where stress is judged; from its dimensions alone, a shaft without inertia."""
+    damping = link.damping.raw if link.damping is not None else 0
+    section: dict[str, Any] = {} if link.outer is None else {"outer_diameter": link.outer.raw}
+    section |= {"inner_diameter": link.inner.raw} if link.inner is not None and section and link.inner.si else {}
+    if link.stiffness is None:
+        assert link.length is not None
+        return Shaft(name, nodes=nodes, length=link.length.raw, inertia="none", damping=damping, **section)
+    if not link.stiffness.si:
+        return Damper(name, nodes=nodes, damping=damping)
+    if link.loss is not None:
+        measure, value = link.loss
+        losses = scalar(value.raw) if measure == "eta" else DampingMeasure(measure, scalar(value.raw), None)
+        return HystereticSpring(name, nodes=nodes, stiffness=link.stiffness.raw, loss_factor=losses,
+                                damping=damping, **section)  # fmt: skip
+    return Spring(name, nodes=nodes, stiffness=link.stiffness.raw, damping=damping, **section)

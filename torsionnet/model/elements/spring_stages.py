@@ -1,0 +1,112 @@
+"""Springs in stages: which of them a mean torque has brought into force."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.composite import Composite, Listed, Nested
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value, plain_scalar, read_value
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
+from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Number
+from torsionnet.core.units import DIMENSIONS
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class StageEnd(Spec):
+    """A torque or an angle, told by its unit."""
+
+    def coerce(self, raw: Any) -> Number:
+        end = read_value(raw)
+        if not isinstance(end, Number) or end.unit_dimension not in (DIMENSIONS["torque"], DIMENSIONS["angle"]):
+            raise EntryError(f"a stage ends at a torque or an angle with its unit, as 120 N*m or 30 deg; got {raw!r}")
+        if end.value <= 0:
+            raise EntryError(f"a stage ends above 0, got {raw!r}")
+        return end
+
+    def plain(self, value: Any) -> Any:
+        return plain_scalar(value)
+
+    def schema(self) -> Schema:
+        return {**SCALAR_SCHEMA, "description": f"{self.description} [N*m or rad]"}
+
+
+@dataclass(frozen=True)
+class SpringStage(Declared):
+    """One stage of a spring: its stiffness, up to a torque or an angle from the unloaded position."""
+
+    kind: ClassVar[str] = "stage"
+    article: ClassVar[str] = "a stage"
+    form: ClassVar[str] = "{stiffness: 12 N*m/deg, to: 180 N*m}"
+
+    stiffness: Any = entry(Value("stiffness of the stage", "stiffness", exclusive=True))
+    to: Any = entry(StageEnd("torque or angle where the stage ends; none: the last stage"), None)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SpringStages(Composite):
+    """``[{stiffness: 6 N*m/deg, to: 120 N*m}, {stiffness: 14 N*m/deg}]``, from the unloaded position on."""
+
+    @property
+    def absent(self) -> tuple[SpringStage, ...]:
+        return ()
+
+    @property
+    def _listed(self) -> Listed:
+        return Listed(self.description, Nested("a stage", lambda: SpringStage, "spring_stage"), form="a list of stages")
+
+    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+        stages, faults = self._listed.read(raw)
+        if faults or not stages:
+            return (), faults or [Fault("expected a stage or more")]
+        for place, stage in enumerate(stages[:-1]):
+            if stage.to is None:
+                return (), [Fault("a stage that another follows ends somewhere: add to", (place,), on_key=True)]
+        torques = [torque for torque in stage_torques(stages) if torque is not None]
+        for place, (first, second) in enumerate(zip([0.0, *torques], torques, strict=False)):
+            if second <= first:
+                text = f"the stages end at rising torques; this one ends at {second:g} N*m, begun at {first:g} N*m"
+                return (), [Fault(text, (place, "to"))]
+        return stages, []
+
+    def plain(self, value: Any) -> Any:
+        return self._listed.plain(value)
+
+    def schema(self) -> Schema:
+        return self._listed.schema()
+
+    def definitions(self) -> Schema:
+        return self._listed.definitions()
+
+
+def stage_torques(stages: tuple[SpringStage, ...]) -> list[float | None]:
+    """Torque in N m where each stage ends.
+
+    >>> stage_torques((SpringStage(300, "0.5 rad"), SpringStage(1000, "250 N*m"), SpringStage(2000)))
+    [150.0, 250.0, None]
+    """
+    found: list[float | None] = []
+    torque = angle = 0.0
+    for stage in stages:
+        if stage.to is None:
+            found.append(None)
+            continue
+        end = float(stage.to.value)
+        if stage.to.unit_dimension == DIMENSIONS["torque"]:
+            torque, angle = end, angle + (end - torque) / stage.stiffness
+        else:
+            torque, angle = torque + stage.stiffness * (end - angle), end
+        found.append(torque)
+    return found
+
+
+def stage_at(stages: tuple[SpringStage, ...], torque: float) -> SpringStage | None:
+    """The stage in force at a mean torque of either sign; None beyond the last.
+
+    >>> stage_at((SpringStage(300, "100 N*m"), SpringStage(1000)), -150).stiffness
+    1000.0
+    """
+    ends = stage_torques(stages)
+    return next((stage for stage, end in zip(stages, ends, strict=True) if end is None or abs(torque) <= end), None)

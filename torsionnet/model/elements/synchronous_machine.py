@@ -1,0 +1,123 @@
+"""A synchronous machine about its load angle: magnetic stiffness and damping between rotor and stator field."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count
+from torsionnet.core.errors import Fault
+from torsionnet.core.expression_reading import scalar
+from torsionnet.core.expressions import Number
+from torsionnet.model.elements.damping_entries import DampingQuantity
+from torsionnet.model.elements.element import Element, register, viscous
+from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
+from torsionnet.model.elements.nodes import NodeName
+
+_AT_A_PULL_OUT_TORQUE = ("torque", "load_angle", "reluctance_torque", "pole_pairs")
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class SynchronousMachine(Element):
+    """A synchronous motor or generator on a line of fixed frequency: a spring and a damper to its turning field.
+
+    At the load angle delta (electrical, p times the mechanical one of p pole pairs) it has the torque
+    T = T_e sin(delta) + T_r sin(2 delta), with T_e = 3 U E/(Omega X_d) of phase voltages U and E, reactance X_d and
+    speed Omega, and T_r = 3 U^2 (1/X_q - 1/X_d)/(2 Omega) of salient poles. Small changes of the mechanical angle feel
+    k = p dT/ddelta = p (T_e cos(delta) + 2 T_r cos(2 delta)); without saliency k = p sqrt(T_e^2 - T^2). The damper
+    winding acts as c. Angles are against the steadily turning field, which stands for ground, or for the housing if
+    that gives way. For swings against an excitation that cannot follow, take transient values.
+
+    Examples
+    --------
+    >>> motor = SynchronousMachine("motor", node="rotor", inertia="60 kg*m^2", pole_pairs=2,
+    ...     pull_out_torque="50 kN*m", torque="30 kN*m", damping="800 N*m*s/rad")
+    >>> field, rotor = motor.parts(Values({}))
+    >>> float(field.stiffness), float(rotor.inertia)
+    (80000.0, 60.0)
+    """
+
+    kind: ClassVar[str] = "synchronous_machine"
+    glyph: ClassVar[str] = "machine"
+    sign: ClassVar[str] = "positive when the drivetrain drives the rotor in the positive sense"
+
+    node: Any = entry(NodeName("the node of the rotor", allow_ground=False))
+    stiffness: Any = entry(
+        PhysicalQuantity("magnetic stiffness over the mechanical angle", "stiffness", "k", exclusive=True), None
+    )
+    pull_out_torque: Any = entry(
+        PhysicalQuantity("instead: torque T_e of the field at 90 degrees", "torque", "T_e", exclusive=True), None
+    )
+    pole_pairs: Any = entry(Count("electrical periods of a revolution", 1, 10_000), None)
+    torque: Any = entry(PhysicalQuantity("mean torque it gives or takes, a size", "torque", "T"), None)
+    load_angle: Any = entry(PhysicalQuantity("instead: load angle, electrical, a size", "angle", "delta"), None)
+    reluctance_torque: Any = entry(PhysicalQuantity("torque T_r of salient poles", "torque", "T_r"), None)
+    damping: Any = entry(DampingQuantity("damping of the damper winding, over the mechanical speed", "damping", "c"), 0)
+    inertia: Any = entry(PhysicalQuantity("inertia of the rotor", "inertia", "J"), 0)
+    housing: Any = entry(NodeName("the node of the stator"), "ground")
+
+    def contradictions(self) -> list[Fault]:
+        if self.node == self.housing:
+            return [Fault("rotor and stator are on two nodes", ("housing",))]
+        if self.stiffness is not None:
+            given = ("pull_out_torque", *_AT_A_PULL_OUT_TORQUE)
+            also = [name for name in given if getattr(self, name) is not None]
+            return [Fault(f"the stiffness is given; leave out {name}", (name,), on_key=True) for name in also]
+        if self.pull_out_torque is None:
+            return [Fault("a synchronous machine needs its magnetic stiffness, or its pull_out_torque", on_key=True)]
+        if self.pole_pairs is None:
+            return [Fault("the stiffness at a load angle needs the pole pairs: pole_pairs: 2", on_key=True)]
+        return self._load_faults()
+
+    def _load_faults(self) -> list[Fault]:
+        if self.load_angle is None:
+            if self.reluctance_torque is not None:
+                text = "salient poles need the load angle: load_angle: 25 deg"
+                return [Fault(text, ("reluctance_torque",), on_key=True)]
+            return self._torque_faults()
+        if self.torque is not None:
+            return [Fault("give torque or load_angle, not both", ("torque",), on_key=True)]
+        if not isinstance(self.load_angle, Number):
+            text = "the load angle is a number, as 25 deg: expressions have no cosine; give torque with parameters"
+            return [Fault(text, ("load_angle",))]
+        if self.reluctance_torque is None and self.load_angle.value >= math.pi / 2:
+            return [Fault("at a load angle of 90 deg and more it falls out of step", ("load_angle",))]
+        return []
+
+    def _torque_faults(self) -> list[Fault]:
+        torque, most = self.torque, self.pull_out_torque
+        if isinstance(torque, Number) and isinstance(most, Number) and torque.value >= most.value:
+            return [Fault(f"at its pull-out torque {most} and above it falls out of step", ("torque",))]
+        return []
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        stiffness = self._stiffness(value)
+        damping = viscous(self.damping, stiffness, value)
+        field = Law(difference(self.node, self.housing), damping=damping, stiffness=stiffness)
+        rotor = Law(make_row([(self.node, 1)]), inertia=value(self.inertia))
+        return (field, rotor) if rotor.acts else (field,)
+
+    def holds(self, value: Values) -> tuple[Row, ...]:
+        """The rotor turns against the housing, with the field."""
+        del value
+        return ()
+
+    def _stiffness(self, value: Values) -> Any:
+        if self.stiffness is not None:
+            return value(self.stiffness)
+        pairs, field = value(scalar(self.pole_pairs)), value(self.pull_out_torque)
+        if self.load_angle is None:
+            torque = 0 if self.torque is None else value(self.torque)
+            return pairs * value.algebra.sqrt(field**2 - torque**2)
+        once, twice = (value.algebra.number(_cosine(n * self.load_angle.value)) for n in (1, 2))
+        saliency = 0 if self.reluctance_torque is None else value(self.reluctance_torque)
+        return pairs * (field * once + 2 * saliency * twice)
+
+
+def _cosine(angle: Any) -> Fraction:
+    return Fraction(math.cos(angle))

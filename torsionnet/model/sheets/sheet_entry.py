@@ -1,0 +1,40 @@
+"""The entry that names a mass-elastic sheet beside the model file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from torsionnet.core.entries.nearby import nearby_file
+from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.errors import Fault, ModelError
+from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, read_sheet
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SheetEntry(Spec):
+    """The name of a file in the folder of the model file, or below."""
+
+    @property
+    def example(self) -> str:
+        return "the name of a file beside the model, as engine.csv"
+
+    def coerce(self, raw: Any) -> MassElasticSheet:
+        if isinstance(raw, MassElasticSheet):
+            return raw
+        if not isinstance(raw, str | Path):
+            raise EntryError(f"expected the name of a sheet, as engine.csv, got {raw!r}")
+        try:
+            return read_sheet(raw) if isinstance(raw, Path) else read_sheet(nearby_file(raw), raw)
+        except ModelError as error:
+            count = f"{len(error.faults)} fault{'s' if len(error.faults) > 1 else ''}"
+            raise EntryError([Fault(f'the sheet "{raw}" cannot be used; {count} in it'), *error.faults]) from None
+        except OSError as error:
+            raise EntryError(f'the sheet "{raw}" cannot be read: {error.strerror or error}') from None
+
+    def plain(self, value: Any) -> str:
+        return str(value.file)
+
+    def schema(self) -> Schema:
+        return {"type": "string", "description": self.description}

@@ -1,0 +1,339 @@
+"""The rows of a mass-elastic sheet: masses, and the shafts to the next of them, in rows between or by to and from."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+
+from torsionnet.core.delimited.cell_grid import Cell
+from torsionnet.core.errors import did_you_mean
+from torsionnet.core.groups import Groups
+from torsionnet.core.plain_names import Names, plain_name
+from torsionnet.core.units import exact
+from torsionnet.model.sheets.meanings import DAMPING
+from torsionnet.model.sheets.sheet_values import NOTHING, SheetValue, SheetValues
+
+GROUND = "ground"
+_EARTH = {"ground", "earth", "fixed", "grund", "erde", "fest"}
+_TOTAL = re.compile(r"(?:total|sum|summe|gesamt|Σ|overall)\b", re.IGNORECASE)
+_LOSSES = ("psi", "eta", "zeta", "magnifier")
+Row = Sequence[Cell]
+
+
+@dataclass(frozen=True)
+class SheetMass:
+    """An inertia with damping to ground, real values; ``ratio`` is its speed over that of the crank."""
+
+    name: str
+    label: str
+    number: str
+    inertia: SheetValue | None
+    damping: SheetValue | None
+    ratio: Fraction
+
+
+@dataclass(frozen=True)
+class SheetLink:
+    """What connects two masses, real values; without a stiffness it is rigid.
+
+    It turns with the speed of the first; where that of the second is another, a gear is at its end.
+    """
+
+    name: str
+    first: str
+    second: str
+    stiffness: SheetValue | None = None
+    damping: SheetValue | None = None
+    loss: tuple[str, SheetValue] | None = None
+    outer: SheetValue | None = None
+    inner: SheetValue | None = None
+    length: SheetValue | None = None
+
+
+@dataclass
+class _Begun:
+    """A link that is read before the mass at its end is."""
+
+    row: Row
+    first: str | None
+    second: str | None
+    link: SheetLink | None
+    """None: nothing is said of how they are connected."""
+
+
+def read_rows(values: SheetValues, *, referred: bool) -> tuple[list[SheetMass], list[SheetLink], list[str]]:
+    """Masses, links and notes; faults are added to those of ``values``."""
+    reader = _Rows(values)
+    reader.read()
+    links = reader.connected() if not values.faults else []
+    masses = list(reader.masses.values())
+    if referred:
+        ratios = {mass.name: mass.ratio for mass in masses}
+        masses, links = [_real_mass(one) for one in masses], [_real_link(one, ratios) for one in links]
+    return masses, links, reader.notes
+
+
+def _real_mass(mass: SheetMass) -> SheetMass:
+    factor = 1 / mass.ratio**2
+    scaled = [None if one is None else one.times(factor) for one in (mass.inertia, mass.damping)]
+    return replace(mass, inertia=scaled[0], damping=scaled[1])
+
+
+def _real_link(link: SheetLink, ratios: dict[str, Fraction]) -> SheetLink:
+    factor = 1 / ratios[link.first] ** 2
+    scaled = [None if one is None else one.times(factor) for one in (link.stiffness, link.damping)]
+    return replace(link, stiffness=scaled[0], damping=scaled[1])
+
+
+@dataclass
+class _Rows:
+    values: SheetValues
+    masses: dict[str, SheetMass] = field(default_factory=dict)
+    rows: dict[str, Row] = field(default_factory=dict)
+    begun: list[_Begun] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+    names: Names = field(default_factory=lambda: Names([GROUND]))
+    first_speed: Fraction = Fraction(1)
+
+    def __post_init__(self) -> None:
+        self.all: list[Row] = []
+        for row in self.values.columns.rows:
+            label = self._label(row)
+            if label and _TOTAL.match(label.text):
+                self.notes.append(f'row {label.line}, "{label.text}", is left out')
+            else:
+                self.all.append(row)
+        numbered = Counter(self._plain(row) for row in self.all if self._is_mass(row))
+        self.repeated = {name for name, count in numbered.items() if count > 1}
+        self.count: Counter[str] = Counter()
+        self.branched = any(self.values.columns.of(key) for key in ("from", "to"))
+        self.one_row = any(self._has(row, "inertia") and self._has_link(row) for row in self.all)
+
+    def _has(self, row: Row, key: str) -> bool:
+        cell = self.values.columns.cell(row, key)
+        return cell is not None and cell.text.casefold() not in NOTHING
+
+    def _has_link(self, row: Row) -> bool:
+        return self._has(row, "stiffness") or (self._has(row, "outer") and self._has(row, "length"))
+
+    def _is_mass(self, row: Row) -> bool:
+        return self._has(row, "inertia")
+
+    def _label(self, row: Row) -> Cell | None:
+        columns = self.values.columns
+        return columns.cell(row, "name") or columns.cell(row, "number")
+
+    def _plain(self, row: Row) -> str:
+        label = self._label(row)
+        if label is None:
+            return "mass"
+        return f"mass_{label.text}" if label.text.isdigit() else plain_name(label.text)
+
+    def _fault(self, text: str, cell: Cell | None, row: Row) -> None:
+        at = cell or self._label(row) or next(one for one in row if one.text)
+        self.values.faults.append(self.values.grid.fault(text, at))
+
+    def read(self) -> None:
+        """Masses, and links whose ends may still be open."""
+        pending: list[_Begun] = []
+        last: str | None = None
+        ratio = Fraction(1)
+        for row in self.all:
+            both = self._has(row, "from") and self._has(row, "to")
+            shaft_only = both or (self._has_link(row) and not self._is_mass(row) and not self.one_row)
+            if shaft_only:
+                if both and self._is_mass(row):
+                    cell = self.values.columns.cell(row, "inertia")
+                    self._fault("a row with from and to is a shaft; its inertia stands in a row of its own", cell, row)
+                if not both:
+                    pending = [one for one in pending if one.link is not None]
+                pending.append(self._link(row, None if both else last))
+                continue
+            if not self._is_mass(row) and not self._has_link(row):
+                label = self._label(row)
+                shown = f', "{label.text}",' if label else ""
+                self.notes.append(f"row {row[0].line}{shown} has no values and is left out")
+                continue
+            name, ratio = self._mass(row, ratio)
+            for one in pending:
+                one.second = one.second or name
+            self.begun += pending
+            pending = [self._link(row, name)]
+            last = name
+        self.begun += pending
+        if not self.masses and not self.values.faults:
+            row = self.all[0] if self.all else self.values.grid.rows[-1]
+            self._fault("no row has an inertia", None, row)
+
+    def _mass(self, row: Row, before: Fraction) -> tuple[str, Fraction]:
+        label, plain = self._label(row), self._plain(row)
+        if plain in self.repeated:
+            self.count[plain] += 1
+            plain = f"{plain}_{self.count[plain]}"
+        name = self.names.new(plain)
+        number = self.values.columns.cell(row, "number")
+        absolute = self.values.of(row, "absolute")
+        if absolute is None and self._has(row, DAMPING):
+            absolute = self._open_damping(row)
+        ratio = self._ratio(row, before)
+        self.masses[name] = SheetMass(name, label.text if label else name, number.text if number else "",
+                                      self.values.of(row, "inertia"), absolute, ratio)  # fmt: skip
+        self.rows[name] = row
+        return name, ratio
+
+    def _open_damping(self, row: Row) -> SheetValue | None:
+        """Damping without another word belongs to what the row is about, which has to be one thing."""
+        if not self.one_row:
+            return self.values.of(row, DAMPING)
+        column = self.values.columns.of(DAMPING)
+        assert column is not None
+        text = f'"{column.heading}" does not say what it acts on'
+        text += '; call it "absolute damping" (of the mass, to ground) or "relative damping" (of the shaft)'
+        fault = self.values.grid.fault(text, column.cell)
+        if fault not in self.values.faults:
+            self.values.faults.append(fault)
+        return None
+
+    def _ratio(self, row: Row, before: Fraction) -> Fraction:
+        ratio, speed = self.values.of(row, "ratio"), self.values.of(row, "speed")
+        found = ratio or speed
+        if found is None:
+            return before
+        cell = self.values.columns.cell(row, "ratio" if ratio else "speed")
+        if not found.si:
+            self._fault("a mass that does not turn has no speed ratio; expected a number other than 0", cell, row)
+            return before
+        if ratio is None and not self.masses:
+            self.first_speed = exact(found.si)
+        return exact(found.si) if ratio else exact(found.si) / self.first_speed
+
+    def _link(self, row: Row, first: str | None) -> _Begun:
+        """The shaft of a row; which masses it connects may be said by masses that come later."""
+        if not self._has_link(row):
+            return _Begun(row, first, None, None)
+        of = self.values.of
+        losses = [(key, value) for key in _LOSSES if (value := of(row, key)) is not None]
+        losses = [(key, value) for key, value in losses if value.si]
+        if len(losses) > 1:
+            self._fault(f"{losses[0][0]} and {losses[1][0]} say the same thing twice; leave one", None, row)
+        relative = of(row, "relative")
+        if relative is None and self._has(row, DAMPING) and not self._is_mass(row):
+            relative = self._open_damping(row)
+        label = self.values.columns.cell(row, "name") if not self._is_mass(row) else None
+        between = not self.one_row or (self._has(row, "from") and self._has(row, "to"))
+        named = self.names.new(label.text) if label and between else ""
+        outer, length = of(row, "outer"), of(row, "length")
+        stiffness = of(row, "stiffness")
+        link = SheetLink(named, "", "", stiffness, relative, losses[0] if losses else None, outer,
+                         of(row, "inner"), None if self._has(row, "stiffness") else length)  # fmt: skip
+        return _Begun(row, first, None, link)
+
+    def connected(self) -> list[SheetLink]:
+        """The links between the masses that were found."""
+        links: list[SheetLink] = []
+        for begun in self.begun:
+            links += self._ended(begun)
+        if not self.values.faults:
+            self._check_together(links)
+        return links
+
+    def _ended(self, begun: _Begun) -> list[SheetLink]:
+        first, second = begun.first, begun.second
+        source, target = (self.values.columns.cell(begun.row, key) for key in ("from", "to"))
+        is_mass = begun.first in self.rows and self.rows[begun.first] is begun.row
+        if source is not None:
+            second = first if is_mass else second
+            first = self._named(source)
+        if target is not None:
+            second = self._named(target)
+        if (source and first is None) or (target and second is None):
+            return []
+        link = begun.link
+        if second is None or first is None:
+            return self._open_end(begun)
+        if first == GROUND:
+            first, second = second, first
+        if link is None:
+            return self._rigid_gear(begun, first, second, explicit=bool(source or target))
+        if first == second:
+            self._fault(f'"{self.masses[first].label}" is connected to itself', target or source, begun.row)
+            return []
+        if not self._is_whole(link, begun.row):
+            return []
+        rigid = link.stiffness is not None and link.stiffness.is_rigid
+        name = link.name or self.names.new(f"{first}_to_{second}")
+        return [replace(link, name=name, first=first, second=second, stiffness=None if rigid else link.stiffness)]
+
+    def _open_end(self, begun: _Begun) -> list[SheetLink]:
+        """A shaft after the last mass leads nowhere, unless its cell says nothing."""
+        link = begun.link
+        if link is not None and not (link.stiffness is not None and (link.stiffness.is_rigid or not link.stiffness.si)):
+            cell = self.values.columns.cell(begun.row, "stiffness")
+            which = "after the last mass" if begun.first else "before the first mass"
+            self._fault(f"a shaft {which} leads nowhere; leave its stiffness empty, or say to: ground", cell, begun.row)
+        return []
+
+    def _rigid_gear(self, begun: _Begun, first: str, second: str, *, explicit: bool) -> list[SheetLink]:
+        """Masses without a shaft between them: a mesh, where their speeds differ."""
+        one, other = self.masses.get(first), self.masses.get(second)
+        if one is None or other is None or one.ratio == other.ratio:
+            if self.branched and not explicit:
+                return []
+            text = (
+                f'nothing is said of how "{one.label if one else first}" and "{other.label if other else second}" are'
+            )
+            self._fault(f"{text} connected; give a stiffness or a compliance, or write rigid", None, begun.row)
+            return []
+        if self.branched and not explicit:
+            return []
+        return [SheetLink(self.names.new(f"{first}_to_{second}"), first, second)]
+
+    def _is_whole(self, link: SheetLink, row: Row) -> bool:
+        if link.stiffness is None and not (link.outer and link.length):
+            self._fault("the shaft has neither stiffness nor outer diameter and length", None, row)
+            return False
+        if link.stiffness is not None and not link.stiffness.is_rigid and not link.stiffness.si:
+            if link.damping is not None and link.damping.si:
+                return True
+            cell = self.values.columns.cell(row, "stiffness")
+            self._fault("a shaft of stiffness 0 connects nothing; write rigid, or leave the cell empty", cell, row)
+            return False
+        if link.outer is not None and link.inner is not None and link.inner.si >= link.outer.si:
+            cell = self.values.columns.cell(row, "inner")
+            self._fault("the inner diameter must be smaller than the outer diameter", cell, row)
+            return False
+        return True
+
+    def _named(self, cell: Cell) -> str | None:
+        """The mass that is meant by its number or name."""
+        text = cell.text.casefold()
+        if text in _EARTH:
+            return GROUND
+        found = [mass.name for mass in self.masses.values() if cell.text in (mass.label, mass.number)]
+        found = found or [mass.name for mass in self.masses.values() if mass.label.casefold() == text]
+        found = found or [mass.name for mass in self.masses.values() if mass.name.casefold() == text]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            told = f'"{cell.text}" is the name of {len(found)} masses; say which by its number'
+        else:
+            told = f'no mass is named or numbered "{cell.text}"'
+            told += did_you_mean(cell.text, [mass.label for mass in self.masses.values()])
+        self._fault(told, cell, ())
+        return None
+
+    def _check_together(self, links: Sequence[SheetLink]) -> None:
+        joined = Groups(self.masses)
+        for link in links:
+            if GROUND not in (link.first, link.second):
+                joined.join(link.first, link.second)
+        groups = joined.groups()
+        home = joined.of(next(iter(self.masses)))
+        for group in groups:
+            if group is not home:
+                pair = " with ".join(f'"{self.masses[name].label}"' for name in (group[0], home[0]))
+                text = f"nothing connects {pair}; say in a column to or from what does"
+                self._fault(text, None, self.rows[group[0]])

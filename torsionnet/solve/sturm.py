@@ -1,0 +1,104 @@
+"""How many natural frequencies lie below a frequency: the algorithm of Wittrick and Williams.
+
+    N(omega) = sum over the members of their own modes below omega with both ends clamped
+               + number of negative pivots of D(omega)
+
+W. H. Wittrick and F. W. Williams, A general algorithm for computing natural frequencies of elastic structures,
+Quarterly Journal of Mechanics and Applied Mathematics 24 (1971) 263-284. Pivots come from elimination on the graph, so
+that a motion to ground keeps its digits beside stiff springs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeAlias
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray, RowSystem
+
+Laws: TypeAlias = list[tuple[dict[int, float], FloatArray]]
+TINY = 1e-30
+"""In place of a pivot of zero, over the size of its terms: on one side of zero, as it is next to it."""
+PARALLEL = 1e-12
+"""Relative difference of coefficients of two rows that are one."""
+
+
+def negative_pivots(rows: Sequence[dict[int, float]], kappa: FloatArray, n_coordinates: int) -> FloatArray:
+    """Number of negative eigenvalues of sum_i kappa_i a_i a_i^T; kappa (n_laws, n_points), result (n_points,).
+
+    Eliminating v with S = sum_e kappa_e a_ev^2 leaves sum_{e<f} kappa_e kappa_f / S b b^T with b = a_fv a_e - a_ev a_f,
+    which is a congruence: S has the sign of one eigenvalue.
+
+    Examples
+    --------
+    >>> negative_pivots([{0: 1.0, 1: -1.0}, {1: 1.0}], np.array([[3.0, -1.0], [2.0, -1.0]]), 2)
+    array([0., 2.])
+    """
+    laws: Laws = _merged([(dict(row), values) for row, values in zip(rows, kappa, strict=True) if row])
+    count = np.zeros(kappa.shape[1])
+    left = set(range(n_coordinates))
+    while left:
+        at: dict[int, int] = dict.fromkeys(left, 0)
+        for row, _ in laws:
+            for column in row:
+                at[column] += len(row)
+        v = min(left, key=lambda column: at[column])
+        left.discard(v)
+        acting = [law for law in laws if v in law[0]]
+        terms = np.array([values * row[v] ** 2 for row, values in acting]).reshape(-1, len(count))
+        pivot = terms.sum(axis=0)
+        pivot = np.where(pivot == 0, TINY * (np.abs(terms).sum(axis=0) + TINY), pivot)
+        count += pivot < 0
+        laws = _merged([law for law in laws if v not in law[0]] + _beyond(acting, v, pivot))
+    return count
+
+
+def _beyond(acting: Laws, v: int, pivot: FloatArray) -> Laws:
+    """What the laws on v do on the others once v follows them."""
+    found: Laws = []
+    for place, (first, kappa) in enumerate(acting):
+        for second, other in acting[place + 1 :]:
+            columns = (first.keys() | second.keys()) - {v}
+            row = {c: second[v] * first.get(c, 0.0) - first[v] * second.get(c, 0.0) for c in columns}
+            size = max(map(abs, (*first.values(), *second.values()))) ** 2
+            row = {c: value for c, value in row.items() if abs(value) > PARALLEL * size}
+            if row:
+                found.append((row, kappa * (other / pivot)))
+    return found
+
+
+def _merged(laws: Laws) -> Laws:
+    """Laws on parallel rows as one."""
+    found: dict[tuple[tuple[int, float], ...], tuple[dict[int, float], FloatArray]] = {}
+    for row, values in laws:
+        first = min(row)
+        scale = row[first]
+        key = tuple((c, float(f"{row[c] / scale:.11e}")) for c in sorted(row))
+        if key in found:
+            known, before = found[key]
+            found[key] = known, before + values * (scale / known[first]) ** 2
+        else:
+            found[key] = row, values
+    return list(found.values())
+
+
+class ModeCount:
+    """N(omega) of a system without its damping."""
+
+    def __init__(self, system: RowSystem) -> None:
+        self.system = system
+        self.members = [(law, table.with_loss(0)) for law, table in system.dynamic]
+
+    def real_stiffness(self, omega: FloatArray) -> FloatArray:
+        """Of every law without damping, (n_laws, n_points)."""
+        kappa = self.system.stiffness[:, None] - self.system.inertia[:, None] * omega**2
+        for law, table in self.members:
+            kappa[law] += table.kappa(omega).real
+        return np.asarray(kappa)
+
+    def below(self, omega: FloatArray) -> FloatArray:
+        """Modes below each omega > 0 in rad/s, rigid bodies included."""
+        clamped = sum((table.clamped_modes(omega) for _, table in self.members), start=np.zeros(len(omega)))
+        kappa = self.real_stiffness(omega)
+        return clamped + negative_pivots(self.system.sparse_rows, kappa, self.system.n_coordinates)
