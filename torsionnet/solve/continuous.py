@@ -37,6 +37,8 @@ SAME = 1e-10
 LOWEST = 1e-9
 """No vibration is slower than this share of the first frequency of a shaft, or is looked for."""
 BISECTIONS = 110
+BESIDE = 1.0123
+"""Keeps trial frequencies off those of shafts with their ends held, where D is infinite."""
 NEWTON, STILL = 30, 1e-14
 """Newton steps, and the relative step at which they end."""
 SMALLEST = 2.0**-12
@@ -81,7 +83,7 @@ def natural_rates(system: RowSystem, count: int) -> FloatArray:
         return np.zeros(count)
     wanted = np.arange(rigid + 1, count + 1)
     first = _first_rate(system)
-    upper = first
+    upper = BESIDE * first
     while modes.below(np.array([upper]))[0] < count:
         upper *= 2
         if upper > 1e12 * first:
