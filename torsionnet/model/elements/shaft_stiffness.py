@@ -163,7 +163,7 @@ class ShaftTwist(ShaftStiffness):
     def clamped_modes(self, omega: Floats) -> Floats:
         import numpy as np
 
-        x = self._argument(1j * np.asarray(omega), np.zeros(np.shape(omega)))[1].real  # the same rounding as in kappa
+        x = self._argument((1j * omega).astype(np.complex128), np.zeros(np.shape(omega)))[1].real  # rounded as in kappa
         nearest = np.rint(x / np.pi)
         return np.asarray(nearest - (np.sin(x) * np.where(nearest % 2, -1.0, 1.0) < 0))
 
