@@ -6,9 +6,11 @@ writes the names of the element types for type checkers, a stub in the package.
 
 from __future__ import annotations
 
+import doctest
 import sys
 from dataclasses import MISSING, Field
 from fractions import Fraction
+from functools import cache
 from inspect import getdoc
 from pathlib import Path
 from typing import Any
@@ -23,7 +25,7 @@ from torsionnet.core.damping import MEASURES
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import PhysicalQuantity, ValueInUnitOfUse
 from torsionnet.core.entries.spec import Spec, spec_of
-from torsionnet.core.entries.words import Count, Flag, OneOf, Text
+from torsionnet.core.entries.words import Count, Flag, OneOf
 from torsionnet.core.errors import ModelError
 from torsionnet.core.expressions import Algebra
 from torsionnet.core.units import _BASE, _JOINED, _PREFIXES, DIMENSIONS, Dimension, expected_unit
@@ -31,17 +33,19 @@ from torsionnet.model.bench import Acquisition, Encoder, Exciter, Transducer
 from torsionnet.model.bench.excitations import EXCITATIONS
 from torsionnet.model.elements import (
     ELEMENT_TYPES,
+    Action,
     Constraint,
     Element,
     Law,
     Part,
+    Row,
     Values,
     element_classes,
     make_element,
 )  # fmt: skip
 from torsionnet.model.elements.damping_entries import LossFactor
 from torsionnet.model.elements.nodes import NodeName, NodePair
-from torsionnet.model.elements.stiffness_rows import TableEntry
+from torsionnet.model.elements.quantity_table import Several
 from torsionnet.model.elements.teeth import Teeth
 from torsionnet.model.report import SECTIONS
 from torsionnet.report.wording import replaceable
@@ -60,9 +64,21 @@ SAMPLES = {
     "shear modulus": "80 GPa",
     "density": "7850 kg/m^3",
     "mass": "0.8 kg",
+    "frequency": "10 Hz",
+    "temperature": "60 degC",
+    "angle": "3 deg",
+    "area": "0.6 m^2",
+    "force": "80 kN",
+    "linear stiffness": "300 kN/m",
+    "velocity": "20 m/s",
+    "per velocity": "0.0001 s/m",
+    "power": "3 MW",
+    "time": "0.05 s",
+    "pressure": "206 GPa",
     "1": 3,
 }
-COMMON = ("description", "enabled")
+S = sympy.Symbol("s")
+COMMON = ("description", "enabled", "catalogue", "size", "referred_to")
 
 
 # Elements
@@ -80,16 +96,18 @@ def element_section(kind: str, cls: type[Element]) -> str:
     optional = [declared.name for declared in own_fields(cls) if is_port(declared) and declared.name not in known]
     more = f"; optional: {', '.join(map(code, optional))}" if optional else ""
     rest = "" if len(ports) == 1 else " At any other port: positive when it drives out of the element."
-    sign = f"The sign of the torque is defined at `{ports[0]}`: {cls.sign}.{rest}"
+    sign = (
+        f"The sign of the torque is defined at `{ports[0]}`: {cls.sign}.{rest}" if ports else f"Torque is {cls.sign}."
+    )
     parts = [
         f"## {kind}\n",
         f"*In Python:* `torsionnet.{cls.__name__}`\n",
         f"![How a schematic draws it](generated/symbol_{kind}.svg)\n",
         physics(cls),
         laws(cls),
-        f"*Ports:* {', '.join(map(code, ports))}{more}. {sign}\n",
+        f"*Ports:* {', '.join(map(code, ports)) or 'none'}{more}. {sign}\n",
         fields_table(cls),
-        f"```yaml\nelements:\n  part: {flow(minimal.to_data())}\n```\n",
+        f"```yaml\nelements:\n  {minimal.name}: {flow(minimal.to_data())}\n```\n",
     ]
     return "\n".join(parts)
 
@@ -120,20 +138,41 @@ def physics(cls: type[Element]) -> str:
 
 
 def sample(cls: type[Element], *, full: bool, symbolic: bool = False) -> Element:
-    """An element with what is required, or with everything that goes together; values are samples or symbols."""
-    given = [d for d in own_fields(cls) if d.default is MISSING or (symbolic and isinstance(d.default, str))]
-    given = [d for d in given if d.default is MISSING or isinstance(spec_of(d), PhysicalQuantity)]
-    data = {declared.name: sample_value(declared, symbolic=symbolic) for declared in given}
-    optional = [declared for declared in own_fields(cls) if declared.name not in data]
-    for declared in optional:
-        if not full and constructible(cls, data):
-            break
-        if isinstance(spec_of(declared), (Count, OneOf)):
-            continue
-        trial = data | {declared.name: sample_value(declared, symbolic=symbolic)}
-        if not constructible(cls, data) or constructible(cls, trial):
-            data = trial
-    return make_element(cls.kind, "part", data)
+    """The first element that the docstring makes, or with all other quantities that go with it; values or symbols."""
+    first = made_in_docstring(cls)[0]
+    data = {name: getattr(first, name) for name in first.to_data() if name != "type"}
+    if symbolic:
+        data = in_symbols(cls, data)
+    for declared in own_fields(cls) if full else ():
+        value = None if declared.name in data else sample_value(declared, symbolic=symbolic)
+        if value is not None and constructible(cls, data | {declared.name: value}):
+            data |= {declared.name: value}
+    return make_element(cls.kind, first.name, data)
+
+
+@cache
+def made_in_docstring(cls: type[Element]) -> tuple[Element, ...]:
+    """The elements of a type that the examples in its docstring make: they are shown, and known to work."""
+    made: list[Element] = []
+
+    def recorded(*args: Any, **entries: Any) -> Element:
+        made.append(cls(*args, **entries))
+        return made[-1]
+
+    names = vars(sys.modules[cls.__module__]) | {cls.__name__: recorded}
+    for example in doctest.DocTestParser().get_examples(getdoc(cls) or ""):
+        exec(example.source, names)  # noqa: S102 - docstrings of this package, which the tests run as well
+    return tuple(made)
+
+
+def in_symbols(cls: type[Element], data: dict[str, Any]) -> dict[str, Any]:
+    """Every quantity by its symbol, unless the element needs its number."""
+    for declared in own_fields(cls):
+        kind = spec_of(declared)
+        if isinstance(kind, PhysicalQuantity) and (declared.name in data or isinstance(declared.default, str)):
+            trial = data | {declared.name: kind.symbol}
+            data = trial if constructible(cls, trial) else data
+    return data
 
 
 def constructible(cls: type[Element], data: dict[str, Any]) -> bool:
@@ -145,18 +184,14 @@ def constructible(cls: type[Element], data: dict[str, Any]) -> bool:
 
 
 def sample_value(declared: Field[Any], *, symbolic: bool) -> Any:
+    """A value that an entry may have beside those of the example; None of what does not stand in laws."""
     kind = spec_of(declared)
-    if isinstance(kind, NodePair):
-        return ["a", "b"]
     if isinstance(kind, NodeName):
         return declared.name
     if isinstance(kind, PhysicalQuantity):
-        loss = 0.1 if isinstance(kind, LossFactor) else SAMPLES[kind.dimension]
+        loss = 0.1 if isinstance(kind, LossFactor) else SAMPLES.get(kind.dimension)
         return kind.symbol if symbolic else loss
-    others = {Teeth: [20, 61], Flag: True, Count: 1, Text: "text"}
-    if isinstance(kind, TableEntry):
-        return [["1 Hz", "400 N*m/rad", "2 N*m*s/rad"], ["20 Hz", "500 N*m/rad", "1.2 N*m*s/rad"]]
-    return kind.options[0] if isinstance(kind, OneOf) else others[type(kind)]
+    return True if isinstance(kind, Flag) else None
 
 
 def laws(cls: type[Element]) -> str:
@@ -164,29 +199,48 @@ def laws(cls: type[Element]) -> str:
     plain, full = (described(sample(cls, full=full, symbolic=True)) for full in (False, True))
     if plain == full:
         return plain
-    return f"With the required entries only:\n\n{plain}\nWith the optional entries:\n\n{full}"
+    return f"With the entries of the example below:\n\n{plain}\nWith all quantities that go with them:\n\n{full}"
 
 
 def described(element: Element) -> str:
-    names = {declared.symbol for declared, _ in element.scalars().values() if isinstance(declared, PhysicalQuantity)}
+    names = {name for _, _, expression, _ in element.expressions() for name in expression.names}
     algebra = Algebra(number=lambda x: sympy.Rational(x.numerator, x.denominator), sqrt=sympy.sqrt, pi=sympy.pi)
     value = Values({name: sympy.Symbol(name, positive=True) for name in names}, algebra)
-    return "\n".join(f"$${row_text(part)},\\qquad {law_text(part)}$$\n" for part in element.parts(value))
+    return "\n".join(f"$${part_text(part)}$$\n" for one in element.expanded() for part in one.parts(value))
 
 
-def row_text(part: Part) -> str:
+def part_text(part: Part) -> str:
+    """A law, a constraint or an action in LaTeX."""
+    if isinstance(part, Action):
+        return rf"T_{{{angles(part.row)}}} = {action(part)} \left({angles(part.sensed)}\right)"
+    return rf"\gamma = {angles(part.row)},\qquad {law_text(part)}"
+
+
+def angles(row: Row) -> str:
+    """A row as a sum of angles."""
     text = ""
-    for node, coefficient in part.row.items():
+    for node, coefficient in row.items():
         factor = sympy.factor(sympy.sympify(coefficient))
         negative = factor.could_extract_minus_sign()
         size = sympy.factor(-factor) if negative else factor
         shown = "" if size == 1 else f"\\left({sympy.latex(size)}\\right)" if size.is_Add else sympy.latex(size)
         sign = "-" if negative else "+" if text else ""
         text += rf" {sign} {shown} \theta_\mathrm{{{node.replace('_', chr(92) + '_')}}}"
-    return rf"\gamma = {text}"
+    return text
 
 
-def law_text(part: Part) -> str:
+def action(part: Action) -> str:
+    """The transfer function of an action."""
+    above, below = (
+        sympy.latex(sum(value * S**power for power, value in enumerate(map(sympy.sympify, values))))
+        for values in (part.numerator, part.denominator)
+    )
+    delay = sympy.sympify(part.delay)
+    late = "" if delay == 0 else rf"\,\mathrm{{e}}^{{-{sympy.latex(delay)} s}}"
+    return (rf"\left({above}\right)" if below == "1" else rf"\frac{{{above}}}{{{below}}}") + late
+
+
+def law_text(part: Law | Constraint) -> str:
     if isinstance(part, Constraint):
         return r"\gamma = 0"
     return rf"\kappa(s) = {kappa(part)}"
@@ -219,11 +273,12 @@ def fields_table(cls: type[Element]) -> str:
 
 def field_row(declared: Field[Any]) -> list[str]:
     kind = spec_of(declared)
+    kind = kind.of if isinstance(kind, Several) else kind
     is_quantity = isinstance(kind, PhysicalQuantity)
     symbol = f"${sympy.latex(sympy.Symbol(kind.symbol))}$" if is_quantity else ""
     unit = "" if not is_quantity else "-" if kind.dimension == "1" else code(expected_unit(kind.dimension))
     default = "required" if declared.default is MISSING else default_text(declared.default)
-    return [code(declared.name), symbol, unit, bounds(kind), default, prose(kind.description)]
+    return [code(declared.name), symbol, unit, bounds(kind), default, prose(spec_of(declared).description)]
 
 
 def default_text(default: Any) -> str:
@@ -298,6 +353,9 @@ WANTED = {
     "frequency": "cpm",
     "length": "mm",
     "mass": "lb",
+    "force": "kN",
+    "linear stiffness": "kN/m",
+    "velocity": "km/h",
     "density": "kg/m^3",
     "shear modulus": "GPa",
 }

@@ -15,8 +15,15 @@ TITLES = {
     "input": "An entry of `inputs`",
     "sensor": "An entry of `sensors`",
     "alternative": "An alternative of `configurations`",
+    "use": "An entry of `use`",
+    "part": "An entry of `parts`",
     "operating_point": "`operating_point`",
     "report": "`report`",
+    "viscoelastic": "`material` of a coupling, `silicone` of a viscous damper",
+    "rubber_shape_disc": "`geometry` of a coupling, a disc",
+    "rubber_shape_bush": "`geometry` of a coupling, a bush",
+    "film_gap": "`gap` of a viscous damper",
+    "spring_stage": "An entry of `stages` of a dual mass flywheel",
 }
 PLAIN = {
     "array": "list",

@@ -11,7 +11,7 @@ import re
 import numpy as np
 
 DECLARATION = re.compile(
-    r"(?P<kind>parameter Real|Modelica[\w.]+) (?P<name>\w+)(?P<mods>\((?:[^()\"]|\"[^\"]*\"|\([^()]*\))*\))?"
+    r"(?P<kind>parameter Real|Modelica[\w.]+) (?P<name>\w+)(?P<mods>\((?:[^;\"]|\"[^\"]*\")*?\))?"
     r"(?: = (?P<value>[^\"]+?))?(?: \"(?:[^\"\\]|\\.)*\")?;"
 )
 FLANGES = {
@@ -23,8 +23,8 @@ FLANGES = {
     "IdealPlanetary": "sun carrier ring",
     "Fixed": "flange",
     "TorqueSensor": "flange_a flange_b",
-    "Torque": "flange",
-    "Position": "flange",
+    "Torque": "flange support",
+    "Position": "flange support",
     "AngleSensor": "flange",
     "SpeedSensor": "flange",
     "AccSensor": "flange",
@@ -152,9 +152,14 @@ class Model:
                 signals[f"{name}.tau"] = [(tau[a], 1)]
             elif kind == "Torque":
                 add([(tau["flange"], 1)], wires[f"{name}.tau"], -1)
+                if mods.get("useSupport") == "true":
+                    add([(tau["support"], 1), (tau["flange"], 1)])
             elif kind == "Position":
                 assert mods["exact"] == "true"
-                add([(phi["flange"], 1)], wires[f"{name}.phi_ref"], 1)
+                held = mods.get("useSupport") == "true"
+                add([(phi["flange"], 1), *([(phi["support"], -1)] if held else [])], wires[f"{name}.phi_ref"], 1)
+                if held:
+                    add([(tau["support"], 1), (tau["flange"], 1)])
             else:
                 add([(tau["flange"], 1)])
                 signal, power = {"AngleSensor": ("phi", 0), "SpeedSensor": ("w", 1), "AccSensor": ("a", 2)}[kind]

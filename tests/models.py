@@ -1,8 +1,12 @@
 """Small drivetrains that several tests use, built through the public API."""
 
+from pathlib import Path
+
 import torsionnet as tn
 from torsionnet.assembly.functionals import functional
 from torsionnet.core.errors import UsageError
+
+SHEET = Path(__file__).parent / "sheets" / "line.csv"
 
 EVERY_ELEMENT = {
     "inertia": tn.Inertia("e", node="a", inertia=2),
@@ -24,6 +28,14 @@ EVERY_ELEMENT = {
         "e", nodes=("a", "b"), outer_diameter=0.05, inner_diameter=0.02, length=1.2, loss_factor={"zeta": 0.01}
     ),
     "propeller": tn.Propeller("e", node="a", inertia=2, entrained_water=0.25, archer=30, torque=200, speed=15),
+    "fluid_coupling": tn.FluidCoupling(
+        "e", pump="a", turbine="b", speed=150, speed_ratio=0.97, k_factor=[[0.9, 30], [0.99, 90]],
+        pump_inertia=0.2, turbine_inertia=0.1, housing="c",
+    ),
+    "torque_converter": tn.TorqueConverter(
+        "e", pump="a", turbine="b", speed=150, speed_ratio=0.6, performance=[[0, 0.04], [1, 0.02]], diameter=0.26,
+        torque_ratio=[[0, 2.1], [0.9, 1]], pump_inertia=0.2, turbine_inertia=0.1, housing="c",
+    ),
     "controller": tn.Controller(
         "e", sense={"velocity": ["a", "b"]}, act=["c", "b"], law={"p": -3, "i": -5, "d": 1, "filter": 0.2}, delay=0.1
     ),
@@ -56,6 +68,18 @@ EVERY_ELEMENT = {
         damping_coefficient=9,
     ),
     "constant_power_load": tn.ConstantPowerLoad("e", node="a", housing="b", power=900, speed=50),
+    "crank_throw": tn.CrankThrow(
+        "e",
+        nodes=("a", "b"),
+        inertia=0.3,
+        crank_radius=0.06,
+        rotating_mass=1.2,
+        reciprocating_mass=1.6,
+        rod_length=0.2,
+        stiffness=800,
+        damping=2,
+        cylinder_damping=1,
+    ),
     "viscous_damper": tn.ViscousDamper("e", node="a", ring_inertia=3, damping=5, stiffness=200, hub_inertia=0.5),
     "tuned_damper": tn.TunedDamper(
         "e", node="a", ring_inertia=3, natural_frequency=1.5, damping_ratio=0.1, hub_inertia=0.5
@@ -65,8 +89,8 @@ EVERY_ELEMENT = {
         node="a",
         ring_inertia=3,
         stiffness=200,
-        loss_over_frequency={"1 Hz": 0.2, "30 Hz": 0.5},
-        stiffness_over_frequency={"1 Hz": 1.1, "10 Hz": 1.3},
+        damping={"eta": 0.3, "at": "2 Hz"},
+        hub_inertia=0.2,
     ),
     "pendulum_absorber": tn.PendulumAbsorber(
         "e", node="a", mass=4, pivot_radius=0.5, path_radius=0.2, speed=9, count=2, own_inertia=0.1, damping=0.3
@@ -78,8 +102,7 @@ EVERY_ELEMENT = {
         secondary_inertia=1,
         stages=[{"stiffness": 200, "to": "30 N*m"}, {"stiffness": 400}],
         torque=50,
-        friction=3,
-        swing=0.1,
+        blocked=0.2,
         damping=1,
     ),
     "flexible_coupling": tn.FlexibleCoupling(
@@ -90,11 +113,38 @@ EVERY_ELEMENT = {
         torque=40,
         temperature="60 degC",
         temperature_factor={"20 degC": 1, "100 degC": 0.5},
-        loss_factor={"psi": 0.9},
+        damping=4,
         in_series=2,
         first_inertia=0.5,
     ),
-}
+    "clutch": tn.Clutch(
+        "e", nodes=("a", "b"), state="slipping", slip_speed=5, friction=[[0, 0.1], [20, 0.14]], clamp_torque=900,
+        stiffness=700, damping=2, first_inertia=0.2, disc_inertia=0.1,
+    ),
+    "gearbox": tn.Gearbox(
+        "e", input="a", output="b", ratios={"I": -4, "II": -2.5, "III": 1.2}, engaged="II", housing="c",
+        wheel_inertias={"I": 0.3, "II": 0.2}, input_inertia=0.1, output_inertia=0.2, stiffness={"II": 5e3, "III": 4e3},
+        damping=3,
+    ),
+    "final_drive": tn.FinalDrive(
+        "e", pinion="a", left="b", right="c", teeth=(20, -71), differential="limited-slip", slip_damping=20,
+        pinion_inertia=0.1, cage_inertia=0.3, stiffness=9e3, damping=2, housing="d",
+    ),
+    "vehicle": tn.Vehicle(
+        "e", node="a", mass=1500, wheel_radius=0.3, wheel_inertia=2, speed=20, drag_area=0.6, rolling_slope=1e-4
+    ),
+    "tyre": tn.Tyre(
+        "e", nodes=("a", "b"), radius=0.3, slip_stiffness=800, speed=9, relaxation_length=0.4, damping=3, belt_inertia=0.3
+    ),
+    "belt": tn.Belt(
+        "e", pulleys={"a": 0.1, "b": 0.05, "c": -0.04}, stiffness=[3e4, 2e4, 4e4], damping=3, pretension=300,
+        tensioner="c", arm="d", levers=[0.06, 0.04], housing="f",
+    ),
+    "chain_drive": tn.ChainDrive(
+        "e", sprockets={"a": 20, "b": 31}, pitch=0.0127, axial_stiffness=1e5, lengths=[0.3, 0.4], damping=2, housing="c"
+    ),
+    "mass_elastic": tn.MassElastic("e", table=SHEET, at={"first": "a", "last": "b"}),
+}  # fmt: skip
 
 
 def geared_line(**changes):

@@ -6,9 +6,11 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from models import EVERY_ELEMENT
+from models import EVERY_ELEMENT, SHEET
 
 import torsionnet as tn
+from torsionnet.core.entries.nearby import files_beside
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import spec_of
 from torsionnet.model.elements import ELEMENT_TYPES, Action, Constraint, Law, Values, make_element
 from torsionnet.model.elements.nodes import NodeName, NodePair
@@ -26,7 +28,8 @@ class TestContract:
         element = EVERY_ELEMENT[kind]
         data = element.to_data()
         assert data.pop("type") == kind
-        assert make_element(kind, "e", data) == element
+        with files_beside(SHEET.parent):
+            assert make_element(kind, "e", data) == element
 
     def test_fields_say_what_they_are(self, kind):
         cls = ELEMENT_TYPES[kind]
@@ -56,7 +59,21 @@ class TestContract:
         for part in element.parts(Values({})):
             if isinstance(part, Law):
                 assert min(part.inertia, part.stiffness, part.loss_factor) >= 0
-                assert part.damping >= 0 or element.may_drive
+                assert part.damping >= 0 or element.may_feed
+
+    def test_all_its_names_are_renamed_in_a_part(self, kind):
+        """Nothing of the part may be left that would mean something else in the whole; only ground stays."""
+        element = EVERY_ELEMENT[kind]
+        one = element.renamed(Renaming("left.", {"ground": "ground"}))
+        nodes = [*one.ports.values(), *one.internal_nodes]
+        rows = [part.row for part in one.parts(Values({}))]
+        rows += [part.sensed for part in one.parts(Values({})) if isinstance(part, Action)]
+        names = [name for _, _, expression, _ in one.expressions() for name in expression.names]
+        assert all(name.startswith("left.") for name in (*nodes, *names) if name != "ground")
+        assert all(node.startswith("left.") for row in rows for node in row)
+        assert [len(row) for row in rows] == [
+            length for part in element.parts(Values({})) for length in [len(part.row)]
+        ] + [len(part.sensed) for part in element.parts(Values({})) if isinstance(part, Action)]
 
     def test_ground_drops_out(self, kind):
         """From every port that may stand there."""

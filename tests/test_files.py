@@ -144,6 +144,10 @@ def test_positions_of_values_and_keys():
 # Round trips
 
 
+WITH_FILES = {"mass_elastic"}
+"""Types that name a file, which a text alone does not have; tests/test_mass_elastic.py takes them through files."""
+
+
 def rich_model():
     """A model with every element type and every kind of entry."""
     elements = [
@@ -162,7 +166,8 @@ def rich_model():
         Lock("brake", node="h", enabled=False),
     ]
     there = {element.kind for element in elements}
-    elements += [replace(element, name=f"a_{kind}") for kind, element in EVERY_ELEMENT.items() if kind not in there]
+    elements += [replace(element, name=f"a_{kind}") for kind, element in EVERY_ELEMENT.items()
+                 if kind not in there and kind not in WITH_FILES]  # fmt: skip
     return Drivetrain(
         "no",
         elements,
@@ -187,7 +192,7 @@ def rich_model():
 
 def test_every_element_type_survives_a_round_trip(tmp_path):
     rig = rich_model()
-    assert {element.kind for element in rig.definition.elements.values()} == set(ELEMENT_TYPES)
+    assert {element.kind for element in rig.definition.elements.values()} == set(ELEMENT_TYPES) - WITH_FILES
     text = dump(rig.definition, tmp_path / "rich.yaml")
     assert (tmp_path / "rich.yaml").read_text(encoding="utf-8") == text
     back = load(tmp_path / "rich.yaml")
@@ -342,6 +347,7 @@ def test_broken_models_do_not_fit_the_schema(text):
 
 
 SAMPLES = {element.kind: element for element in rich_model().definition.elements.values()}
+SAMPLES |= {kind: EVERY_ELEMENT[kind] for kind in WITH_FILES}
 
 
 def element_faults(entry):
@@ -359,7 +365,9 @@ def test_a_file_takes_every_sensor_of_an_element_that_can_be_asked_for(kind, qua
     nodes = [*element.ports.values(), "x"]
     discs = [Inertia(f"J_{node}", node=node, inertia=1) for node in nodes]
     drive = Spring("drive", nodes=("x", nodes[0]), stiffness=50)
-    if quantity == "stress" and "outer_diameter" not in dict(element.specs()):
+    if element.expanded() != (element,):
+        pytest.skip("has no laws of its own: the elements that it stands for are asked")
+    if quantity == "stress" and element.diameters is None:
         with pytest.raises(ModelError, match="has no diameter"):
             Drivetrain("rig", [element, drive, *discs], sensors={"y": {quantity: "e"}})
         return

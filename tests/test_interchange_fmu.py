@@ -204,6 +204,24 @@ def test_massless_nodes_and_reactions():
     ]  # fmt: skip
 
 
+def test_torque_between_two_nodes_and_values_quoted_at_another_shaft():
+    """A pair that feeds a torque meter through, a spring quoted at the far side of a gear, a reading referred there."""
+    parts = [
+        tn.Inertia("j", node="a", inertia=2),
+        tn.RigidCoupling("meter", nodes=("a", "b")),
+        tn.Inertia("i", node="b", inertia=1),
+        tn.Gear("g", nodes=("b", "c"), ratio="tau"),
+        tn.Spring("k", nodes=("c", "d"), stiffness=300, damping=1, referred_to="a"),
+        tn.Inertia("load", node="d", inertia=3, referred_to="a"),
+    ]
+    sensors = {"m": {"torque": "meter"}, "t": {"torque": "k", "referred_to": "a"}, "r": {"angle": ["a", "d"]}}
+    inputs = {"T": {"torque": ["a", "d"]}}
+    model = tn.Drivetrain("pair", parts, parameters={"tau": 2.5}, inputs=inputs, sensors=sensors)
+    host, driven = Host(model).start(), torques(model, 200)
+    found = host.run(np.arange(200) * 0.01, driven, told=True)
+    agree(found, simulated(model, host, driven, 0.01))
+
+
 @pytest.mark.parametrize("version", VERSIONS)
 def test_instances_and_units_side_by_side(version):
     rigs = [library_model("dmf_rig"), library_model("drill_string"), library_model("dmf_rig")]

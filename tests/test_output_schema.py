@@ -28,6 +28,7 @@ def folder(tmp_path_factory):
         Path("plant.yaml").write_text(PLANT)
         Path("ship.yaml").write_text(SHIP)
         Path("driven.yaml").write_text(PLANT + DRIVEN)
+        Path("governed.yaml").write_text(GOVERNED)
         Path("fit.yaml").write_text(FIT)
         test = FIT.replace("record: run_soft.npz", "response: test.csv").replace(
             "input: T_set, model_input: T", "input: T"
@@ -41,6 +42,12 @@ def folder(tmp_path_factory):
         yield folder
 
 
+GOVERNED = """
+torsionnet: 1
+elements:
+  rotor: {type: inertia, node: a, inertia: 2}
+  governor: {type: controller, sense: {velocity: a}, act: a, law: -30, delay: 50 ms}
+"""
 DRIVEN = "load: {absorbed_at: f, torque: 100 N*m, torque_exponent: 2, rated: 900 rpm, driven_by: {m: 1}}"
 CALLS = {
     "check": ["check dmf_rig broken.yaml"],
@@ -58,6 +65,7 @@ CALLS = {
         "critical-speeds plant.yaml",
         "critical-speeds plant.yaml -c all --margin api618 --output f --line-frequency 50",
     ],
+    "margins": ["margins governed.yaml"],
     "holzer": ["holzer plant.yaml --mode 1", "holzer marine_steam_turbine --at 3"],
     "static": ["static driven.yaml", "static driven.yaml -c all --speed 300rpm"],
     "damper": [

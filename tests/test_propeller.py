@@ -1,9 +1,11 @@
-"""Propellers: damping by Archer over speed, and entrained water."""
+"""Propellers: damping by several laws over speed, and entrained water at any pitch."""
 
+import mpmath
 import numpy as np
 import pytest
 
 import torsionnet as tn
+from torsionnet.model.elements import Values
 
 RPM = np.pi / 30
 SHIP = """torsionnet: 1
@@ -60,8 +62,57 @@ def test_water_takes_no_mean_torque():
         ("archer: 30, torque: Q", "needs archer, torque and speed; here is no speed"),
         (ARCHER + ", damping: 3 kN*m*s/rad", "the damping is given or by Archer, not both"),
         ("archer: 30, torque: Q, speed: 150 kg", "not a value of speed"),
+        (ARCHER + ", exponent: 2", "by archer or exponent, one of them"),
+        ("torque: Q, speed: n", "torque is for a law of damping; give archer or exponent or torque_slope"),
+        ("exponent: 2, torque: Q", "by exponent needs exponent, torque and speed; here is no speed"),
+        (ARCHER + ", advance_ratio: 0.6", "advance_ratio has no part in damping by Archer"),
+        ("torque_slope: -0.05, torque: Q, speed: n", "here is no torque_coefficient and advance_ratio"),
+        ("entrained_inertia: 1 t*m^2", "entrained_water or entrained_inertia, not both"),
+        ("pitch_ratio: 0.5", "needs pitch_ratio and design_pitch_ratio"),
     ],
 )
 def test_what_is_wrong_is_said(damping, what):
     with pytest.raises(tn.ModelError, match=f"8:.*{what}"):
         ship(damping)
+
+
+def law(**given):
+    (found,) = tn.Propeller("screw", node="prop", inertia=6200, **given).parts(Values({}))
+    return found
+
+
+def test_damping_of_a_power_law_is_its_slope():
+    found = law(exponent=2.1, torque=188.7e3, speed=15.9).damping
+    slope = mpmath.diff(lambda omega: 188.7e3 * (omega / mpmath.mpf("15.9")) ** mpmath.mpf("2.1"), mpmath.mpf("15.9"))
+    assert float(found) == pytest.approx(float(slope), rel=1e-12)
+
+
+def test_open_water_damping_is_the_slope_at_a_kept_speed_of_the_ship():
+    """K_Q = 0.05 - 0.04 J of a propeller of 3 m in sea water at 7 m/s."""
+
+    def coefficient(advance):
+        return 0.05 - 0.04 * advance
+
+    def torque(omega):
+        turns = omega / (2 * mpmath.pi)
+        return coefficient(7 / (turns * 3)) * 1025 * 3**5 * turns**2
+
+    omega = 16.0
+    advance = 7 * 2 * np.pi / (omega * 3)
+    found = law(
+        torque_slope=-0.04, torque_coefficient=float(coefficient(advance)), advance_ratio=advance,
+        torque=float(torque(omega)), speed=omega,
+    ).damping  # fmt: skip
+    assert float(found) == pytest.approx(float(mpmath.diff(torque, omega)), rel=1e-12)
+
+
+def test_water_by_share_or_by_inertia():
+    assert law(entrained_water=0.25).inertia == law(entrained_inertia=1550).inertia == 7750
+
+
+@pytest.mark.parametrize("pitch", [-0.4, 0, 0.3, 0.9, 1.2])
+def test_water_is_entrained_by_what_moves_across_the_blade(pitch):
+    sine, design = (np.sin(np.arctan(ratio / (0.7 * np.pi))) for ratio in (pitch, 0.9))
+    found = law(entrained_water=0.25, pitch_ratio=pitch, design_pitch_ratio=0.9).inertia
+    assert float(found) == pytest.approx(6200 * (1 + 0.25 * (sine / design) ** 2), rel=1e-14)
+    assert float(law(entrained_inertia=1550, pitch_ratio=pitch, design_pitch_ratio=0.9).inertia) == float(found)

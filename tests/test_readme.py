@@ -63,5 +63,5 @@ def test_symbolic_forms_are_those_that_come_out():
 def test_element_of_the_contributing_guide_is_the_one_in_the_package():
     root = Path(__file__).parents[1]
     shown = re.search(r"```python\n(.*?)```", (root / "CONTRIBUTING.md").read_text(encoding="utf-8"), re.DOTALL)[1]
-    source = (root / "torsionnet" / "model" / "elements" / "viscous_damper.py").read_text(encoding="utf-8")
+    source = (root / "torsionnet" / "model" / "elements" / "tuned_damper.py").read_text(encoding="utf-8")
     assert shown == source[source.index("@register") :]

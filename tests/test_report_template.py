@@ -179,7 +179,7 @@ class TestWords:
             file.read_text(encoding="utf-8") for file in (package / "report" / "writers" / "templates").iterdir()
         )
         words = {plain(kind) for kind in ELEMENT_TYPES} | {
-            plain(name) for cls in ELEMENT_TYPES.values() for name, _ in cls.specs()
+            plain(name).lower() for cls in ELEMENT_TYPES.values() for name, _ in cls.specs()
         }
         words |= {"input", "sensor", "rigid body", "real pole", "error", "warning", "note", *(f"{q} {o} " for q in ("torque", "angle", "velocity", "acceleration", "twist") for o in ("on", "of", "through"))}  # fmt: skip
         for text in TEXTS:
@@ -292,7 +292,7 @@ NOT_REPLACED = {
     ("comparison", "Test over model of "), ("modes", "Mode shapes of "), ("responses", "Bode plot of "),
     ("schematic", " elements between the nodes "), ("schematic", "Schematic of "),
     # joined to what the author or another part of the program wrote
-    ("elements", " on "), ("elements", " frequencies, "), ("elements", "; … and "), ("elements", "table of "),
+    ("elements", " on "), ("elements", " frequencies, "), ("elements", " rows, "), ("elements", "; … and "), ("elements", "table of "),
     ("formulas", " in "), ("kinematics", "input "), ("modes", "spread over many, at most "), ("modes", "\xa0% in "),
     ("parameters", "; changed for this report"),
     ("critical_speeds", " modes, "), ("critical_speeds", " crossings"), ("limits", " over speed with its limits"),

@@ -74,6 +74,10 @@ EXACT = [
     ("3 %", Fraction(3, 100), "1"),
     ("1 ms", Fraction(1, 1000), "time"),
     ("2 min", 120, "time"),
+    ("300 K", 300, "temperature"),
+    ("20 degC", Fraction("293.15"), "temperature"),
+    ("20.5 °C", Fraction("293.65"), "temperature"),
+    ("-40degC", Fraction("233.15"), "temperature"),
 ]
 
 WITH_PI = [
@@ -163,6 +167,9 @@ def test_a_bare_number_has_no_dimension(text, value):
         ("1 N GD2", r"write for example kg\*m\^2 GD2"),
         ("1 kg*m^2/GD2", "at the end"),
         ("1 Ω", "cannot be read"),
+        ("-274 degC", "below absolute zero"),
+        ("1e309 degC", "too large"),
+        ("2 W/degC", "degC stands alone after a temperature, as in 60 degC; differences are in K"),
         ("1 __import__('os')", "cannot be read|not a known unit"),
     ],
 )
@@ -215,7 +222,7 @@ EXPONENTS = st.fractions(min_value=-6, max_value=6, max_denominator=4)
 SMALL = EXPONENTS.filter(lambda e: len(str(abs(e))) <= 3)
 
 
-@given(st.builds(Dimension, SMALL, SMALL, SMALL, SMALL))
+@given(st.builds(Dimension, SMALL, SMALL, SMALL, SMALL, SMALL))
 def test_the_text_of_a_dimension_is_a_unit_of_it(dimension):
     if dimension == DIMENSIONS["speed"]:
         assert str(dimension) == "rad/s"

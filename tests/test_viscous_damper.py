@@ -131,3 +131,115 @@ def test_reaches_every_program():
     back = tn.io.from_tors(tn.io.to_tors(engine))
     ours, theirs = (model.frequency_response("a", "a", [3.0, 30.0]).values for model in (engine, back))
     np.testing.assert_allclose(theirs, ours, rtol=1e-12)
+
+
+SILICONE = {
+    "moduli": [["1 Hz", "1 kPa", "9 kPa"], ["10 Hz", "12 kPa", "40 kPa"], ["200 Hz", "90 kPa", "100 kPa"]],
+    "reference_temperature": "25 degC",
+    "shift": {"25 degC": 1, "100 degC": 0.25},
+}
+GAP = {"outer_diameter": "300 mm", "inner_diameter": "200 mm", "axial_gap": "0.5 mm", "width": "40 mm", "outer_gap": "0.4 mm"}  # fmt: skip
+FACTOR = np.pi * (0.15**4 - 0.1**4) / 5e-4 + 2 * np.pi * 0.04 * 0.15**3 / 4e-4
+
+
+def silicone(**more):
+    rig = damped(0.2, 0.3)
+    film = tn.ViscousDamper("damper", node="a", ring_inertia=0.4, **more)
+    parts = [film if name == "damper" else one for name, one in rig.elements.items()]
+    return tn.Drivetrain("silicone", parts, inputs=rig.inputs, sensors=rig.sensors)
+
+
+class TestSilicone:
+    def expected(self, f, shift=1.0, scale=1.0):
+        """The mass on its spring with a ring on the complex stiffness of the film, powers between the rows."""
+        rows = np.log([[1, 1e3, 9e3], [10, 12e3, 40e3], [200, 90e3, 100e3]]).T
+        storage, loss = (np.exp(np.interp(np.log(f * shift), rows[0], row)) for row in rows[1:])
+        kappa, s2 = scale * FACTOR * (storage + 1j * loss), -((2 * np.pi * f) ** 2)
+        return 1 / (J * s2 + K + kappa * 0.4 * s2 / (0.4 * s2 + kappa))
+
+    def test_film_in_the_gaps_round_the_ring(self):
+        f = np.array([4.0, 10.0, 31.0, 150.0])
+        found = silicone(silicone=SILICONE, gap=GAP).frequency_response("theta", "T", f).values.ravel()
+        np.testing.assert_allclose(found, self.expected(f), rtol=1e-11)
+
+    def test_warm_silicone_is_weaker(self):
+        """a_T goes with its logarithm: half way between 25 and 100 degC it is 0.5."""
+        f = np.array([4.0, 10.0, 31.0, 150.0])
+        warm = silicone(silicone=SILICONE, gap=GAP, temperature="62.5 degC", scale=0.8)
+        found = warm.frequency_response("theta", "T", f).values.ravel()
+        np.testing.assert_allclose(found, self.expected(f, shift=0.5, scale=0.8), rtol=1e-11)
+
+    def test_a_table_is_a_tabulated_spring(self):
+        rows = [[5, 2e3, 30], [40, 9e3, 22], [200, 2e4, 9]]
+        rig = damped(0.2, 0.3)
+        parts = tn.Drivetrain(
+            "parts",
+            [
+                *(one for name, one in rig.elements.items() if name != "damper"),
+                tn.TabulatedSpring("film", nodes=("a", "r"), table=rows),
+                tn.Inertia("ring", node="r", inertia=0.4),
+            ],
+            inputs=rig.inputs,
+            sensors={"theta": {"angle": "a"}},
+        )
+        f = [4.0, 31.0, 300.0]
+        found, expected = (one.frequency_response("theta", "T", f).values for one in (silicone(table=rows), parts))
+        np.testing.assert_allclose(found, expected, rtol=1e-12)
+        np.testing.assert_allclose(silicone(table=rows).modes().eigenvalues, parts.modes().eigenvalues, rtol=1e-9)
+
+    def test_the_best_oil_is_found(self):
+        """A factor on the moduli is sought as a film's damping is; temperature, without derivatives, is refused."""
+        rig = silicone(silicone=SILICONE, gap=GAP, temperature="60 degC", scale=0.3)
+        found = rig.damper_design("theta", {"damper.scale": (0.01, 1.0)}, input="T", band=(10, 100))
+        best, f = found.values["damper.scale"], np.linspace(10, 100, 2000)
+        levels = [
+            silicone(silicone=SILICONE, gap=GAP, temperature="60 degC", scale=factor * best)
+            .frequency_response("theta", "T", f)
+            .magnitude.max()
+            for factor in (0.9, 1, 1.1)
+        ]
+        assert levels[1] == min(levels)
+        with pytest.raises(tn.ModelError, match="the temperature of a material is a number"):
+            rig.damper_design("theta", {"damper.temperature": (300, 350)}, input="T", band=(10, 100))
+
+    def test_a_configuration_says_how_warm_it_is(self):
+        text = """torsionnet: 1
+elements:
+  mass: {type: inertia, node: a, inertia: 2 kg*m^2}
+  shaft: {type: spring, nodes: [a, ground], stiffness: 80 kN*m/rad}
+  damper:
+    type: viscous_damper
+    node: a
+    ring_inertia: 0.4 kg*m^2
+    gap: {outer_diameter: 300 mm, inner_diameter: 200 mm, axial_gap: 0.5 mm, width: 40 mm, outer_gap: 0.4 mm}
+    silicone:
+      moduli: [[1 Hz, 1 kPa, 9 kPa], [10 Hz, 12 kPa, 40 kPa], [200 Hz, 90 kPa, 100 kPa]]
+      shift: {25 degC: 1, 100 degC: 0.25}
+    temperature: 25 degC
+inputs: {T: {torque: a}}
+sensors: {theta: {angle: a}}
+configurations: {oil: {cold: {}, warm: {damper.temperature: 62.5 degC}}}
+"""
+        rig, f = tn.loads(text), np.array([31.0])
+        for name, shift in (("cold", 1.0), ("warm", 0.5)):
+            found = rig.configured(name).frequency_response("theta", "T", f).values.item()
+            assert found == pytest.approx(self.expected(f, shift).item(), rel=1e-10)
+
+    @pytest.mark.parametrize(
+        ("given", "words"),
+        [
+            ({}, "needs damping, a table, or silicone and gap"),
+            ({"damping": 1, "table": [[1, 1, 1]]}, "by damping or by table, not both"),
+            ({"table": [[1, 1, 1]], "stiffness": 3}, "the table says the stiffness already"),
+            ({"silicone": SILICONE}, "here is no gap"),
+            ({"damping": 1, "gap": GAP}, "here is no silicone"),
+            ({"damping": 1, "temperature": "20 degC"}, "nothing here depends on it"),
+            ({"damping": 1, "scale": 2}, "there is none"),
+            ({"silicone": SILICONE, "gap": GAP, "temperature": "120 degC"}, "known from 25 degC to 100 degC"),
+            ({"silicone": SILICONE, "gap": {"outer_diameter": 1, "inner_diameter": 0.5}}, "give a gap"),
+            ({"silicone": SILICONE, "gap": GAP | {"width": None}}, "width has no value|needs the width"),
+        ],
+    )
+    def test_contradictions_are_named(self, given, words):
+        with pytest.raises(tn.ModelError, match=words):
+            tn.ViscousDamper("d", node="a", ring_inertia=1, **given)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,8 +17,10 @@ if TYPE_CHECKING:
     import networkx as nx
     from numpy.typing import ArrayLike
 
+    from torsionnet.core.errors import Fault
     from torsionnet.model.channels import Sensor
     from torsionnet.response import FrequencyResponse, FrequencyResponses, Modes
+    from torsionnet.response.loop_margins import LoopMargins
     from torsionnet.response.recording import Recording
     from torsionnet.solve.grid import Adaptive
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
@@ -47,6 +50,12 @@ class Drivetrain(RunningMachinery):
         At which speeds running machinery is examined, who absorbs its power and who drives, and what excites it.
     source, description : str, optional
         Where the numbers come from, and what the model is.
+    ports : iterable of str, optional
+        Nodes at which it is joined to others that use it as a part (:meth:`with_part`).
+    parts : mapping, optional
+        Name -> model with ports, to be put in by ``use``.
+    use : mapping, optional
+        Name -> ``{"part": name, "at": {port: node}, "parameters": {...}, "repeat": n, "chain": [front, rear]}``.
 
     Raises
     ------
@@ -61,6 +70,18 @@ class Drivetrain(RunningMachinery):
     >>> round(float(rig.modes().natural_frequencies[0]), 3)
     8.755
     """
+
+    def check(self) -> tuple[Fault, ...]:
+        """Warnings and notes about the model, modes that grow among them (errors have already been refused)."""
+        return (*super().check(), *self._growing)
+
+    @cached_property
+    def _growing(self) -> tuple[Fault, ...]:
+        if not any(element.may_feed for element in self.elements.values()):
+            return ()
+        from torsionnet.solve.stability import unstable_modes
+
+        return unstable_modes(self)
 
     def graph(self) -> nx.MultiGraph[str]:
         """The drivetrain as a networkx graph: nodes, and an edge for each pair of ports an element connects.
@@ -215,6 +236,30 @@ class Drivetrain(RunningMachinery):
         from torsionnet.solve.modes import modes
 
         return modes(self, measured_input=measured_input, excitation=excitation, lowest=lowest, up_to=up_to)
+
+    def loop_margins(self, controller: str | None = None) -> LoopMargins:
+        """Stability margins of the loop opened at a controller, and the loop itself for Nyquist's plot.
+
+        Gain, phase, delay and modulus margins, each with its frequency, all other loops being closed; delays are exact.
+        :func:`torsionnet.plot.nyquist` draws it.
+
+        Parameters
+        ----------
+        controller : str, optional
+            Name of the element; default: the only one.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> rig = tn.Drivetrain("governed", [tn.Inertia("rotor", node="a", inertia=2),
+        ...     tn.Controller("governor", sense={"velocity": "a"}, act="a", law=-30, delay="50 ms")])
+        >>> margins = rig.loop_margins()
+        >>> round(margins.gain_increase.value, 4), round(margins.phase.value, 3), round(margins.delay.value, 6)
+        (2.0944, 47.028, 0.05472)
+        """
+        from torsionnet.solve.opened_loops import loop_margins
+
+        return loop_margins(self, controller)
 
     def symbolic(self, *, referred_to: Sequence[str] = ()) -> SymbolicSystem:
         """M, C, K and transfer functions in the model's own symbols.

@@ -118,3 +118,18 @@ def lowest_terms(numerator: Sequence[Any], denominator: Sequence[Any]) -> tuple[
         del above[0], below[0]
     lead = below[-1] if below else Fraction(1)
     return tuple(value / lead for value in above), tuple(value / lead for value in below)
+
+
+def divided(numerator: Polynomial, denominator: Polynomial) -> tuple[Polynomial, Polynomial]:
+    """Quotient and remainder by a monic denominator.
+
+    >>> divided((Fraction(1), Fraction(0), Fraction(2)), (Fraction(3), Fraction(1)))
+    ((Fraction(-6, 1), Fraction(2, 1)), (Fraction(19, 1),))
+    """
+    rest, degree = list(numerator), len(denominator) - 1
+    quotient = [Fraction(0)] * max(len(rest) - degree, 0)
+    for power in reversed(range(len(quotient))):
+        factor = quotient[power] = rest[power + degree]
+        for place, value in enumerate(denominator):
+            rest[power + place] -= factor * value
+    return tuple(quotient), tuple(rest[:degree])

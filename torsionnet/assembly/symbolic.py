@@ -17,13 +17,38 @@ import sympy
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.twin import TWINS, Twin, rational, twin, twin_parameters
 from torsionnet.core.errors import UsageError
-from torsionnet.model.elements import Law, Row, Values
+from torsionnet.model.elements import Action, Law, Row, Values
 from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.kinematics import Kinematics, kinematics_on, solve_kinematics
 
 OMEGA = sympy.Symbol("omega")
 MOST_TERMS = 1000
 """Terms of a sum that is still multiplied out."""
+
+
+@dataclass(frozen=True, eq=False)
+class SymbolicAction:
+    """A torque N(s)/E(s) e^(-s delay) (sensed q) that drives a row, in symbols; coefficients ascending in s."""
+
+    owner: str
+    row: tuple[Any, ...]
+    sensed: tuple[Any, ...]
+    numerator: tuple[Any, ...]
+    denominator: tuple[Any, ...]
+    delay: Any
+
+    def law(self, s: Any) -> Any:
+        """Torque per angle sensed."""
+        above, below = (
+            sum((value * s**power for power, value in enumerate(part)), start=sympy.Integer(0))
+            for part in (self.numerator, self.denominator)
+        )
+        return above / below * sympy.exp(-s * self.delay)
+
+    def equation(self, coordinates: Sequence[str]) -> str:
+        """The law in words of sympy."""
+        terms = [_signed(value, f"theta_{name}") for value, name in zip(self.sensed, coordinates, strict=True) if value]
+        return f"T_{self.owner} = {self.law(sympy.Symbol('s'))} ({_joined(terms)})"
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +72,8 @@ class SymbolicMatrices:
         Symbol -> exact rational value.
     conditions : tuple
         Expressions of symbols that are zero for the values and were taken to be zero always.
+    actions : tuple of SymbolicAction
+        Torques that follow the motion; no part of the matrices.
     """
 
     M: sympy.Matrix
@@ -61,14 +88,19 @@ class SymbolicMatrices:
     B: sympy.Matrix
     values: dict[Any, Any]
     conditions: tuple[Any, ...] = field(default=())
+    actions: tuple[SymbolicAction, ...] = field(default=())
 
     def dynamic_stiffness(self, s: Any) -> sympy.Matrix:
-        """D(s) = M s^2 + C s + K + j H + tables, (n_q, n_q)."""
-        return self.M * s**2 + self.C * s + self.K + sympy.I * self.H + self.tables
+        """D(s) = M s^2 + C s + K + j H + tables, and what actions do, (n_q, n_q)."""
+        passive = self.M * s**2 + self.C * s + self.K + sympy.I * self.H + self.tables
+        for one in self.actions:
+            passive -= one.law(s) * sympy.Matrix(one.row) * sympy.Matrix([one.sensed])
+        return passive
 
     def equations(self) -> tuple[str, ...]:
-        """One line per coordinate: the equation of motion, with ' for d/dt."""
-        return tuple(self._equation(row) for row in range(len(self.coordinates)))
+        """One line per coordinate: the equation of motion, with ' for d/dt; then the torques that follow the motion."""
+        lines = (self._equation(row) for row in range(len(self.coordinates)))
+        return (*lines, *(one.equation(self.coordinates) for one in self.actions))
 
     def _equation(self, row: int) -> str:
         terms = []
@@ -78,6 +110,7 @@ class SymbolicMatrices:
                 if matrix[row, column] != 0:
                     terms.append(_signed(matrix[row, column], f"theta_{name}{dashes}"))
         loads = [_signed(self.B[row, i], name) for i, name in enumerate(self.inputs) if self.B[row, i] != 0]
+        loads += [_signed(one.row[row], f"T_{one.owner}") for one in self.actions if one.row[row] != 0]
         return f"{_joined(terms)} = {_joined(loads)}"
 
 
@@ -131,7 +164,14 @@ def symbolic_matrices(drivetrain: AssembledModel, referred_to: Sequence[str] = (
         B=_matrix(loads, coordinates).T,
         values={sympy.Symbol(name): rational(value) for name, value in drivetrain.exact_values.items()},
         conditions=ratios.conditions(),
+        actions=tuple(_action(owner, action, ratios, coordinates) for owner, action in ratios.kinematics.actions),
     )
+
+
+def _action(owner: str, action: Action, ratios: _Ratios, coordinates: Sequence[str]) -> SymbolicAction:
+    row, sensed = (_matrix([ratios.reduced(part)], coordinates) for part in (action.row, action.sensed))
+    above, below = (tuple(twin(value).symbol for value in part) for part in (action.numerator, action.denominator))
+    return SymbolicAction(owner, tuple(row), tuple(sensed), above, below, twin(action.delay).symbol)
 
 
 class _Ratios:

@@ -20,6 +20,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "show": "Elements, parameters, equations of motion, matrices, schematic.",
     "equations": "Equations of motion and transfer functions in symbols.",
     "modes": "Natural frequencies, damping ratios, mode shapes, energy shares.",
+    "margins": "How far a controlled drivetrain is from becoming unstable.",
     "explore": "A page to play with a model: sliders, responses, modes.",
     "sensitivity": "Which parameter moves which mode, and by how much.",
     "frf": "Frequency responses between sensors, inputs and nodes.",
@@ -36,8 +37,8 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "fit": "Find parameters of a model from records or responses.",
     "identify-modes": "Natural frequencies and damping ratios from a record, without a model.",
     "report": "The document on a model: HTML, PDF, LaTeX or Markdown.",
-    "export": "The model for Matlab, Modelica, openTorsion, or as an FMU.",
-    "import": "A model file out of a model of another program.",
+    "export": "The model for Matlab, Modelica, openTorsion, as an FMU or a sheet.",
+    "import": "A model file out of a maker's sheet or another program.",
     "schema": "JSON Schema of model files, for editors.",
 }
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.cli.command import JSON, Answer, Command, click_command
 from torsionnet.cli.declarations import argument
-from torsionnet.cli.models import read_model
+from torsionnet.cli.models import checked_model
 from torsionnet.cli.terminal import message
 from torsionnet.core.errors import Fault, UsageError
 
@@ -27,7 +27,7 @@ class CheckCommand(Command):
         code = 0
         for model in dict.fromkeys(self.models):
             try:
-                reports[model] = read_model(model)[1]
+                reports[model] = checked_model(model)
             except UsageError as error:
                 message("error", str(error))
                 code = WRONG_USAGE
@@ -73,6 +73,7 @@ def _as_data(model: str, faults: Sequence[Fault]) -> dict[str, Any]:
             "configuration": fault.configuration,
             "path": list(fault.path),
             "position": None if fault.position is None else asdict(fault.position),
+            "used_at": [asdict(position) for position in fault.used_at],
         }
         for fault in faults
     ]

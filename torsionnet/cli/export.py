@@ -13,8 +13,12 @@ from torsionnet.cli.declarations import option
 from torsionnet.cli.options import file_option
 from torsionnet.cli.terminal import message, wrote
 
-FORMATS = {".tors": "tors", ".json": "tors", ".m": "matlab", ".mat": "mat", ".mo": "modelica", ".fmu": "fmu"}
+FORMATS = {".tors": "tors", ".json": "tors", ".m": "matlab", ".mat": "mat", ".mo": "modelica",
+           ".fmu": "fmu", ".csv": "sheet"}  # fmt: skip
 """Format by the ending of the file."""
+OWN = {"step": ("--step", "fmu", "an FMU"), "version": ("--fmi", "fmu", "an FMU"),
+       "referred_to": ("--referred-to", "sheet", "a mass-elastic sheet (.csv)")}  # fmt: skip
+"""Options that one format has: their words, the format, and what it makes."""
 ONLY_HERE = '; pip install "torsionnet[fmu]" brings a compiler for the others'
 
 
@@ -27,28 +31,39 @@ class ExportCommand(ModelCommand):
     .mo           Modelica text of Modelica.Mechanics.Rotational components
     .fmu          functional mock-up unit, for co-simulation and model exchange
                   (extra fmu, or a C compiler)
+    .csv          mass-elastic sheet: inertias and the shafts between them,
+                  real or --referred-to a node
 
     \b
     torsionnet export amt_rig -c V -o rig.mo
     torsionnet export dmf_rig -o rig.fmu --fmi 3.0
+    torsionnet export geared_branch -o sheet.csv --referred-to motor
     """
 
     output_file: str = file_option("The file to write.")
     form: str | None = option(
         "--format",
         type=click.Choice(list(dict.fromkeys(FORMATS.values()))),
-        help="Default: by the ending of the file. Of text (tors, modelica) the ending may be any.",
+        help="Default: by the ending of the file. Of text (tors, modelica, sheet) the ending may be any.",
     )
     step: float | None = option("--step", help="Communication step of an FMU in s.  [default: a fiftieth of a period]")
     version: str | None = option(
         "--fmi", type=click.Choice(["2.0", "3.0"]), help="Version of the interface of an FMU.  [default: 2.0]"
     )
 
+    referred_to: str | None = option(
+        "--referred-to",
+        metavar="NODE",
+        help="Values of a sheet as at the speed of this node.  [default: real]",
+    )
+
     def answer(self) -> Answer:
         chosen = _format(Path(self.output_file).suffix.lower(), self.form)
-        more = {name: value for name in ("step", "version") if (value := getattr(self, name)) is not None}
-        if more and chosen != "fmu":
-            raise click.UsageError(f"{'--step' if 'step' in more else '--fmi'} belongs to an FMU")
+        more = {name: value for name in OWN if (value := getattr(self, name)) is not None}
+        for name in more:
+            word, form, what = OWN[name]
+            if form != chosen:
+                raise click.UsageError(f"{word} belongs to {what}")
         cases = self.cases()
         import torsionnet.io as io
 
@@ -58,6 +73,7 @@ class ExportCommand(ModelCommand):
             "mat": io.write_matlab,
             "modelica": io.write_modelica,
             "fmu": io.write_fmu,
+            "sheet": io.write_mass_elastic,
         }
         for case in cases:
             target = beside(self.output_file, case.configuration, len(cases))

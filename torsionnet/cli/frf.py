@@ -9,7 +9,7 @@ import click
 from torsionnet.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.cli.command import TABLE, Answer, click_command
 from torsionnet.cli.declarations import option
-from torsionnet.cli.options import ANGLE, FREQUENCY_UNIT
+from torsionnet.cli.options import ANGLE, FREQUENCY_UNIT, REFERRED_TO, referred
 from torsionnet.cli.terminal import message
 from torsionnet.core.errors import UsageError
 
@@ -61,6 +61,7 @@ class FrfCommand(ModelCommand):
         "--frequencies", metavar="LIST", help='"0.1:40:0.1" (start:stop:step) or "1,2,5" instead.'
     )
     frequency_unit: str = FREQUENCY_UNIT
+    referred_to: str | None = REFERRED_TO
     quantity: str | None = option("--quantity", type=click.Choice(QUANTITIES), help="Default: as the sensor measures.")
     angle: str = ANGLE
     decibels: bool = option("--db", help="Magnitudes in dB re 1 of their unit.")
@@ -94,7 +95,10 @@ class FrfCommand(ModelCommand):
     def solver(self, case: ConfiguredCase) -> Solver:
         def solve(frequencies: FloatArray) -> FrequencyResponse:
             response = case.drivetrain.frequency_response(
-                list(self.outputs), list(self.inputs), frequencies, excitation=list(self.excitations) or None
+                referred(self.outputs, self.referred_to),
+                list(self.inputs),
+                frequencies,
+                excitation=list(self.excitations) or None,
             )
             return getattr(response, self.quantity)() if self.quantity else response
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -21,12 +22,31 @@ def load_model(model: str) -> Drivetrain:
     return loads(piped(), SHOWN) if model == STANDARD_INPUT else load(model)
 
 
-def read_model(model: str) -> tuple[Definition | None, list[Fault]]:
-    """As :func:`torsionnet.model.files.read_file`, also for ``-``."""
+def checked_model(model: str) -> list[Fault]:
+    """Every finding on a model, modes that grow in one of its configurations among them."""
     from torsionnet.model.files import read_file
     from torsionnet.model.files.reader import read_text
 
-    return read_text(piped(), SHOWN) if model == STANDARD_INPUT else read_file(model)
+    if model == STANDARD_INPUT:
+        return read_text(piped(), SHOWN, further=_growing)[1]
+    return read_file(model, _growing)[1]
+
+
+def _growing(definition: Definition) -> list[Fault]:
+    """Of all configurations; none where no element can feed a vibration."""
+    from torsionnet.model.checks import variants
+
+    found: list[Fault] = []
+    for name, variant in (("", definition), *variants(definition)):
+        if not any(element.may_feed for element in variant.active):
+            continue
+        from torsionnet.drivetrain import Drivetrain
+        from torsionnet.solve.stability import unstable_modes
+
+        known = {(fault.message, fault.path) for fault in found}
+        faults = unstable_modes(Drivetrain.from_definition(variant))
+        found += [replace(one, configuration=name) for one in faults if (one.message, one.path) not in known]
+    return found
 
 
 def piped() -> str:

@@ -47,6 +47,9 @@ class ModesCommand(ModelCommand):
         help="Only modes up to this natural frequency in Hz; with continuous shafts all of these.",
     )
     shapes: bool = option("--shapes", help="Also the mode shapes, at every node.")
+    referred_to: str | None = option(
+        "--referred-to", metavar="NODE", help="Shapes with all angles referred to the shaft of this node."
+    )
     energies: bool = option("--energies", help="Also the share of every element in the energies.")
     frequency_unit: str = FREQUENCY_UNIT
 
@@ -55,12 +58,13 @@ class ModesCommand(ModelCommand):
         from torsionnet.response import Conventions
 
         conventions = Conventions(frequency=self.frequency_unit)
-        results = [
+        found = [
             case.drivetrain.modes(
                 measured_input=self.measured_input, excitation=self.excitation, lowest=self.lowest, up_to=self.up_to
             )
             for case in cases
         ]
+        results = [self._referred(case, modes) for case, modes in zip(cases, found, strict=True)]
         tables = [modes.table(conventions) for modes in results]
         pairs = list(zip(cases, results, strict=True))
         return Answer(
@@ -69,10 +73,21 @@ class ModesCommand(ModelCommand):
             csv=lambda: [("", self.joined(cases, tables))],
             # overlaid the shapes of several configurations could not be told apart
             figures=lambda plot: [
-                (case.configuration, plot.mode_shapes(modes, case.drivetrain, conventions=conventions))
-                for case, modes in pairs
+                (
+                    case.configuration,
+                    plot.mode_shapes(modes, case.drivetrain, referred_to=self.referred_to, conventions=conventions),
+                )
+                for case, modes in zip(cases, found, strict=True)
             ],
         )
+
+    def _referred(self, case: ConfiguredCase, modes: Modes) -> Modes:
+        """With shapes referred to the shaft asked for."""
+        if self.referred_to is None:
+            return modes
+        from torsionnet.solve.referred_shapes import referred_shapes
+
+        return referred_shapes(case.drivetrain, modes, self.referred_to)
 
     def parts(self, modes: Modes, table: Table) -> Iterator[Table]:
         """What is printed of one configuration."""

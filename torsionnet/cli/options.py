@@ -146,3 +146,13 @@ ANGLE = option("--angle", type=click.Choice(["rad", "deg"]), default="rad", show
 LOWEST_FREQUENCY = option("--from", default=0.0, help="Lowest frequency in Hz.")
 HIGHEST_FREQUENCY = option("--to", help="Highest frequency in Hz.")
 EXCITATION = option("--excitation", metavar="INPUT", help="What drives the drivetrain then, if it has several inputs.")
+
+
+REFERRED_TO: Any = option(
+    "--referred-to", metavar="NODE", help="Outputs referred to the shaft of this node: torques, angles and their rates."
+)
+
+
+def referred(outputs: tuple[str, ...], shaft: str | None) -> list[str]:
+    """Names of outputs referred to a shaft, if one is given."""
+    return [f"{name} referred to {shaft}" if shaft else name for name in outputs]

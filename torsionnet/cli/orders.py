@@ -10,7 +10,7 @@ import click
 from torsionnet.cli.cases import ConfiguredCase, ModelCommand
 from torsionnet.cli.command import TABLE, Answer, click_command
 from torsionnet.cli.declarations import option
-from torsionnet.cli.options import ANGLE
+from torsionnet.cli.options import ANGLE, REFERRED_TO, referred
 from torsionnet.core.errors import UsageError
 
 if TYPE_CHECKING:
@@ -63,6 +63,7 @@ class OrdersCommand(ModelCommand):
         help="What --plot draws: amplitudes over speed, spectra of all speeds one behind the other, or the sum of all "
         "orders over the shaft's angle where it is largest.",
     )
+    referred_to: str | None = REFERRED_TO
     angle: str = ANGLE
 
     def answer(self) -> Answer:
@@ -112,7 +113,9 @@ class OrdersCommand(ModelCommand):
         return {channel.name: read_orders(str(self.measured), channel, case.configuration) for channel in run.outputs}
 
     def _run(self, case: ConfiguredCase) -> OrderResponse:
-        return case.drivetrain.order_response(list(self.outputs), excitations=self.excitations or None)
+        return case.drivetrain.order_response(
+            referred(self.outputs, self.referred_to), excitations=self.excitations or None
+        )
 
 
 def _shown(found: list[OrderResponse], conventions: Any) -> Iterator[Table | str]:

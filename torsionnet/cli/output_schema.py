@@ -61,6 +61,7 @@ FAULT = record(
     configuration=text_or_nothing(),
     path=listed({"type": ["string", "integer"]}),
     position=or_null(POSITION),
+    used_at=listed(POSITION),
 )
 KIND: Schema = {"enum": ["rigid body", "real pole", "oscillatory"]}
 MODE = record(
@@ -273,6 +274,18 @@ OUTPUTS: dict[str, Schema] = {
                 )
             ),
             crossings=listed(CROSSING),
+        )
+    ),
+    "margins": listed(
+        record(
+            title=TEXT,
+            configuration=TEXT,
+            controller=TEXT,
+            stable=YES_OR_NO,
+            **dict.fromkeys(
+                ("gain_increase", "gain_decrease", "phase_deg", "delay_s", "modulus"),
+                record(value=NUMBER, frequency_Hz=NUMBER),
+            ),
         )
     ),
     "holzer": listed(

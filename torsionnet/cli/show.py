@@ -18,13 +18,15 @@ if TYPE_CHECKING:
 class ShowCommand(ModelCommand):
     """Elements with their values as written and in SI, parameters, inputs, sensors, configurations, mean speeds.
 
-    With --equations or --matrices only these; --csv writes the table of elements.
+    With --equations, --matrices or --flat only these; --csv writes the table of elements.
     """
 
     forms = TABLE
     picture = "the schematic"
 
     equations: bool = option("--equations", help="The equations of motion in the model's own symbols.")
+    flat: bool = option("--flat", help="The model file with its parts put in, dots in the names of what they hold.")
+    boxes: bool = option("--boxes", help="Draw each part that is used as one box.")
     matrices: bool = option("--matrices", help="M, C, K in numbers.")
 
     def answer(self) -> Answer:
@@ -35,13 +37,20 @@ class ShowCommand(ModelCommand):
             screen=lambda: self.parts(cases),
             data=lambda: [self.as_data(case) for case in cases],
             csv=lambda: [("", self.joined(cases, [elements_table(case.drivetrain) for case in cases]))],
-            figures=lambda plot: [(case.configuration, plot.schematic(case.drivetrain)) for case in cases],
+            figures=lambda plot: [
+                (case.configuration, plot.schematic(case.drivetrain, boxes=self.boxes)) for case in cases
+            ],
         )
 
     def parts(self, cases: list[ConfiguredCase]) -> Iterator[Table | str]:
+        from torsionnet.model.files.writer import flat_text
+
         for number, case in enumerate(cases):
             if number:
                 yield ""
+            if self.flat:
+                yield flat_text(case.drivetrain.definition).rstrip("\n")
+                continue
             if not (self.equations or self.matrices):
                 yield from _described(case.drivetrain)
             if self.equations:

@@ -41,7 +41,8 @@ class Fault:
     ``path`` names the entry in the model's own structure; a reader of files adds ``position``.
     ``on_key`` marks the entry's name instead of its value. ``kind`` is ``"unknown key"``, ``"missing key"``,
     ``"unknown name"``, :data:`USELESS` or empty, ``about`` the key or name in question and ``meant`` the one probably
-    intended; ``configuration`` is set where only that configuration has the fault.
+    intended; ``configuration`` is set where only that configuration has the fault. Of an entry of a part, ``uses`` are
+    the paths, outermost first, where the part is used that has the fault; a reader of files adds ``used_at``.
     """
 
     message: str
@@ -53,6 +54,8 @@ class Fault:
     about: str = ""
     meant: str = ""
     configuration: str = ""
+    uses: tuple[Path, ...] = ()
+    used_at: tuple[Position, ...] = ()
 
     def under(self, *prefix: str | int) -> Fault:
         """The fault with its path below ``prefix``."""
@@ -71,7 +74,8 @@ class Fault:
         if self.position is None:
             where = visible(".".join(str(part) for part in self.path))
             return f"{where}: {said}" if where else said
-        return f"{_located(self.position)}: {said}{_excerpt(self.position)}"
+        used = "".join(f"\n{_located(one)}: used here{_excerpt(one)}" for one in self.used_at)
+        return f"{_located(self.position)}: {said}{_excerpt(self.position)}{used}"
 
 
 def _located(position: Position) -> str:

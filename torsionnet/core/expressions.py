@@ -81,6 +81,10 @@ class Expression:
         """Tell the dimension, and for None which of the two it is: a bare number or unknown."""
         raise NotImplementedError
 
+    def renamed(self, name: Callable[[str], str]) -> Expression:
+        """Give the same of parameters with other names."""
+        raise NotImplementedError
+
     def written(self) -> tuple[str, int]:
         """Give the text and how strongly its outermost operator binds."""
         raise NotImplementedError
@@ -110,6 +114,9 @@ class Number(Expression):
         return algebra.number(self.value)
 
     evaluate = value_in  # that it is finite was seen when it was read
+
+    def renamed(self, name: Callable[[str], str]) -> Expression:  # noqa: ARG002
+        return self
 
     def kind_of(self, dimensions: Mapping[str, Dimension | None]) -> _Kind:  # noqa: ARG002
         return "bare" if self.unit_dimension is None else self.unit_dimension
@@ -148,6 +155,9 @@ class Name(Expression):
             raise ExpressionError(f'no parameter is named "{self.name}"{did_you_mean(self.name, mapping)}')
         return mapping[self.name]
 
+    def renamed(self, name: Callable[[str], str]) -> Expression:
+        return Name(name(self.name))
+
     def written(self) -> tuple[str, int]:
         return self.name, _ATOM
 
@@ -173,6 +183,9 @@ class Compound(Expression):
 
     def kind_of(self, dimensions: Mapping[str, Dimension | None]) -> _Kind:
         return RULES[self.sign].kind(self, *[operand.kind_of(dimensions) for operand in self.operands])
+
+    def renamed(self, name: Callable[[str], str]) -> Expression:
+        return Compound(self.sign, tuple(operand.renamed(name) for operand in self.operands)) if self.names else self
 
     def written(self) -> tuple[str, int]:
         rule = RULES[self.sign]

@@ -137,6 +137,8 @@ def _product(names: str) -> _Atom:
 
 
 _ATOMS |= {name: _product(names) for name, names in _JOINED.items()}
+_SUGGESTED = tuple(name for name in _ATOMS if name != "K")
+"""For a misread unit: a letter alone is rather meant to go on than to be a temperature."""
 _SQUARED = "|".join(sorted((name[:-2] for name in _JOINED if name.endswith("^2")), key=len, reverse=True))
 _TOKEN = re.compile(
     rf"\s*(?:(?P<power>(?:\^|\*\*)\s*(?P<exponent>[+-]?\d+|\([+-]?\d+(?:/\d+)?\)))|(?P<atom>(?:{_SQUARED})(?:\^|\*\*)2"
@@ -241,7 +243,7 @@ def _hint(name: str) -> str:
         return f'; did you mean "{bare}^{name[len(bare) :]}"?'
     if bare in ("GD", "WR", "WK"):
         return f"; {name} stands once, at the end, after a unit of inertia"
-    return '; write "*" between units' if name.startswith(("-", ".")) else did_you_mean(name, _ATOMS)
+    return '; write "*" between units' if name.startswith(("-", ".")) else did_you_mean(name, _SUGGESTED)
 
 
 @lru_cache(maxsize=1024)
@@ -328,6 +330,7 @@ def parse_quantity(text: str) -> Quantity:
 
 def _celsius(numeral: re.Match[str], written: str) -> Quantity:
     value = Fraction(*_ratio(numeral)) + _ICE
+    _check_range(value, written)
     if value < 0:
         raise UnitError(f'"{written}" is below absolute zero')
     return Quantity(value, DIMENSIONS["temperature"], written)
@@ -427,12 +430,12 @@ def _read_given(quantity: Any) -> Quantity:
 _EXPECTED = {"inertia": "kg*m^2", "stiffness": "N*m/rad", "torque": "N*m", "damping": "N*m*s/rad",
              "compliance": "rad/(N*m)", "angle": "rad", "speed": "rad/s", "acceleration": "rad/s^2", "length": "m",
              "mass": "kg", "density": "kg/m^3", "pressure": "Pa", "shear modulus": "Pa", "frequency": "Hz", "time": "s",
-             "power": "W", "heat flux": "W/m^2", "area": "m^2", "temperature": "K", "1": "1"}  # fmt: skip
+             "power": "W", "heat flux": "W/m^2", "area": "m^2", "temperature": "K", "force": "N",
+             "linear stiffness": "N/m", "velocity": "m/s", "per velocity": "s/m", "1": "1"}  # fmt: skip
 _SI_TEXT: dict[Dimension, str] = {}
 DIMENSIONS: dict[str, Dimension] = {"inertia": _dimension(1, 2)}
 DIMENSIONS |= {name: parse_unit(text).dimension for name, text in _EXPECTED.items()}
 _SI_TEXT |= {DIMENSIONS[name]: text for name, text in _EXPECTED.items()}
-_SI_TEXT[parse_unit("N/m").dimension] = "N/m"
 
 
 def expected_unit(dimension_name: str) -> str:

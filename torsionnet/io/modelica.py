@@ -97,6 +97,8 @@ class _Model:
         }
         meters: dict[tuple[str, int], list[str]] = {}
         for name, sensor in channels.sensors.items():
+            if sensor.referred_to is not None:
+                raise UsageError(f"{name} is referred to {sensor.referred_to}, which is not written to Modelica")
             if sensor.quantity == "stress":
                 raise UsageError(f"{name} is a stress, which is not written to Modelica; measure torque({sensor.of})")
             if sensor.quantity == "torque":

@@ -40,7 +40,7 @@ UNITS = {
 """Modelica's way of writing units; a torque and a stiffness have one dimension as rad is 1, the stiffness wins."""
 LARGEST_INTEGER = 2**31 - 1
 
-_NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*")
+_NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*(?:\.[A-Za-z_]\w*)*")
 _INTEGER = re.compile(r"(?<![\w.])\d+(?![\w.])")
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
+from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import UsageError, did_you_mean, unknown_key
 from torsionnet.model.elements import GROUND, Element
 
@@ -37,7 +39,8 @@ class Sensor:
     """A measured quantity: angle, velocity or acceleration of a node, twist, torque or shear stress of an element.
 
     ``at`` is the port (or its node) where a torque or stress is taken; without it, the port that defines the sign. A
-    motion is relative to that of the node ``against``, if there is one.
+    motion is relative to that of the node ``against``, if there is one. With ``referred_to``, a node of another shaft,
+    an angle is what it would be there, times the speed of that shaft over that of its own, and a torque divided by it.
 
     Examples
     --------
@@ -49,6 +52,7 @@ class Sensor:
     of: str
     at: str | None = None
     against: str | None = None
+    referred_to: str | None = None
 
     def __post_init__(self) -> None:
         if self.quantity not in SENSOR_QUANTITIES:
@@ -61,6 +65,8 @@ class Sensor:
             if self.is_on_element:
                 raise UsageError(f"the {self.quantity} of an element is not relative to a node: leave out against=")
             _settle_pair(self)
+        if self.referred_to is not None and self.quantity == "stress":
+            raise UsageError(STRESS_AT_HOME)
 
     @property
     def is_on_element(self) -> bool:
@@ -79,10 +85,20 @@ class Sensor:
 
     def __str__(self) -> str:
         second = self.at or self.against
-        return f"{self.quantity}({self.of}{', ' + second if second else ''})"
+        referred = f"{REFERRED}{self.referred_to}" if self.referred_to else ""
+        return f"{self.quantity}({self.of}{', ' + second if second else ''}){referred}"
 
     def to_data(self) -> dict[str, Any]:
-        return {self.quantity: _plain(self), **({"at": self.at} if self.at else {})}
+        extra = {"at": self.at, "referred_to": self.referred_to}
+        return {self.quantity: _plain(self), **{key: name for key, name in extra.items() if name}}
+
+    def renamed(self, names: Renaming) -> Sensor:
+        """The same in a part, with the names it has in the whole."""
+        shaft = _renamed(self.referred_to, names)
+        if not self.is_on_element:
+            against = _renamed(self.against, names)
+            return Sensor(self.quantity, names.node(self.of), against=against, referred_to=shaft)
+        return Sensor(self.quantity, names.own(self.of), names.at(self.of, self.at), referred_to=shaft)
 
 
 @dataclass(frozen=True)
@@ -132,9 +148,24 @@ class Input:
     def __str__(self) -> str:
         return f"{self.quantity} on {self.of}{f' against {self.against}' if self.against else ''}"
 
+    def renamed(self, names: Renaming) -> Input:
+        """The same in a part, with the names it has in the whole."""
+        if self.is_on_element:
+            return Input(self.quantity, names.own(self.of))
+        return Input(self.quantity, names.node(self.of), _renamed(self.against, names))
+
     def to_data(self) -> dict[str, Any]:
         return {self.quantity: _plain(self)}
 
+
+def _renamed(node: str | None, names: Renaming) -> str | None:
+    return None if node is None else names.node(node)
+
+
+REFERRED = " referred to "
+"""Between what is read and the shaft it is referred to, as in ``torque(shaft) referred to crank``."""
+
+STRESS_AT_HOME = "a stress is that of its own shaft; refer the torque to another one"
 
 SHARES = (1, -1)
 """Of the first node and of the one it is taken against."""
@@ -214,10 +245,39 @@ def parse_pair(text: str) -> tuple[str, str] | None:
 
 
 def named_sensor(entry: str | Sensor, declared: Mapping[str, Sensor]) -> Sensor | None:
-    """The sensor meant: an object, a declared name, or text such as ``torque(gearbox)``."""
+    """The sensor meant: an object, a declared name, or text such as ``torque(gearbox)``; referred to a shaft or not.
+
+    >>> print(named_sensor("torque(gearbox) referred to crank", {}))
+    torque(gearbox) referred to crank
+    """
     if isinstance(entry, Sensor):
         return entry
-    return declared[entry] if entry in declared else parse_sensor(entry)
+    if entry in declared:
+        return declared[entry]
+    measured, _, shaft = entry.partition(REFERRED)
+    if not shaft:
+        return parse_sensor(entry)
+    found = named_sensor(measured.strip(), declared)
+    if found is None and re.fullmatch(r"[A-Za-z][\w.]*", measured.strip()):
+        found = Sensor("angle", measured.strip())
+    return found and replace(found, referred_to=shaft.strip())
+
+
+EXTRA = {
+    "at": "the port, or its node, where a torque is taken",
+    "referred_to": "a node of the shaft that an angle or torque is referred to",
+}
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ChannelName(Text):
+    """A sensor or an input by name or as a text, or a node."""
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        if value in names.channels:
+            return names.own(value)
+        sensor = named_sensor(value, {})
+        return names.node(value) if sensor is None else str(sensor.renamed(names))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -241,11 +301,16 @@ class ChannelEntry(Spec):
             raise EntryError(
                 only if quantity not in PORT_QUANTITIES else f"expected the name of a node, got {at!r}", ("at",)
             )
-        return Sensor(quantity, of, at, against)
+        shaft = raw.get("referred_to")
+        if not isinstance(shaft, str | None):
+            raise EntryError(f"expected the name of a node, got {shaft!r}", ("referred_to",))
+        if shaft is not None and quantity == "stress":
+            raise EntryError(STRESS_AT_HOME, ("referred_to",))
+        return Sensor(quantity, of, at, against, shaft)
 
     @property
     def _extra(self) -> tuple[str, ...]:
-        return ("at",) if self.made is Sensor else ()
+        return tuple(EXTRA) if self.made is Sensor else ()
 
     @property
     def _of_pairs(self) -> tuple[str, ...]:
@@ -286,7 +351,7 @@ class ChannelEntry(Spec):
 
     def definitions(self) -> Schema:
         texts = {quantity: f"where the {quantity} acts or is measured" for quantity in self.quantities}
-        texts |= dict.fromkeys(self._extra, "the port, or its node, where a torque is taken")
+        texts |= {key: EXTRA[key] for key in self._extra}
         pair: Schema = {"type": "array", "items": {"type": "string"}, "minItems": 2, "maxItems": 2}
         forms: dict[str, Schema] = {
             key: {"anyOf": [{"type": "string"}, pair]} if key in self._of_pairs else {"type": "string"} for key in texts

@@ -8,11 +8,12 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from torsionnet.core.entries.composite import Listed, Named
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import AnyQuantity, plain_scalar, read_value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, reference
-from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.core.expressions import Expression
+from torsionnet.model.elements.nodes import ElementName
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
 
 DEFAULT_AXIS = "configuration"
@@ -32,6 +33,17 @@ class Overlay:
     operating_point: OperatingPoint | None = None
     entries: Mapping[str, Any] = field(default_factory=dict)
     """Entries of elements, excitations and the load as they are written, by ``element.entry`` and so on."""
+
+    def renamed(self, names: Renaming) -> Overlay:
+        """The same of a part, with the names it has in the whole; ``entries`` are as they were written."""
+        point = self.operating_point
+        return Overlay(
+            {names.own(name): names.expression(value) for name, value in self.parameters.items()},
+            tuple(map(names.own, self.on)),
+            tuple(map(names.own, self.off)),
+            None if point is None else point.renamed(names),
+            {names.own(key): value for key, value in self.entries.items()},
+        )
 
     def to_data(self) -> dict[str, Any]:
         data: dict[str, Any] = {name: plain_scalar(value) for name, value in self.parameters.items()}
@@ -63,7 +75,7 @@ class AlternativeEntry(Spec):
             if isinstance(key, str) and "." in key:
                 entries[key] = value
                 continue
-            found, wrong = _KNOWN.get(key, _VALUE).read(value)
+            found, wrong = _KNOWN.get(key, VALUE).read(value)
             faults += [fault.under(key) for fault in wrong]
             if key in _KNOWN:
                 known[key] = found
@@ -88,14 +100,14 @@ class AlternativeEntry(Spec):
         return {"alternative": alternative, **OPERATING_POINT.definitions()}
 
 
-_ELEMENT = Text("an element of the model", "the name of an element")
+_ELEMENT = ElementName("an element of the model")
 _ELEMENTS = "a list of element names"
 _KNOWN: dict[str, Spec] = {
     "on": Listed("elements to switch on", _ELEMENT, form=_ELEMENTS),
     "off": Listed("elements to switch off", _ELEMENT, form=_ELEMENTS),
     "operating_point": OPERATING_POINT,
 }
-_VALUE = AnyQuantity("value of a parameter")
+VALUE = AnyQuantity("value of a parameter")
 ALTERNATIVE = AlternativeEntry("changed parameters, and elements switched on or off")
 ALTERNATIVES = Named("the alternatives on this axis, by name", ALTERNATIVE)
 

@@ -12,12 +12,14 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.checks import check_definition, check_variant, has_errors
 from torsionnet.model.configurations import Overlay, combinations, known_elements, label, parse_choice, read_overrides
-from torsionnet.model.definition import Definition, all_nodes, collect_elements, define
+from torsionnet.model.defining import collect_elements, define, put_together
+from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Element
 from torsionnet.model.load.external_torques import ExternalTorques, mean_torques
 from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.operating_values import at_operating_point, operated
 from torsionnet.model.parameters import Parameter, resolve
+from torsionnet.model.parts.using import part_of, with_use
 from torsionnet.model.speeds import mean_speeds, total_ratio
 
 
@@ -39,8 +41,11 @@ class Model:
         limits: Mapping[str, Any] | None = None,
         source: str = "",
         description: str = "",
+        ports: Iterable[str] = (),
+        parts: Mapping[str, Any] | None = None,
+        use: Mapping[str, Any] | None = None,
     ) -> None:
-        table, faults = collect_elements(elements)
+        table, faults = collect_elements(elements) if elements or not use else ({}, [])
         definition, found = define(
             {
                 "name": name,
@@ -56,9 +61,12 @@ class Model:
                 "limits": limits,
                 "source": source,
                 "description": description,
+                "ports": ports if isinstance(ports, str) else tuple(ports),
+                "parts": {name: as_part(one) for name, one in (parts or {}).items()} or None,
+                "use": use,
             }
         )
-        if not table:  # which has been said in the words of a call
+        if not table and not use:  # which has been said in the words of a call
             found = [fault for fault in found if fault.about != "elements"]
         faults += found + check_definition(definition)
         _refuse(faults, name)
@@ -203,6 +211,63 @@ class Model:
         values = read_overrides(overrides, self._base.parameters, self._base.configurations)
         return self._changed(choice, replace(self._changes, parameters={**self._changes.parameters, **values}))
 
+    def with_part(
+        self,
+        name: str,
+        part: Model | str,
+        *,
+        at: Mapping[str, Any],
+        parameters: Mapping[str, Any] | None = None,
+        repeat: int | None = None,
+        chain: tuple[str, str] | None = None,
+    ) -> Self:
+        """A copy with a part put in; everything the part holds has ``name.`` before its own name.
+
+        Parameters
+        ----------
+        name : str
+            With ``repeat`` the copies are ``name1``, ``name2``, ...
+        part : Drivetrain or str
+            A model with ports, or the name of a part that this model has already.
+        at : mapping
+            Port -> node of this model; a list of nodes has one for each copy.
+        parameters : mapping, optional
+            Parameter of the part -> value, an expression of this model's parameters, or a list with one for each copy.
+        repeat : int, optional
+            How many copies.
+        chain : (str, str), optional
+            Ports (front, rear): the rear of each copy is the front of the next.
+
+        Raises
+        ------
+        ModelError
+            A port that is not joined, a parameter or a port that the part has not, a name that is taken, ...
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> shaft = tn.Drivetrain("half shaft", [tn.Spring("shaft", nodes=("inner", "hub"), stiffness="k"),
+        ...     tn.Inertia("wheel", node="hub", inertia=0.9)], parameters={"k": 9000}, ports=["inner"])
+        >>> axle = tn.Drivetrain("axle", [tn.Inertia("cage", node="cage", inertia=0.03)])
+        >>> axle = axle.with_part("left", shaft, at={"inner": "cage"})
+        >>> axle = axle.with_part("right", shaft, at={"inner": "cage"}, parameters={"k": "6.1 kN*m/rad"})
+        >>> list(axle.elements), axle.parameters["right.k"]
+        (['cage', 'left.shaft', 'left.wheel', 'right.shaft', 'right.wheel'], 6100.0)
+        """
+        use: dict[str, Any] = {"at": at, "parameters": parameters, "repeat": repeat, "chain": chain}
+        use = {key: value for key, value in use.items() if value is not None}
+        use["part"] = part if isinstance(part, str) else ""
+        given = None if isinstance(part, str) else part.definition
+        authored, faults = with_use(self._base, name, use, given)
+        definition, found = put_together(authored)
+        _refuse(faults := [*faults, *found], self.name)
+        _refuse(faults := [*faults, *check_definition(definition)], self.name)
+        whole = self._variant(at_operating_point(definition), definition, {}, Overlay(), faults)
+        if not self._choice and self._changes == Overlay():
+            return whole
+        choice = ",".join(f"{axis}={alternative}" for axis, alternative in self._choice.items())
+        return whole.configured(choice, **self._changes.parameters).switched(on=self._changes.on, off=self._changes.off)
+
     def switched(self, *, on: Iterable[str] = (), off: Iterable[str] = ()) -> Self:
         """A copy with elements switched on or off by name, whatever its configuration says."""
         states = dict.fromkeys(self._changes.on, True) | dict.fromkeys(self._changes.off, False)
@@ -264,7 +329,7 @@ class Model:
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Model):
             return NotImplemented
-        return self._definition.to_data() == other._definition.to_data()
+        return self._definition.flat_data() == other._definition.flat_data()
 
     def __hash__(self) -> int:
         return hash((self.name, tuple(self._definition.elements)))
@@ -279,6 +344,11 @@ def _state(
 ) -> dict[str, Any]:
     parts = {"_definition": definition, "_base": base, "_choice": dict(choice), "_changes": changes}
     return parts | {"_findings": tuple(findings)}
+
+
+def as_part(model: Any) -> Any:
+    """A model with ports as a part; anything else as it is."""
+    return part_of(model.definition)[0] if isinstance(model, Model) else model
 
 
 def _refuse(faults: Iterable[Fault], title: str) -> None:

@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Self
 
 from torsionnet.core.entries.composite import Named, Nested
 from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
@@ -41,6 +42,14 @@ class OperatingPoint(Declared):
         if found is None and isinstance(raw, Mapping):
             found = cls(**cls.read_entries(raw)[0])
         return found, faults
+
+    def renamed(self, names: Renaming) -> OperatingPoint:
+        """The same of a part, with the names it has in the whole."""
+        tables = (
+            {names.node(node): names.expression(one) for node, one in table.items()}
+            for table in (self.speed, self.torque)
+        )
+        return OperatingPoint(*tables)
 
     def overlaid(self, other: OperatingPoint | None) -> OperatingPoint:
         """A point with the entries of ``other`` replacing its own."""

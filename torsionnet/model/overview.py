@@ -16,8 +16,10 @@ from torsionnet.core.units import RPM, expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.model.elements import Element, Values
+from torsionnet.model.elements.characteristic import Characteristic
 from torsionnet.model.elements.laws import Law
-from torsionnet.model.elements.nodes import NodeName, NodePair
+from torsionnet.model.elements.nodes import NodeName, NodePair, ReferenceNode
+from torsionnet.model.elements.quantity_table import Several, TableByName
 from torsionnet.response.table import Column, Table
 
 if TYPE_CHECKING:
@@ -96,7 +98,7 @@ def values_of(element: Element, rig: Model) -> Iterator[Written]:
     """``stiffness k_2 = 460 N*m/rad`` for each value given."""
     defaults = element.defaults()
     for name, (spec, value) in element.scalars().items():
-        if isinstance(spec, SHOWN_ELSEWHERE) or name == "enabled":
+        if name == "enabled" or (isinstance(spec, SHOWN_ELSEWHERE) and not isinstance(spec, ReferenceNode)):
             continue  # in columns of their own
         if value == defaults[name]:
             continue
@@ -108,9 +110,22 @@ def value_text(element: Element, spec: Spec, value: Any, rig: Model) -> Written:
         at = (" at ", *resolved(value.at, "Hz", rig)) if value.at is not None else ()
         shown = resolved(value.value, _unit_of_measure(value), rig)
         return (f"{value.measure} ", *shown, *at, *_viscous(element, rig))
+    if isinstance(spec, Several):
+        named = (
+            [(f"{name} ", one) for name, one in value]
+            if isinstance(spec, TableByName)
+            else [("", one) for one in value]
+        )
+        return tuple(
+            piece
+            for number, (name, one) in enumerate(named)
+            for piece in (", " if number else "", name, *value_text(element, spec.of, one, rig))
+        )
     entries = spec.expressions(value)
     if entries:
         return resolved(value, expected_unit(entries[0][2]), rig)
+    if isinstance(spec, Characteristic):
+        return (f"of {len(value)} rows",)
     if hasattr(value, "frequencies"):
         return (f"of {len(value.frequencies)} frequencies",)
     plain = spec.plain(value)
@@ -193,7 +208,7 @@ def as_data(rig: Model) -> dict[str, Any]:
     return {
         "title": rig.title,
         "configuration": rig.configuration,
-        "model": rig.definition.to_data(),
+        "model": rig.definition.flat_data(),
         "nodes": list(rig.nodes),
         "parameters": {name: {"value": value, "unit": units[name]} for name, value in rig.parameters.items()},
         "mean_speeds_rad_per_s": dict(rig.mean_speeds),

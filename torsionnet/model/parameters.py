@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import AnyQuantity, read_value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, reference, under
 from torsionnet.core.entries.words import OneOf, Text
@@ -136,6 +137,12 @@ class Parameter(Declared):
     def given(self, value: Expression) -> Parameter:
         """The parameter with a value that holds whatever it depended on."""
         return replace(self, value=value, by=None, of="", table=())
+
+    def renamed(self, names: Renaming) -> Parameter:
+        """The same of a part, with the names it has in the whole."""
+        if self.by is None:
+            return replace(self, value=names.expression(self.value)) if self.value.names else self
+        return replace(self, of=names.node(self.of) if BY[self.by][0] != "an element" else names.own(self.of))
 
     def operated(self, value: float) -> Parameter:
         """The parameter with its value at an operating point."""

@@ -10,12 +10,13 @@ over the section modulus of a round shaft, pi (D^4 - d^4) / (16 D).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor, port_fault
 from torsionnet.model.elements import GROUND, Element, Row, Values
+from torsionnet.model.elements.speed_path import SpeedPaths, own_node
 from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import Kinematics, virtual_motion
 
@@ -50,7 +51,53 @@ def reading(
     constraints: Iterable[tuple[str, Row]],
     actions: Iterable[tuple[str, Mapping[str, Any]]] = (),
 ) -> Reading:
-    """What a sensor reads that is known to be there; laws, constraints and actions are owners and rows, in order."""
+    """What a sensor reads that is known to be there; laws, constraints and actions are owners and rows, in order.
+
+    Raises
+    ------
+    UsageError
+        No ratio leads to the shaft that the reading is referred to.
+    """
+    found = _at_own_shaft(sensor, elements, value, laws, constraints, actions)
+    if sensor.referred_to is None:
+        return found
+    factor = referring_factor(sensor, elements, value)
+    if found.row is not None:
+        return replace(found, row={node: share * factor for node, share in found.row.items()})
+    own, rigid, driving = (
+        {number: share * factor for number, share in shares.items()}
+        for shares in (found.laws, found.constraints, found.actions)
+    )
+    return replace(found, laws=own, constraints=rigid, actions=driving)
+
+
+def referring_factor(sensor: Sensor, elements: Mapping[str, Element], value: Values) -> Any:
+    """What a reading of its own shaft is multiplied with at the shaft it is referred to: a motion by the ratio of both.
+
+    Raises
+    ------
+    UsageError
+        No ratio leads there.
+    """
+    own, shaft = sensor.of, str(sensor.referred_to)
+    if sensor.is_on_element:
+        element = elements[sensor.of]
+        own = port_of(element, sensor.at)[0] if sensor.quantity == "torque" else own_node(element.ports)
+    path = SpeedPaths([one for one in elements.values() if one.enabled], value).between(own, shaft)
+    if path is None:
+        raise UsageError(f"{sensor}: no ratio leads from {own} to {shaft} in this configuration")
+    ratio = path.ratio(value)
+    return 1 / ratio if sensor.quantity == "torque" else ratio
+
+
+def _at_own_shaft(
+    sensor: Sensor,
+    elements: Mapping[str, Element],
+    value: Values,
+    laws: Iterable[tuple[str, Row]],
+    constraints: Iterable[tuple[str, Row]],
+    actions: Iterable[tuple[str, Mapping[str, Any]]],
+) -> Reading:
     if sensor.quantity in POWERS:
         return Reading(POWERS[sensor.quantity], sensor.row)
     element = elements[sensor.of]

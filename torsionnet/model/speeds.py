@@ -19,7 +19,7 @@ from torsionnet.model.kinematics import UNIT, exact_row
 from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.pivoting import Elimination
 
-BRANCHING = ("planetary", "differential", "gear")
+BRANCHING = ("planetary", "differential", "gear", "gearbox", "belt")
 Rows: TypeAlias = list[dict[str, Fraction]]
 
 

@@ -10,6 +10,7 @@ from torsionnet.plot.histories import time_histories
 from torsionnet.plot.interference_diagram import interference_diagram
 from torsionnet.plot.limit_check import limit_check
 from torsionnet.plot.mac import mac_matrix
+from torsionnet.plot.nyquist import nyquist
 from torsionnet.plot.order_overlay import order_overlay
 from torsionnet.plot.order_response import half_ranges, order_response, waveform
 from torsionnet.plot.save import save
@@ -34,6 +35,7 @@ __all__ = [
     "limit_check",
     "mac_matrix",
     "mode_shapes",
+    "nyquist",
     "order_map",
     "order_overlay",
     "order_response",

@@ -13,6 +13,7 @@ from torsionnet.model.channels import Input
 from torsionnet.model.elements import GROUND, Element, Law, Values
 from torsionnet.plot.epicyclic import Boxed, EpicyclicSet
 from torsionnet.plot.labels import value_lines
+from torsionnet.plot.part_boxes import PartBox
 from torsionnet.plot.pieces import Texts
 from torsionnet.plot.taps import Tap, belongs
 from torsionnet.plot.texts import broken, set_lines
@@ -72,7 +73,7 @@ class DrawingPlan:
         inside = {element.name for box in self.found.boxes.values() for element in getattr(box, "elements", ())}
         for element in self.drivetrain.elements.values():
             node = element.ports.get("housing", GROUND)
-            if node != GROUND and element.name not in inside:
+            if node != GROUND and element.name not in inside and not isinstance(element, PartBox):
                 found.setdefault(node, []).append(element.name)
         return found
 
@@ -154,6 +155,8 @@ class DrawingPlan:
         """Name and main values of an element."""
         if self.compact:
             return []
+        if isinstance(element, PartBox):
+            return broken([(element.name, "name"), (element.description, "what")])
         if isinstance(element, EpicyclicSet):
             return set_lines(element, self.drivetrain.exact_values)
         lines = [(text, "value") for text in value_lines(element, self.drivetrain.exact_values)]

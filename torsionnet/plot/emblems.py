@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.plot.outlines import BODY, WHEEL, rectangle
@@ -24,8 +25,50 @@ def emblem(element: Boxed, x: float, y: float) -> list[Stroke]:
         given: Any = getattr(element, "planets", 3)
         return planetary(x, y, len(given) if isinstance(given, tuple) else given if isinstance(given, int) else 3)
     if element.glyph == "differential":
-        return differential(x, y, locked=bool(getattr(element, "locked", False)))
-    return []
+        locked = bool(getattr(element, "locked", False)) or getattr(element, "differential", "") == "locked"
+        return differential(x, y, locked=locked)
+    drawn = SMALL.get(element.glyph)
+    return [stroke.shifted(x, y) for stroke in drawn()] if drawn else []
+
+
+def gearbox() -> list[Stroke]:
+    """Two shafts with three pairs of wheels."""
+    shafts = [Stroke(((-22, y), (22, y)), "part") for y in (9, -9)]
+    pairs = ((-13, 6.5), (0, 9.0), (13, 11.5))
+    wheels = []
+    for x, upper in pairs:
+        wheels += [
+            rectangle(x - 3, x + 3, 9 - upper, 9 + upper, WHEEL),
+            rectangle(x - 3, x + 3, upper - 27, 9 - upper, WHEEL),
+        ]
+    return [*shafts, *wheels]
+
+
+def belt() -> list[Stroke]:
+    """Two pulleys and the belt around them, seen along their axes."""
+    (left, big), (right, small) = (-11.0, 11.0), (14.0, 7.0)
+    tilt = math.degrees(math.asin((big - small) / (right - left)))
+    around = (
+        *arc(left, 0, big, big, 90 - tilt, 270 + tilt, 24),
+        *arc(right, 0, small, small, tilt - 90, 90 - tilt, 24),
+    )
+    hubs = [_circle(x, 0, 1.5, "part") for x in (left, right)]
+    wheels = [_circle(left, 0, big - 2, WHEEL), _circle(right, 0, small - 2, WHEEL)]
+    return [Stroke(around, "part", closed=True, fill="#ffffff"), *wheels, *hubs]
+
+
+def hydrodynamic() -> list[Stroke]:
+    """Two half shells face to face, with their blades."""
+    found: list[Stroke] = []
+    for sign in (-1, 1):
+        shell = tuple((sign * (x + 2), y) for x, y in arc(0, 0, 14, 18, -90, 90, 20))
+        found.append(Stroke(shell, "part", closed=True, fill=WHEEL))
+        found += [Stroke(((sign * 2, y), (sign * 13, y)), "thin") for y in (-9, 0, 9)]
+    return found
+
+
+SMALL: dict[str, Callable[[], list[Stroke]]] = {"gearbox": gearbox, "belt": belt, "hydrodynamic": hydrodynamic}
+"""Pictures that stand in a box and between two ends alike."""
 
 
 def planetary(x: float, y: float, planets: int = 3) -> list[Stroke]:

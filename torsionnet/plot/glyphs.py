@@ -6,7 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from torsionnet.model.elements import Element
-from torsionnet.plot.outlines import BODY, Glyph, rectangle, wheel
+from torsionnet.plot.emblems import emblem
+from torsionnet.plot.outlines import BODY, BOX, Glyph, rectangle, wheel
 from torsionnet.plot.pieces import Point, Stroke, arc
 from torsionnet.plot.strands import network
 
@@ -55,6 +56,21 @@ def _gear(element: Element, values: Mapping[str, Any]) -> Glyph:
     )
 
 
+def _pendulum(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """A rod on a pin, and the path on which its end swings."""
+    del element, values
+    pin = Stroke(arc(13, 0, 3, 3, 0, 360), "part", closed=True, fill="#ffffff")
+    path = Stroke(arc(13, 0, 28, 28, -32, 32), "thin")
+    return Glyph((Stroke(((0, 0), (10, 0))), pin, Stroke(((16, 0), (48, 0))), path), 48, 15)
+
+
+def _boxed(element: Element, values: Mapping[str, Any]) -> Glyph:
+    """A picture in a box."""
+    del values
+    leads = (Stroke(((0, 0), (8, 0)), "shaft"), Stroke(((64, 0), (72, 0)), "shaft"))
+    return Glyph((*leads, rectangle(8, 64, -24, 24, BOX), *emblem(element, 36, 0)), 72, 25)
+
+
 def _other(element: Element, values: Mapping[str, Any]) -> Glyph:
     """Any element without a symbol of its own."""
     del element, values
@@ -69,6 +85,10 @@ _INLINE: dict[str, Callable[[Element, Mapping[str, Any]], Glyph]] = {
     "coupling": _coupling,
     "shaft": _shaft,
     "gear": _gear,
+    "pendulum": _pendulum,
+    "gearbox": _boxed,
+    "belt": _boxed,
+    "hydrodynamic": _boxed,
 }
 
 

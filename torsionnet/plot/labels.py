@@ -14,6 +14,7 @@ from torsionnet.core.number_text import NumberText, typeset_unit
 from torsionnet.core.units import expected_unit
 from torsionnet.model.elements import Element
 from torsionnet.model.elements.stiffness_rows import TableEntry
+from torsionnet.model.elements.teeth import Teeth
 from torsionnet.symbolic.symbol_names import GREEK
 
 PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"))
@@ -22,6 +23,8 @@ LONGEST_SYMBOL = 14
 """Letters of a name that is set as a symbol: a longer one has to be broken."""
 
 LONGEST_EXPRESSION = 14
+STATES = ("state", "engaged")
+"""Entries whose word is what an element does at the moment."""
 
 
 def symbol(name: str) -> str:
@@ -63,7 +66,9 @@ def value_lines(element: Element, values: Mapping[str, Any]) -> list[str]:
     if element.kind == "shaft":
         return _shaft_lines(element, values)
     given = element.scalars()
-    teeth = [_ratio_line(element, given["teeth"][1])] if "teeth" in given else []
+    spec, counts = given.get("teeth", (None, None))
+    teeth = [_ratio_line(element, counts)] if isinstance(spec, Teeth) and counts else []
+    teeth += [raw for field, (_, raw) in given.items() if field in STATES]
     lines = [
         _line(spec, raw, values) for field, (spec, raw) in given.items() if not field.startswith(("planet", "orbit"))
     ]

@@ -11,6 +11,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.plot.canvas import POINTS_PER_INCH, painted
 from torsionnet.plot.drawing_plan import COMPACT
 from torsionnet.plot.layout import blocks
+from torsionnet.plot.part_boxes import boxed
 from torsionnet.plot.pieces import LEADING, ROLES, Label, Piece, text_width
 from torsionnet.plot.texts import wrapped
 from torsionnet.plot.wiring import connect
@@ -26,7 +27,9 @@ PAPER_WIDTH, LEGIBLE = 170.0, 6.0
 NARROWEST_PAGE = 100.0
 
 
-def schematic(drivetrain: Drivetrain, *, title: str | None = None, width: float = PAPER_WIDTH) -> Figure:
+def schematic(
+    drivetrain: Drivetrain, *, title: str | None = None, width: float = PAPER_WIDTH, boxes: bool = False
+) -> Figure:
     r"""Draw a drivetrain.
 
     Shafts run from left to right in the order of the model's nodes, whose names stand above them. Inertias are discs
@@ -44,6 +47,9 @@ def schematic(drivetrain: Drivetrain, *, title: str | None = None, width: float 
     width : float, optional
         Width of the page in mm, at least 100: lines are broken so that the smallest text has 6 points when the figure
         is printed that wide. By default the text width of an A4 page.
+
+    boxes : bool, optional
+        Draw each part that the model uses as one box; else all that is in it.
 
     Returns
     -------
@@ -63,7 +69,7 @@ def schematic(drivetrain: Drivetrain, *, title: str | None = None, width: float 
     ['$k_{\\mathrm{1}}$ = 460 N·m/rad']
     """
     page = _page(width)
-    whole = _arranged(drivetrain, page)
+    whole = _arranged(boxed(drivetrain) if boxes else drivetrain, page)
     x0, x1, y0, y1 = whole.extent
     shown = drivetrain.title if title is None else title
     for line in reversed(wrapped(shown, "title", page)):

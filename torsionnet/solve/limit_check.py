@@ -34,7 +34,8 @@ def check_limits(
     excitations: Iterable[str] | None = None,
 ) -> LimitCheck:
     """See :meth:`torsionnet.Drivetrain.check_limits`."""
-    chosen = _chosen(drivetrain.definition.limits, limits)
+    chosen = {name: limit.fitted(drivetrain.definition.elements)
+              for name, limit in _chosen(drivetrain.definition.limits, limits).items()}  # fmt: skip
     subject = limit_subject(drivetrain.definition, drivetrain.exact_values)
     here = [limit for limit in chosen.values() if not limit.switched_off(subject)]
     run = order_response(drivetrain, _seen(subject, here), speeds=speeds, excitations=excitations)

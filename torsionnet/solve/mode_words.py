@@ -16,6 +16,7 @@ NOTEWORTHY = 0.1
 STILL = 1e-6
 UNCERTAIN = 1e-6
 """Relative error of an eigenvalue that is worth a warning."""
+UNSTABLE = "unstable, it grows"
 NOISE = 1e-10
 """Angles below this share of the largest are rounding, and their signs mean nothing."""
 
@@ -38,7 +39,7 @@ def describe(
             sentences.append(_overdamped(solution.eigenvalues[index], elements, strain[:, index], dissipated[:, index]))
         else:
             crossings = links.vibration_nodes(solution.vectors[:, index])
-            grows = "unstable, it grows; " if solution.eigenvalues[index].real > 0 else ""
+            grows = f"{UNSTABLE}; " if solution.eigenvalues[index].real > 0 else ""
             sentences.append(grows + _vibration(elements, strain[:, index], crossings))
     return tuple(sentences)
 
@@ -82,12 +83,16 @@ def _leading(elements: tuple[str, ...], shares: FloatArray) -> str:
 def _overdamped(value: complex, elements: tuple[str, ...], strain: FloatArray, dissipated: FloatArray) -> str:
     time = 1 / abs(value.real) if value.real else math.inf
     damping = _leading(elements, dissipated)
-    text = f"overdamped, time constant {time:.3g} s"
+    text = f"{UNSTABLE}; " if value.real > 0 else ""
+    text += f"overdamped, time constant {time:.3g} s" if value.real <= 0 else f"e times as much every {time:.3g} s"
+    damping = damping if value.real <= 0 else ""
     text += f"; damped by {damping}" if damping else ""
     return text if strain.any() else f"{text}; no spring involved"
 
 
 def _vibration(elements: tuple[str, ...], strain: FloatArray, crossings: list[str] | None) -> str:
+    if not strain.any():
+        return "no spring involved"
     if crossings is None:
         return f"strain in {_leading(elements, strain)}"
     count = len(crossings)

@@ -11,6 +11,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from torsionnet.assembly.action_law import ActionLaw
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray, Rows, RowSystem
 from torsionnet.assembly.system import Assembly
@@ -18,6 +19,8 @@ from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.response import Modes
 from torsionnet.solve import continuous
+from torsionnet.solve.action_states import over_coordinates
+from torsionnet.solve.active_modes import active_modes, is_active
 from torsionnet.solve.cut import poles_of_measured
 from torsionnet.solve.eigen import EigenSolution, complex_modes, scaled, undamped_modes
 from torsionnet.solve.mode_words import describe, uncertain, unsettled
@@ -72,11 +75,15 @@ def natural_modes(
     """Modes of the drivetrain as it stands, and what is doubtful; nodes with an imposed angle stand still."""
     assembly = drivetrain.assembly
     system = assembly.system
-    if up_to is not None and continuous.is_continuous(system):
-        count = continuous.number_below(system, 2 * np.pi * up_to) + MARGIN
+    passive = replace(system, actions=()) if system.actions else system
+    if up_to is not None and continuous.is_continuous(passive):
+        count = continuous.number_below(passive, 2 * np.pi * up_to) + MARGIN
         lowest = count if lowest is None else min(lowest, count)
-    undamped = undamped_modes(system) if system.dynamic else None
-    solution = complex_modes(system, lowest, undamped)
+    undamped = undamped_modes(passive) if system.dynamic or is_active(system) else None
+    if system.actions:
+        solution, doubts, more = active_modes(assembly)
+    else:
+        solution, doubts, more = complex_modes(system, lowest, undamped), (), ()
     elements = tuple(drivetrain.elements)
     solution, notes = with_chosen_shapes(solution, _motion(assembly.node_rows, solution.vectors), assembly.nodes)
     kinetic, strain, dissipated = energies(assembly, solution, elements)
@@ -94,9 +101,9 @@ def natural_modes(
         converged=solution.converged,
         descriptions=describe(assembly, solution, shapes, elements, strain, dissipated),
         title=drivetrain.title,
-        notes=notes,
+        notes=(*notes, *more),
     )
-    return found, (*unsettled(solution), *uncertain(solution.errors))
+    return found, (*doubts, *unsettled(solution), *uncertain(solution.errors))
 
 
 def _motion(rows: Rows, vectors: ComplexArray) -> ComplexArray:
@@ -119,7 +126,8 @@ def energies(
     """Shares (n_elements, n_modes) of the elements in the energies of each mode.
 
     Kinetic J |lambda|^2 |gamma|^2, strain Re(k) |gamma|^2, dissipated (c |lambda| + Im(k)) |lambda| |gamma|^2; what
-    depends on frequency says itself what there is of it.
+    depends on frequency says itself what there is of it. A torque T that follows the motion dissipates
+    -Re(T conj(lambda gamma)), less than nothing where it drives the vibration.
     """
     system = assembly.system
     motion = np.abs(_motion(system.law_rows, solution.vectors)) ** 2
@@ -137,7 +145,22 @@ def energies(
     strain[:, rigid], dissipated[:, rigid] = 0.0, 0.0
     place = {element: number for number, element in enumerate(elements)}
     owner = np.array([place[name] for name in assembly.owners], dtype=int)
-    return tuple(_shares(_summed(part, owner, len(elements))) for part in (kinetic, strain, dissipated))  # type: ignore[return-value]
+    power = _summed(dissipated, owner, len(elements))
+    for action in system.actions:
+        power[place[action.owner]] += _drawn(assembly, action, solution) * ~rigid
+    return (
+        _shares(_summed(kinetic, owner, len(elements))),
+        _shares(_summed(strain, owner, len(elements))),
+        _shares(power),
+    )
+
+
+def _drawn(assembly: Assembly, action: ActionLaw, solution: EigenSolution) -> FloatArray:
+    """Power (n_modes,) that an action takes out of each mode."""
+    row, sensed = (over_coordinates(assembly, part) @ solution.vectors for part in (action.row, action.sensed))
+    with np.errstate(all="ignore"):
+        power = -(action.kappa(solution.eigenvalues) * sensed * np.conj(solution.eigenvalues * row)).real
+    return np.where(np.isfinite(power), power, 0.0)
 
 
 def _summed(parts: FloatArray, owner: NDArray[np.int_], count: int) -> FloatArray:
@@ -147,5 +170,6 @@ def _summed(parts: FloatArray, owner: NDArray[np.int_], count: int) -> FloatArra
 
 
 def _shares(parts: FloatArray) -> FloatArray:
-    total = parts.sum(axis=0)
+    """Of the sum of magnitudes: what drives a vibration has a share below zero."""
+    total = np.abs(parts).sum(axis=0)
     return np.asarray(np.divide(parts, total, out=np.zeros_like(parts), where=total != 0))

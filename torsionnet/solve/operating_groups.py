@@ -14,7 +14,7 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.model.load.external_torques import reference_node
 from torsionnet.model.operating_values import OperatingPoints, following
-from torsionnet.model.speeds import total_ratio
+from torsionnet.solve.total_ratios import remembered_ratio
 
 Settled: TypeAlias = Mapping[str, FloatArray]
 Places: TypeAlias = NDArray[np.intp]
@@ -47,7 +47,9 @@ def at_speeds(
         yield drivetrain, np.arange(len(speeds))
         return
     points = OperatingPoints(drivetrain.external_torques)
-    values = [points.at(speed) for speed in (speeds * _ratio(drivetrain, reference)).tolist()]
+    own = reference_node(drivetrain.definition) or reference
+    ratio = 1.0 if own == reference else abs(float(remembered_ratio(drivetrain, own, reference)))
+    values = [points.at(speed) for speed in (speeds * ratio).tolist()]
     for name, found in settled.items():
         for place, value in enumerate(found.tolist()):
             values[place][name] = value
@@ -78,11 +80,3 @@ def solved_together(
         for start in range(0, len(every), TOGETHER):
             part = slice(start, start + TOGETHER)
             yield rigs[:1] if len(some) == 1 else rigs[part], every[part]
-
-
-def _ratio(drivetrain: AssembledModel, reference: str) -> float:
-    """Speed of the model's own reference node over that of another one."""
-    own = reference_node(drivetrain.definition) or reference
-    if own == reference:
-        return 1.0
-    return abs(float(total_ratio(drivetrain.definition, drivetrain.exact_values, own, reference)))

@@ -16,7 +16,6 @@ from torsionnet.assembly.rows import ComplexArray
 from torsionnet.core.errors import UsageError, meant_or
 from torsionnet.model.channels import Input, Sensor, named_nodes
 from torsionnet.model.excitations import OrderExcitation, OrderTorques
-from torsionnet.model.speeds import total_ratio
 from torsionnet.response.frequency_response import Channel, FloatArray
 from torsionnet.response.order_line import OrderLine
 from torsionnet.response.order_response import OrderResponse
@@ -25,6 +24,7 @@ from torsionnet.solve.operating_groups import Settled, at_speeds, solved_togethe
 from torsionnet.solve.posed import twisted_law
 from torsionnet.solve.settling import settled_by_vibration
 from torsionnet.solve.shared_response import shared_response
+from torsionnet.solve.total_ratios import remembered_ratio
 from torsionnet.solve.transfer import evaluate, warn_infinite
 from torsionnet.solve.transfer_request import remembered, stressed_sections
 from torsionnet.solve.worst_case import contributions, worst_case
@@ -111,7 +111,7 @@ def input_senses(drivetrain: AssembledModel, one: OrderExcitation, reference: st
 
 
 def _sense(drivetrain: AssembledModel, node: str, reference: str) -> float:
-    return -1.0 if _ratio(drivetrain, node, reference) < 0 else 1.0
+    return -1.0 if remembered_ratio(drivetrain, node, reference) < 0 else 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,12 +273,4 @@ def _turning(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
     """Revolutions of a shaft per revolution of the reference."""
     if node not in drivetrain.nodes:
         raise UsageError(f'"{node}" is not there in this configuration, so that its orders have no speed')
-    return _ratio(drivetrain, node, reference)
-
-
-def _ratio(drivetrain: AssembledModel, node: str, reference: str) -> Fraction:
-    return drivetrain.assembly.system.memo.once(
-        Fraction,
-        ("total ratio", node, reference),
-        lambda: total_ratio(drivetrain.definition, drivetrain.exact_values, node, reference),
-    )
+    return remembered_ratio(drivetrain, node, reference)

@@ -260,10 +260,11 @@ def _driven(system: RowSystem, spaces: Subspaces, damping: FloatArray, forces: A
     """
     G = system.rows
     signed = damping[:, None] * G
-    C_x, C_1 = (G.T @ (signed @ basis) for basis in (spaces.moving, spaces.damped))
+    C_x = G.T @ (signed @ spaces.moving)
     C_xx, C_1x = spaces.moving.T @ C_x, spaces.damped.T @ C_x
+    C_11 = np.asarray(spaces.damped.T @ (G.T @ (signed @ spaces.damped)), dtype=float)
     try:
-        followed = np.linalg.solve(spaces.damped.T @ C_1, np.hstack([C_1x, forces]))
+        followed = np.linalg.inv(C_11) @ np.hstack([C_1x, forces])
     except np.linalg.LinAlgError:
         raise SolveError("damping and negative damping cancel on a motion without inertia") from None
     slip, creep = followed[:, : C_1x.shape[1]], followed[:, C_1x.shape[1] :]

@@ -10,8 +10,9 @@ The states are a, a' and b; d follows statically. A reading that contains the ra
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from torsionnet.assembly.rows import FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Input, Sensor
+from torsionnet.solve.action_states import HIGHEST, LawStates, law_states
 from torsionnet.solve.nullspace import unresisted
 from torsionnet.solve.reduction import beside
 from torsionnet.solve.transfer_request import usable
@@ -33,13 +35,18 @@ NEGLIGIBLE = 1e-9
 
 @dataclass(frozen=True)
 class StateSpaceForm:
-    """x' = A x + B u, and the coordinates q = X x + U u; ``states`` are the names of x."""
+    """x' = A x + B u, and the coordinates q = X x + U u; ``states`` are the names of x.
+
+    The torque of each of ``actions`` is P(s) (its motion sensed) + (its row of ``torques``) x.
+    """
 
     A: FloatArray
     B: FloatArray
     X: FloatArray
     U: FloatArray
     states: tuple[str, ...]
+    actions: tuple[LawStates, ...] = ()
+    torques: FloatArray = field(default_factory=lambda: np.zeros((0, 0)))
 
 
 @dataclass(frozen=True)
@@ -120,13 +127,13 @@ def _way_out(system: RowSystem) -> str:
     return "; a shaft with segments has one" if continuous else ""
 
 
-def first_order(assembly: Assembly, inputs: Sequence[Input]) -> StateSpaceForm:
-    """States of an assembly under torques on nodes.
+def first_order(assembly: Assembly, inputs: Sequence[Input], points: int = 0) -> StateSpaceForm:
+    """States of an assembly under torques on nodes; of delays so many ``points`` (:mod:`.action_states`).
 
     Raises
     ------
     UsageError
-        Frequency-dependent laws or an imposed angle.
+        Frequency-dependent laws, an imposed angle or a delay without points.
     """
     system = assembly.system
     if system.dynamic:
@@ -137,10 +144,71 @@ def first_order(assembly: Assembly, inputs: Sequence[Input]) -> StateSpaceForm:
             "an imposed angle has no state space with torque inputs; make it a torque, or use frequency_response"
         )
     loads = [assembly.rows_of(channel.row)[0] for channel in inputs]
-    heavy, damped, static = _kinds(system)
+    actions = law_states(assembly, points)
+    loads += [one.row for one in actions]
+    kinds = _kinds(system)
     columns = np.array(loads).reshape(len(loads), system.n_coordinates).T
-    states = _state_names(assembly.kinematics.coordinates, heavy, damped)
-    return _condensed(system, heavy, damped, static, columns, states)
+    states = _state_names(assembly.kinematics.coordinates, kinds[0], kinds[1])
+    try:
+        form = _condensed(_matrices(system, actions, kinds), *kinds, columns, states)
+    except np.linalg.LinAlgError:
+        raise UsageError("the torques that follow the motion leave no unique motion of what has no inertia") from None
+    return closed(form, actions) if actions else form
+
+
+def _matrices(
+    system: RowSystem, actions: Sequence[LawStates], kinds: tuple[FloatArray, FloatArray, FloatArray]
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """M, C and K with what actions do at once.
+
+    Raises
+    ------
+    UsageError
+        An action follows, or drives, rates of a coordinate that has none in the laws.
+    """
+    found = [system.K, system.C, system.M]
+    _, damped, static = kinds
+    for power, without in ((1, static), (2, np.hstack([damped, static]))):
+        for one in actions:
+            touched = max(float(np.abs(row @ without).max(initial=0.0)) for row in (one.row, one.sensed))
+            if one.at_once[power] and touched > NEGLIGIBLE:
+                what = "inertia" if power == HIGHEST else "inertia or damper"
+                raise UsageError(
+                    f"{one.action.owner} acts at once on a rate where there is no {what}; give it a filter"
+                )
+    for one in actions:
+        found = [
+            matrix - value * np.outer(one.row, one.sensed) for matrix, value in zip(found, one.at_once, strict=True)
+        ]
+    return found[2], found[1], found[0]
+
+
+def closed(form: StateSpaceForm, actions: Sequence[LawStates]) -> StateSpaceForm:
+    """The states of a drivetrain whose last inputs are the torques of ``actions``, and their own."""
+    n_act, n_x = len(actions), len(form.A)
+    n_u = form.B.shape[1] - n_act
+    sizes = np.cumsum([0, *(len(one.F) for one in actions)])
+    n_z = int(sizes[-1])
+    F, G, H = np.zeros((n_z, n_z)), np.zeros((2, n_z, n_act)), np.zeros((n_act, n_z))
+    for number, one in enumerate(actions):
+        own = slice(sizes[number], sizes[number + 1])
+        F[own, own], G[0, own, number], G[1, own, number], H[number, own] = one.F, one.G[:, 0], one.G[:, 1], one.H
+    sensed = np.array([one.sensed for one in actions])
+    Y, Y_in = sensed @ form.X, sensed @ form.U
+    if np.abs(np.abs(G[1]) @ np.abs(Y_in)).any():
+        names = ", ".join(dict.fromkeys(one.action.owner for one in actions))
+        raise UsageError(f"{names}: the rate of what has neither inertia nor damper follows the rate of a torque")
+    (B, B_act), (Y_u, Y_act) = (np.split(part, [n_u], axis=1) for part in (form.B, Y_in))
+    A = np.block([
+        [form.A, B_act @ H],
+        [G[0] @ Y + G[1] @ Y @ form.A, F + G[0] @ Y_act @ H + G[1] @ Y @ B_act @ H],
+    ])  # fmt: skip
+    inputs = np.vstack([B, G[0] @ Y_u + G[1] @ Y @ B])
+    X = np.hstack([form.X, form.U[:, n_u:] @ H])
+    names_of = [f"state {place + 1} of {one.action.owner}" for one in actions for place in range(len(one.F))]
+    torques = np.hstack([np.zeros((n_act, n_x)), H])
+    found = replace(form, A=A, B=inputs, X=X, U=form.U[:, :n_u], states=(*form.states, *names_of))
+    return replace(found, actions=tuple(actions), torques=torques)
 
 
 def _state_names(coordinates: Sequence[str], heavy: FloatArray, damped: FloatArray) -> tuple[str, ...]:
@@ -158,7 +226,7 @@ def _state_names(coordinates: Sequence[str], heavy: FloatArray, damped: FloatArr
 
 def _kinds(system: RowSystem) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Bases of the coordinates with inertia, of the massless damped and of the static ones."""
-    heavy = system.inertia > 0
+    heavy = system.inertia != 0
     massless, static = (unresisted(system, laws).basis() for laws in (heavy, heavy | (system.damping != 0)))
     return _upright(beside(massless, np.eye(system.n_coordinates))), _upright(beside(static, massless)), static
 
@@ -170,10 +238,10 @@ def _upright(basis: FloatArray) -> FloatArray:
 
 
 def _condensed(
-    system: RowSystem, heavy: FloatArray, damped: FloatArray, static: FloatArray, loads: FloatArray,
-    names: tuple[str, ...],
+    matrices: tuple[FloatArray, FloatArray, FloatArray], heavy: FloatArray, damped: FloatArray, static: FloatArray,
+    loads: FloatArray, names: tuple[str, ...],
 ) -> StateSpaceForm:  # fmt: skip
-    M, C, K = system.M, system.C, system.K
+    M, C, K = matrices
     hold = np.linalg.solve(static.T @ K @ static, static.T) if static.shape[1] else np.zeros((0, len(K)))
     n_a, n_b = heavy.shape[1], damped.shape[1]
     X = np.hstack([heavy, np.zeros((len(K), n_a)), damped])
@@ -218,10 +286,16 @@ def _output_rows(
     D = np.array([float(reading.direct(channel.row)) for channel in inputs])
     rates = np.zeros((2, len(inputs)))
     sizes = np.zeros(2)
-    for term in reading.terms:
-        gain = float(term.factor)
-        x, u = term.row @ system.X, term.row @ system.U
-        factors = [float(factor) for factor in powers_of_s(assembly, term)]
+    motions: list[tuple[float, FloatArray, Any]] = [
+        (float(term.factor), term.row, powers_of_s(assembly, term)) for term in reading.terms
+    ]
+    for number, one in enumerate(system.actions):
+        weight = _share(reading, number, one)
+        motions.append((weight, one.sensed, one.at_once))
+        C += weight * system.torques[number]
+    for gain, row, powers in motions:
+        x, u = row @ system.X, row @ system.U
+        factors = [float(factor) for factor in powers]
         states, direct = (x, x @ system.A, x @ system.A @ system.A), (u, x @ system.B, x @ system.A @ system.B)
         for factor, state, load in zip(factors, states, direct, strict=True):
             C += gain * factor * state
@@ -235,3 +309,10 @@ def _output_rows(
             f"{reading.name} contains the rate of change of an input; it has a frequency response but no state space"
         )
     return C, D
+
+
+def _share(reading: Functional, number: int, action: LawStates) -> float:
+    """What is read of the torque of an action: its own, and what it applies to nodes that are read."""
+    nodes = action.action.nodes.items()
+    applied = sum((share * reading.applied.get(node, 0) for node, share in nodes), start=Fraction(0))
+    return float(reading.actions.get(number, 0) + applied)

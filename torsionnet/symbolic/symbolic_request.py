@@ -105,6 +105,8 @@ def _of_cut(
 ) -> SymbolicRequest:
     """What is left downstream of the cut, if the output is; the measured torque is an excitation there."""
     output, sensor = request.sensors
+    if sensor.referred_to is not None:  # the torque at the cut is another one
+        return whole
     node, sign = port_of(drivetrain.elements[sensor.of], sensor.at)
     rest = drivetrain.with_definition(cut_definition(drivetrain.definition, kept))
     if not (output.of in rest.elements if output.is_on_element else set(rest.nodes).issuperset(output.nodes)):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
-from torsionnet.core.delimited.grid import Cell
+from torsionnet.core.delimited.cell_grid import Cell
 
 _BLANKS = "\N{NO-BREAK SPACE}\N{NARROW NO-BREAK SPACE}"
 _LIKE_NUMBER = re.compile(rf"[+\-−]?[\d.,'’ {_BLANKS}]*\d[.,]?(?:[eE][+\-−]?\d+)?")

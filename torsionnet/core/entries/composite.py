@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import Schema, Spec, reference
 from torsionnet.core.errors import Fault, did_you_mean
 
@@ -48,6 +49,9 @@ class Nested(Composite):
             value, faults = dict(cls.specs())[self.shorthand].read(raw)
             return (None, faults) if faults else cls.made({self.shorthand: value})
         return cls.read(raw)
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return value.renamed(names)
 
     def plain(self, value: Any) -> Any:
         return value.to_data()
@@ -92,6 +96,9 @@ class Typed(Composite):
             hint = did_you_mean(str(kind), known)
             return None, [Fault(f'no {self.what} {self.key} is named "{kind}"{hint}; known: {names}', (self.key,))]
         return known[kind].read({key: value for key, value in raw.items() if key != self.key})
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return value.renamed(names)
 
     def plain(self, value: Any) -> Any:
         return {self.key: value.kind, **value.to_data()}
@@ -157,6 +164,10 @@ class Named(Composite):
                 table[str(name)] = value
         return table, faults
 
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        found = {name: self.of.renamed(one, names) for name, one in value.items()}
+        return value if all(found[name] is value[name] for name in value) else found
+
     def plain(self, value: Any) -> Any:
         return {name: self.of.plain(entry) for name, entry in value.items()}
 
@@ -192,6 +203,12 @@ class Listed(Composite):
             values += [] if found else [value]
         return tuple(values), faults
 
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        if not isinstance(value, tuple):  # a word that stands for a list
+            return value
+        found = tuple(self.of.renamed(one, names) for one in value)
+        return value if all(new is old for new, old in zip(found, value, strict=True)) else found
+
     def plain(self, value: Any) -> Any:
         return [self.of.plain(entry) for entry in value]
 
@@ -213,6 +230,9 @@ class PairOf(Composite):
             return None, [Fault(f"expected two values [a, b], got {raw!r}")]
         values, faults = Listed(self.description, self.of).read(raw)
         return (None if faults else (values[0], values[1])), faults
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return (self.of.renamed(value[0], names), self.of.renamed(value[1], names))
 
     def plain(self, value: Any) -> Any:
         return [self.of.plain(part) for part in value]

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import MISSING, Field, fields
+from dataclasses import MISSING, Field, fields, replace
 from functools import cache
 from typing import Any, ClassVar, Self
 
 from torsionnet.core.entries.format_version import VERSION_SCHEMA
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, spec_of
 from torsionnet.core.errors import Fault, ModelError, UsageError, unknown_key
 
@@ -36,7 +37,7 @@ class Declared:
         for name, spec in self.specs():
             raw = getattr(self, name)
             default, stored = defaults[name]
-            if raw is default:
+            if raw is default or (raw is stored and default is not MISSING):
                 object.__setattr__(self, name, stored)
                 continue
             try:
@@ -147,6 +148,16 @@ class Declared:
         text = f"{called} needs {key}: {dict(cls.specs())[key].example}"
         return Fault(text, on_key=True, kind="missing key", about=key)
 
+    def renamed(self, names: Renaming) -> Self:
+        """The same where everything it names is called otherwise."""
+        changes = {}
+        for name, spec in self.specs():
+            value = getattr(self, name)
+            found = value if value is None else spec.renamed(value, names)
+            if found is not value:
+                changes[name] = found
+        return replace(self, **changes) if changes else self  # type: ignore[type-var]
+
     def to_data(self) -> Any:
         """The entry of a file that makes this object; what has its default is left out."""
         defaults = self.defaults()
@@ -183,6 +194,9 @@ class Declared:
 
 
 def _with_default(declared: Field[Any]) -> Schema:
-    schema = spec_of(declared).schema()
+    spec = spec_of(declared)
+    schema = {**spec.schema()}
+    if "$ref" in schema:
+        schema.setdefault("description", spec.description)
     plain = isinstance(declared.default, bool | int | float | str) and declared.default != ""
     return {**schema, "default": declared.default} if plain else schema

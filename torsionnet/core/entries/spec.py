@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import MISSING, Field, dataclass, field
 from typing import Any
 
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression
 
@@ -65,6 +66,10 @@ class Spec:
     def plain(self, value: Any) -> Any:
         """The value as a file holds it."""
         return value
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        """The value where everything it names is called otherwise; most kinds name parameters only."""
+        return names.within(value)
 
     def schema(self) -> Schema:
         """JSON Schema of the value."""

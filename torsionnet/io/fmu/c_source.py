@@ -112,7 +112,11 @@ class _Code:
 
     def _place(self, place: int) -> str:
         sign, *parts = self.system.motion.tape.operations[place]
-        return f"p_{parts[0]}" if sign == "parameter" else f"v{place}"
+        if sign != "parameter":
+            return f"v{place}"
+        # The number tells left.k from left_k.
+        dotted = "." in parts[0]
+        return f"p{self.numbers[parts[0]]}_{parts[0].replace('.', '_')}" if dotted else f"p_{parts[0]}"
 
 
 def literal(value: float) -> str:

@@ -6,7 +6,7 @@ and run on the base model and on every alternative of every axis.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 
 from torsionnet.core.collecting import collector_paused
@@ -59,11 +59,20 @@ def choices(definition: Definition) -> list[dict[str, str]]:
     return [{axis: name} for axis, alternatives in definition.configurations.items() for name in alternatives]
 
 
-def _of_choice(definition: Definition, choice: Mapping[str, str]) -> list[Fault]:
-    variant = definition
+def variants(definition: Definition) -> Iterator[tuple[str, Definition]]:
+    """The definition in each of its :func:`choices`, by the label of the configuration."""
+    axes = definition.configurations
+    return ((label(choice, axes), _chosen(definition, choice)) for choice in choices(definition))
+
+
+def _chosen(definition: Definition, choice: Mapping[str, str]) -> Definition:
     for axis, name in choice.items():
-        variant = variant.overlaid(definition.configurations[axis][name])
-    return [at_override(fault, definition, choice) for fault in check_variant(variant)]
+        definition = definition.overlaid(definition.configurations[axis][name])
+    return definition
+
+
+def _of_choice(definition: Definition, choice: Mapping[str, str]) -> list[Fault]:
+    return [at_override(fault, definition, choice) for fault in check_variant(_chosen(definition, choice))]
 
 
 def has_errors(faults: list[Fault]) -> bool:

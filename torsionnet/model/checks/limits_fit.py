@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any
 
-from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.core.errors import Fault, ModelError, unknown_name
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.excitations.reciprocating_engine import ReciprocatingEngine
+from torsionnet.model.limits.limit import Limit
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.model.parameters import resolve
 
@@ -23,9 +24,18 @@ def unfit_limits(definition: Definition) -> list[Fault]:
             unknown_name(kind, what, known[kind], path) for path, kind, what in limit.named if what not in known[kind]
         ]
         if not found and not wrong:
-            found = list(limit.unfit(subject))
+            found = list(_unfit(limit, subject))
         faults += [fault.under("limits", name) for fault in found]
     return faults
+
+
+def _unfit(limit: Limit, subject: LimitSubject) -> Iterator[Fault]:
+    """What a limit lacks, with what the catalogue of its element adds."""
+    try:
+        yield from limit.fitted(subject.elements).unfit(subject)
+    except ModelError as error:
+        yield Fault(f"what the catalogue says of {limit.of} does not fit this limit", on_key=True)
+        yield from error.faults
 
 
 def limit_subject(definition: Definition, values: Mapping[str, Any]) -> LimitSubject:

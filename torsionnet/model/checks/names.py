@@ -80,6 +80,9 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
             for node, place in zip(channel.nodes, places, strict=False):
                 if node not in nodes:
                     faults.append(_unknown_node(node, nodes, (table, name, channel.quantity, *place)))
+    for index, port in enumerate(definition.ports):
+        if port not in nodes:
+            faults.append(_unknown_node(port, nodes, ("ports", index)))
     points: list[tuple[Path, OperatingPoint | None]] = [(("operating_point",), definition.operating_point)]
     for axis, alternatives in definition.configurations.items():
         points += [
@@ -92,6 +95,21 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
             unknown = [str(node) for node in given if node not in nodes]
             faults += [_unknown_node(node, nodes, (*path, table, node), on_key=True) for node in unknown]
     return faults
+
+
+def unknown_references(definition: Definition) -> list[Fault]:
+    """Shafts at which elements quote their values, or that sensors refer theirs to."""
+    nodes = _nodes(definition)
+    faults = [
+        _unknown_node(sensor.referred_to, nodes, ("sensors", name, "referred_to"))
+        for name, sensor in definition.sensors.items()
+        if sensor.referred_to is not None and sensor.referred_to not in nodes
+    ]
+    return faults + [
+        _unknown_node(element.referred_to, nodes, ("elements", name, "referred_to"))
+        for name, element in definition.elements.items()
+        if element.referred_to is not None and element.referred_to not in nodes
+    ]
 
 
 def unknown_followed(definition: Definition) -> list[Fault]:
@@ -187,7 +205,7 @@ def dead_ends(definition: Definition) -> list[Fault]:
     used = {name for channel in channels for name in (channel.of, *channel.nodes)}
     used |= {node for one in definition.excitations.values() for node in (*one.nodes, one.reaction_node or GROUND)}
     used |= {*definition.load.by_node, *definition.load.driven_by} if definition.load else set()
-    used |= {GROUND, *definition.operating_point.speed, *definition.operating_point.torque}
+    used |= {GROUND, *definition.ports, *definition.operating_point.speed, *definition.operating_point.torque}
     faults: list[Fault] = []
     for node, names in touching.items():
         if len(names) == 1 and node not in used and len(definition.elements[names[0]].ports) > 1:
@@ -225,6 +243,15 @@ def unfit_limits(definition: Definition) -> list[Fault]:
     return limits_fit.unfit_limits(definition)
 
 
+def unfit_catalogues(definition: Definition) -> list[Fault]:
+    """Columns of catalogues that nothing takes."""
+    if all(element.catalogue is None for element in definition.elements.values()):
+        return []
+    import torsionnet.model.checks.catalogues as catalogues
+
+    return catalogues.unfit_columns(definition)
+
+
 def unfit_report(definition: Definition) -> list[Fault]:
     """A report that names what the model does not have."""
     if definition.report is None:
@@ -237,6 +264,7 @@ def unfit_report(definition: Definition) -> list[Fault]:
 CHECKS = (
     undefined_parameters,
     unknown_nodes,
+    unknown_references,
     unknown_elements,
     unknown_followed,
     unknown_in_configurations,
@@ -247,6 +275,7 @@ CHECKS = (
     unfit_overrides,
     unfit_excitations,
     unfit_limits,
+    unfit_catalogues,
     unfit_bench,
     unfit_report,
 )

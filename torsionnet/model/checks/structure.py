@@ -9,6 +9,7 @@ from torsionnet.core.errors import USELESS, Fault, ModelError, UsageError, did_y
 from torsionnet.core.groups import Groups
 from torsionnet.model.channels import Input, Sensor, named_nodes, still_words
 from torsionnet.model.checks.balance import unbalanced_torques
+from torsionnet.model.checks.curves_in_use import beyond_curves
 from torsionnet.model.checks.load_fits import unfit_load
 from torsionnet.model.checks.motions import left_free
 from torsionnet.model.definition import Definition, all_nodes
@@ -22,6 +23,7 @@ from torsionnet.model.kinematics import (
 )
 from torsionnet.model.load.external_torques import ExternalTorques
 from torsionnet.model.operating_values import unfit_parameters
+from torsionnet.model.referral import unfit_references
 
 MOST_GROUPS = 10
 """Unconnected groups that are reported one by one."""
@@ -214,6 +216,9 @@ CHECKS = (
 
 def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
     """All structural checks of one configuration; contradicting gears make the rest meaningless."""
+    unfit = list(unfit_references([one for one in definition.elements.values() if one.enabled], values))
+    if unfit:
+        return unfit
     kinematics = solve_kinematics(definition, Values(values))
     faults = contradicting_gears(definition, kinematics)
     if faults:
@@ -224,5 +229,5 @@ def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
     sound = all(fault.severity != "error" for fault in faults)
     if not sound:
         return faults if definition.load else faults + unbalanced_torques(external, kinematics)
-    unfit = unfit_load(external) or unfit_parameters(external)
-    return faults + (unfit or unbalanced_torques(external, kinematics))
+    misfits = unfit_load(external) or unfit_parameters(external) or beyond_curves(external)
+    return faults + (misfits or unbalanced_torques(external, kinematics))

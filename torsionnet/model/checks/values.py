@@ -6,8 +6,9 @@ import math
 from collections.abc import Mapping
 from fractions import Fraction
 
+from torsionnet.core.damping import MEASURES
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.errors import Fault, TorsionnetError
+from torsionnet.core.errors import Fault, Path, TorsionnetError
 from torsionnet.core.expressions import Compound, Expression, ExpressionError
 from torsionnet.core.units import DIMENSIONS, Dimension, expected_unit, is_beyond_range
 from torsionnet.model.definition import Definition
@@ -117,16 +118,15 @@ def _point_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
 def _field_sizes(element: Element, numbers: Numbers) -> list[Fault]:
     faults = []
     for path, spec, expression, wanted in element.expressions():
-        text = _size_fault(
-            spec,
-            expression,
-            numbers,
-            measure=isinstance(spec, DampingQuantity | LossFactor) and len(path) > 1,
-            wanted=wanted,
-        )
+        text = _size_fault(spec, expression, numbers, measure=_is_in_measure(spec, path), wanted=wanted)
         if text:
             faults.append(Fault(text, ("elements", element.name, *path)))
     return faults
+
+
+def _is_in_measure(spec: object, path: Path) -> bool:
+    """Whether an entry is a part of a measure of damping."""
+    return isinstance(spec, DampingQuantity | LossFactor) and path[-1] in (*MEASURES, "at")
 
 
 def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measure: bool, wanted: str) -> str | None:
@@ -164,7 +164,7 @@ def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
         return [Fault(f"{element.name} cannot be calculated: {error}", place)]
     damping = min((law.damping for law in laws), default=0)
     if any(min(law.inertia, law.stiffness, law.loss_factor) < 0 for law in laws) or (
-        damping < 0 and not element.may_drive
+        damping < 0 and not element.may_feed
     ):
         return [Fault(f"the values of {element.name} give it a negative inertia, damping or stiffness", place)]
     if damping < 0:
@@ -183,5 +183,5 @@ def passive_tables(definition: Definition) -> list[Fault]:
         )
         for name, element in definition.elements.items()
         for entry, (_, value) in element.scalars().items()
-        if entry == "table" and not value.is_passive
+        if entry == "table" and not getattr(value, "is_passive", True)
     ]

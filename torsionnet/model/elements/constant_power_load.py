@@ -33,11 +33,11 @@ class ConstantPowerLoad(Element):
     kind: ClassVar[str] = "constant_power_load"
     glyph: ClassVar[str] = "load"
     sign: ClassVar[str] = "positive when the drivetrain drives the load in the positive sense"
-    may_drive: ClassVar[bool] = True
+    may_feed: ClassVar[bool] = True
 
     node: Any = entry(NodeName("the node it turns with", allow_ground=False))
     power: Any = entry(PhysicalQuantity("power that it takes; negative: that it gives", "power", "P", None))
-    speed: Any = entry(PhysicalQuantity("speed at which it takes it", "speed", "omega", exclusive=True))
+    speed: Any = entry(PhysicalQuantity("speed at which it takes it", "speed", "Omega", exclusive=True))
     housing: Any = entry(NodeName("the node that takes its torque"), "ground")
 
     def contradictions(self) -> list[Fault]:

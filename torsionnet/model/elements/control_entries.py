@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, under
 from torsionnet.core.errors import Fault, Path, did_you_mean
@@ -58,6 +59,9 @@ class SensedEntry(Spec):
             raise EntryError(Fault(text, (quantity,), on_key=True))
         return SensedMotion(quantity, under(quantity, OneOrTwoNodes(""), of))
 
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return SensedMotion(value.quantity, tuple(map(names.node, value.nodes)))
+
     def plain(self, value: Any) -> Any:
         return {value.quantity: OneOrTwoNodes("").plain(value.nodes)}
 
@@ -71,9 +75,12 @@ class SensedEntry(Spec):
 class OneOrTwoNodes(Spec):
     """A node, or two; the second may be ground."""
 
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return tuple(map(names.node, value))
+
     def coerce(self, raw: Any) -> tuple[str, ...]:
-        if isinstance(raw, str):
-            return (read_node(raw, allow_ground=False),)
+        if isinstance(raw, str) or (isinstance(raw, list | tuple) and len(raw) == 1):
+            return (read_node(raw if isinstance(raw, str) else raw[0], allow_ground=False),)
         first, second = NodePair("").coerce(raw)
         if first == GROUND:
             raise EntryError("ground does not move; name a node first, and ground second if at all", (0,))

@@ -43,6 +43,7 @@ class Controller(Element):
     glyph: ClassVar[str] = "controller"
     sign: ClassVar[str] = "positive when it drives the node in the positive sense"
     drives: ClassVar[bool] = True
+    may_feed: ClassVar[bool] = True
 
     sense: Any = entry(
         SensedEntry("what it senses: {velocity: node}, or {velocity: [node, node]}; angle, acceleration")

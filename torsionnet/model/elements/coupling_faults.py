@@ -28,8 +28,11 @@ def read_offs(coupling: Any) -> list[tuple[str, str]]:
 
 
 def contradictions(coupling: Any) -> list[Fault]:
-    """All of them, the first kind that has any."""
-    return _source_faults(coupling) or [
+    """Those of where the stiffness comes from, else all others."""
+    found = _source_faults(coupling)
+    if found or coupling.material is not None:
+        return found or _material_faults(coupling)
+    return [
         *_curve_faults(coupling),
         *_damping_faults(coupling),
         *_frequency_faults(coupling),
@@ -46,7 +49,7 @@ def _source_faults(coupling: Any) -> list[Fault]:
     if (coupling.material is None) != (coupling.geometry is None):
         lacking = "geometry, as {type: disc, ...}" if coupling.material is not None else "material, as {moduli: ...}"
         return [Fault(f"rubber needs its moduli and its shape; here is no {lacking}", on_key=True)]
-    return _material_faults(coupling) if coupling.material is not None else []
+    return []
 
 
 def _material_faults(coupling: Any) -> list[Fault]:
@@ -93,14 +96,14 @@ def _loses(entry: Any) -> bool:
 
 
 def _frequency_faults(coupling: Any) -> list[Fault]:
-    """Laws over frequency hold numbers: a parameter in them would be without derivatives in fits and designs."""
-    if coupling.material is not None:
-        if isinstance(coupling.damping, DampingMeasure):
-            return [Fault("beside a material the damping is viscous, in N*m*s/rad", ("damping",))]
+    """The loss of laws over frequency is numbers: parameters in it would be without derivatives in fits."""
+    if coupling.material is not None and isinstance(coupling.damping, DampingMeasure):
+        return [Fault("beside a material the damping is viscous, in N*m*s/rad", ("damping",))]
+    if coupling.material is None and coupling.scale is not None:
+        return [Fault("this multiplies the moduli of a material, and there is none", ("scale",), on_key=True)]
+    if not coupling.frequency_factor:
         return []
-    if not (coupling.frequency_factor or coupling.loss_over_frequency):
-        return []
-    names = ("stiffness", "loss_factor", "T_KN", *dict.fromkeys(_READ_AT.values()))
+    names = ["loss_factor", *(["temperature"] if coupling.damping_temperature_factor else [])]
     return [
         Fault(f"with curves over frequency {name} is a number, no expression of parameters", (name,))
         for name in names

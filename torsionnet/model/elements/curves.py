@@ -30,7 +30,7 @@ class Temperature(PhysicalQuantity):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Curve(Spec):
+class LookupCurve(Spec):
     """``{20 degC: 1, 60 degC: 0.8}``, stored as pairs by rising first value.
 
     ``over`` and ``dimension`` are those of the two columns. Over a torque, rows without a unit, or in %, are shares of
@@ -95,7 +95,7 @@ class Curve(Spec):
         return value
 
     def plain(self, value: Any) -> Any:
-        return {_written(key): plain_scalar(one) for key, one in value}
+        return {str(key): plain_scalar(one) for key, one in value}
 
     def schema(self) -> Schema:
         unit = f" [{expected_unit(self.dimension)} over {expected_unit(self.over)}]"
@@ -105,11 +105,6 @@ class Curve(Spec):
             "minProperties": 2,
             "additionalProperties": {"type": ["number", "string"]},
         }
-
-
-def _written(key: Number) -> Any:
-    plain = plain_scalar(key)
-    return plain if isinstance(plain, int | float) else str(plain)
 
 
 def is_share(key: Number) -> bool:
@@ -124,11 +119,12 @@ class OnCurve(PhysicalQuantity):
     rows: Rows = ()
     share_of: Fraction | float = 1
 
-    def bound_fault(self, value: float) -> str | None:
+    def curve_fault(self, value: float) -> str | None:
+        """Why nothing can be read off at a value in SI, or None."""
         first, last = (float(self.rows[place][0].value) * float(self.share_of) for place in (0, -1))
         slack = 1e-9 * last
         if first - slack <= value <= last + slack:
-            return super().bound_fault(value)
+            return None
         return f"lies beyond its curve, which goes from {self.rows[0][0]} to {self.rows[-1][0]}"
 
 

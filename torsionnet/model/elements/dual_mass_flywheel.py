@@ -28,7 +28,7 @@ class DualMassFlywheel(Element):
     Friction M loses 4 M alpha in a cycle of swing alpha, which a loss factor 4 M/(pi k alpha) loses too (harmonic
     balance; J. P. Den Hartog, Mechanical Vibrations, 4th ed., chapter 8), so that the law is
     k (1 + j (eta + 4 M/(pi k alpha))) + c s. M is the basic friction and that of springs pressed outward against
-    their channel, M = M_0 + mu m r^2 omega^2, m and r the mass and radius of all of them.
+    their channel, M = M_0 + mu m r^2 Omega^2, m and r the mass and radius of all of them.
 
     Examples
     --------
@@ -59,7 +59,7 @@ class DualMassFlywheel(Element):
     friction_coefficient: Any = entry(PhysicalQuantity("between springs and channel", "1", "mu"), None)
     spring_mass: Any = entry(PhysicalQuantity("mass of all arc springs", "mass", "m"), None)
     spring_radius: Any = entry(PhysicalQuantity("radius on which they lie", "length", "r"), None)
-    speed: Any = entry(PhysicalQuantity("speed that presses them outward", "speed", "omega", None), None)
+    speed: Any = entry(PhysicalQuantity("speed that presses them outward", "speed", "Omega", None), None)
 
     def contradictions(self) -> list[Fault]:
         return [*self._spring_faults(), *self._friction_faults()]

@@ -8,22 +8,31 @@ makes it known to model files, the JSON Schema, the checks and the documentation
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import Field, dataclass
+from copy import copy
+from dataclasses import Field, dataclass, replace
 from functools import cache
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, Self, TypeVar
 
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import PhysicalQuantity
-from torsionnet.core.entries.spec import Spec, entry
+from torsionnet.core.entries.spec import Schema, Spec, entry
 from torsionnet.core.entries.words import Flag, Text, name_fault
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.core.expressions import Expression
+from torsionnet.model.catalogues.catalogue import CatalogueRow
+from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, CatalogueEntry, SizeName, entries_of, resized
 from torsionnet.model.elements.laws import Constraint, Law, Part, Row, Values
-from torsionnet.model.elements.nodes import NodeName, NodePair
+from torsionnet.model.elements.nodes import NodeName, NodePair, ReferenceNode
+from torsionnet.model.elements.quantity_table import Several
+from torsionnet.model.elements.speed_path import SpeedPath
 
 ELEMENT_TYPES: dict[str, type[Element]] = {}
 """Kind -> type, in the order of the kinds, whatever the order in which files were imported."""
+
+REFERRED = ("stiffness", "damping", "inertia")
+"""Dimensions of values that may be quoted at the speed of another shaft."""
 
 E = TypeVar("E", bound="Element")
 
@@ -53,18 +62,21 @@ class Element(Declared):
         Free text for tables and reports.
     enabled : bool
         A disabled element takes no part until a configuration switches it on.
+    catalogue, size : CatalogueRow and str, optional
+        Where entries that the model does not give come from.
     """
 
     kind: ClassVar[str] = ""
     """The word for the type in a model file."""
     glyph: ClassVar[str] = ""
-    """How the schematic draws it: disc, spring, damper, coupling, gear, planetary, differential, clamp or shaft."""
+    """How the schematic draws it: disc, spring, damper, coupling, gear, planetary, differential, gearbox, belt,
+    clamp, shaft or pendulum."""
     sign: ClassVar[str] = "positive when it drives from the first node into the element"
     """What a positive torque means at the first port; at any other: positive when it drives out of the element."""
     drives: ClassVar[bool] = False
     """Whether a positive torque at the first port drives out of the element, as of one that acts by itself."""
-    may_drive: ClassVar[bool] = False
-    """Whether its damping may be below zero: its torque rises with the speed of what it drives."""
+    may_feed: ClassVar[bool] = False
+    """Whether it may feed energy into a vibration, by an action or by damping that may be negative."""
 
     name: str
     description: str = entry(Text("free text for tables and reports"), "", kw_only=True)
@@ -72,13 +84,37 @@ class Element(Declared):
         Flag("whether the element takes part before a configuration says otherwise"), True, kw_only=True
     )
 
+    catalogue: Any = entry(
+        CatalogueEntry("a table from which it takes the entries that are not given here, as couplings.csv"),
+        None,
+        kw_only=True,
+    )
+    size: str = entry(SizeName("the row of the catalogue"), "", kw_only=True)
+    referred_to: Any = entry(
+        ReferenceNode("a node of the shaft at whose speed the values are quoted; default: its own shaft"),
+        None,
+        kw_only=True,
+    )
+
     def __post_init__(self) -> None:
         reason = name_fault(self.name) if isinstance(self.name, str) else f"{self.name!r} is no name"
         faults = [Fault(reason)] if reason else []
+        faults += self._resized()
         faults += self.coerced()
         faults = faults or self.contradictions()
         if faults:
             raise ModelError([fault.under("elements", str(self.name)) for fault in faults], f"element {self.name!r}")
+
+    def _resized(self) -> list[Fault]:
+        """Take the row of another size, where a configuration says one; the faults of what it cannot give."""
+        row = self.catalogue
+        if not isinstance(row, CatalogueRow) or str(self.size) in ("", row.size):
+            return []
+        specs = dict(self.specs())
+        changes, faults = resized(row, str(self.size), specs, {name: getattr(self, name) for name in specs})
+        for name, value in changes.items():
+            object.__setattr__(self, name, value)
+        return faults
 
     @classmethod
     def _is_common(cls, declared: Field[Any]) -> bool:
@@ -112,7 +148,7 @@ class Element(Declared):
             nodes = getattr(self, name)
             if isinstance(spec, NodePair):
                 ports["first"], ports["second"] = nodes
-            elif nodes is not None:
+            elif nodes is not None and not isinstance(spec, ReferenceNode):
                 ports[name] = nodes
         return ports
 
@@ -132,12 +168,42 @@ class Element(Declared):
         return None
 
     @property
+    def speed_path(self) -> SpeedPath | None:
+        """The way to the shaft that its values are referred to, where their laws have been put on its own."""
+        found: SpeedPath | None = self.__dict__.get("_speed_path")
+        return found
+
+    def at_own_speed(self, path: SpeedPath) -> Self:
+        """A copy whose laws have the values of its own shaft, in place of those quoted at the end of ``path``."""
+        found = copy(self)
+        found.__dict__.update(_speed_path=path, parts=_ActualParts(self, path))
+        return found
+
+    @property
+    def referral_fault(self) -> str | None:
+        """Why its values cannot be quoted at another shaft, or None."""
+        if self.diameters is not None:
+            return f"{self.name} follows from its dimensions, which are those of its own shaft"
+        if not any(dimension in REFERRED for _, _, _, dimension in self.expressions()):
+            return f"{self.name} has no stiffness, damping or inertia that could be quoted at another shaft"
+        return None
+
+    @property
     def internal_nodes(self) -> tuple[str, ...]:
         """Nodes the element brings along by itself."""
         return ()
 
+    def expanded(self) -> tuple[Element, ...]:
+        """What it is a short way of writing: elements with names that begin with ``name.``, or itself."""
+        return (self,)
+
+    def renamed(self, names: Renaming) -> Self:
+        """The same in a part, with the names it has in the whole."""
+        found = {name: spec.renamed(value, names) for name, (spec, value) in self.scalars().items()}
+        return replace(self, name=names.own(self.name), **found)
+
     def _key(self) -> tuple[Any, ...]:
-        return (type(self), self.name, *(getattr(self, declared.name) for declared in self.declared()))
+        return (type(self), self.name, self.speed_path, *(getattr(self, declared.name) for declared in self.declared()))
 
     def __eq__(self, other: object) -> bool:
         return self._key() == other._key() if isinstance(other, Element) else NotImplemented
@@ -155,15 +221,41 @@ class Element(Declared):
 
     def expressions(self) -> Iterator[tuple[Path, Spec, Expression, str]]:
         """(path of the entry, specification, expression, dimension name) of every expression in its fields."""
-        for name, spec in self._specs_of(PhysicalQuantity):
+        for name, spec in self._specs_of(PhysicalQuantity, Several):
             value = getattr(self, name)
             if value is not None:
+                one = spec.of if isinstance(spec, Several) else spec
                 for subpath, expression, dimension in spec.expressions(value):
-                    yield (name, *subpath), spec, expression, dimension
+                    yield (name, *subpath), one, expression, dimension
 
     def to_data(self) -> dict[str, Any]:
         """The entry of a model file that makes this element."""
-        return {"type": self.kind, **super().to_data()}
+        data = {"type": self.kind, **super().to_data()}
+        if self.catalogue is None:
+            return data
+        specs = dict(self.specs())
+        taken, _ = entries_of(self.catalogue, specs, {})
+        same = {name for name, raw in taken.items() if name in data and specs[name].coerce(raw) == getattr(self, name)}
+        return {name: value for name, value in data.items() if name not in same}
+
+    @classmethod
+    def schema(cls, *, told_by: str = "") -> Schema:
+        """JSON Schema of the entry; with a catalogue, that gives what else would be required."""
+        schema = super().schema(told_by=told_by)
+        from_row = [name for name in schema["required"] if name != told_by]
+        lone = {"not": {"required": [CATALOGUE]}}
+        return {**schema, "required": [told_by] if told_by else [], "if": lone, "then": {"required": from_row}}
+
+
+@dataclass(frozen=True)
+class _ActualParts:
+    """Laws of an element with the values of its own shaft; constraints as they are."""
+
+    quoted: Element
+    path: SpeedPath
+
+    def __call__(self, value: Values) -> tuple[Part, ...]:
+        return self.path.actual(self.quoted.parts(value), value)
 
 
 def make_element(kind: str, name: str, data: Mapping[str, Any]) -> Element:

@@ -10,6 +10,7 @@ from torsionnet.core.entries.composite import Named
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.words import name_fault
 from torsionnet.core.errors import Fault, ModelError, did_you_mean
+from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, entries_of, row_of
 from torsionnet.model.elements.element import ELEMENT_TYPES, Element
 
 FORM = "{name: {type: inertia, node: ..., inertia: ...}, ...}"
@@ -47,7 +48,13 @@ def _read_element(name: Any, raw: Any) -> tuple[Element | None, list[Fault]]:
     kind = raw.get("type")
     if not isinstance(kind, str) or kind not in ELEMENT_TYPES:
         return None, [_kind_fault(kind)]
-    return _made(ELEMENT_TYPES[kind], name, {key: value for key, value in raw.items() if key != "type"})
+    cls, entries = ELEMENT_TYPES[kind], {key: value for key, value in raw.items() if key != "type"}
+    row, faults = row_of(entries)
+    if row is None:
+        return (None, faults) if faults else _made(cls, name, entries)
+    # What the model says itself wins over the catalogue.
+    taken, faults = entries_of(row, dict(cls.specs()), entries)
+    return (None, faults) if faults else _made(cls, name, {**taken, **entries, CATALOGUE: row})
 
 
 def _made(cls: type[Element], name: str, entries: Mapping[str, Any]) -> tuple[Element | None, list[Fault]]:

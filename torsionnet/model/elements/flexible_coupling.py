@@ -12,16 +12,16 @@ from torsionnet.core.entries.spec import Spec, entry
 from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expression_reading import scalar
-from torsionnet.core.expressions import RATIONAL, Expression, Number
+from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.elements.coupling_faults import contradictions, read_offs
-from torsionnet.model.elements.curves import Curve, OnCurve, Rows, Temperature, is_share, read_off
+from torsionnet.model.elements.curves import LookupCurve, OnCurve, Rows, Temperature, is_share, read_off
 from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor, loss_factor
+from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness, ScaledStiffness
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.frequency_curves import over_frequency
 from torsionnet.model.elements.laws import GROUND, Law, Part, Values, difference, make_row
 from torsionnet.model.elements.nodes import NodePair
 from torsionnet.model.elements.sheared_shapes import RUBBER_SHAPES
-from torsionnet.model.elements.stiffness_table import StiffnessTable
 from torsionnet.model.elements.viscoelastic import Viscoelastic
 
 _OVER_TORQUE = "{0.25: 0.9, 1: 1.6}, of T_KN, or {2 kN*m: 0.9, 8 kN*m: 1.6}"
@@ -40,7 +40,8 @@ class FlexibleCoupling(Element):
     the coupling follows the mean torque (``by: mean_torque``). Curves over frequency multiply k and replace eta.
 
     Of a material, k (1 + j eta) = S (G' + j G'') with the factor S of a disc in shear, pi (r_o^4 - r_i^4)/(2 t), or of
-    a bush, 4 pi L/(1/r_i^2 - 1/r_o^2), at f by time-temperature superposition.
+    a bush, 4 pi L/(1/r_i^2 - 1/r_o^2), at f by time-temperature superposition; ``scale`` multiplies it, for rubber of
+    another hardness, or in a fit.
 
     Terms as in DIN 740-2 (1986) and ISO 14691 (2008).
 
@@ -60,7 +61,7 @@ class FlexibleCoupling(Element):
     nodes: Any = entry(NodePair("the two halves; twist is the angle of the first minus the second"))
     stiffness: Any = entry(PhysicalQuantity("dynamic stiffness of one coupling", "stiffness", "k_0"), None)
     stiffness_over_torque: Any = entry(
-        Curve(
+        LookupCurve(
             "instead: dynamic stiffness over mean torque",
             "torque",
             "stiffness",
@@ -77,18 +78,19 @@ class FlexibleCoupling(Element):
     torque: Any = entry(PhysicalQuantity("mean torque at the working point", "torque", "T"), None)
     vibratory_torque: Any = entry(PhysicalQuantity("amplitude at the working point", "torque", "T_W"), None)
     temperature: Any = entry(Temperature("temperature of the rubber", "temperature", "t", exclusive=True), None)
-    torque_factor: Any = entry(Curve("S_T, k over k_0", "torque", exclusive=True, shown=_OVER_TORQUE), None)
-    amplitude_factor: Any = entry(Curve("S_A, k over k_0", "torque", exclusive=True, shown=_OVER_TORQUE), None)
-    temperature_factor: Any = entry(Curve("S_t, k over k_0", "temperature", exclusive=True), None)
-    damping_temperature_factor: Any = entry(Curve("S_d, of the loss factor", "temperature", exclusive=True), None)
+    torque_factor: Any = entry(LookupCurve("S_T, k over k_0", "torque", exclusive=True, shown=_OVER_TORQUE), None)
+    amplitude_factor: Any = entry(LookupCurve("S_A, k over k_0", "torque", exclusive=True, shown=_OVER_TORQUE), None)
+    temperature_factor: Any = entry(LookupCurve("S_t, k over k_0", "temperature", exclusive=True), None)
+    damping_temperature_factor: Any = entry(LookupCurve("S_d, of the loss factor", "temperature", exclusive=True), None)
     frequency_factor: Any = entry(
-        Curve("k over k_0", "frequency", exclusive=True, shown="{1 Hz: 1, 100 Hz: 1.3}"), None
+        LookupCurve("k over k_0", "frequency", exclusive=True, shown="{1 Hz: 1, 100 Hz: 1.3}"), None
     )
     loss_over_frequency: Any = entry(
-        Curve("loss factor", "frequency", exclusive=True, shown="{1 Hz: 0.15, 100 Hz: 0.2}"), None
+        LookupCurve("loss factor", "frequency", exclusive=True, shown="{1 Hz: 0.15, 100 Hz: 0.2}"), None
     )
     material: Any = entry(Nested("rubber: its moduli", lambda: Viscoelastic, "viscoelastic"), None)
     geometry: Any = entry(Typed("rubber: its shape", lambda: RUBBER_SHAPES, "shape", "rubber_shape"), None)
+    scale: Any = entry(PhysicalQuantity("factor on the moduli of the material", "1", "F", exclusive=True), None)
     in_series: Any = entry(Count("n_s, groups in series", 1, 100), 1)
     in_parallel: Any = entry(Count("n_p, couplings in parallel in each group", 1, 100), 1)
     first_inertia: Any = entry(PhysicalQuantity("inertia that turns with the first node", "inertia", "J_1"), 0)
@@ -103,8 +105,10 @@ class FlexibleCoupling(Element):
         for path, spec, expression, dimension in super().expressions():
             rows = curves.get(str(path[0]), ())
             if rows and isinstance(spec, PhysicalQuantity):
-                share = self._share_of(rows)
-                yield path, OnCurve(spec.description, dimension, rows=rows, share_of=share), expression, dimension
+                on_curve = OnCurve(
+                    spec.description, dimension, exclusive=spec.exclusive, rows=rows, share_of=self._share_of(rows)
+                )
+                yield path, on_curve, expression, dimension
             else:
                 yield path, spec, expression, dimension
 
@@ -125,20 +129,20 @@ class FlexibleCoupling(Element):
         groups = value(scalar(self.in_parallel)) / value(scalar(self.in_series))
         if self.material is not None or self.frequency_factor or self.loss_over_frequency:
             one = 0 if self.damping is None else value(self.damping)
-            return Law(row, damping=one * groups, table=self._table())
+            return Law(row, damping=one * groups, table=self._over_frequency(groups, value))
         stiffness = self._stiffness(value)
         damping = viscous(self.damping, stiffness, value) * groups
         return Law(row, damping=damping, stiffness=stiffness * groups, loss_factor=self._loss_factor(value))
 
-    def _table(self) -> StiffnessTable:
-        """The law over frequency, of numbers alone."""
-        value = Values({}, RATIONAL)
-        groups = self.in_parallel / self.in_series
+    def _over_frequency(self, groups: Any, value: Values) -> DynamicStiffness:
+        """The law over frequency: numbers, times what parameters may change."""
         if self.material is not None:
-            temperature = None if self.temperature is None else float(value(self.temperature))
-            return self.material.stiffness(self.geometry.factor * groups, temperature)  # type: ignore[no-any-return]
-        stiffness, eta = float(self._stiffness(value)) * groups, float(self._loss_factor(value))
-        return over_frequency(stiffness, self.frequency_factor, self.loss_over_frequency, eta)
+            temperature = None if self.temperature is None else float(self.temperature.value)
+            base = self.material.stiffness(self.geometry.factor, temperature)
+            return ScaledStiffness(base, groups if self.scale is None else groups * value(self.scale))
+        eta = float(self._loss_factor(Values({})))
+        base = over_frequency(1.0, self.frequency_factor, self.loss_over_frequency, eta)
+        return ScaledStiffness(base, groups * self._stiffness(value))
 
     def _stiffness(self, value: Values) -> Any:
         if self.stiffness_over_torque:

@@ -49,7 +49,7 @@ class GridGenerator(Element):
 
     node: Any = entry(NodeName("the node of the rotor", allow_ground=False))
     rated_power: Any = entry(PhysicalQuantity("power that is 1 per unit", "power", "S", exclusive=True))
-    speed: Any = entry(PhysicalQuantity("synchronous speed of the rotor", "speed", "omega", exclusive=True))
+    speed: Any = entry(PhysicalQuantity("synchronous speed of the rotor", "speed", "Omega", exclusive=True))
     grid_frequency: Any = entry(PhysicalQuantity("frequency of the line", "frequency", "f", exclusive=True))
     inertia_constant: Any = entry(
         PhysicalQuantity("stored energy over rated power, of all masses that stand for it", "time", "H")

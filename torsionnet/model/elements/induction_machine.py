@@ -43,7 +43,7 @@ class InductionMachine(Element):
     kind: ClassVar[str] = "induction_machine"
     glyph: ClassVar[str] = "machine"
     sign: ClassVar[str] = "positive when the drivetrain drives the rotor in the positive sense"
-    may_drive: ClassVar[bool] = True
+    may_feed: ClassVar[bool] = True
 
     node: Any = entry(NodeName("the node of the rotor", allow_ground=False))
     synchronous_speed: Any = entry(

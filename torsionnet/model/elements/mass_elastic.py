@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, ClassVar
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
 from torsionnet.core.errors import Fault, did_you_mean
 from torsionnet.core.expression_reading import scalar
+from torsionnet.core.plain_names import free_name
 from torsionnet.model.elements.element import Element, register
 from torsionnet.model.elements.gears import Gear
 from torsionnet.model.elements.inertia import Inertia
@@ -48,6 +50,9 @@ class Stations(Spec):
                 raise EntryError(error.fault.under(mass)) from None
         return tuple(found)
 
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return tuple((mass, names.node(node)) for mass, node in value)
+
     def plain(self, value: Any) -> dict[str, str]:
         return dict(value)
 
@@ -69,7 +74,7 @@ class MassElastic(Element):
 
     Examples
     --------
-    >>> from torsionnet.core.delimited.grid import grid_of
+    >>> from torsionnet.core.delimited.cell_grid import grid_of
     >>> from torsionnet.model.sheets.mass_elastic_sheet import sheet_of
     >>> sheet = sheet_of(grid_of(["mass;J [kg m²];k [MNm/rad]", "Cyl. 1;52;36", "Flywheel;780;"], "engine.csv"))
     >>> engine = MassElastic("engine", table=sheet, at={"flywheel": "fly"})
@@ -118,7 +123,8 @@ class MassElastic(Element):
 
     def expanded(self) -> tuple[Element, ...]:
         """The elements that it stands for."""
-        return tuple(sheet_elements(self.table, self.nodes_of_masses, f"{self.name}."))
+        found = tuple(sheet_elements(self.table, self.nodes_of_masses, f"{self.name}."))
+        return found if self.enabled else tuple(replace(element, enabled=False) for element in found)
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         return tuple(part for element in self.expanded() for part in element.parts(value))
@@ -141,13 +147,16 @@ def sheet_elements(sheet: MassElasticSheet, nodes: Mapping[str, str], prefix: st
     """Elements with the masses of a sheet on these nodes; names begin with ``prefix``."""
     ratios = {mass.name: mass.ratio for mass in sheet.masses}
     places = {**nodes, GROUND: GROUND}
+    taken = {*ratios, *(link.name for link in sheet.links)}
     for mass in sheet.masses:
         node, name = nodes[mass.name], f"{prefix}{mass.name}"
         said = mass.label if mass.label != mass.name else ""
         if mass.inertia is not None and mass.inertia.si:
             yield Inertia(name, node=node, inertia=mass.inertia.raw, description=said)
         if mass.damping is not None and mass.damping.si:
-            yield Damper(f"{name}_damping", nodes=(node, GROUND), damping=mass.damping.raw)
+            yield Damper(
+                f"{prefix}{free_name(f'{mass.name}_damping', taken)}", nodes=(node, GROUND), damping=mass.damping.raw
+            )
     for link in sheet.links:
         ratio = ratios[link.first] / ratios.get(link.second, ratios[link.first])
         yield from _connection(link, (places[link.first], places[link.second]), ratio, prefix)
@@ -175,7 +184,7 @@ def _joint(name: str, nodes: tuple[str, str]) -> Element:
 def _shaft(link: SheetLink, name: str, nodes: tuple[str, str]) -> Element:
     """A spring with the section where stress is judged; from its dimensions alone, a shaft without inertia."""
     damping = link.damping.raw if link.damping is not None else 0
-    section = {} if link.outer is None else {"outer_diameter": link.outer.raw}
+    section: dict[str, Any] = {} if link.outer is None else {"outer_diameter": link.outer.raw}
     section |= {"inner_diameter": link.inner.raw} if link.inner is not None and section and link.inner.si else {}
     if link.stiffness is None:
         assert link.length is not None

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.spec import EntryError, Schema, Spec
-from torsionnet.core.entries.words import name_fault
+from torsionnet.core.entries.words import Text, name_fault
 from torsionnet.model.elements.laws import GROUND
 
 
@@ -19,6 +20,9 @@ class NodeName(Spec):
 
     def coerce(self, raw: Any) -> str:
         return read_node(raw, allow_ground=self.allow_ground)
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return names.node(value)
 
     def schema(self) -> Schema:
         return {"type": "string", "description": self.description}
@@ -33,6 +37,23 @@ def read_node(raw: Any, *, allow_ground: bool = True) -> str:
     if raw == GROUND and not allow_ground:
         raise EntryError("ground does not move; attach this to a node")
     return raw
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ElementName(Text):
+    """An element of the model."""
+
+    what: str = "the name of an element"
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return names.own(value)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class ReferenceNode(NodeName):
+    """A node of the shaft at which values are quoted: no port."""
+
+    allow_ground: bool = False
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -54,6 +75,9 @@ class NodePair(Spec):
             return read_node(entry)
         except EntryError as error:
             raise EntryError(error.fault.under(index)) from None
+
+    def renamed(self, value: Any, names: Renaming) -> Any:
+        return (names.node(value[0]), names.node(value[1]))
 
     def plain(self, value: Any) -> Any:
         return list(value)

@@ -17,11 +17,11 @@ from torsionnet.model.elements.nodes import NodeName
 @register
 @dataclass(frozen=True, eq=False, repr=False)
 class PendulumAbsorber(Element):
-    r"""Pendulums in the centrifugal field of a shaft that turns at omega: an absorber tuned to an order, at any speed.
+    r"""Pendulums in the centrifugal field of a shaft that turns at Omega: an absorber tuned to an order, at any speed.
 
     ``count`` masses m run on paths of radius r round points at R from the axis of the shaft. With theta the angle of
     the shaft and psi that of shaft and pendulum together, small motions at constant mean speed have the kinetic energy
-    m (R dtheta/dt + r dpsi/dt)^2/2 and the restoring torque m R r omega^2 (psi - theta). The mass swings at
+    m (R dtheta/dt + r dpsi/dt)^2/2 and the restoring torque m R r Omega^2 (psi - theta). The mass swings at
     n = sqrt(R/r) periods a turn, and at that order its node stands still, whatever the speed and the inertia of the
     shaft. A mass hung at two points (bifilar) does not turn against the shaft; hung at one, it does, and its inertia J
     about its centre of mass makes n = sqrt(m R r/(m r^2 + J)).
@@ -56,7 +56,7 @@ class PendulumAbsorber(Element):
         PhysicalQuantity("radius of the path of the centre of mass at its vertex", "length", "r", exclusive=True)
     )
     speed: Any = entry(
-        PhysicalQuantity("mean speed of the shaft, or a parameter that follows it", "speed", "omega", exclusive=True)
+        PhysicalQuantity("mean speed of the shaft, or a parameter that follows it", "speed", "Omega", exclusive=True)
     )
     count: Any = entry(Count("how many pendulums, all alike and in phase", 1, 100), 1)
     own_inertia: Any = entry(PhysicalQuantity("inertia of one mass about its centre of mass", "inertia", "J"), 0)

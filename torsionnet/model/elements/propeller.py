@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Number
 from torsionnet.model.elements.element import Element, register
 from torsionnet.model.elements.laws import Law, Part, Values, make_row
 from torsionnet.model.elements.nodes import NodeName
 
-_ARCHER = ("archer", "torque", "speed")
+_LAWS = {
+    "archer": ("archer", "torque", "speed"),
+    "exponent": ("exponent", "torque", "speed"),
+    "torque_slope": ("torque_slope", "torque_coefficient", "advance_ratio", "torque", "speed"),
+}
+"""What makes a law of damping, and all entries it needs."""
+_NAMES = {"archer": "Archer", "exponent": "exponent", "torque_slope": "torque_slope"}
+_PITCH = ("pitch_ratio", "design_pitch_ratio")
+AT_RADIUS = Fraction(7, 10)
+"""Share of the tip radius whose pitch stands for that of the blade."""
 
 
 @register
@@ -20,11 +31,19 @@ _ARCHER = ("archer", "torque", "speed")
 class Propeller(Element):
     """A ship's propeller with entrained water and damping.
 
-    The inertia in water is J (1 + w), w the share of entrained water. The damping c acts between propeller and water,
-    which stands for ground; it is given, or by Archer c = a Q/n with the mean torque Q in N m and the speed n in r/min
-    of the propeller, so that c = a Q pi/(30 omega). Torque and speed may be parameters that follow the operating point;
-    then c follows Q/n over speed. The factor a is mostly taken as 30 (S. Archer, Torsional vibration damping
-    coefficients for marine propellers, Engineering, 1955).
+    The inertia in water is J (1 + w), w the share of entrained water, or J + J_w. The damping c acts between propeller
+    and water, which stands for ground; it is given, or follows from the mean torque Q at the speed omega, both of the
+    propeller, which may be parameters that follow the operating point:
+
+    * by Archer c = a Q/n with Q in N m and n in r/min, so that c = a Q pi/(30 omega); the factor a is mostly taken as
+      30 (S. Archer, Torsional vibration damping coefficients for marine propellers, Engineering, 1955);
+    * as the slope of a torque that follows omega^m: c = m Q/omega;
+    * as the slope of the open-water torque K_Q(J_a) rho D^5 (omega/2 pi)^2 while the ship keeps its speed, which moves
+      the advance ratio J_a = 2 pi v/(omega D): c = (2 - J_a/K_Q dK_Q/dJ_a) Q/omega.
+
+    Water is entrained by what moves across the blade. Where that is given for the design pitch p_d (pitch over
+    diameter) and the blades stand at another pitch p, it is taken as the square of the sine of the pitch angle at 0.7
+    of the radius: times p^2 (p_d^2 + x^2)/(p_d^2 (p^2 + x^2)), x = 0.7 pi. At zero pitch nothing is entrained.
 
     Examples
     --------
@@ -42,29 +61,88 @@ class Propeller(Element):
     node: Any = entry(NodeName("the node it turns with", allow_ground=False))
     inertia: Any = entry(PhysicalQuantity("mass moment of inertia in air", "inertia", "J", usual=(1e-12, 1e10)))
     entrained_water: Any = entry(PhysicalQuantity("share that entrained water adds, as 25 %", "1", "w"), 0)
+    entrained_inertia: Any = entry(PhysicalQuantity("instead: inertia of entrained water", "inertia", "J_w"), None)
+    pitch_ratio: Any = entry(PhysicalQuantity("pitch over diameter at which the blades stand", "1", "p", None), None)
+    design_pitch_ratio: Any = entry(
+        PhysicalQuantity("pitch over diameter for which entrained water is given", "1", "p_d", nonzero=True), None
+    )
     damping: Any = entry(PhysicalQuantity("damping by the water", "damping", "c"), None)
     archer: Any = entry(PhysicalQuantity("instead: factor of Archer's formula, about 30", "1", "a"), None)
-    torque: Any = entry(PhysicalQuantity("mean torque, for Archer's formula", "torque", "Q"), None)
+    exponent: Any = entry(PhysicalQuantity("instead: exponent m of torque over speed, about 2", "1", "m"), None)
+    torque_slope: Any = entry(
+        PhysicalQuantity("instead: slope dK_Q/dJ_a of the open-water torque, below zero", "1", "K_Qs", None), None
+    )
+    torque_coefficient: Any = entry(
+        PhysicalQuantity("open-water torque coefficient K_Q there", "1", "K_Q", exclusive=True), None
+    )
+    advance_ratio: Any = entry(PhysicalQuantity("advance ratio at which it works", "1", "J_a"), None)
+    torque: Any = entry(PhysicalQuantity("mean torque, for the laws of damping", "torque", "Q"), None)
     speed: Any = entry(
-        PhysicalQuantity("speed of the propeller, for Archer's formula", "speed", "omega", exclusive=True), None
+        PhysicalQuantity("speed of the propeller, for the laws of damping", "speed", "Omega", exclusive=True), None
     )
 
     def contradictions(self) -> list[Fault]:
-        given = [name for name in _ARCHER if getattr(self, name) is not None]
+        return [*self._damping_faults(), *self._water_faults()]
+
+    def _damping_faults(self) -> list[Fault]:
+        known = list(dict.fromkeys(name for names in _LAWS.values() for name in names))
+        given = [name for name in known if getattr(self, name) is not None]
+        laws = [name for name in given if name in _LAWS]
         if given and self.damping is not None:
-            return [Fault("the damping is given or by Archer, not both", ("damping",), on_key=True)]
-        if given and len(given) < len(_ARCHER):
-            missing = " and ".join(name for name in _ARCHER if name not in given)
-            return [Fault(f"damping by Archer needs archer, torque and speed; here is no {missing}", on_key=True)]
-        return []
+            how = _NAMES[laws[0]] if laws else "its torque"
+            return [Fault(f"the damping is given or by {how}, not both", ("damping",), on_key=True)]
+        if len(laws) > 1:
+            return [Fault(f"the damping is by {' or '.join(laws)}, one of them", (laws[1],), on_key=True)]
+        if not laws:
+            wanted = " or ".join(_LAWS)
+            return (
+                [Fault(f"{given[0]} is for a law of damping; give {wanted}", (given[0],), on_key=True)] if given else []
+            )
+        needed = _LAWS[laws[0]]
+        if len(given) < len(needed):
+            missing = " and ".join(name for name in needed if name not in given)
+            text = f"damping by {_NAMES[laws[0]]} needs {', '.join(needed[:-1])} and {needed[-1]}; here is no {missing}"
+            return [Fault(text, on_key=True)]
+        return [
+            Fault(f"{name} has no part in damping by {_NAMES[laws[0]]}", (name,), on_key=True)
+            for name in given
+            if name not in needed
+        ]
+
+    def _water_faults(self) -> list[Fault]:
+        faults = []
+        if self.entrained_inertia is not None and self.entrained_water != Number(0):
+            faults.append(
+                Fault("give entrained_water or entrained_inertia, not both", ("entrained_inertia",), on_key=True)
+            )
+        pitch = [name for name in _PITCH if getattr(self, name) is not None]
+        if len(pitch) == 1:
+            text = "entrained water at another pitch needs pitch_ratio and design_pitch_ratio"
+            faults.append(Fault(text, (pitch[0],), on_key=True))
+        return faults
 
     def parts(self, value: Values) -> tuple[Part, ...]:
-        row = make_row([(self.node, 1)])
-        return (
-            Law(row, inertia=value(self.inertia) * (1 + value(self.entrained_water)), damping=self._damping(value)),
-        )
+        dry, entrained = value(self.inertia), self._at_pitch(value)
+        if self.entrained_inertia is None:
+            inertia = dry * (1 + value(self.entrained_water) * entrained)
+        else:
+            inertia = dry + value(self.entrained_inertia) * entrained
+        return (Law(make_row([(self.node, 1)]), inertia=inertia, damping=self._damping(value)),)
+
+    def _at_pitch(self, value: Values) -> Any:
+        """Entrained water over that at the design pitch."""
+        if self.pitch_ratio is None:
+            return 1
+        stands, design = value(self.pitch_ratio) ** 2, value(self.design_pitch_ratio) ** 2
+        round_square = (value.algebra.number(AT_RADIUS) * value.algebra.pi) ** 2
+        return stands * (design + round_square) / (design * (stands + round_square))
 
     def _damping(self, value: Values) -> Any:
         if self.archer is not None:
             return value(self.archer) * value(self.torque) * value.algebra.pi / (30 * value(self.speed))
+        if self.exponent is not None:
+            return value(self.exponent) * value(self.torque) / value(self.speed)
+        if self.torque_slope is not None:
+            bent = value(self.advance_ratio) * value(self.torque_slope) / value(self.torque_coefficient)
+            return (2 - bent) * value(self.torque) / value(self.speed)
         return 0 if self.damping is None else value(self.damping)

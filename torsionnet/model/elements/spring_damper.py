@@ -8,8 +8,9 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
-from torsionnet.model.elements.curves import Curve
+from torsionnet.model.elements.curves import LookupCurve
 from torsionnet.model.elements.damping_entries import DampingQuantity
+from torsionnet.model.elements.dynamic_stiffness import ScaledStiffness
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.frequency_curves import over_frequency
 from torsionnet.model.elements.laws import Law, Part, Values, difference, make_row
@@ -44,10 +45,11 @@ class SpringDamper(Element):
     stiffness: Any = entry(PhysicalQuantity("stiffness of the springs", "stiffness", "k", exclusive=True))
     damping: Any = entry(DampingQuantity("damping by the oil, or a measure at a frequency", "damping", "c"), None)
     loss_over_frequency: Any = entry(
-        Curve("instead: c omega/k over frequency", "frequency", exclusive=True, shown="{10 Hz: 0.3, 40 Hz: 0.6}"), None
+        LookupCurve("instead: c omega/k", "frequency", exclusive=True, shown="{10 Hz: 0.3, 40 Hz: 0.6}"),
+        None,
     )
     stiffness_over_frequency: Any = entry(
-        Curve("k(f) over the stiffness", "frequency", exclusive=True, shown="{10 Hz: 1.1, 40 Hz: 1.3}"), None
+        LookupCurve("k(f) over the stiffness", "frequency", exclusive=True, shown="{10 Hz: 1.1, 40 Hz: 1.3}"), None
     )
     hub_inertia: Any = entry(PhysicalQuantity("inertia of the inner star", "inertia", "J_h"), 0)
 
@@ -57,9 +59,6 @@ class SpringDamper(Element):
         if self.stiffness_over_frequency and not self.loss_over_frequency:
             text = "a stiffness over frequency needs the damping over frequency, too: loss_over_frequency"
             return [Fault(text, ("stiffness_over_frequency",), on_key=True)]
-        if self.loss_over_frequency and self.stiffness.names:
-            text = f'"{self.stiffness}" is an expression of parameters; with curves over frequency it is a number'
-            return [Fault(text, ("stiffness",))]
         return []
 
     @property
@@ -75,8 +74,7 @@ class SpringDamper(Element):
     def _springs(self, ring: str, value: Values) -> Law:
         row = difference(self.node, ring)
         if self.loss_over_frequency:
-            stiffness = float(self.stiffness.value)
-            table = over_frequency(stiffness, self.stiffness_over_frequency, self.loss_over_frequency)
-            return Law(row, table=table)
+            table = over_frequency(1.0, self.stiffness_over_frequency, self.loss_over_frequency)
+            return Law(row, table=ScaledStiffness(table, value(self.stiffness)))
         stiffness = value(self.stiffness)
         return Law(row, damping=viscous(self.damping, stiffness, value), stiffness=stiffness)

@@ -13,7 +13,7 @@ from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, under
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, Number
-from torsionnet.model.elements.curves import Curve, Temperature
+from torsionnet.model.elements.curves import LookupCurve, Temperature
 from torsionnet.model.elements.sampled_stiffness import SampledStiffness
 
 Moduli = tuple[tuple[float, float, float], ...]
@@ -82,7 +82,8 @@ class Viscoelastic(Declared):
     C1: Any = entry(Value("first constant of Williams, Landel and Ferry", "1", exclusive=True), None)
     C2: Any = entry(Value("their second constant, a difference of temperatures", "temperature", exclusive=True), None)
     shift: Any = entry(
-        Curve("instead: a_T over temperature", "temperature", exclusive=True, shown="{0 degC: 80, 20 degC: 1}"), None
+        LookupCurve("instead: shift factor a_T", "temperature", exclusive=True, shown="{0 degC: 80, 20 degC: 1}"),
+        None,
     )
 
     def contradictions(self) -> list[Fault]:

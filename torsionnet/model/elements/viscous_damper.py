@@ -13,6 +13,7 @@ from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Number
 from torsionnet.model.elements.curves import Temperature
 from torsionnet.model.elements.damping_entries import DampingQuantity
+from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness, ScaledStiffness
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
 from torsionnet.model.elements.nodes import NodeName
@@ -36,7 +37,7 @@ class ViscousDamper(Element):
     Silicone oils are stiff, too, and both values change with frequency and temperature: c and k are constants, or a
     table over frequency that holds at one temperature, or S (G' + j G'') of the silicone in the gaps round the ring at
     the temperature of the film, by time-temperature superposition, with S = pi (r_o^4 - r_i^4)/h_a + 2 pi b r_o^3/h_o
-    + 2 pi b r_i^3/h_i.
+    + 2 pi b r_i^3/h_i; ``scale`` multiplies either, for an oil of another viscosity, or in a fit.
 
     Examples
     --------
@@ -67,6 +68,7 @@ class ViscousDamper(Element):
     )
     silicone: Any = entry(Nested("instead: moduli of the silicone", lambda: Viscoelastic, "viscoelastic"), None)
     gap: Any = entry(Nested("its gaps round the ring", lambda: FilmGap, "film_gap"), None)
+    scale: Any = entry(PhysicalQuantity("factor on the table or on the moduli", "1", "F", exclusive=True), None)
     temperature: Any = entry(Temperature("temperature of the silicone", "temperature", "t", exclusive=True), None)
 
     def contradictions(self) -> list[Fault]:
@@ -77,6 +79,8 @@ class ViscousDamper(Element):
             return [Fault(f"the film is given by {given[0]} or by {given[1]}, not both", (given[1],), on_key=True)]
         if self.damping is None and self.stiffness != Number(0):
             return [Fault(f"the {given[0]} says the stiffness already", ("stiffness",), on_key=True)]
+        if self.damping is not None and self.scale is not None:
+            return [Fault("this multiplies a table or a silicone, and there is none", ("scale",), on_key=True)]
         return [*self._measure_faults(), *self._silicone_faults()]
 
     def _silicone_faults(self) -> list[Fault]:
@@ -110,12 +114,16 @@ class ViscousDamper(Element):
     def _film(self, ring: str, value: Values) -> Law:
         row = difference(self.node, ring)
         if self.table is not None:
-            return Law(row, table=self.table)
+            return Law(row, table=self._scaled(self.table, value))
         if self.silicone is not None:
             temperature = None if self.temperature is None else float(self.temperature.value)
-            return Law(row, table=self.silicone.stiffness(self.gap.factor, temperature))
+            film = self.silicone.stiffness(self.gap.factor, temperature)
+            return Law(row, table=self._scaled(film, value))
         stiffness = value(self.stiffness)
         return Law(row, damping=viscous(self.damping, stiffness, value), stiffness=stiffness)
+
+    def _scaled(self, film: DynamicStiffness, value: Values) -> DynamicStiffness:
+        return film if self.scale is None else ScaledStiffness(film, value(self.scale))
 
     def holds(self, value: Values) -> tuple[Row, ...]:
         """The ring turns with the hub on average, whatever the film."""

@@ -12,13 +12,14 @@ from torsionnet.core.entries.composite import Nested
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, Text
+from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.elements import Element
 from torsionnet.model.elements.gears import Gear
-from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.elements.nodes import ElementName
 from torsionnet.model.excitations.harmonic_torque import PHASE, ByOrder
-from torsionnet.model.excitations.order_excitation import FloatArray, OrderExcitation, OrderTorques, register_excitation
+from torsionnet.model.excitations.order_excitation import FloatArray, OrderTorques, register_excitation
+from torsionnet.model.excitations.twist_excitation import TwistExcitation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +51,7 @@ class _Line(NamedTuple):
 
 @register_excitation
 @dataclass(frozen=True, kw_only=True)
-class GearMesh(OrderExcitation):
+class GearMesh(TwistExcitation):
     """Transmission error of a gear stage by multiples of its tooth frequency, and run-out of both wheels.
 
     The error e is how far the wheel on ``speed_of`` runs ahead without load. It is imposed on the mesh, whose torque is
@@ -66,14 +67,9 @@ class GearMesh(OrderExcitation):
     """
 
     kind: ClassVar[str] = "gear_mesh"
+    named_by: ClassVar[str] = "mesh"
 
-    mesh: Any = entry(Text("the gear, an element with a mesh stiffness", "the name of a gear"))
-    speed_of: Any = entry(
-        NodeName(
-            "the wheel whose angles and revolutions are meant; default: the first of the gear", allow_ground=False
-        ),
-        None,
-    )
+    mesh: Any = entry(ElementName("the gear, an element with a mesh stiffness", "the name of a gear"))
     teeth: Any = entry(Count("teeth of that wheel; default: as the gear says", 1, 1_000_000), None)
     mate_teeth: Any = entry(Count("teeth of the other wheel; default: as the gear says", 1, 1_000_000), None)
     base_radius: Any = entry(
@@ -108,27 +104,12 @@ class GearMesh(OrderExcitation):
         if self.mate_run_out:
             yield _Line(("mate_run_out",), (self.teeth or 1) / (self.mate_teeth or 1), self.mate_run_out)
 
-    @property
-    def shaft(self) -> str:
-        return str(self.speed_of or "")
-
-    @property
-    def quantity(self) -> str:
-        return "twist"
-
-    @property
-    def element_entry(self) -> tuple[Path, str] | None:
-        return ("mesh",), self.mesh
-
     def fitted(self, elements: Mapping[str, Element]) -> Self:
-        gear = elements.get(self.mesh)
-        if not isinstance(gear, Gear):
-            return self
-        shaft = self.speed_of or gear.nodes[0]
-        if gear.teeth is None or shaft not in gear.nodes:
-            return replace(self, speed_of=shaft)
-        own, mate = map(abs, gear.teeth if shaft == gear.nodes[0] else gear.teeth[::-1])
-        return replace(self, speed_of=shaft, teeth=self.teeth or own, mate_teeth=self.mate_teeth or mate)
+        gear, fitted = elements.get(self.mesh), super().fitted(elements)
+        if not isinstance(gear, Gear) or gear.teeth is None or fitted.speed_of not in gear.nodes:
+            return fitted
+        own, mate = map(abs, gear.teeth if fitted.speed_of == gear.nodes[0] else gear.teeth[::-1])
+        return replace(fitted, teeth=self.teeth or own, mate_teeth=self.mate_teeth or mate)
 
     def misfits(self, elements: Mapping[str, Element]) -> list[Fault]:
         gear = elements[self.mesh]

@@ -4,25 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from typing import Any, ClassVar, Self
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Count, Text
-from torsionnet.core.errors import Fault, Path
-from torsionnet.model.elements import GROUND, Element
-from torsionnet.model.elements.nodes import NodeName
-from torsionnet.model.excitations.order_excitation import FloatArray, OrderExcitation, OrderTorques, register_excitation
+from torsionnet.core.entries.words import Count
+from torsionnet.core.errors import Fault
+from torsionnet.model.elements import Element
+from torsionnet.model.elements.nodes import ElementName
+from torsionnet.model.excitations.order_excitation import FloatArray, OrderTorques, register_excitation
+from torsionnet.model.excitations.twist_excitation import TwistExcitation, shafts_of
 
 STEEPEST = math.radians(45)
 
 
 @register_excitation
 @dataclass(frozen=True, kw_only=True)
-class UniversalJoint(OrderExcitation):
+class UniversalJoint(TwistExcitation):
     """A cross joint at the angle beta: tan(out) = tan(in)/cos(beta), in = phi + phase of its input yoke.
 
     Its output runs ahead by out - in = sum_n tan(beta/2)^(2n)/n sin(2 n in), which is imposed as a twist in the element
@@ -39,13 +40,13 @@ class UniversalJoint(OrderExcitation):
     """
 
     kind: ClassVar[str] = "universal_joint"
+    named_by: ClassVar[str] = "joint"
 
-    joint: Any = entry(Text("the element between its input and its output, a spring or a compliant gear", "a name"))
+    joint: Any = entry(ElementName("the element between its input and its output, a spring or a compliant gear"))
     angle: Any = entry(Value("angle between input and output shaft", "angle"))
     phase: Any = entry(
         Value("angle of the input yoke where phi is 0; 90 deg if in line with that of the last joint", "angle", None), 0
     )
-    speed_of: Any = entry(NodeName("the input shaft; default: the first node of the element", allow_ground=False), None)
     multiples: Any = entry(Count("how many multiples of twice the speed act", 1, 10), 2)
 
     def contradictions(self) -> list[Fault]:
@@ -54,30 +55,13 @@ class UniversalJoint(OrderExcitation):
         text = f"a universal joint works at less than {math.degrees(STEEPEST):g} deg"
         return [Fault(f"{text}; a bare number is in radians, write 10 deg", ("angle",))]
 
-    @property
-    def shaft(self) -> str:
-        return str(self.speed_of or "")
-
-    @property
-    def quantity(self) -> str:
-        return "twist"
-
-    @property
-    def element_entry(self) -> tuple[Path, str] | None:
-        return ("joint",), self.joint
-
-    def fitted(self, elements: Mapping[str, Element]) -> Self:
-        if self.speed_of or self.joint not in elements:
-            return self
-        return replace(self, speed_of=next(iter(_shafts(elements[self.joint])), None))
-
     def misfits(self, elements: Mapping[str, Element]) -> list[Fault]:
         element = elements[self.joint]
         if element.glyph not in ("spring", "shaft"):
             return [
                 Fault(f"{self.joint} is a {element.kind}; a joint is in a spring between its two shafts", ("joint",))
             ]
-        shafts = _shafts(element)
+        shafts = shafts_of(element)
         if self.speed_of in shafts:
             return []
         text = f"the input of a joint is an end of its element; {self.joint} connects {' and '.join(shafts)}"
@@ -90,7 +74,3 @@ class UniversalJoint(OrderExcitation):
         lag = -sizes * -1j * np.exp(2j * count * self.phase)
         amplitudes = np.broadcast_to(lag[None, :, None], (len(speeds), len(count), 1)).copy()
         return OrderTorques(2.0 * count, (self.joint,), amplitudes)
-
-
-def _shafts(element: Element) -> list[str]:
-    return [node for node in element.ports.values() if node != GROUND]

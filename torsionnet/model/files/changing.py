@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path as FolderPath
 
@@ -17,6 +17,7 @@ from torsionnet.model.files.located import LocatedDocument, LocatedNode, Span, c
 from torsionnet.model.files.quoting import written
 from torsionnet.model.files.reader import read_text
 from torsionnet.model.files.writer import dump
+from torsionnet.model.parts.authored import owner
 
 _NOTHING = Overlay()
 
@@ -98,37 +99,79 @@ def changed_text(
     '{torsionnet: 1, name: x, parameters: {J: 3 kg*m^2}, elements: {disc: {type: inertia, node: a, inertia: J}}}'
     """
     wanted = changed_definition(definition, changes)
-    edited = _edited(text, changes, file)
+    edited = _edited(text, definition, changes, file)
     found = None if edited is None else read_text(edited, file, folder)[0]
     if edited is None or found is None or found.to_data() != wanted.to_data():
         return dump(wanted)
     return edited
 
 
-def _edited(text: str, changes: Mapping[Place, Expression], file: str) -> str | None:
+def _edited(text: str, definition: Definition, changes: Mapping[Place, Expression], file: str) -> str | None:
     try:
         document = compose(text, file)
     except ModelError:
         return None
     starts = [0, *itertools.accumulate(map(len, text.splitlines(keepends=True)))]
     spans: list[tuple[int, int, str]] = []
+    is_json = file.lower().endswith(".json")
     for place, value in changes.items():
-        span = _span(document, place)
+        plain = plain_scalar(value)
+        new = json.dumps(plain) if is_json else written(plain)
+        span = _span(document, place, definition)
+        if span is None:
+            span, new = _inserted(document, place, definition, new, is_json)
         if span is None or span.end_line >= len(starts):
             return None
-        plain = plain_scalar(value)
-        new = json.dumps(plain) if file.lower().endswith(".json") else written(plain)
         spans.append((starts[span.line] + span.column, starts[span.end_line] + span.end_column, new))
     for start, end, new in sorted(spans, reverse=True):
         text = text[:start] + new + text[end:]
     return text
 
 
-def _span(document: LocatedDocument, place: Place) -> Span | None:
-    for path in place.paths():
-        node: LocatedNode | None = document.root
-        for key in path:
-            node = None if node is None else node.entries.get(key)
+def _span(document: LocatedDocument, place: Place, definition: Definition) -> Span | None:
+    for path in (*place.paths(), *_in_use(place, definition)):
+        node = _node(document, path)
         if node is not None and not isinstance(node.value, (dict, list)):
             return node.span
     return None
+
+
+def _node(document: LocatedDocument, path: Path) -> LocatedNode | None:
+    node = document.root
+    for key in path:
+        node = None if node is None else node.entries.get(key)
+    return node
+
+
+def _in_use(place: Place, definition: Definition) -> Iterator[Path]:
+    """Where a model gives a parameter of a part its value: for one copy, not for all of them."""
+    found = (
+        None if definition.authored is None or place.axis else owner(definition.authored.authored.use, place.parameter)
+    )
+    if found is not None and definition.authored is not None:
+        name, index, own = found
+        use = definition.authored.authored.use[name]
+        if isinstance(use.parameters.get(own), tuple):
+            yield ("use", name, "parameters", own, index)
+        elif use.repeat is None:
+            yield ("use", name, "parameters", own)
+
+
+def _inserted(
+    document: LocatedDocument, place: Place, definition: Definition, value: str, is_json: bool
+) -> tuple[Span | None, str]:
+    """Where a value is put in that the author left to the part, and its text with its name."""
+    for path in _in_use(place, definition):
+        own = str(path[3]) if not is_json else json.dumps(path[3])
+        table, use = _node(document, path[:3]), _node(document, path[:2])
+        given = f"{own}: {value}"
+        node = use if table is None else table
+        if node is None or len(path) > 4 or not isinstance(node.value, dict) or not node.entries:
+            continue
+        key = '"parameters"' if is_json else "parameters"
+        text = given if table is not None else f"{key}: {{{given}}}"
+        line, column, *_ = node.place
+        if document.lines[line][column : column + 1] == "{":
+            return Span(line, column + 1, line, column + 1), f"{text}, "
+        return Span(line, column, line, column), f"{text}\n{' ' * column}"
+    return None, value

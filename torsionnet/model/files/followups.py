@@ -26,8 +26,9 @@ def check_what_was_read(definition: Definition, document: LocatedDocument, fault
         found = list(_sound_checks(definition))
     else:
         found = check_definition(definition)
-    # A node inside an element is named after it: engine.ring, shaft.1.
-    return [*faults, *(_with_hint(fault, lost) for fault in found if fault.about.partition(".")[0] not in lost)]
+    # A node inside an element is named after it: engine.ring, shaft.1; and what a part holds after its use.
+    told = (fault for fault in found if lost.isdisjoint([fault.about, *fault.about.split(".")]))
+    return [*faults, *(_with_hint(fault, lost) for fault in told)]
 
 
 def _with_hint(fault: Fault, lost: set[str]) -> Fault:

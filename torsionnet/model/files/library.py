@@ -39,6 +39,17 @@ def library_benches() -> dict[str, Path]:
     return {path.stem: path for path in sorted((library_folder() / "benches").glob("*.yaml"))}
 
 
+def library_parts() -> dict[str, Path]:
+    """Name and file of every part in the library, by name; models that name none of their own so may use them.
+
+    Examples
+    --------
+    >>> "half_shaft" in library_parts()
+    True
+    """
+    return {path.stem: path for path in sorted((library_folder() / "parts").glob("*.yaml"))}
+
+
 def library_entry(path: Path) -> tuple[str, str]:
     """The texts after ``name:`` and ``source:`` in the head of a model file, without reading the rest."""
     found = {"name": "", "source": ""}

@@ -71,6 +71,7 @@ _NOTHING: Mapping[str | int, LocatedNode] = MappingProxyType({})
 class LocatedNode:
     """A value with its place and that of its key; ``size`` counts the values in it, aliases followed.
 
+    ``home`` is set where it comes from another document than what it stands in.
     Places are those of a :class:`Span` in a plain tuple, which Python's collector of cycles can forget about.
     """
 
@@ -79,6 +80,7 @@ class LocatedNode:
     entries: Mapping[str | int, LocatedNode]
     size: int = 1
     key_place: Place | None = None
+    home: LocatedDocument | None = None
 
     @property
     def span(self) -> Span:
@@ -111,13 +113,14 @@ class LocatedDocument:
 
         Of a value that fills several lines the key is shown.
         """
-        node, found = self.root, 0
+        node, found, home = self.root, 0, self
         while node is not None and found < len(path) and path[found] in node.entries:
             node, found = node.entries[path[found]], found + 1
+            home = node.home or home
         if node is None:
             return self.place(Span(0, 0, 0, 1))
         show_key = on_key or found < len(path) or node.span.end_line > node.span.line
-        return self.place(node.key if show_key and node.key else node.span)
+        return home.place(node.key if show_key and node.key else node.span)
 
     def place(self, span: Span) -> Position:
         """The position of a span; of several lines the first."""

@@ -7,6 +7,7 @@ what needs more than one entry at a time (names, dimensions, connections) is lef
 from __future__ import annotations
 
 import json
+from collections.abc import Collection
 
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA
@@ -25,13 +26,18 @@ def file_schema(*kinds: type[Declared]) -> Schema:
     if len(kinds) > 1:
         schema["properties"] = {key: value for one in reversed(schemas) for key, value in one["properties"].items()}
         schema["required"] = [key for key in schemas[0]["required"] if all(key in one["required"] for one in schemas)]
-        schema["oneOf"] = [
-            {"required": [key for key in one["required"] if key not in schema["required"]]} for one in schemas
-        ]
+        schema["oneOf"] = [_told_by(one, schema["required"]) for one in schemas]
+        schema.pop("anyOf", None)
     definitions: Schema = {"scalar": SCALAR}
     for kind in reversed(kinds):
         definitions |= kind.definitions()
     return {**schema, "$defs": definitions}
+
+
+def _told_by(schema: Schema, common: Collection[str]) -> Schema:
+    """What one kind of file has to have and the others have not."""
+    required = [key for key in schema["required"] if key not in common]
+    return {"anyOf": schema["anyOf"]} if "anyOf" in schema else {"required": required}
 
 
 def json_schema() -> Schema:

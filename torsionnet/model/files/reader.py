@@ -5,22 +5,30 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from typing import TypeAlias
 
 from torsionnet.core.collecting import collector_paused
 from torsionnet.core.entries.nearby import files_beside
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
 from torsionnet.model.checks import has_errors
-from torsionnet.model.definition import Definition, read_definition
+from torsionnet.model.defining import read_definition
+from torsionnet.model.definition import Definition
 from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.followups import check_what_was_read
+from torsionnet.model.files.including import include_parts
 from torsionnet.model.files.library import library_models
 from torsionnet.model.files.located import LocatedDocument, compose
 from torsionnet.model.files.placing import placed, presentable
+from torsionnet.model.parts.places import at_written_places
 
 SUFFIXES = (".yaml", ".yml", ".json")
 
 
-def read_file(path: str | os.PathLike[str]) -> tuple[Definition | None, list[Fault]]:
+Further: TypeAlias = Callable[[Definition], Iterable[Fault]]
+"""Checks of a sound definition that are not those of the model alone."""
+
+
+def read_file(path: str | os.PathLike[str], further: Further | None = None) -> tuple[Definition | None, list[Fault]]:
     """The definition in a file, None if it has errors, and all faults, warnings and notes in the order of the file."""
     found = find_model(path)
     try:
@@ -31,11 +39,13 @@ def read_file(path: str | os.PathLike[str]) -> tuple[Definition | None, list[Fau
         text = decode(raw, str(found))
     except ModelError as error:
         return None, list(error.faults)
-    return read_text(text, str(found), found.parent)
+    return read_text(text, str(found), found.parent, further)
 
 
 @collector_paused()
-def read_text(text: str, file: str, folder: Path | None = None) -> tuple[Definition | None, list[Fault]]:
+def read_text(
+    text: str, file: str, folder: Path | None = None, further: Further | None = None
+) -> tuple[Definition | None, list[Fault]]:
     """As :func:`read_file`, for text that is already at hand; files that it names lie in ``folder``."""
     try:
         document = compose(text.removeprefix("\ufeff"), file)
@@ -44,8 +54,12 @@ def read_text(text: str, file: str, folder: Path | None = None) -> tuple[Definit
     if not isinstance(document.data, dict):
         return None, [_no_model(document)]
     with files_beside(folder):
+        include_parts(document)
         definition, faults = read_definition(document.data)
         faults = check_what_was_read(definition, document, faults)
+        if further is not None and definition is not None and not has_errors([*document.faults, *faults]):
+            faults = [*faults, *further(definition)]
+        faults = at_written_places(definition, faults)
     found = placed([*document.faults, *faults], document)
     return (None if has_errors(found) else definition), found
 

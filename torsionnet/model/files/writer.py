@@ -10,7 +10,16 @@ from torsionnet.core.atomic import write_text
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.quoting import written
 
-_BLOCK_LEVELS = {"parameters": 1, "elements": 1, "inputs": 1, "sensors": 1, "configurations": 2, "operating_point": 1}
+_BLOCK_LEVELS = {
+    "parameters": 1,
+    "elements": 1,
+    "parts": 3,
+    "use": 1,
+    "inputs": 1,
+    "sensors": 1,
+    "configurations": 2,
+    "operating_point": 1,
+}
 
 
 def dump(definition: Definition, path: str | os.PathLike[str] | None = None) -> str:
@@ -18,13 +27,30 @@ def dump(definition: Definition, path: str | os.PathLike[str] | None = None) -> 
 
     Each entry stands on one line; comments of a file the definition came from are not kept.
     """
-    data = definition.to_data()
-    text = "".join(
-        f"{line}\n" for key, value in data.items() for line in _lines(key, value, _BLOCK_LEVELS.get(key, 0), "")
-    )
+    text = _text(definition.to_data())
     if path is not None:
         write_text(path, text)
     return text
+
+
+def flat_text(definition: Definition) -> str:
+    """The text of a model file without parts: what they hold has their names before a dot.
+
+    >>> from torsionnet.model.files.reader import read_text
+    >>> shaft = "{ports: [end], elements: {s: {type: spring, nodes: [end, ground], stiffness: 8}}}"
+    >>> use = "{left: {part: shaft, at: {end: a}}}"
+    >>> disc = "{disc: {type: inertia, node: a, inertia: 2}}"
+    >>> text = f"{{torsionnet: 1, name: wheel, elements: {disc}, parts: {{shaft: {shaft}}}, use: {use}}}"
+    >>> flat_text(read_text(text, "")[0]).splitlines()[-1]
+    '  left.s: {type: spring, nodes: [a, ground], stiffness: 8}'
+    """
+    return _text(definition.flat_data())
+
+
+def _text(data: Mapping[str, Any]) -> str:
+    return "".join(
+        f"{line}\n" for key, value in data.items() for line in _lines(key, value, _BLOCK_LEVELS.get(key, 0), "")
+    )
 
 
 def _lines(key: str, value: Any, levels: int, indent: str) -> Iterator[str]:

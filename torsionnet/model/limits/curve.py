@@ -16,7 +16,7 @@ from torsionnet.core.entries.words import OneOf, Text, name_fault
 from torsionnet.core.errors import Fault, Path, unknown_name
 from torsionnet.core.expressions import Number
 from torsionnet.core.units import RPM
-from torsionnet.model.channels import UNITS, Sensor, named_sensor
+from torsionnet.model.channels import UNITS, ChannelName, Sensor, named_sensor
 from torsionnet.model.excitations.order_excitation import ORDER
 from torsionnet.model.limits.allowed_curve import ALLOWED, AllowedTable, allowed_at
 from torsionnet.model.limits.evidence import Evidence
@@ -48,7 +48,7 @@ class CurveLimit(Limit):
 
     kind: ClassVar[str] = "curve"
 
-    output: Any = entry(Text("sensor, or torque(element), stress(shaft), twist(element), ...", "the name of a sensor"))
+    output: Any = entry(ChannelName("sensor, or torque(element), stress(shaft), ...", "the name of a sensor"))
     value: Any = entry(ALLOWED, None)
     over_speed: Any = entry(AllowedTable("instead: values over the speed of the reference shaft", "speed"), ())
     over_lambda: Any = entry(AllowedTable("instead: values over the speed ratio n/n_rated", "1"), ())

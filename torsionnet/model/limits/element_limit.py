@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
-from torsionnet.core.errors import Fault, Path
+from torsionnet.core.errors import Fault, ModelError, Path
+from torsionnet.model.catalogues.catalogue_entries import value_of
 from torsionnet.model.channels import Sensor
+from torsionnet.model.elements import Element
+from torsionnet.model.elements.nodes import ElementName
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import Limit, LimitLine
+from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.limit_check import LimitVerdict
 
 
@@ -23,8 +27,10 @@ class ElementLimit(Limit):
 
     criteria: ClassVar[tuple[str, ...]] = ()
     """Entries of which at least one has to be given."""
+    alternatives: ClassVar[tuple[tuple[str, ...], ...]] = ()
+    """Ways to state one thing: with entries of one way given, a catalogue adds none of another."""
 
-    element: Any = entry(Text("what it is about", "the name of an element"))
+    element: Any = entry(ElementName("what it is about"))
     source: Any = entry(Text("who states the values, and where"), "values given by the user")
 
     @property
@@ -45,10 +51,34 @@ class ElementLimit(Limit):
         """How far it is twisted."""
         return Sensor("twist", self.element)
 
-    def contradictions(self) -> list[Fault]:
-        if not self.criteria or any(getattr(self, key) is not None for key in self.criteria):
-            return []
-        return [Fault(f"nothing is limited; give one of {', '.join(self.criteria)}", on_key=True)]
+    def fitted(self, elements: Mapping[str, Element]) -> Self:
+        """Entries that are not given come from the catalogue of the element, if it has one."""
+        row = elements[self.element].catalogue if self.element in elements else None
+        if row is None:
+            return self
+        faults: list[Fault] = []
+        defaults = self.defaults()
+        found: dict[str, Any] = {}
+        closed = {"element", "source", *self._stated_otherwise()}
+        for name, spec in self.specs():
+            cell = row.cell(name)
+            if cell is not None and name not in closed and getattr(self, name) == defaults[name]:
+                found[name] = value_of(cell, spec, faults)
+        if faults:
+            raise ModelError(faults, row.file)
+        if found and self.source == defaults["source"]:
+            found["source"] = f"catalogue {row}"
+        return replace(self, **found)
+
+    def _stated_otherwise(self) -> set[str]:
+        """Entries that would say again what others of the limit say."""
+        given = [way for way in self.alternatives if any(getattr(self, name) is not None for name in way)]
+        return {name for way in self.alternatives if given and way not in given for name in way}
+
+    def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
+        del subject
+        if self.criteria and all(getattr(self, key) is None for key in self.criteria):
+            yield Fault(f"nothing is limited; give one of {', '.join(self.criteria)}", on_key=True)
 
     def total(self, line: LimitLine, mean: Sensor, name: str, evidence: Evidence) -> Iterator[LimitVerdict]:
         """A criterion on the mean value with the half range added; the line has the half range."""

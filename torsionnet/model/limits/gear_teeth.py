@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Any, ClassVar
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
 
 import numpy as np
 
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Flag, Text
@@ -47,6 +48,9 @@ class GearLimit(ElementLimit):
         if self.vibratory_share is None and self.vibratory_torque is None and not self.hammer:
             return [Fault("nothing is limited; give vibratory_share, vibratory_torque or hammer: true", on_key=True)]
         return []
+
+    def renamed(self, names: Renaming) -> Self:
+        return replace(super().renamed(names), at=names.at(self.element, self.at))
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
         reason = port_fault(subject.elements[self.element], self.at) if self.at else None

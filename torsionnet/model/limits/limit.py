@@ -11,6 +11,7 @@ import numpy as np
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.channels import Sensor
+from torsionnet.model.elements import Element
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.subject import LimitSubject
 from torsionnet.response.frequency_response import FloatArray
@@ -49,6 +50,11 @@ class Limit(Declared):
     def named(self) -> tuple[tuple[Path, str, str], ...]:
         """Where it names something of the model: path, "element" or "node", name."""
         raise NotImplementedError
+
+    def fitted(self, elements: Mapping[str, Element]) -> Limit:
+        """The limit with what the catalogue of its element says of it."""
+        del elements
+        return self
 
     def unfit(self, subject: LimitSubject) -> Iterator[Fault]:
         """What does not fit a drivetrain that has everything it names."""

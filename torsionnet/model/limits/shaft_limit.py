@@ -9,10 +9,10 @@ from typing import Any
 
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
-from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, Path
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Element, Values
+from torsionnet.model.elements.nodes import ElementName
 from torsionnet.model.limits.evidence import Evidence, torques_of
 from torsionnet.model.limits.limit import Limit
 from torsionnet.model.limits.subject import LimitSubject
@@ -42,7 +42,7 @@ class RoundSection:
 class ShaftLimit(Limit):
     """Base of the limits of nominal shear stress."""
 
-    element: Any = entry(Text("the shaft, or a spring that stands for one", "the name of an element"))
+    element: Any = entry(ElementName("the shaft, or a spring that stands for one"))
     diameter: Any = entry(
         Value("outer diameter where the stress is judged; default: that of the shaft", "length", exclusive=True), None
     )

@@ -30,6 +30,7 @@ class DamperLimit(ElementLimit):
 
     kind: ClassVar[str] = "damper"
     criteria: ClassVar[tuple[str, ...]] = ("power", "power_per_area", "vibratory_twist")
+    alternatives: ClassVar[tuple[tuple[str, ...], ...]] = (("power",), ("power_per_area", "area"))
 
     power: Any = entry(Value("power it may turn into heat", "power", exclusive=True), None)
     power_per_area: Any = entry(Value("instead: per cooling area", "heat flux", exclusive=True), None)

@@ -6,14 +6,17 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from torsionnet.core.delimited.grid import Grid, read_grid
+from torsionnet.core.delimited.cell_grid import CellGrid, read_grid
 from torsionnet.core.errors import ModelError
 from torsionnet.model.sheets.meanings import BY_KEY, is_referred
 from torsionnet.model.sheets.sheet_columns import SheetColumn, SheetColumns, read_columns
 from torsionnet.model.sheets.sheet_rows import SheetLink, SheetMass, read_rows
 from torsionnet.model.sheets.sheet_values import SheetValues
-from torsionnet.response.table import Column, Table
+
+if TYPE_CHECKING:
+    from torsionnet.response.table import Table
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +46,8 @@ class MassElasticSheet:
 
     def report(self) -> Table:
         """A row for each column of the file: its heading, what it was taken as, and in which unit."""
+        from torsionnet.response.table import Column, Table  # loads numpy, which reading a model can do without
+
         rows = tuple((column.heading, _taken(column), _unit(column), column.remark) for column in self.columns)
         headings = ("column", "taken as", "unit", "remark")
         count = f"{len(self.masses)} masses, {len(self.links)} shafts and connections"
@@ -78,10 +83,10 @@ def read_sheet(path: Path, name: str = "") -> MassElasticSheet:
     return replace(sheet_of(read_grid(path)), file=name or path.name)
 
 
-def sheet_of(grid: Grid) -> MassElasticSheet:
+def sheet_of(grid: CellGrid) -> MassElasticSheet:
     """As :func:`read_sheet`, of cells at hand.
 
-    >>> from torsionnet.core.delimited.grid import grid_of
+    >>> from torsionnet.core.delimited.cell_grid import grid_of
     >>> grid = grid_of(["Masse;J [kgm²];k [MNm/rad]", "Zyl. 1;0,45;2,1", "Schwungrad;14;"], "sheet.csv")
     >>> sheet = sheet_of(grid)
     >>> [mass.name for mass in sheet.masses], float(sheet.links[0].stiffness.si)
@@ -101,7 +106,7 @@ def sheet_of(grid: Grid) -> MassElasticSheet:
     return MassElasticSheet(grid.file, tuple(masses), tuple(links), columns.all, referred, tuple(notes))
 
 
-def _referred(columns: SheetColumns, grid: Grid, first: int) -> tuple[bool, bool]:
+def _referred(columns: SheetColumns, grid: CellGrid, first: int) -> tuple[bool, bool]:
     """Whether values are referred, and whether the sheet says so: in headings, remarks, or the lines above."""
     used = [column.referred for column in columns.all if column.meaning in ("inertia", "stiffness")]
     above = [cell.text for row in grid.rows for cell in row if cell.line < first]
@@ -115,9 +120,5 @@ def _speeds(masses: Iterable[SheetMass], referred: bool, said: bool) -> list[str
     if len({abs(mass.ratio) for mass in masses} | {Fraction(1)}) == 1:
         return []
     if referred:
-        return [
-            "values are referred to the speed of ratio 1, as the sheet says; they were made real by the speed ratio"
-        ]
-    return (
-        ["values are real"] if said else ["the sheet does not say whether values are referred; they were taken as real"]
-    )
+        return ["values are referred to the speed of ratio 1, says the sheet; they were made real by the speed ratio"]
+    return ["values are real" if said else "whether values are referred is not said; they were taken as real"]

@@ -51,9 +51,10 @@ MEANINGS = (
              r"|w[rk]\ ?[2²]).*|j|θ|theta|mmi|moi|i|j\ (?!max).{1,4}", "J [kg*m^2]"),
     _meaning("psi", "relative damping psi", "1", rf"psi|ψ|rel.*{_DAMP}.*|verhältnismäss.*{_DAMP}.*|{_DAMP}.*(?:psi|ψ)",
              "psi"),
-    _meaning("magnifier", "dynamic magnifier", "1", r".*magnif.*|.*vergrö(?:ss|ß)erung.*|m|m\ dyn|q", "magnifier"),
+    _meaning("magnifier", "dynamic magnifier", "1", r".*magnif.*|.*vergrösserung.*|m|m\ dyn|q", "magnifier"),
     _meaning("eta", "loss factor", "1", r".*(?:loss\ factor|verlustfaktor|verlustwinkel).*|eta|η", "loss factor"),
-    _meaning("zeta", "damping ratio", "1", rf".*(?:{_DAMP}\w*\ ratio|critical|{_DAMP}ungsgrad|lehr).*|zeta|ζ|d", "zeta"),
+    _meaning("zeta", "damping ratio", "1", rf".*(?:{_DAMP}\w*\ ratio|critical|{_DAMP}ungsgrad|lehr).*|zeta|ζ|d",
+             "zeta"),
     _meaning("absolute", "damping to ground", "damping", rf".*(?:abs|extern|äusser|aeusser|ground|mass).*{_DAMP}.*"
              rf"|{_DAMP}.*(?:abs|extern|ground|mass).*|outer\ {_DAMP}.*", "absolute damping [N*m*s/rad]"),
     _meaning("relative", "damping of the shaft", "damping", rf".*(?:rel|intern|inner|shaft|welle|material).*{_DAMP}.*"
@@ -62,14 +63,17 @@ MEANINGS = (
     _meaning("stiffness", "stiffness", "stiffness,compliance",
              r".*(?:stiff|rigidity|steifigkeit|federkonst|spring\ (?:rate|const)|complian|elasticity|flexib|nachgieb"
              r"|elastizit).*|[kce](?:[\ ]?(?:t|dyn|tdyn|t\ dyn|tot|\d))?", "k [N*m/rad]"),
-    _meaning("outer", "outer diameter", "length", r"(?:outer|outside|extern|aussen|äusser|shaft|wellen).*(?:dia|durchm|ø).*"
-             r"|(?:dia|durchm)\w*(?:\ (?:outer|outside|ext|a|o))?|d|d\ ?[ao]|d\ outer|od|ø|aussen\ ?ø", "outer diameter [mm]"),
+    _meaning("outer", "outer diameter", "length",
+             r"(?:outer|outside|extern|aussen|äusser|shaft|wellen).*(?:dia|durchm|ø).*"
+             r"|(?:dia|durchm)\w*(?:\ (?:outer|outside|ext|a|o))?|d|d\ ?[ao]|d\ outer|od|ø|aussen\ ?ø",
+             "outer diameter [mm]"),
     _meaning("inner", "inner diameter", "length", r"(?:inner|inside|intern|innen).*(?:dia|durchm|ø).*|bore.*|bohrung.*"
              r"|dia\w*\ (?:inner|inside|int|i)|d\ ?i|d\ inner|id", "inner diameter [mm]"),
     _meaning("length", "length", "length", r"(?:shaft\ )?length|länge|laenge|l", "length [mm]"),
     _meaning("ratio", "speed ratio", "1", r".*(?:speed|rpm|drehzahl).*(?:ratio|factor|verhältnis|faktor)|rel.*speed"
              r"|ratio\ of\ speeds?|n\ ?/\ ?n\ ?\d?", "speed ratio"),
-    _meaning("gear ratio", "gear ratio", "1", r".*(?:gear|transmission).*ratio.*|ratio|.*übersetzung.*|i", "speed ratio"),
+    _meaning("gear ratio", "gear ratio", "1", r".*(?:gear|transmission).*ratio.*|ratio|.*übersetzung.*|i",
+             "speed ratio"),
     _meaning("speed", "speed", "speed", r".*(?:speed|drehzahl|rpm).*|n", "speed [rpm]"),
     _meaning("name", "name", "", r"(?:(?:mass|station|element|shaft)\ )?(?:name|description|designation|text)"
              r"|bezeichnung|benennung|beschreibung|mass|masses|masse|element|component|part|item|bauteil"

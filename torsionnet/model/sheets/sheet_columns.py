@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
 
-from torsionnet.core.delimited.grid import Cell, Grid
+from torsionnet.core.delimited.cell_grid import Cell, CellGrid
 from torsionnet.core.delimited.sheet_numbers import is_like_number
 from torsionnet.core.delimited.sheet_units import SheetUnit, named_unit, sheet_unit
 from torsionnet.core.errors import Fault, ModelError
@@ -28,7 +28,7 @@ _NO_UNIT = {"", "-", "–", "—", "1", "[-]", "(-)"}
 
 @dataclass(frozen=True)
 class SheetColumn:
-    """A column: its heading, what it was taken as (empty: not understood) and its unit (None: none, or in the cells)."""
+    """A column: its heading, what it was taken as (empty: not understood) and its unit, if it has one."""
 
     place: int
     cell: Cell
@@ -61,7 +61,7 @@ class SheetColumns:
         return row[column.place]
 
 
-def read_columns(grid: Grid) -> SheetColumns:
+def read_columns(grid: CellGrid) -> SheetColumns:
     """What the columns of a sheet are.
 
     Raises
@@ -101,7 +101,7 @@ def _is_inertia(cell: Cell) -> bool:
     return by_words or (_readable(unit) is not None and _by_unit(unit) == "inertia")
 
 
-def _no_inertia(grid: Grid) -> Fault:
+def _no_inertia(grid: CellGrid) -> Fault:
     text = "no column of inertias; write its heading as J [kg*m^2] or inertia (kg m²)"
     return grid.fault(text, next(cell for row in grid.rows for cell in row if cell.text))
 
@@ -127,7 +127,7 @@ def _by_unit(text: str) -> str:
 
 
 def _column(
-    place: int, cell: Cell, more: Sequence[str], below: Sequence[Cell], faults: list[Fault], grid: Grid
+    place: int, cell: Cell, more: Sequence[str], below: Sequence[Cell], faults: list[Fault], grid: CellGrid
 ) -> SheetColumn:
     name, unit_text = named_unit(cell.text)
     if not unit_text:
@@ -200,7 +200,7 @@ def _doubts(meaning: Meaning, heading: str, unit_text: str, below: Sequence[Cell
         yield f'the column "{heading}" has no unit; write its heading as {meaning.example}, in the unit it has'
 
 
-def _without_doubles(columns: Sequence[SheetColumn], faults: list[Fault], grid: Grid) -> list[SheetColumn]:
+def _without_doubles(columns: Sequence[SheetColumn], faults: list[Fault], grid: CellGrid) -> list[SheetColumn]:
     """Of two columns for one thing the real values are taken, not the referred ones; any others are a fault."""
     kept = list(columns)
     for meaning in MEANINGS:
@@ -223,7 +223,7 @@ def _without_doubles(columns: Sequence[SheetColumn], faults: list[Fault], grid: 
     return kept
 
 
-def _misspelt(column: SheetColumn, columns: Sequence[SheetColumn], grid: Grid) -> Iterator[Fault]:
+def _misspelt(column: SheetColumn, columns: Sequence[SheetColumn], grid: CellGrid) -> Iterator[Fault]:
     """A heading that means nothing, but nearly something that the sheet lacks."""
     if column.meaning or not column.heading or column.remark:
         return

@@ -26,7 +26,7 @@ class SheetEntry(Spec):
         if not isinstance(raw, str | Path):
             raise EntryError(f"expected the name of a sheet, as engine.csv, got {raw!r}")
         try:
-            return read_sheet(raw if isinstance(raw, Path) else nearby_file(raw), str(raw))
+            return read_sheet(raw) if isinstance(raw, Path) else read_sheet(nearby_file(raw), raw)
         except ModelError as error:
             count = f"{len(error.faults)} fault{'s' if len(error.faults) > 1 else ''}"
             raise EntryError([Fault(f'the sheet "{raw}" cannot be used; {count} in it'), *error.faults]) from None

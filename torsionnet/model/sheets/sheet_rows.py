@@ -8,13 +8,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 
-from torsionnet.core.delimited.grid import Cell
+from torsionnet.core.delimited.cell_grid import Cell
 from torsionnet.core.errors import did_you_mean
 from torsionnet.core.groups import Groups
 from torsionnet.core.plain_names import Names, plain_name
 from torsionnet.core.units import exact
 from torsionnet.model.sheets.meanings import DAMPING
-from torsionnet.model.sheets.sheet_values import SheetValue, SheetValues
+from torsionnet.model.sheets.sheet_values import NOTHING, SheetValue, SheetValues
 
 GROUND = "ground"
 _EARTH = {"ground", "earth", "fixed", "grund", "erde", "fest"}
@@ -25,7 +25,7 @@ Row = Sequence[Cell]
 
 @dataclass(frozen=True)
 class SheetMass:
-    """An inertia with damping to ground, real values; ``ratio`` is its speed over that of the first mass or the crank."""
+    """An inertia with damping to ground, real values; ``ratio`` is its speed over that of the crank."""
 
     name: str
     label: str
@@ -113,7 +113,8 @@ class _Rows:
         self.one_row = any(self._has(row, "inertia") and self._has_link(row) for row in self.all)
 
     def _has(self, row: Row, key: str) -> bool:
-        return self.values.columns.cell(row, key) is not None
+        cell = self.values.columns.cell(row, key)
+        return cell is not None and cell.text.casefold() not in NOTHING
 
     def _has_link(self, row: Row) -> bool:
         return self._has(row, "stiffness") or (self._has(row, "outer") and self._has(row, "length"))
@@ -221,8 +222,9 @@ class _Rows:
         relative = of(row, "relative")
         if relative is None and self._has(row, DAMPING) and not self._is_mass(row):
             relative = self._open_damping(row)
-        label = self.values.columns.cell(row, "name") if not self._is_mass(row) or self._has(row, "from") else None
-        named = self.names.new(label.text) if label and not self._is_mass(row) and not self.one_row else ""
+        label = self.values.columns.cell(row, "name") if not self._is_mass(row) else None
+        between = not self.one_row or (self._has(row, "from") and self._has(row, "to"))
+        named = self.names.new(label.text) if label and between else ""
         outer, length = of(row, "outer"), of(row, "length")
         stiffness = of(row, "stiffness")
         link = SheetLink(named, "", "", stiffness, relative, losses[0] if losses else None, outer,
@@ -232,14 +234,13 @@ class _Rows:
     def connected(self) -> list[SheetLink]:
         """The links between the masses that were found."""
         links: list[SheetLink] = []
-        order = list(self.masses)
         for begun in self.begun:
-            links += self._ended(begun, order)
+            links += self._ended(begun)
         if not self.values.faults:
             self._check_together(links)
         return links
 
-    def _ended(self, begun: _Begun, order: Sequence[str]) -> list[SheetLink]:
+    def _ended(self, begun: _Begun) -> list[SheetLink]:
         first, second = begun.first, begun.second
         source, target = (self.values.columns.cell(begun.row, key) for key in ("from", "to"))
         is_mass = begun.first in self.rows and self.rows[begun.first] is begun.row
@@ -311,7 +312,7 @@ class _Rows:
         text = cell.text.casefold()
         if text in _EARTH:
             return GROUND
-        found = [mass.name for mass in self.masses.values() if mass.number.casefold() == text]
+        found = [mass.name for mass in self.masses.values() if cell.text in (mass.label, mass.number)]
         found = found or [mass.name for mass in self.masses.values() if mass.label.casefold() == text]
         found = found or [mass.name for mass in self.masses.values() if mass.name.casefold() == text]
         if len(found) == 1:
@@ -333,6 +334,6 @@ class _Rows:
         home = joined.of(next(iter(self.masses)))
         for group in groups:
             if group is not home:
-                label = self.masses[group[0]].label
-                text = f'nothing connects "{label}" with "{self.masses[home[0]].label}"; say in a column to or from what does'
+                pair = " with ".join(f'"{self.masses[name].label}"' for name in (group[0], home[0]))
+                text = f"nothing connects {pair}; say in a column to or from what does"
                 self._fault(text, None, self.rows[group[0]])

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from torsionnet.core.delimited.grid import Cell, Grid
+from torsionnet.core.delimited.cell_grid import Cell, CellGrid
 from torsionnet.core.delimited.sheet_numbers import decimal_sign, is_like_number, plain_number_text
 from torsionnet.core.delimited.sheet_units import SheetUnit, sheet_unit
 from torsionnet.core.errors import Fault, ModelError
@@ -41,7 +41,7 @@ class SheetValue:
 class SheetValues:
     """Reads cells; faults grow while it does."""
 
-    grid: Grid
+    grid: CellGrid
     columns: SheetColumns
     faults: list[Fault] = field(default_factory=list)
     decimal: str = "."
@@ -77,9 +77,7 @@ class SheetValues:
         split = _NUMBER_AND_UNIT.fullmatch(cell.text)
         quotient = re.fullmatch(r"(\S+?)\s*[/:]\s*(\S+)", cell.text) if column.meaning == "ratio" else None
         if quotient:
-            parts = [plain_number_text(one, self.decimal) for one in quotient.groups()]
-            if all(parts) and parse_number(str(parts[1])):
-                return SheetValue(parse_number(str(parts[0])) / parse_number(str(parts[1])))
+            return self._quotient(cell, *quotient.groups())
         number = plain_number_text(cell.text, self.decimal)
         unit = column.unit
         if number is None and split:
@@ -97,9 +95,21 @@ class SheetValues:
             return None
         try:
             return _in_unit(number, unit)
-        except (UnitError, ValueError) as error:
+        except (UnitError, OverflowError) as error:
             self.faults.append(self.grid.fault(str(error), cell))
             return None
+
+    def _quotient(self, cell: Cell, above: str, below: str) -> SheetValue | None:
+        """A ratio written as 1/4 or 1:4."""
+        parts = [plain_number_text(one, self.decimal) for one in (above, below)]
+        try:
+            numbers = [parse_number(part or "") for part in parts]
+        except UnitError:
+            numbers = []
+        if not numbers or not numbers[1]:
+            self.faults.append(self.grid.fault(f'"{cell.text}" is not a number', cell))
+            return None
+        return SheetValue(numbers[0] / numbers[1])
 
     def _own_unit(self, column: SheetColumn, cell: Cell, text: str) -> SheetUnit | None:
         """The unit in a cell, which has to be that of the heading where that has one."""

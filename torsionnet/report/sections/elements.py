@@ -14,7 +14,10 @@ from torsionnet.core.expressions import Expression, Name, Number
 from torsionnet.core.units import expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
 from torsionnet.model.elements import Values
+from torsionnet.model.elements.characteristic import Characteristic
+from torsionnet.model.elements.curves import LookupCurve
 from torsionnet.model.elements.laws import Law
+from torsionnet.model.elements.quantity_table import Several, TableByName
 from torsionnet.model.elements.stiffness_rows import TableEntry
 from torsionnet.model.elements.teeth import Teeth
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, NumberText, Section, TableBlock
@@ -98,8 +101,19 @@ def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cel
             number = float(value.evaluate(rig.exact_values))
             if number or isinstance(value, Name):
                 yield plain(name), _symbol(value), NumberText(number, 5), unit(expected_unit(spec.dimension))
-        elif isinstance(spec, (Teeth, Count, OneOf, TableEntry)):
+        elif isinstance(spec, Several):
+            for key, one in value if isinstance(spec, TableByName) else enumerate(value, 1):
+                yield plain(f"{name} {key}"), *_of_table(spec.of, one, rig)
+        elif isinstance(spec, (Teeth, Count, OneOf, TableEntry, Characteristic, LookupCurve)):
             yield plain(name), "", _plain(spec, value), "–"
+
+
+def _of_table(spec: Spec, value: Any, rig: Drivetrain) -> tuple[Cell, Cell, Cell]:
+    """Symbol, value and unit of one of several quantities."""
+    if isinstance(spec, PhysicalQuantity) and isinstance(value, Expression):
+        number = NumberText(float(value.evaluate(rig.exact_values)), 5)
+        return _symbol(value), number, unit(expected_unit(spec.dimension))
+    return "", _plain(spec, value), "–"
 
 
 def _symbol(value: Expression) -> Inline:
@@ -111,6 +125,11 @@ def _plain(spec: Spec, value: Any) -> str:
         return (
             f"table of {len(value.frequencies)} frequencies, {value.frequencies[0]:g} to {value.frequencies[-1]:g} Hz"
         )
+    if isinstance(spec, LookupCurve):
+        return f"{len(value)} rows, {value[0][0]} to {value[-1][0]}"
+    if isinstance(spec, Characteristic):
+        names = ", ".join(name for name, _ in spec.columns)
+        return f"table of {len(value)} rows of {names}"
     return " : ".join(map(str, value)) if isinstance(value, tuple) else str(value)
 
 
@@ -138,6 +157,7 @@ def _channels(rig: Drivetrain) -> TableBlock:
         sign = element.sign_at(sensor.at) if element else ""
         at = f" at {plain(sensor.at)}" if sensor.at else ""
         at += f" against {plain(sensor.against)}" if sensor.against else ""
+        at += f" referred to {plain(sensor.referred_to)}" if sensor.referred_to else ""
         link = "through" if sensor.quantity == "torque" else "of"
         what = f"{capital(sensor.quantity)} {link} {plain(sensor.of)}{at}"
         rows.append((named(name), "sensor", what, unit(UNITS[sensor.quantity]), sign.replace("_", " ")))

@@ -17,7 +17,7 @@ from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.core.expressions import ExpressionError
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import Values
-from torsionnet.model.readings import section_modulus
+from torsionnet.model.readings import referring_factor, section_modulus
 from torsionnet.solve.sensitivity.arranged import Arranged, law_stiffness_of
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
 from torsionnet.solve.sensitivity.dual import DUALS, gradient_of
@@ -111,6 +111,7 @@ class ParametricResponse:
         channels = {channel: name for name, channel in names}
         values = self.unknowns.values(numbers)
         torques = [replace(one, quantity="torque") if one.quantity == "stress" else one for one in self.sensors]
+        torques = [replace(one, referred_to=None) for one in torques]
         arranged = Arranged(system, torques, elements, values, self.loads, channels, self._nodes)
         self._known[:] = [(key, arranged)]
         return arranged
@@ -118,14 +119,18 @@ class ParametricResponse:
     def _stressed(
         self, y: ComplexArray, dy: ComplexArray, numbers: Sequence[float]
     ) -> tuple[ComplexArray, ComplexArray]:
-        """Readings and their derivatives, with torques over section moduli where a stress is read.
+        """Readings and their derivatives, with torques over section moduli where a stress is read, and as referred.
 
-        The section is no law: it moves readings, and nothing in the equations.
+        The section is no law, nor is the shaft referred to: they move readings, and nothing in the equations.
         """
-        values = Values(self.unknowns.values(numbers), DUALS)
+        values, elements = Values(self.unknowns.values(numbers), DUALS), self.unknowns.definition.elements
         for place, sensor in enumerate(self.sensors):
-            if sensor.quantity == "stress":
-                factor = 1 / section_modulus(self.unknowns.definition.elements[sensor.of], values)
+            if sensor.quantity == "stress" or sensor.referred_to is not None:
+                factor = (
+                    1 / section_modulus(elements[sensor.of], values)
+                    if sensor.quantity == "stress"
+                    else referring_factor(sensor, elements, values)
+                )
                 moved = gradient_of(factor, dy.shape[-1])
                 dy[:, place] = float(factor) * dy[:, place] + y[:, place, :, None] * moved
                 y[:, place] *= float(factor)

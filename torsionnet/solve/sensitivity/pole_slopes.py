@@ -70,7 +70,9 @@ class ResponsesAroundPoles:
             return cls(drivetrain, chosen, (), ())
         kept = beyond_cut(drivetrain, request)
         if kept is None:
-            return cls(drivetrain, chosen, request.sensors, request.excitations[:1])
+            return cls(
+                drivetrain, chosen, [replace(one, referred_to=None) for one in request.sensors], request.excitations[:1]
+            )
         chosen = replace(chosen, definition=cut_definition(chosen.definition, kept))
         return cls(drivetrain.with_definition(chosen.definition), chosen, (), ())
 

@@ -28,7 +28,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Grid:
+class CellGrid:
     """The cells of a file that hold something, by row; ``remarks`` are its lines that are comments."""
 
     file: str
@@ -44,7 +44,7 @@ class Grid:
         return Fault(text, severity=severity, position=Position(self.file, cell.line, cell.column, end, source))
 
 
-def read_grid(path: Path) -> Grid:
+def read_grid(path: Path) -> CellGrid:
     """The cells of a text file.
 
     Raises
@@ -60,7 +60,7 @@ def read_grid(path: Path) -> Grid:
         return grid_of(file.read().splitlines(), path.name)
 
 
-def grid_of(lines: Sequence[str], file: str) -> Grid:
+def grid_of(lines: Sequence[str], file: str) -> CellGrid:
     """The cells in lines of text.
 
     >>> grid = grid_of(["# of 2020", "mass;J", "disc; 0,5"], "x.csv")
@@ -80,7 +80,9 @@ def grid_of(lines: Sequence[str], file: str) -> Grid:
         rows = list(_rows(body, separator))
     except csv.Error as error:
         raise _refused(f"this cannot be read as a table: {error}", file, lines) from None
-    return Grid(file, separator, tuple(row for row in rows if any(cell.text for cell in row)), remarks, tuple(lines))
+    return CellGrid(
+        file, separator, tuple(row for row in rows if any(cell.text for cell in row)), remarks, tuple(lines)
+    )
 
 
 def _refused(text: str, file: str, lines: Sequence[str]) -> ModelError:

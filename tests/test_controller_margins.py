@@ -1,0 +1,220 @@
+"""Margins of loops opened at a controller, the modes that check names, and what is refused in words."""
+
+import math
+
+import control
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from test_controller import Plant
+
+import torsionnet as tn
+from torsionnet.cli.app import app
+from torsionnet.core.units import convert
+
+
+def speed_loop(gain=-30.0, delay=0.05, inertia=2.0):
+    elements = [
+        tn.Inertia("rotor", node="a", inertia=inertia),
+        tn.Controller("governor", sense={"velocity": "a"}, act="a", law=gain, delay=delay),
+    ]
+    return tn.Drivetrain("governed", elements)
+
+
+def shaft_loop(law, sensed="b"):
+    return [
+        tn.Inertia("one", node="a", inertia=2),
+        tn.Spring("shaft", nodes=("a", "b"), stiffness=300, damping=1),
+        tn.Inertia("two", node="b", inertia=3),
+        tn.Spring("hold", nodes=("b", "ground"), stiffness=100, damping=2),
+        tn.Controller("governor", sense={"velocity": sensed}, act="a", law=law),
+    ]
+
+
+class TestMargins:
+    def test_delayed_integrator_has_the_margins_of_the_textbook(self):
+        """L = g e^(-s tau)/(J s): gain pi J/(2 g tau), phase 90 deg - w tau at w = g/J."""
+        margins = speed_loop().loop_margins()
+        assert margins.gain_increase.value == pytest.approx(math.pi * 2 / (2 * 30 * 0.05), rel=1e-9)
+        assert margins.gain_increase.frequency == pytest.approx(1 / (4 * 0.05), rel=1e-9)
+        assert margins.phase.value == pytest.approx(90 - math.degrees(15 * 0.05), rel=1e-9)
+        assert margins.phase.frequency == pytest.approx(15 / (2 * math.pi), rel=1e-9)
+        assert margins.delay.value == pytest.approx((math.pi / 2 - 0.75) / 15, rel=1e-9)
+        assert margins.stable
+
+    @pytest.mark.parametrize("law", [-12, {"p": -4, "i": -3}, {"numerator": [-60], "denominator": [0.3, 1]}])
+    def test_margins_are_those_of_python_control(self, law):
+        elements = shaft_loop(law)
+        rig = tn.Drivetrain("plant", elements[:-1], inputs={"T": {"torque": "a"}}, sensors={"w": {"velocity": "b"}})
+        H = {int: lambda: control.tf([-12], [1]), dict: lambda: None}[type(law)]()
+        if isinstance(law, dict):
+            H = control.tf([-4, -3], [1, 0]) if "p" in law else control.tf([-60], [0.3, 1])
+        gain, phase, modulus, _, at_phase, _ = control.stability_margins(-control.tf(rig.to_control()) * H)
+        found = tn.Drivetrain("loop", elements).loop_margins("governor")
+        if math.isfinite(found.gain_increase.value):
+            assert found.gain_increase.value == pytest.approx(gain, rel=1e-6) or gain < 1
+        assert abs(found.phase.value) == pytest.approx(abs((phase + 180) % 360 - 180), rel=1e-5)
+        assert found.phase.frequency == pytest.approx(convert(at_phase, "rad/s", "rad/s") / (2 * math.pi), rel=1e-6)
+        assert found.modulus.value == pytest.approx(modulus, rel=1e-3)
+
+    @pytest.mark.parametrize("seed", range(10))
+    def test_the_loop_is_that_of_dense_matrices_with_all_others_closed(self, seed):
+        plant = Plant(seed, delay=True)
+        last = len(plant.laws) - 1
+        margins = plant.rig.loop_margins(f"act{last}")
+        out, sensed, kappa = plant.laws.pop()
+        for number in range(0, len(margins.frequencies), 97):
+            s = 2j * math.pi * margins.frequencies[number]
+            rest = plant.dynamic_stiffness(s)
+            expected = -kappa(s) * (sensed @ np.linalg.solve(rest, out))
+            assert margins.loop[number] == pytest.approx(expected, rel=1e-7, abs=1e-12)
+
+    @pytest.mark.parametrize("change", ["gain", "delay"])
+    def test_a_pole_reaches_the_axis_at_the_margin(self, change):
+        margins = speed_loop().loop_margins()
+        gain = margins.gain_increase.value if change == "gain" else 1
+        delay = margins.delay.value if change == "delay" else 0
+        for share, grows in ((0.999, False), (1.001, True)):
+            rig = speed_loop(-30 * (gain * share if change == "gain" else 1), 0.05 + delay * share)
+            assert (rig.modes().eigenvalues.real > 0).any() == grows
+
+    def test_nyquist_shows_the_curve_and_the_point(self):
+        margins = speed_loop().loop_margins()
+        plane = tn.plot.nyquist(margins).axes[0]
+        drawn = plane.lines[0].get_xydata() @ [1, 1j]
+        inside = np.abs(margins.loop) <= 3
+        assert drawn[inside] == pytest.approx(margins.loop[inside])
+        assert plane.lines[3].get_xydata().tolist() == [[-1, 0]]
+
+    def test_names(self):
+        plant = tn.Drivetrain("plain", shaft_loop(-1)[:-1])
+        with pytest.raises(tn.UsageError, match="margins need an element that acts by itself"):
+            plant.loop_margins()
+        with pytest.raises(tn.UsageError, match='"governr" is not there; did you mean "governor"'):
+            speed_loop().loop_margins("governr")
+
+
+class TestCheck:
+    MODEL = """
+torsionnet: 1
+parameters: {g: -2}
+elements:
+  one: {type: inertia, node: a, inertia: 2}
+  shaft: {type: spring, nodes: [a, b], stiffness: 300, damping: 1}
+  two: {type: inertia, node: b, inertia: 3}
+  hold: {type: spring, nodes: [b, ground], stiffness: 100, damping: 2}
+  governor: {type: controller, sense: {velocity: b}, act: a, law: g}
+configurations: {mild: {}, push: {g: 20}, idle: {off: [governor]}}
+"""
+
+    def test_the_mode_that_grows_is_named_where_it_does(self, tmp_path):
+        path = tmp_path / "m.yaml"
+        path.write_text(self.MODEL)
+        result = CliRunner().invoke(app, ["check", str(path)])
+        assert result.exit_code == 0
+        (line,) = [line for line in result.output.splitlines() if "warning" in line]
+        assert "in configuration push: governor makes the mode at" in line
+        assert "unstable, it grows: damping ratio -" in line
+        assert "strain in" in line
+
+    def test_in_python(self):
+        rig = tn.loads(self.MODEL)
+        assert not [fault for fault in rig.check() if "unstable" in fault.message]
+        (fault,) = [fault for fault in rig.configured("push").check() if "unstable" in fault.message]
+        modes = rig.configured("push").modes()
+        assert f"{np.abs(modes.eigenvalues[modes.eigenvalues.real > 0][0]) / (2 * math.pi):.4g} Hz" in fault.message
+        assert fault.path == ("elements", "governor")
+
+    def test_is_not_asked_where_nothing_feeds(self, monkeypatch):
+        from torsionnet.solve import stability
+
+        monkeypatch.setattr(stability, "natural_modes", lambda _: pytest.fail("modes were calculated"))
+        tn.Drivetrain("plain", shaft_loop(-1)[:-1]).check()
+
+
+class TestRefused:
+    """Whatever does not know of controllers says so; nothing leaves them out in silence."""
+
+    RIG = tn.Drivetrain(
+        "rig",
+        shaft_loop({"p": "g", "i": -3}),
+        parameters={"g": -2},
+        inputs={"T": {"torque": "a"}},
+        sensors={"w": {"velocity": "b"}},
+        operating_point={"speed": {"a": 0}, "torque": {"a": 5, "b": -5}},
+    )
+
+    @pytest.mark.parametrize(
+        "ask",
+        [
+            lambda rig: rig.symbolic().transfer_function("w", "T"),
+            lambda rig: rig.symbolic().transfer_matrix(["w"], ["T"]),
+            lambda rig: rig.symbolic().simplified("w", "T", band=(1, 5)),
+            lambda rig: rig.holzer_table(1),
+            lambda rig: rig.mean_response("torque(shaft)"),
+            lambda rig: rig.modes(measured_input="w"),
+            lambda rig: tn.parametric_response(rig, "w", "T", [1.0], ["g"]).at([-2.0]),
+        ],
+    )
+    def test_in_words(self, ask):
+        with pytest.raises(
+            tn.UsageError, match="not worked out for a drivetrain with controllers; switch off governor"
+        ):
+            ask(self.RIG)
+
+    def test_equations_of_motion_hold_the_torque(self):
+        import sympy
+
+        system = self.RIG.symbolic()
+        s, g = sympy.symbols("s g")
+        D = system.dynamic_stiffness(s)
+        expected = self.RIG.frequency_response(["a", "b"], ["a", "b"], [1.0]).values[0]
+        values = {**system.values, s: 2j * math.pi}
+        order = [system.coordinates.index(node) for node in ("a", "b")]
+        found = np.linalg.inv(np.array(D.subs(values).evalf().tolist(), dtype=complex))[np.ix_(order, order)]
+        assert found == pytest.approx(expected, rel=1e-10)
+        assert D.has(g)
+
+
+class TestFaults:
+    @pytest.mark.parametrize(
+        ("entries", "message"),
+        [
+            ({"sense": {"torque": "a"}}, '"torque" is nothing a controller senses.*known: angle, velocity, accel'),
+            ({"sense": {"velocity": ["a", "b", "c"]}}, "expected two nodes"),
+            ({"act": "ground"}, "ground does not move"),
+            ({"act": ["ground", "a"]}, "name a node first, and ground second"),
+            ({"law": {"p": "3 kg"}}, "it follows the velocity"),
+            ({"law": {"frob": 3}}, '"frob" is no entry of a law'),
+            ({"law": {"p": 3, "numerator": [1]}}, "together are no law; give a gain"),
+            ({"law": {"filter": 3}}, "a filter alone does nothing"),
+            ({"law": {"numerator": [1]}}, "needs denominator"),
+            ({"law": {"numerator": [1], "denominator": [0]}}, "the denominator is zero"),
+            ({"law": {"A": [[1, 2]], "B": [1], "C": [1]}}, "A is n x n"),
+            ({"law": control.tf([1], [1, 1], 0.1)}, "continuous in time"),
+            ({"law": "30 N*m"}, "not a value of damping"),
+            ({"delay": -1}, "must not be less than 0"),
+        ],
+    )
+    def test_are_told(self, entries, message):
+        given = {"sense": {"velocity": "a"}, "act": "a", "law": -3, **entries}
+        with pytest.raises(tn.ModelError, match=message):
+            tn.Drivetrain("x", [tn.Inertia("one", node="a", inertia=1), tn.Controller("c", **given)])
+
+    def test_objects_of_python_control(self):
+        system = -control.tf([900, 3], [1, 12, 400])
+        for law in (system, control.ss(system)):
+            rig = tn.Drivetrain("loop", shaft_loop(law))
+            plain = tn.Drivetrain("loop", shaft_loop({"numerator": [-900, -3], "denominator": [1, 12, 400]}))
+            first, second = (one.frequency_response("b", "a", [0.3, 2.0]).values for one in (rig, plain))
+            assert first == pytest.approx(second, rel=1e-10)
+
+    def test_a_file_gives_back_what_was_written(self):
+        for law in (
+            -3,
+            {"p": -1, "filter": "10 ms"},
+            {"gain": 2, "poles": [-1, [-2, 3]]},
+            {"A": [[-1]], "B": [1], "C": [2], "D": 0},
+        ):
+            rig = tn.Drivetrain("loop", shaft_loop(law))
+            assert tn.loads(rig.to_yaml()).definition == rig.definition

@@ -1,0 +1,367 @@
+"""Values quoted at another shaft, and readings referred to one: closed forms and models written in real values."""
+
+import json
+
+import jsonschema
+import numpy as np
+import pytest
+import sympy
+from click.testing import CliRunner
+from modelica_reader import Model as ModelicaModel
+
+import torsionnet as tn
+from torsionnet.cli.app import app
+from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.io import to_modelica
+from torsionnet.model.files import dump, json_schema
+from torsionnet.model.files.reader import read_text
+from torsionnet.solve.referred_shapes import referred_shapes
+from torsionnet.solve.sensitivity import parametric_response
+
+F = np.array([0.4, 3.0, 8.0, 30.0])
+TAU = 2.5
+GIVEN = {"k": 800.0, "J": 3.0, "c": 2.0}
+
+
+def line(*, referred_to=None, scale=1.0, sensors=None, **more):
+    """Engine, spring, gear of ratio tau = crank over propeller shaft, its spring and propeller."""
+    parameters = {"tau": TAU, **{name: value * scale for name, value in GIVEN.items()}}
+    return tn.Drivetrain(
+        "line",
+        [
+            tn.Inertia("engine", node="crank", inertia=2),
+            tn.Spring("coupling", nodes=("crank", "pinion"), stiffness=1000, damping=1),
+            tn.Gear("gear", nodes=("pinion", "wheel"), ratio="tau"),
+            tn.Spring("shaft", nodes=("wheel", "prop"), stiffness="k", damping="c", referred_to=referred_to),
+            tn.Inertia("screw", node="prop", inertia="J", referred_to=referred_to),
+            *more.pop("elements", ()),
+        ],
+        parameters=parameters,
+        inputs={"T": {"torque": "crank"}},
+        sensors={"T_s": {"torque": "shaft"}, "a": {"angle": "prop"}, **(sensors or {})},
+        **more,
+    )
+
+
+def response(s, k, c, J, tau):
+    """Torque in the propeller shaft over a torque on the crank, all quoted at the crank: a chain of two springs."""
+    # Referred to the crank: 2 s^2, kappa_1, kappa_2 = k + c s (quoted), J s^2 (quoted); real torque is tau times it.
+    kappa1, kappa2 = 1000 + s, k + c * s
+    beyond = 1 / (1 / kappa2 + 1 / (J * s**2))
+    after = 1 / (1 / kappa1 + 1 / beyond)
+    return tau * after / (2 * s**2 + after)
+
+
+class TestValues:
+    def test_response_is_that_of_the_chain_at_the_crank(self):
+        found = line(referred_to="crank").frequency_response("T_s", "T", F).values[:, 0, 0]
+        expected = response(2j * np.pi * F, GIVEN["k"], GIVEN["c"], GIVEN["J"], TAU)
+        assert found == pytest.approx(expected, rel=1e-10)
+
+    def test_as_the_model_in_real_values(self):
+        quoted, real = line(referred_to="crank"), line(scale=TAU**2)
+        assert quoted.modes().natural_frequencies == pytest.approx(real.modes().natural_frequencies, rel=1e-12)
+        assert quoted.modes().damping_ratios[1:] == pytest.approx(real.modes().damping_ratios[1:], rel=1e-9)
+        own = line(referred_to="wheel").frequency_response("T_s", "T", F).values
+        assert own == pytest.approx(line().frequency_response("T_s", "T", F).values, rel=1e-12)
+
+    def test_slower_shaft(self):
+        """Engine values quoted at the propeller: divided by the ratio squared."""
+        elements = [
+            tn.Inertia("engine", node="crank", inertia=2 * 6.25, referred_to="prop"),
+            tn.Spring("coupling", nodes=("ground", "crank"), stiffness=625, referred_to="prop"),
+            tn.Gear("gear", nodes=("crank", "prop"), ratio=-2.5),
+            tn.Inertia("screw", node="prop", inertia=0),
+        ]
+        found = tn.Drivetrain("one", elements).modes().natural_frequencies
+        assert found == pytest.approx([np.sqrt(100 / 2) / 2 / np.pi], rel=1e-12)
+
+    def test_every_kind_of_value(self):
+        """Hysteresis, a damping measure, a compliant mesh and a planetary set."""
+
+        def both(referred_to, scale, ring):
+            parts = [
+                tn.Inertia("a_J", node="a", inertia=1),
+                tn.Gear("g", nodes=("a", "b"), ratio=3),
+                tn.HystereticSpring("h", nodes=("b", "c"), stiffness=100 * scale, loss_factor=0.1, referred_to=referred_to),
+                tn.Inertia("c_J", node="c", inertia=4),
+                tn.Gear("mesh", nodes=("c", "d"), ratio=2, stiffness=50 * scale, damping={"zeta": 0.02, "at": "5 Hz"},
+                        referred_to=referred_to),
+                tn.Inertia("d_J", node="d", inertia=7),
+                tn.Planetary("set", sun="d", ring=ring, carrier="e", ratio=2, stiffness=30 * scale,
+                             referred_to=referred_to),
+                tn.Inertia("e_J", node="e", inertia=20),
+            ]  # fmt: skip
+            parts += [tn.Lock("brake", node="ring")] if ring == "ring" else []
+            return tn.Drivetrain("kinds", parts).frequency_response(["e", "torque(mesh)"], "a", F).values
+
+        # Shafts b and c turn 3 times slower than a, d 6 times.
+        def real(ring):
+            parts = {"h": 9, "mesh": 9, "set": 36}
+            rig = tn.Drivetrain(
+                "kinds",
+                [
+                    tn.Inertia("a_J", node="a", inertia=1),
+                    tn.Gear("g", nodes=("a", "b"), ratio=3),
+                    tn.HystereticSpring("h", nodes=("b", "c"), stiffness=100 * parts["h"], loss_factor=0.1),
+                    tn.Inertia("c_J", node="c", inertia=4),
+                    tn.Gear("mesh", nodes=("c", "d"), ratio=2, stiffness=50 * parts["mesh"],
+                            damping={"zeta": 0.02, "at": "5 Hz"}),
+                    tn.Inertia("d_J", node="d", inertia=7),
+                    tn.Planetary("set", sun="d", ring=ring, carrier="e", ratio=2, stiffness=30 * parts["set"]),
+                    tn.Inertia("e_J", node="e", inertia=20),
+                    *([tn.Lock("brake", node="ring")] if ring == "ring" else []),
+                ],
+            )  # fmt: skip
+            return rig.frequency_response(["e", "torque(mesh)"], "a", F).values
+
+        for ring in ("ground", "ring"):
+            assert both("a", 1, ring) == pytest.approx(real(ring), rel=1e-10)
+
+    def test_through_a_planetary_set_and_a_housing_that_stands(self):
+        """Ring on a brake: sun over carrier 1 + z = 4; gear in a housing on mounts."""
+        elements = [
+            tn.Planetary("set", sun="s", ring="r", carrier="c", ratio=3),
+            tn.Lock("brake", node="r"),
+            tn.Inertia("s_J", node="s", inertia=1),
+            tn.Gear("g", nodes=("c", "o"), ratio=-2, housing="box"),
+            tn.Inertia("box_J", node="box", inertia=50),
+            tn.Spring("mount", nodes=("box", "ground"), stiffness=1e4),
+            tn.Inertia("o_J", node="o", inertia=0.5, referred_to="s"),
+        ]
+        rig = tn.Drivetrain("set", elements)
+        (law,) = rig.elements["o_J"].parts(tn_values(rig))
+        assert law.inertia == pytest.approx(0.5 * 64)
+
+    def test_ratio_follows_the_gear(self):
+        rig = line(
+            referred_to="crank",
+            configurations={"gear": {"low": {"tau": 4}, "high": {"tau": 1.25}}},
+        )
+        for name, tau in (("low", 4), ("high", 1.25)):
+            found = rig.configured(name).frequency_response("T_s", "T", F).values[:, 0, 0]
+            expected = response(2j * np.pi * F, GIVEN["k"], GIVEN["c"], GIVEN["J"], tau)
+            assert found == pytest.approx(expected, rel=1e-10)
+
+    def test_ratio_follows_what_is_switched_on(self):
+        elements = [
+            tn.Inertia("a_J", node="a", inertia=1),
+            tn.Gear("one", nodes=("a", "b"), ratio=2),
+            tn.Gear("two", nodes=("a", "b"), ratio=5, enabled=False),
+            tn.Spring("k", nodes=("b", "ground"), stiffness=100, referred_to="a"),
+        ]
+        shift = {"gear": {"I": {"on": ["two"], "off": ["one"]}, "II": {"on": ["one"], "off": ["two"]}}}
+        rig = tn.Drivetrain("shift", elements, configurations=shift)
+        # k_b = 100 tau^2, seen from a 100 again: the same mode in every gear.
+        for name in ("I", "II"):
+            assert rig.configured(name).modes().natural_frequencies == pytest.approx([10 / 2 / np.pi], rel=1e-12)
+
+    def test_in_symbols(self):
+        k, tau, J, c = sympy.symbols("k tau J c")
+        system = line(referred_to="crank").symbolic()
+        place = system.coordinates.index("prop")
+        assert sympy.simplify(system.K[place, place] - k * tau**2) == 0
+        assert sympy.simplify(system.M[place, place] - J * tau**2) == 0
+        assert sympy.simplify(system.C[place, place] - c * tau**2) == 0
+        function = line(referred_to="crank").symbolic().transfer_function("T_s", "T")
+        expected = response(2j * np.pi * F, GIVEN["k"], GIVEN["c"], GIVEN["J"], TAU)
+        assert function.evaluate(F).values[:, 0, 0] == pytest.approx(expected, rel=1e-10)
+        assert function.evaluate(F, tau=4.0).values[:, 0, 0] == pytest.approx(expected * 4 / TAU, rel=1e-10)
+
+    def test_derivative_to_the_ratio_sees_it(self):
+        """The torque at the crank does not depend on tau, so that the real one grows with it."""
+        rig = line(referred_to="crank")
+        found = parametric_response(rig, "T_s", "T", F, ["tau", "k"]).at([TAU, GIVEN["k"]])
+        expected = response(2j * np.pi * F, GIVEN["k"], GIVEN["c"], GIVEN["J"], TAU)
+        assert found.jacobian[:, 0, 0, 0] == pytest.approx(expected / TAU, rel=1e-9)
+        h = 1e-3
+        ends = [response(2j * np.pi * F, GIVEN["k"] + d, GIVEN["c"], GIVEN["J"], TAU) for d in (h, -h)]
+        assert found.jacobian[:, 0, 0, 1] == pytest.approx((ends[0] - ends[1]) / (2 * h), rel=1e-5)
+
+    def test_modelica_text(self):
+        model = ModelicaModel(to_modelica(line(referred_to="crank")))
+        for f in F:
+            s = 2j * np.pi * f
+            expected = response(s, GIVEN["k"], GIVEN["c"], GIVEN["J"], TAU)
+            assert model.responses(s)[0, 0] == pytest.approx(expected, rel=1e-8)
+
+    def test_simulation_and_state_space(self):
+        S = line(referred_to="crank").to_control()
+        for f in F:
+            s = 2j * np.pi * f
+            gain = S.C @ np.linalg.solve(s * np.eye(len(S.A)) - S.A, S.B) + S.D
+            assert gain[0, 0] == pytest.approx(response(s, GIVEN["k"], GIVEN["c"], GIVEN["J"], TAU), rel=1e-8)
+
+
+def tn_values(rig):
+    from torsionnet.model.elements import Values
+
+    return Values(rig.exact_values)
+
+
+class TestFaults:
+    @pytest.mark.parametrize(
+        ("element", "message"),
+        [
+            (tn.Inertia("x", node="prop", inertia=1, referred_to="cranc"), 'no node is named "cranc"; did you mean "crank"?'),
+            (tn.RigidCoupling("x", nodes=("prop", "y"), referred_to="crank"), "no stiffness, damping or inertia"),
+            (tn.Lock("x", node="prop", referred_to="crank"), "no stiffness, damping or inertia"),
+            (tn.Gear("x", nodes=("prop", "y"), ratio=2, referred_to="crank"), "no stiffness, damping or inertia"),
+            (tn.Shaft("x", nodes=("prop", "y"), outer_diameter=0.1, length=1, referred_to="crank"), "follows from its dimensions"),
+            (tn.TabulatedSpring("x", nodes=("prop", "y"), table=[[1, 400, 2], [20, 500, 1]], referred_to="crank"), "table"),
+        ],
+    )  # fmt: skip
+    def test_what_cannot_be_referred(self, element, message):
+        with pytest.raises(ModelError, match=message.replace("?", r"\?")):
+            line(
+                elements=[element, *([tn.Inertia("y_J", node="y", inertia=1)] if "y" in element.ports.values() else [])]
+            )
+
+    def test_ground_is_no_shaft(self):
+        with pytest.raises(ModelError, match="ground does not move"):
+            tn.Inertia("x", node="prop", inertia=1, referred_to="ground")
+
+    def test_open_clutch(self):
+        """The connection is there as written, and in the configuration with the clutch open it is not."""
+        elements = [
+            tn.Inertia("a_J", node="a", inertia=1),
+            tn.RigidCoupling("clutch", nodes=("a", "b")),
+            tn.Inertia("b_J", node="b", inertia=1, referred_to="a"),
+        ]
+        with pytest.raises(ModelError, match="no ratio leads from b to a"):
+            tn.Drivetrain("clutch", elements, configurations={"clutch": {"closed": {}, "open": {"off": ["clutch"]}}})
+        with pytest.raises(ModelError, match="no ratio leads from b to a"):
+            tn.Drivetrain("clutch", elements).switched(off=["clutch"])
+        damped = [elements[0], tn.Damper("slip", nodes=("a", "b"), damping=1), elements[2]]
+        with pytest.raises(ModelError, match="no ratio leads from b to a"):
+            tn.Drivetrain("slipping", damped)
+
+    def test_differential(self):
+        elements = [
+            tn.Inertia("cage_J", node="cage", inertia=1),
+            tn.Differential("diff", cage="cage", left="l", right="r"),
+            tn.Inertia("l_J", node="l", inertia=1, referred_to="cage"),
+            tn.Inertia("r_J", node="r", inertia=1),
+        ]
+        with pytest.raises(ModelError, match="differential"):
+            tn.Drivetrain("axle", elements)
+
+    def test_place_in_a_file(self):
+        text = line(referred_to="crank").to_yaml().replace("referred_to: crank", "referred_to: cranc")
+        _, faults = read_text(text, "line.yaml")
+        errors = [fault for fault in faults if fault.severity == "error"]
+        assert [fault.path for fault in errors] == [
+            ("elements", "shaft", "referred_to"),
+            ("elements", "screw", "referred_to"),
+        ]
+
+
+class TestFiles:
+    def test_round_trip_keeps_what_was_written(self):
+        rig = line(referred_to="crank", sensors={"T_c": {"torque": "shaft", "referred_to": "crank"}})
+        definition, _ = read_text(dump(rig.definition), "line.yaml")
+        data = definition.to_data()
+        assert data == rig.definition.to_data()
+        assert data["elements"]["shaft"] == {
+            "type": "spring", "nodes": ["wheel", "prop"], "stiffness": "k", "damping": "c", "referred_to": "crank",
+        }  # fmt: skip
+        assert data["sensors"]["T_c"] == {"torque": "shaft", "referred_to": "crank"}
+        jsonschema.Draft202012Validator(json_schema()).validate(json.loads(json.dumps(data)))
+
+
+class TestReadings:
+    def test_of_one_power(self):
+        """Torque times angle, and torque times velocity, are those of the own shaft."""
+        names = ["torque(shaft)", "angle(wheel)", "velocity(prop)", "twist(shaft)"]
+        rig = line()
+        own = rig.frequency_response(names, "T", F).values[:, :, 0]
+        referred = rig.frequency_response([f"{name} referred to crank" for name in names], "T", F).values[:, :, 0]
+        assert referred == pytest.approx(own * [1 / TAU, TAU, TAU, TAU], rel=1e-11)
+
+    def test_rigid_connections_read_alike_on_both_sides(self):
+        """The torque out of a rigid gear, referred to its input, is the torque in; opposite for an idler's sense."""
+        for tau in (3, -3):
+            rig = tn.Drivetrain(
+                "pair",
+                [
+                    tn.Inertia("a_J", node="a", inertia=1),
+                    tn.Gear("g", nodes=("a", "b"), ratio=tau),
+                    tn.Inertia("b_J", node="b", inertia=2),
+                    tn.Spring("k", nodes=("b", "ground"), stiffness=90),
+                ],
+            )
+            into, out = (
+                rig.frequency_response(name, "a", F).values for name in ("torque(g)", "torque(g, b) referred to a")
+            )
+            assert out == pytest.approx(into, rel=1e-10)
+
+    def test_declared_by_node_and_by_object(self):
+        rig = line(sensors={"T_c": {"torque": "shaft", "referred_to": "crank"}})
+        texts = ["T_c", "T_s referred to crank", tn.Sensor("torque", "shaft", referred_to="crank")]
+        found = [rig.frequency_response(text, "T", F).values for text in texts]
+        assert found[1] == pytest.approx(found[0])
+        assert found[2] == pytest.approx(found[0])
+        angle = rig.frequency_response("prop referred to crank", "T", F).values
+        assert angle == pytest.approx(TAU * rig.frequency_response("prop", "T", F).values, rel=1e-12)
+
+    def test_in_symbols_over_a_measured_input_and_as_derivative(self):
+        rig = line()
+        output = "T_s referred to crank"
+        for source in ("T", "torque(coupling)"):
+            numbers = rig.frequency_response(output, source, F).values[:, 0, 0]
+            symbols = rig.symbolic().transfer_function(output, source).evaluate(F).values[:, 0, 0]
+            assert symbols == pytest.approx(numbers, rel=1e-9)
+        measured = rig.frequency_response("a", output, F).values[:, 0, 0]
+        assert measured == pytest.approx(TAU * rig.frequency_response("a", "T_s", F).values[:, 0, 0], rel=1e-10)
+        symbols = rig.symbolic().transfer_function("a", output).evaluate(F).values[:, 0, 0]
+        assert symbols == pytest.approx(measured, rel=1e-9)
+        found = parametric_response(rig, output, "T", F, ["tau"]).at([TAU])
+        h = 1e-5
+        ends = [rig.configured(tau=TAU + d).frequency_response(output, "T", F).values for d in (h, -h)]
+        assert found.jacobian[..., 0] == pytest.approx((ends[0] - ends[1]) / (2 * h), rel=1e-6)
+
+    def test_over_time_and_through_orders(self):
+        rig = line(
+            speeds={"of": "crank", "range": "100..300 rpm", "step": "100 rpm"},
+            excitations={"e": {"type": "harmonic", "node": "crank", "orders": {2: {"amplitude": 1}}}},
+        )
+        record = rig.simulate(["T_s", "T_s referred to crank"], {"T": np.arange(50.0)}, 100.0)
+        assert record["T_s referred to crank"].values == pytest.approx(record["T_s"].values / TAU, rel=1e-9)
+        run = rig.order_response(["T_s", "T_s referred to crank"]).values
+        assert run[..., 1] == pytest.approx(run[..., 0] / TAU, rel=1e-10)
+
+    def test_faults(self):
+        with pytest.raises(ModelError, match='no node is named "cranc"'):
+            line(sensors={"x": {"torque": "shaft", "referred_to": "cranc"}})
+        with pytest.raises(UsageError, match="a stress is that of its own shaft"):
+            tn.Sensor("stress", "shaft", referred_to="crank")
+        loose = line(elements=[tn.Inertia("y_J", node="y", inertia=1), tn.Damper("d", nodes=("y", "prop"), damping=1)])
+        with pytest.raises(UsageError, match="no ratio leads from y to crank"):
+            loose.frequency_response("y referred to crank", "T", F)
+
+    def test_shapes(self):
+        """A chain at the crank: angles of the propeller side times tau."""
+        rig = line(elements=[tn.Inertia("b", node="y", inertia=1), tn.Damper("d", nodes=("y", "prop"), damping=1e-9)])
+        modes = rig.modes()
+        found = referred_shapes(rig, modes, "crank")
+        own, at_crank = modes.shapes[:, -1], found.shapes[:, -1]
+        place = {node: number for number, node in enumerate(modes.nodes)}
+        ratio = at_crank[place["prop"]] / at_crank[place["crank"]]
+        assert ratio == pytest.approx(TAU * own[place["prop"]] / own[place["crank"]], rel=1e-9)
+        assert np.abs(at_crank).max() == pytest.approx(1)
+        assert "no ratio leads there from y" in found.notes
+
+    def test_command_line(self, tmp_path):
+        path = tmp_path / "line.yaml"
+        path.write_text(line(referred_to="crank").to_yaml(), encoding="utf-8")
+        words = ["frf", str(path), "--output", "T_s", "--input", "T", "--frequencies", "3", "--full"]
+        expected = response(6j * np.pi, GIVEN["k"], GIVEN["c"], GIVEN["J"], TAU)
+        for more, size in (([], abs(expected)), (["--referred-to", "crank"], abs(expected) / TAU)):
+            result = CliRunner().invoke(app, [*words, *more])
+            assert result.exit_code == 0, result.output
+            assert f"{size:.6g}" in result.output
+        shown = CliRunner().invoke(app, ["show", str(path)])
+        assert "referred_to crank" in " ".join(shown.output.split())
+        shapes = CliRunner().invoke(app, ["modes", str(path), "--shapes", "--referred-to", "crank"])
+        assert shapes.exit_code == 0
+        assert "angles referred to crank" in shapes.output

@@ -1,0 +1,66 @@
+"""Names of one thing put in the place of another's: what a part calls its own, as the whole calls it."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, fields, is_dataclass, replace
+from typing import Any
+
+from torsionnet.core.expressions import Expression
+
+
+@dataclass(frozen=True, eq=False)
+class Renaming:
+    """What names of a part mean in the model that uses it.
+
+    Attributes
+    ----------
+    prefix : str
+        Comes before every name of the part's own, as ``left.``.
+    nodes : mapping
+        Nodes that keep or get another name: ports, and the ground.
+    channels : collection of str
+        Sensors and inputs of the part.
+    ports : mapping
+        Element of the part -> its ports with their nodes.
+    """
+
+    prefix: str
+    nodes: Mapping[str, str]
+    channels: Collection[str] = ()
+    ports: Mapping[str, Mapping[str, str]] | None = None
+
+    def own(self, name: str) -> str:
+        """An element, a parameter, a sensor, ... of the part."""
+        return self.prefix + name
+
+    def node(self, name: str) -> str:
+        """A node of the part."""
+        return self.nodes.get(name) or self.prefix + name
+
+    def at(self, element: str, place: str | None) -> str | None:
+        """A place on an element: the name of a port stays, that of a node does not."""
+        named = (self.ports or {}).get(element, {})
+        return place if place is None or place in named else self.node(place)
+
+    def expression(self, value: Expression) -> Expression:
+        """An expression of the part's parameters."""
+        return value.renamed(self.own)
+
+    def within(self, value: Any) -> Any:
+        """A stored value with the expressions in it renamed; the value itself where there are none."""
+        if isinstance(value, Expression):
+            return self.expression(value)
+        if type(value) is tuple:
+            found = tuple(map(self.within, value))
+            return value if all(new is old for new, old in zip(found, value, strict=True)) else found
+        if isinstance(value, dict):
+            entries = {key: self.within(one) for key, one in value.items()}
+            return value if all(entries[key] is value[key] for key in value) else entries
+        if hasattr(value, "renamed"):
+            return value.renamed(self)
+        if is_dataclass(value) and not isinstance(value, type):
+            changes = {one.name: self.within(getattr(value, one.name)) for one in fields(value) if one.init}
+            changes = {key: new for key, new in changes.items() if new is not getattr(value, key)}
+            return replace(value, **changes) if changes else value
+        return value

@@ -1,0 +1,165 @@
+"""A drivetrain as a mass-elastic sheet has it: a mass at every node, connections between two, and their speeds."""
+
+from __future__ import annotations
+
+import warnings
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from typing import Any
+
+from torsionnet.core.errors import TorsionnetWarning, UsageError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.io.part_words import unwritten
+from torsionnet.model.elements import GROUND, Element, Law, Row, Shaft, Values
+
+PAIR = 2
+MOST_NAMED = 4
+"""Parts that a message names."""
+
+
+@dataclass(frozen=True)
+class Connection:
+    """A spring or damper on theta_first - tau theta_second, or a rigid connection where ``stiffness`` is None; SI."""
+
+    name: str
+    first: str
+    second: str
+    tau: Any = 1
+    stiffness: float | None = None
+    damping: float = 0.0
+    loss_factor: float = 0.0
+    diameters: tuple[float, float] | None = None
+
+    def from_node(self, node: str) -> Connection:
+        """The same with ``node`` first: stiffness and damping as they are felt there."""
+        if node == self.first:
+            return self
+        factor = float(self.tau) ** 2
+        stiffness = None if self.stiffness is None else self.stiffness * factor
+        return replace(self, first=self.second, second=self.first, tau=1 / self.tau, stiffness=stiffness,
+                       damping=self.damping * factor)  # fmt: skip
+
+
+@dataclass
+class MassElasticGraph:
+    """Inertia and damping to ground by node, and connections; ``ratios`` are speeds over that of one node."""
+
+    inertias: dict[str, float]
+    dampings: dict[str, float]
+    connections: list[Connection] = field(default_factory=list)
+    ratios: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def at(self) -> dict[str, list[Connection]]:
+        """Those between two nodes, at each of them."""
+        found: dict[str, list[Connection]] = {node: [] for node in self.inertias}
+        for one in self.connections:
+            if GROUND not in (one.first, one.second):
+                found[one.first].append(one)
+                found[one.second].append(one)
+        return found
+
+
+def mass_elastic_graph(drivetrain: Drivetrain, reference: str) -> MassElasticGraph:
+    """The drivetrain in words of a sheet, ``reference`` turning with ratio 1.
+
+    Raises
+    ------
+    UsageError
+        Naming parts that a sheet has no column for.
+
+    Warns
+    -----
+    TorsionnetWarning
+        A shaft is lumped whose inertia is consistent with its twist.
+    """
+    nodes = list(drivetrain.nodes)
+    graph = MassElasticGraph(dict.fromkeys(nodes, 0.0), dict.fromkeys(nodes, 0.0))
+    value, refused = Values(drivetrain.exact_values), []
+    for given in drivetrain.elements.values():
+        element = _lumped(given)
+        for part in element.parts(value):
+            written = _law(graph, element, part, value) if isinstance(part, Law) else len(part.row) <= PAIR
+            if written and part.row and not isinstance(part, Law):
+                graph.connections.append(_connected(element.name, part.row))
+            refused += [] if written else [unwritten(element, part)]
+    if refused:
+        rest = f" and {len(refused) - MOST_NAMED} more" if len(refused) > MOST_NAMED else ""
+        raise UsageError(f"a mass-elastic sheet has no column for {'; '.join(refused[:MOST_NAMED])}{rest}")
+    graph.connections = list(_named(graph.connections))
+    graph.ratios = _ratios(graph, reference)
+    return graph
+
+
+def _lumped(element: Element) -> Element:
+    """A shaft with its inertia on the ends of its segments: a sheet has masses and springs."""
+    if not isinstance(element, Shaft) or element.inertia != "consistent":
+        return element
+    text = f"the inertia of {element.name} is lumped at the ends of its segments, which moves natural frequencies"
+    warnings.warn(f"{text}; inertia: lumped in the model does the same", TorsionnetWarning, stacklevel=4)
+    return replace(element, inertia="lumped")
+
+
+def _law(graph: MassElasticGraph, element: Element, law: Law, value: Values) -> bool:
+    """Put a law into the graph; whether a sheet can hold it."""
+    if law.table is not None or len(law.row) > PAIR or (len(law.row) == PAIR and law.inertia != 0):
+        return False
+    if not law.row:
+        return True
+    node, share = next(iter(law.row.items()))
+    factor = float(share) ** 2
+    inertia, damping, stiffness = (float(one) * factor for one in (law.inertia, law.damping, law.stiffness))
+    section = element.diameters
+    diameters = None if section is None else (float(value(section[0])), float(value(section[1])))
+    if len(law.row) == 1:
+        graph.inertias[node] += inertia
+        if not stiffness:
+            graph.dampings[node] += damping
+            return True
+    elif not stiffness and not damping:
+        return True
+    one = _connected(element.name, law.row)
+    lossy = float(law.loss_factor)
+    graph.connections.append(replace(one, stiffness=stiffness, damping=damping, loss_factor=lossy, diameters=diameters))
+    return True
+
+
+def _connected(name: str, row: Row) -> Connection:
+    (first, share), *rest = row.items()
+    if not rest:
+        return Connection(name, first, GROUND)
+    second, other = rest[0]
+    return Connection(name, first, second, -other / (Fraction(share) if isinstance(share, int) else share))
+
+
+def _named(connections: list[Connection]) -> Iterator[Connection]:
+    """Each with a name of its own: an element of several laws has numbers."""
+    names = [one.name for one in connections]
+    for index, one in enumerate(connections):
+        several = names.count(one.name) > 1
+        yield replace(one, name=f"{one.name}_{names[:index].count(one.name) + 1}") if several else one
+
+
+def _ratios(graph: MassElasticGraph, reference: str) -> dict[str, Any]:
+    """Speed of every node over that of the reference; UsageError where nothing or two things tell it."""
+    ratios: dict[str, Any] = {reference: Fraction(1)}
+    at, waiting = graph.at, deque([reference])
+    while waiting:
+        node = waiting.popleft()
+        for one in at[node]:
+            there = one.from_node(node)
+            speed = ratios[node] / there.tau
+            if there.second not in ratios:
+                ratios[there.second] = speed
+                waiting.append(there.second)
+            elif abs(float(ratios[there.second] / speed) - 1) > 1e-9:
+                text = (
+                    f"{one.name} connects nodes that turn at other speeds than its ratio; a sheet has one speed a mass"
+                )
+                raise UsageError(text)
+    apart = [node for node in graph.inertias if node not in ratios]
+    if apart:
+        raise UsageError(f"nothing connects {apart[0]} with {reference} in this configuration; a sheet holds one plant")
+    return ratios

@@ -1,0 +1,31 @@
+"""Columns of catalogues that fit no entry: worth knowing, as one may be misspelt, or be of another type of element."""
+
+from __future__ import annotations
+
+from torsionnet.core.errors import Fault, did_you_mean
+from torsionnet.model.catalogues.catalogue import REMARKS
+from torsionnet.model.definition import Definition
+
+
+def unfit_columns(definition: Definition) -> list[Fault]:
+    """A note for each element with the columns of its catalogue that neither it nor a limit takes."""
+    faults: list[Fault] = []
+    for name, element in definition.elements.items():
+        if element.catalogue is None:
+            continue
+        known = {entry for entry, _ in element.specs()}
+        names = [cell.column.partition(".")[0] for cell in element.catalogue.cells]
+        others = [one for one in dict.fromkeys(names) if one not in known and one.casefold() not in REMARKS]
+        limited = _limited() if others else set()
+        for one in others:
+            if one not in limited:
+                text = f'the column "{one}" of {element.catalogue.file} fits no entry of a {element.kind} and no limit'
+                text += did_you_mean(one, [*known, *limited])
+                faults.append(Fault(text, ("elements", name, "catalogue"), "note"))
+    return faults
+
+
+def _limited() -> set[str]:
+    from torsionnet.model.limits import limit_rules  # loads numpy, which most models can do without
+
+    return {entry for rule in limit_rules().values() for entry, _ in rule.specs()}

@@ -1,0 +1,114 @@
+"""Definitions from the plain content of model files, or from the arguments of a call."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from torsionnet.core.entries.format_version import version_faults
+from torsionnet.core.entries.nearby import names_a_file
+from torsionnet.core.errors import Fault
+from torsionnet.model.configurations import VALUE, Overlay
+from torsionnet.model.definition import Definition, section_of
+from torsionnet.model.elements import Element
+from torsionnet.model.parts.authored import AuthoredModel
+from torsionnet.model.parts.flattening import flattened
+
+
+def collect_elements(elements: Iterable[Element]) -> tuple[dict[str, Element], list[Fault]]:
+    """Elements by name; a name used twice is a fault."""
+    table: dict[str, Element] = {}
+    faults: list[Fault] = []
+    if isinstance(elements, Mapping):
+        elements = elements.values()
+    if not isinstance(elements, Iterable) or isinstance(elements, str):
+        return {}, [Fault(f"expected a list of elements, got {elements!r}", ("elements",))]
+    for element in elements:
+        if not isinstance(element, Element):
+            faults.append(Fault(f"expected an element such as Inertia(...), got {element!r}", ("elements",)))
+            continue
+        if element.name in table:
+            faults.append(
+                Fault(f'two elements are named "{element.name}"; names must be unique', ("elements", element.name))
+            )
+        table[element.name] = element
+    if not table and not faults:
+        faults.append(Fault("a drivetrain needs at least one element", ("elements",)))
+    return table, faults
+
+
+def read_definition(data: Any) -> tuple[Definition, list[Fault]]:
+    """Definition from the plain content of a model file, with all faults of reading it."""
+    if not isinstance(data, Mapping):
+        return Definition(""), [Fault("a model is a mapping with the entries torsionnet, name, elements, ...")]
+    definition, faults = define(data)
+    return definition, [*version_faults(data, "model"), *faults]
+
+
+def define(entries: Mapping[str, Any]) -> tuple[Definition, list[Fault]]:
+    """The definition holds what could be read of the entries, the faults say what could not."""
+    values, faults = Definition.read_entries(entries)
+    authored = Definition(**{name: value for name, value in values.items() if value is not None})
+    if authored.include:
+        faults.append(Fault("files are included by model files only", ("include",), on_key=True))
+    flat, found = put_together(authored, whole=not any(fault.path[:1] == ("parts",) for fault in faults))
+    return flat, [*faults, *found]
+
+
+def put_together(authored: Definition, *, whole: bool = True) -> tuple[Definition, list[Fault]]:
+    """The flat definition of a model with parts, which knows how it was written.
+
+    Without ``whole`` something of the parts could not be read: that they lack what is named is no fault of its own.
+    """
+    authored = _with_files_read(_with_dotted_parameters(authored))
+    flat, found = flattened(authored, whole=whole)
+    if flat is authored:
+        return flat, found
+    flat = _with_files_read(_with_dotted_parameters(flat))
+    return replace(flat, authored=AuthoredModel(authored, flat)), found
+
+
+def _with_dotted_parameters(definition: Definition) -> Definition:
+    """In an alternative ``left.k`` is the parameter of that name, if there is one; else an entry of ``left``."""
+    known = definition.parameters
+    axes = {
+        axis: {label: replace(one, **_told_apart(one, known)) for label, one in names.items()}
+        for axis, names in definition.configurations.items()
+        if any(key in known for one in names.values() for key in one.entries)
+    }
+    return replace(definition, configurations={**definition.configurations, **axes}) if axes else definition
+
+
+def _told_apart(overlay: Overlay, known: Container[str]) -> dict[str, Any]:
+    """What cannot be read stays an entry; checks say why."""
+    parameters, entries = dict(overlay.parameters), {}
+    for key, raw in overlay.entries.items():
+        value, faults = VALUE.read(raw) if key in known else (None, [])
+        if value is not None and not faults:
+            parameters[key] = value
+        else:
+            entries[key] = raw
+    return {"parameters": parameters, "entries": entries}
+
+
+def _with_files_read(definition: Definition) -> Definition:
+    """Alternatives that name files for entries of excitations get their content: they are laid over later."""
+    axes = {
+        axis: {label: replace(one, entries=_settled(definition, one.entries)) for label, one in names.items()}
+        for axis, names in definition.configurations.items()
+        if any(names_a_file(value) for one in names.values() for value in one.entries.values())
+    }
+    return replace(definition, configurations={**definition.configurations, **axes}) if axes else definition
+
+
+def _settled(definition: Definition, changes: Mapping[str, Any]) -> dict[str, Any]:
+    """What cannot be read stays as it is; checks say why."""
+    found = dict(changes)
+    for key, raw in changes.items():
+        section, field = section_of(definition, key), key.rpartition(".")[2]
+        specs = dict(section[2].specs()) if section else {}
+        value, faults = specs[field].read(raw) if field in specs and names_a_file(raw) else (None, [])
+        if value is not None and not faults:
+            found[key] = specs[field].plain(value)
+    return found

@@ -1,0 +1,132 @@
+"""A friction clutch: closed, open, or slipping with the damping of its torque over slip."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.scalars import PhysicalQuantity, Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import OneOf
+from torsionnet.core.errors import Fault
+from torsionnet.model.elements.characteristic import Characteristic, outside, slope_at
+from torsionnet.model.elements.damping_entries import DampingQuantity
+from torsionnet.model.elements.element import Element, register, viscous
+from torsionnet.model.elements.laws import GROUND, Constraint, Law, Part, Row, Values, difference, make_row
+from torsionnet.model.elements.nodes import NodePair
+
+_SLIP = ("slip speed", "speed")
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class Clutch(Element):
+    """A friction clutch between two shafts, with the torsion springs of its disc if they are given.
+
+    Closed, its friction faces turn as one; open, they pass on drag alone. Slipping, they pass on a torque T(n) of the
+    slip n = omega_first - omega_disc, and small vibrations feel its slope c = dT/dn at ``slip_speed``: T is a table, or
+    the friction coefficient mu(n) times the torque T_1 at a coefficient of one (clamp force times mean radius times
+    number of faces). Straight lines join the rows; at a row the piece above it counts; negative slips have the same
+    slopes. Where friction falls with slip, c is negative: the clutch feeds vibrations (judder), and a mode is unstable
+    that has less damping otherwise (A. Crowther, N. Zhang, D. K. Liu, J. K. Jeyakumaran, Analysis and simulation of
+    clutch engagement judder and stick-slip in automotive powertrain systems, Proc. IMechE D 218, 2004). With a
+    stiffness, the springs stand between the faces and the second node, and ``NAME.disc`` is the node of the disc.
+
+    Examples
+    --------
+    >>> clutch = Clutch("clutch", nodes=("engine", "gearbox"), state="slipping", slip_speed="5 rad/s",
+    ...     torque=[["0 rad/s", "200 N*m"], ["10 rad/s", "190 N*m"], ["30 rad/s", "185 N*m"]])
+    >>> clutch.parts(Values({}))[0].damping
+    Fraction(-1, 1)
+    """
+
+    kind: ClassVar[str] = "clutch"
+    glyph: ClassVar[str] = "coupling"
+    may_feed: ClassVar[bool] = True
+
+    nodes: Any = entry(NodePair("the two nodes it connects, the driving one first; twist is first minus second"))
+    state: Any = entry(OneOf("what its friction faces do", ("closed", "open", "slipping")), "closed")
+    slip_speed: Any = entry(Value("slipping: speed of the first node minus that of the disc", "speed", None), None)
+    torque: Any = entry(Characteristic("slipping: rows [slip speed, torque]", (_SLIP, ("torque", "torque"))), None)
+    friction: Any = entry(
+        Characteristic("slipping, instead: rows [slip speed, friction coefficient]", (_SLIP, ("coefficient", "1"))),
+        None,
+    )
+    clamp_torque: Any = entry(
+        PhysicalQuantity("torque at a friction coefficient of one", "torque", "T_1", exclusive=True), None
+    )
+    drag: Any = entry(PhysicalQuantity("viscous drag when open", "damping", "c_d"), 0)
+    stiffness: Any = entry(
+        PhysicalQuantity("stiffness of the springs of the disc; none: rigid", "stiffness", "k", exclusive=True), None
+    )
+    damping: Any = entry(DampingQuantity("viscous damping in parallel to the springs", "damping", "c"), None)
+    first_inertia: Any = entry(PhysicalQuantity("inertia on the first node, as a cover", "inertia", "J_1"), 0)
+    disc_inertia: Any = entry(PhysicalQuantity("inertia of the disc with its facings", "inertia", "J_d"), 0)
+
+    def contradictions(self) -> list[Fault]:
+        faults = _friction_faults(self)
+        if self.damping is not None and self.stiffness is None:
+            faults.append(Fault("a rigid disc has no damping; give its springs a stiffness too", ("damping",)))
+        if self.state == "slipping" and not faults:
+            faults += _slip_faults(self)
+        return faults
+
+    @property
+    def internal_nodes(self) -> tuple[str, ...]:
+        return () if self.stiffness is None else (f"{self.name}.disc",)
+
+    @property
+    def disc(self) -> str:
+        """The node of the friction disc."""
+        return self.internal_nodes[0] if self.stiffness is not None else self.nodes[1]
+
+    def twist(self, value: Values) -> Row:
+        del value
+        return difference(*self.nodes)
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        first, second = self.nodes
+        parts = [self._faces(value)]
+        if self.stiffness is not None:
+            stiffness = value(self.stiffness)
+            damping = viscous(self.damping, stiffness, value)
+            parts.append(Law(difference(self.disc, second), stiffness=stiffness, damping=damping))
+        for node, inertia in ((first, self.first_inertia), (self.disc, self.disc_inertia)):
+            body = Law(make_row([(node, 1)]), inertia=value(inertia))
+            parts += [body] if body.acts and node != GROUND else []
+        return tuple(parts)
+
+    def _faces(self, value: Values) -> Part:
+        row = difference(self.nodes[0], self.disc)
+        if self.state == "closed":
+            return Constraint(row)
+        return Law(row, damping=value(self.drag) if self.state == "open" else self._slope(value))
+
+    def _slope(self, value: Values) -> Any:
+        table = self.friction if self.torque is None else self.torque
+        slip = self.slip_speed if table[0][0].value < 0 else abs(self.slip_speed)
+        slope = value(slope_at(table, slip))
+        return slope if self.torque is not None else slope * value(self.clamp_torque)
+
+
+def _friction_faults(clutch: Clutch) -> list[Fault]:
+    if clutch.torque is not None and clutch.friction is not None:
+        return [Fault("give torque or friction over slip, not both", ("friction",))]
+    if (clutch.friction is None) != (clutch.clamp_torque is None):
+        given = "friction" if clutch.friction is not None else "clamp_torque"
+        return [Fault("friction needs clamp_torque, the torque at a coefficient of one, and that needs it", (given,))]
+    return []
+
+
+def _slip_faults(clutch: Clutch) -> list[Fault]:
+    """What a slipping clutch lacks."""
+    table = clutch.torque if clutch.torque is not None else clutch.friction
+    if table is None:
+        text = "a slipping clutch needs its torque over slip: torque: [[0 rad/s, 200 N*m], [10 rad/s, 190 N*m]]"
+        return [Fault(f"{text}, or friction and clamp_torque", ("state",))]
+    if not clutch.slip_speed:
+        text = "a slipping clutch needs slip_speed, as 5 rad/s, other than 0; one that sticks is closed"
+        return [Fault(text, ("state",) if clutch.slip_speed is None else ("slip_speed",))]
+    slip = clutch.slip_speed if table[0][0].value < 0 else abs(clutch.slip_speed)
+    text = outside(table, slip)
+    return [Fault(f"{text}; slip_speed is {slip:g} rad/s", ("slip_speed",))] if text else []

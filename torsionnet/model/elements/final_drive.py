@@ -1,0 +1,104 @@
+"""A final drive: pinion and crown wheel with the differential in it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import OneOf
+from torsionnet.core.errors import Fault
+from torsionnet.core.expression_reading import scalar
+from torsionnet.model.elements.damping_entries import DampingQuantity
+from torsionnet.model.elements.element import Element, register, viscous
+from torsionnet.model.elements.laws import Constraint, Law, Part, Values, difference, make_row
+from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.elements.teeth import Teeth
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class FinalDrive(Element):
+    """Pinion and crown wheel, and the differential whose cage the crown wheel is bolted to.
+
+    Mesh row theta_pinion - tau theta_cage (+ (tau - 1) theta_housing) with tau = omega_pinion / omega_cage: held at
+    zero, or by the stiffness of the teeth. Differential: 2 theta_cage = theta_left + theta_right; locked, all three
+    turn as one; limited-slip, a damping c_s resists theta_left - theta_right besides, as a viscous coupling does, or
+    plates whose torque rises with the difference of speeds (for small vibrations; one whose plates stick is locked).
+    The cage is the node ``NAME.cage``, or one with a name of its own where a second pinion meshes with the crown wheel.
+    The equations are those of ``gear`` and ``differential``.
+
+    Examples
+    --------
+    >>> axle = FinalDrive("axle", pinion="out", left="l", right="r", ratio=3.45, cage_inertia="0.03 kg*m^2")
+    >>> axle.internal_nodes, len(axle.parts(Values({})))
+    (('axle.cage',), 3)
+    """
+
+    kind: ClassVar[str] = "final_drive"
+    glyph: ClassVar[str] = "differential"
+    sign: ClassVar[str] = "positive when it drives from the pinion into the final drive"
+
+    pinion: Any = entry(NodeName("the node of the pinion", allow_ground=False))
+    left: Any = entry(NodeName("the node of the left output"))
+    right: Any = entry(NodeName("the node of the right output"))
+    ratio: Any = entry(
+        PhysicalQuantity("speed of the pinion over speed of the cage", "1", "tau", None, nonzero=True), None
+    )
+    teeth: Any = entry(Teeth("teeth counts [pinion, crown wheel]; one negative: opposite senses"), None)
+    cage: Any = entry(NodeName("a node for the cage, where another element meshes with it"), None)
+    differential: Any = entry(OneOf("what the differential does", ("open", "locked", "limited-slip")), "open")
+    slip_damping: Any = entry(
+        PhysicalQuantity("limited-slip: torque between the outputs per difference of their speeds", "damping", "c_s"),
+        None,
+    )
+    pinion_inertia: Any = entry(PhysicalQuantity("inertia of the pinion", "inertia", "J_p"), 0)
+    cage_inertia: Any = entry(PhysicalQuantity("inertia of crown wheel and cage", "inertia", "J_c"), 0)
+    stiffness: Any = entry(
+        PhysicalQuantity("mesh stiffness referred to the pinion; none: rigid", "stiffness", "k", exclusive=True), None
+    )
+    damping: Any = entry(DampingQuantity("mesh damping referred to the pinion", "damping", "c"), None)
+    housing: Any = entry(NodeName("the node of the housing, if it moves"), None)
+
+    def contradictions(self) -> list[Fault]:
+        faults = []
+        if (self.ratio is None) == (self.teeth is None):
+            given = ("teeth",) if self.teeth is not None else ()
+            faults.append(Fault(f"give ratio or teeth, {'not both' if given else 'one of the two'}", given))
+        if self.damping is not None and self.stiffness is None:
+            faults.append(Fault("a rigid mesh has no damping; give the mesh a stiffness too", ("damping",)))
+        if (self.differential == "limited-slip") != (self.slip_damping is not None):
+            field = "differential" if self.slip_damping is None else "slip_damping"
+            faults.append(Fault("a limited-slip differential has a slip_damping, and no other has one", (field,)))
+        nodes = [node for node in (self.pinion, self.left, self.right, self.cage, self.housing) if node is not None]
+        if len(set(nodes)) < len(nodes):
+            faults.append(Fault("pinion, outputs, cage and housing must be on different nodes", ("pinion",)))
+        return faults
+
+    @property
+    def internal_nodes(self) -> tuple[str, ...]:
+        return () if self.cage is not None else (f"{self.name}.cage",)
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        cage = self.cage if self.cage is not None else f"{self.name}.cage"
+        inertias = ((self.pinion, self.pinion_inertia), (cage, self.cage_inertia))
+        bodies = [Law(make_row([(node, 1)]), inertia=value(inertia)) for node, inertia in inertias]
+        return (self._mesh(cage, value), *self._differential(cage, value), *(body for body in bodies if body.acts))
+
+    def _mesh(self, cage: str, value: Values) -> Part:
+        tau = value(self.ratio) if self.teeth is None else value(scalar(self.teeth[1])) / value(scalar(self.teeth[0]))
+        housing = [] if self.housing is None else [(self.housing, tau - 1)]
+        row = make_row([(self.pinion, 1), (cage, -tau), *housing])
+        if self.stiffness is None:
+            return Constraint(row)
+        stiffness = value(self.stiffness)
+        return Law(row, stiffness=stiffness, damping=viscous(self.damping, stiffness, value))
+
+    def _differential(self, cage: str, value: Values) -> tuple[Part, ...]:
+        if self.differential == "locked":
+            return Constraint(difference(cage, self.left)), Constraint(difference(cage, self.right))
+        planets = Constraint(make_row([(cage, 2), (self.left, -1), (self.right, -1)]))
+        if self.differential == "open":
+            return (planets,)
+        return planets, Law(difference(self.left, self.right), damping=value(self.slip_damping))

@@ -1,0 +1,49 @@
+"""A torque converter, linearised at its speed ratio."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.spec import entry
+from torsionnet.model.elements.characteristic import Characteristic, slope_at, value_at
+from torsionnet.model.elements.element import register
+from torsionnet.model.elements.hydrodynamic import RATIO, Hydrodynamic
+from torsionnet.model.elements.laws import Values
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class TorqueConverter(Hydrodynamic):
+    """A hydrodynamic torque converter: T_p = C(nu) omega_p^2 and T_t = mu(nu) T_p, nu = omega_t / omega_p.
+
+    With E = mu C and slopes over nu, small changes of the speeds change the torques by
+    dT_p = omega_p (2 C - nu C') domega_p + omega_p C' domega_t and
+    dT_t = omega_p (2 E - nu E') domega_p + omega_p E' domega_t: a matrix that is not symmetric. The stator takes the
+    difference to the housing. C is given as for ``fluid_coupling``: by the performance coefficient lambda(nu) of
+    C = lambda rho D^5, by the pump torque at a test speed (as MP2000 curves at 2000 r/min), or by the K factor
+    omega_p / sqrt(T_p). Both tables are straight between their rows; at a row the piece above it counts. A lock-up
+    clutch is a ``clutch`` beside it (A. J. Kotwicki, Dynamic models for torque converter equipped vehicles, SAE 820393,
+    1982).
+
+    Examples
+    --------
+    >>> converter = TorqueConverter("converter", pump="engine", turbine="input", speed="2000 rpm", speed_ratio=0.5,
+    ...     pump_torque=[[0, "180 N*m"], [1, "100 N*m"]], test_speed="2000 rpm", torque_ratio=[[0, 2.2], [1, 1]])
+    >>> pump_slope = float(converter.parts(Values({}))[0].damping)
+    >>> round(pump_slope, 4)  # 80 N*m over 2000 r/min
+    0.382
+    """
+
+    kind: ClassVar[str] = "torque_converter"
+    more_tables: ClassVar[tuple[str, ...]] = ("torque_ratio",)
+
+    torque_ratio: Any = entry(
+        Characteristic("rows [speed ratio, turbine torque over pump torque]", (RATIO, ("torque ratio", "1"))),
+        kw_only=True,
+    )
+
+    def torque_ratio_at(self, value: Values) -> tuple[Any, Any]:
+        return value(value_at(self.torque_ratio, self.speed_ratio)), value(
+            slope_at(self.torque_ratio, self.speed_ratio)
+        )

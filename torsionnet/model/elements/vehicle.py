@@ -1,0 +1,68 @@
+"""A vehicle as a mass that its wheels drive, with what air and road damp."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.errors import Fault
+from torsionnet.core.expression_reading import scalar
+from torsionnet.model.elements.element import Element, register
+from torsionnet.model.elements.laws import Law, Part, Values, make_row
+from torsionnet.model.elements.nodes import NodeName
+
+GRAVITY = "9.80665"
+"""Standard gravity in m/s^2."""
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class Vehicle(Element):
+    """A vehicle of mass m on wheels of rolling radius r: inertia m r^2 + J_w on the node that turns with the wheels.
+
+    Air drag F = rho A_d v^2 / 2 with the drag area A_d = c_w A, and a rolling resistance F = m g (f_0 + f_1 v), make a
+    damping at the speed v: c = r^2 dF/dv = r^2 (rho A_d v + m g f_1). Constant parts, as f_0 or a gradient, only load
+    the drivetrain in the mean (M. Mitschke, H. Wallentowitz, Dynamik der Kraftfahrzeuge).
+    The speed may be a parameter that follows the operating point, as v = n*r with n {by: speed, of: hub}.
+
+    Examples
+    --------
+    >>> car = Vehicle("car", node="road", mass="1500 kg", wheel_radius="0.3 m", speed="20 m/s", drag_area="0.6 m^2")
+    >>> (law,) = car.parts(Values({}))
+    >>> float(law.inertia), round(float(law.damping), 4)
+    (135.0, 1.3003)
+    """
+
+    kind: ClassVar[str] = "vehicle"
+    glyph: ClassVar[str] = "disc"
+    sign: ClassVar[str] = "positive when the drivetrain drives the vehicle in the positive sense"
+
+    node: Any = entry(NodeName("the node that turns with the wheels, behind the tyres", allow_ground=False))
+    mass: Any = entry(PhysicalQuantity("mass of the vehicle", "mass", "m", exclusive=True, usual=(1, 1e7)))
+    wheel_radius: Any = entry(
+        PhysicalQuantity("rolling radius of the wheels", "length", "r", exclusive=True, usual=(0.02, 3))
+    )
+    wheel_inertia: Any = entry(PhysicalQuantity("inertia of wheels that no drive shaft turns", "inertia", "J_w"), 0)
+    speed: Any = entry(PhysicalQuantity("speed of the vehicle, for what damps", "velocity", "v"), None)
+    drag_area: Any = entry(PhysicalQuantity("drag coefficient times frontal area", "area", "A_d"), None)
+    air_density: Any = entry(PhysicalQuantity("density of the air", "density", "rho"), "1.204 kg/m^3")
+    rolling_slope: Any = entry(
+        PhysicalQuantity("growth of the rolling resistance coefficient with speed", "per velocity", "f_1"), 0
+    )
+
+    def contradictions(self) -> list[Fault]:
+        if self.drag_area is not None and self.speed is None:
+            return [Fault("air drag damps by the speed; give speed too, as 100 km/h", ("drag_area",))]
+        if self.drag_area is None and self.speed is not None:
+            return [Fault("the speed counts for air drag only; give drag_area, as 0.65 m^2, too", ("speed",))]
+        return []
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        mass, radius = value(self.mass), value(self.wheel_radius)
+        slope = mass * value(scalar(GRAVITY)) * value(self.rolling_slope)
+        if self.drag_area is not None:
+            slope += value(self.air_density) * value(self.drag_area) * value(self.speed)
+        inertia = mass * radius**2 + value(self.wheel_inertia)
+        return (Law(make_row([(self.node, 1)]), inertia=inertia, damping=slope * radius**2),)

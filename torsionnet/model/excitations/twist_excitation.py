@@ -1,0 +1,56 @@
+"""What excitations have in common that impose a twist in an element: errors of teeth, universal joints."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import Field, dataclass, replace
+from typing import Any, ClassVar, Self
+
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.errors import Path
+from torsionnet.model.elements import GROUND, Element
+from torsionnet.model.elements.nodes import NodeName
+from torsionnet.model.excitations.order_excitation import OrderExcitation
+
+
+@dataclass(frozen=True, kw_only=True)
+class TwistExcitation(OrderExcitation):
+    """Base of excitations of one element, by the revolutions of a shaft at one of its ends."""
+
+    named_by: ClassVar[str] = ""
+    """The entry that names the element."""
+
+    speed_of: Any = entry(
+        NodeName(
+            "the wheel or input shaft whose angles and revolutions are meant; default: the first node of the element",
+            allow_ground=False,
+        ),
+        None,
+    )
+
+    @classmethod
+    def _is_common(cls, declared: Field[Any]) -> bool:
+        return declared.name == "speed_of" or super()._is_common(declared)
+
+    @property
+    def shaft(self) -> str:
+        return str(self.speed_of or "")
+
+    @property
+    def quantity(self) -> str:
+        return "twist"
+
+    @property
+    def element_entry(self) -> tuple[Path, str]:
+        return (self.named_by,), getattr(self, self.named_by)
+
+    def fitted(self, elements: Mapping[str, Element]) -> Self:
+        element = elements.get(self.element_entry[1])
+        if self.speed_of or element is None:
+            return self
+        return replace(self, speed_of=next(iter(shafts_of(element)), None))
+
+
+def shafts_of(element: Element) -> list[str]:
+    """The nodes at the ends of an element."""
+    return [node for node in element.ports.values() if node != GROUND]

@@ -1,0 +1,145 @@
+"""Parts from other files: those a model includes, and those of the library that it names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path as FilePath
+
+from torsionnet.core.entries.format_version import KEY
+from torsionnet.core.entries.nearby import files_beside, nearby_file
+from torsionnet.core.entries.spec import EntryError
+from torsionnet.core.errors import Fault, ModelError, Path
+from torsionnet.model.files.decoding import decode
+from torsionnet.model.files.library import library_parts
+from torsionnet.model.files.located import LocatedDocument, LocatedNode, compose
+
+_FILE_OF_PARTS = (KEY, "name", "source", "description", "parts", "include")
+_OF_THE_WHOLE = (KEY, "name", "operating_point", "speeds", "load", "bench", "report", "parts", "include")
+"""What a model says about itself as a whole, which means nothing where it is a part."""
+
+
+def include_parts(document: LocatedDocument) -> None:
+    """Put the parts that a model uses from other files into its data, each with its own place."""
+    root = document.root
+    if root is None or not {"include", "use", "parts"} & root.entries.keys():
+        return
+    reading = _Including(document)
+    reading.own_parts(document)
+    reading.included(document, ())
+    wanted = reading.used(root)
+    parts: dict[str | int, LocatedNode] = {
+        name: node for name, node in reading.parts.items() if name in wanted or node.home is None
+    }
+    entries = {key: node for key, node in root.entries.items() if key != "include"}
+    own = root.entries.get("parts", LocatedNode({}, root.place, {}))
+    if isinstance(own.value, dict) and (parts or own.value):
+        value = own.value | {name: node.value for name, node in parts.items()}
+        entries["parts"] = replace(own, value=value, entries={**own.entries, **parts})
+    document.root = replace(root, value={key: node.value for key, node in entries.items()}, entries=entries)
+
+
+class _Including:
+    """All parts that can be named, by name; those of the document itself have no home of their own."""
+
+    def __init__(self, document: LocatedDocument) -> None:
+        self.document = document
+        self.parts: dict[str, LocatedNode] = {}
+        self.places: dict[str, str] = {}
+        self.read: set[FilePath] = set()
+
+    def own_parts(self, document: LocatedDocument) -> None:
+        node = document.root.entries.get("parts") if document.root else None
+        for name, part in node.entries.items() if node else ():
+            home = None if document is self.document else document
+            self.add(str(name), replace(part, home=home), document, ("parts", str(name)))
+
+    def add(self, name: str, part: LocatedNode, document: LocatedDocument, path: Path) -> None:
+        if name in self.parts:
+            text = f'two parts are named "{name}"; the other one is at {self.places[name]}'
+            self.refuse(Fault(text, path, on_key=True), document)
+            return
+        position = document.position(path, on_key=True)
+        self.parts[name], self.places[name] = part, f"{position.file}:{position.line}"
+
+    def refuse(self, fault: Fault, document: LocatedDocument) -> None:
+        position = document.position(fault.path, on_key=fault.on_key)
+        # The path is one of another file unless it is the document's own.
+        path = fault.path if document is self.document else ()
+        self.document.faults.append(replace(fault, path=path, position=position))
+
+    def included(self, document: LocatedDocument, within: tuple[FilePath, ...]) -> None:
+        """The parts of the files that a document includes, and of those that they include."""
+        node = document.root.entries.get("include") if document.root else None
+        if node is None:
+            return
+        if not isinstance(node.value, list):
+            self.refuse(Fault("include is a list of files: [throws.yaml]", ("include",)), document)
+            return
+        for index, name in enumerate(node.value):
+            try:
+                self.file(str(name), within)
+            except EntryError as error:
+                self.refuse(replace(error.fault, path=("include", index)), document)
+            except ModelError as error:
+                self.document.faults += error.faults
+
+    def file(self, name: str, within: tuple[FilePath, ...]) -> None:
+        path = nearby_file(name)
+        home = path.resolve()
+        if home in within or home == FilePath(self.document.file).resolve():
+            raise EntryError(f'"{name}" includes itself, directly or by way of others; leave it out')
+        if home in self.read:
+            return
+        self.read.add(home)
+        document = compose(decode(path.read_bytes(), str(path)).removeprefix("\ufeff"), str(path))
+        self.take(document, path)
+        with files_beside(path.parent):
+            self.included(document, (*within, home))
+
+    def take(self, document: LocatedDocument, path: FilePath) -> None:
+        """The parts in a file, or the model it holds as one part."""
+        self.document.faults += document.faults
+        root = document.root
+        if root is None or not isinstance(root.value, dict):
+            raise EntryError(f'"{path.name}" holds no parts; it would have parts:, or be a model with ports:')
+        self.own_parts(document)
+        if "ports" in root.entries:
+            entries = {key: node for key, node in root.entries.items() if key not in _OF_THE_WHOLE}
+            value = {key: node.value for key, node in entries.items()}
+            self.add(path.stem, replace(root, value=value, entries=entries, home=document), document, ())
+        elif "elements" in root.entries or "use" in root.entries:
+            raise EntryError(f'"{path.name}" is a model without ports; give it ports: [...], the nodes to join it at')
+        else:
+            for key in root.entries:
+                if key not in _FILE_OF_PARTS:
+                    text = f'a file of parts has {", ".join(_FILE_OF_PARTS)}, no "{key}"'
+                    self.refuse(Fault(text, (key,), on_key=True), document)
+
+    def used(self, root: LocatedNode) -> set[str]:
+        """Every part that the model names, directly or in its parts; those of the library are read when first named."""
+        wanted: set[str] = set()
+        open_: list[LocatedNode] = [root, *(node for node in self.parts.values() if node.home is None)]
+        while open_:
+            for name in _named(open_.pop()):
+                if name in wanted:
+                    continue
+                wanted.add(name)
+                if name not in self.parts:
+                    self.from_library(name)
+                if name in self.parts:
+                    open_.append(self.parts[name])
+        return wanted
+
+    def from_library(self, name: str) -> None:
+        path = library_parts().get(name)
+        if path is not None:
+            self.take(compose(path.read_text(encoding="utf-8"), str(path)), path)
+
+
+def _named(model: LocatedNode) -> Iterator[str]:
+    uses = model.entries.get("use")
+    for use in uses.entries.values() if uses else ():
+        part = use.entries.get("part")
+        if part is not None and isinstance(part.value, str):
+            yield part.value

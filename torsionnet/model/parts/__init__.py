@@ -1,0 +1,1 @@
+"""Parts: models with ports, written once and put into others as often as they are needed."""

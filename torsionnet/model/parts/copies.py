@@ -1,0 +1,92 @@
+"""The copies of a part that one use puts in: their names, the nodes of their ports, their own values."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.core.expressions import Expression
+from torsionnet.model.parts.part import Use
+
+
+@dataclass(frozen=True)
+class Copy:
+    """One copy: what stands before its names, the node of each port, and the values given to it."""
+
+    name: str
+    nodes: Mapping[str, str]
+    values: Mapping[str, Expression]
+
+
+def copies(name: str, use: Use) -> tuple[Copy, ...]:
+    """What a use puts in; it has no faults."""
+    prefixes = use.prefixes(name)
+    return tuple(
+        Copy(
+            prefix,
+            {port: _node(prefixes, use, port, index) for port in _joined(use)},
+            {key: _one(value, index) for key, value in use.parameters.items()},
+        )
+        for index, prefix in enumerate(prefixes)
+    )
+
+
+def _joined(use: Use) -> tuple[str, ...]:
+    return tuple(dict.fromkeys([*use.at, *(use.chain or ())]))
+
+
+def _node(prefixes: tuple[str, ...], use: Use, port: str, index: int) -> str:
+    """Within a chain the rear of a copy is the front of the next one, and has the name given to that, or its own."""
+    if use.chain is not None:
+        front, rear = use.chain
+        if port == rear and index < len(prefixes) - 1:
+            port, index = front, index + 1
+        if port == front and index > 0 and not isinstance(use.at[front], tuple):
+            return f"{prefixes[index]}.{front}"
+    node: str = _one(use.at[port], index)
+    return node
+
+
+def _one(value: Any, index: int) -> Any:
+    return value[index] if isinstance(value, tuple) else value
+
+
+def use_faults(use: Use, ports: Collection[str], parameters: Collection[str]) -> Iterator[Fault]:
+    """Why a part with these ports and parameters cannot be used like that."""
+    yield from _unknown(use, ports, parameters)
+    missing = [port for port in ports if port not in _joined(use)]
+    missing += [port for port in use.chain or () if port in ports and port not in use.at]
+    if missing:
+        nodes = ", ".join(f"{port}: ..." for port in missing)
+        text = f"port{'s' if len(missing) > 1 else ''} {', '.join(missing)} of {use.part} not connected"
+        yield Fault(f"{text}; give the node in at: {{{nodes}}}", ("at",) if use.at else (), on_key=True)
+    for table in ("at", "parameters"):
+        for key, value in getattr(use, table).items():
+            yield from _wrong_length(use, table, key, value)
+
+
+def _unknown(use: Use, ports: Collection[str], parameters: Collection[str]) -> Iterator[Fault]:
+    for port in use.at:
+        if port not in ports:
+            yield unknown_name(f"port of {use.part}", port, ports, ("at", port), on_key=True)
+    for index, port in enumerate(use.chain or ()):
+        if port not in ports:
+            yield unknown_name(f"port of {use.part}", port, ports, ("chain", index))
+    for key in use.parameters:
+        if key not in parameters:
+            yield unknown_name(f"parameter of {use.part}", key, parameters, ("parameters", key), on_key=True)
+
+
+def _wrong_length(use: Use, table: str, key: str, value: Any) -> Iterator[Fault]:
+    if not isinstance(value, tuple):
+        return
+    path = (table, key)
+    if use.repeat is None:
+        yield Fault(f"a list for {key} needs repeat: {len(value)}; without, there is one copy and one value", path)
+    elif use.chain and table == "at" and key == use.chain[1]:
+        yield Fault(f"{key} is the end of a chain, one node; a list of nodes names those of {use.chain[0]}", path)
+    elif len(value) != use.repeat:
+        text = f"{key} has {len(value)} values for {use.repeat} copies"
+        yield Fault(f"{text}; give {use.repeat}, or one for all", path)

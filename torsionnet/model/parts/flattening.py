@@ -1,0 +1,194 @@
+"""Parts put in: one flat model with dots in its names out of a model that uses parts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from torsionnet.core.entries.renaming import Renaming
+from torsionnet.core.errors import Fault, ModelError, Path, UsageError, unknown_name
+from torsionnet.model.configurations import DEFAULT_AXIS, Overlay
+from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.elements import GROUND, Element
+from torsionnet.model.parts.copies import Copy, copies, use_faults
+from torsionnet.model.parts.part import Part, Use
+
+SECTIONS = ("parameters", "elements", "inputs", "sensors", "configurations", "excitations", "limits")
+"""What a part may have and the whole gets from it."""
+
+
+@dataclass
+class PartContent:
+    """Those sections of a model, by their names."""
+
+    parameters: dict[str, Any] = field(default_factory=dict)
+    elements: dict[str, Any] = field(default_factory=dict)
+    inputs: dict[str, Any] = field(default_factory=dict)
+    sensors: dict[str, Any] = field(default_factory=dict)
+    configurations: dict[str, Any] = field(default_factory=dict)
+    excitations: dict[str, Any] = field(default_factory=dict)
+    limits: dict[str, Any] = field(default_factory=dict)
+
+
+def flattened(definition: Definition, *, whole: bool = True) -> tuple[Definition, list[Fault]]:
+    """The definition with all its parts put in, and what keeps some of them from that.
+
+    Faults have the paths of the definition as it was written.
+    """
+    if not definition.use and not definition.parts and not _abbreviates(definition):
+        return definition, []
+    reader = _Flattening(definition.parts, whole)
+    content = reader.content(definition, (), ())
+    reader.unused(definition.parts)
+    flat = replace(definition, **{name: getattr(content, name) for name in SECTIONS}, parts={}, use={})
+    return flat, reader.faults
+
+
+def _abbreviates(definition: Definition) -> bool:
+    return any(element.expanded() != (element,) for element in definition.elements.values())
+
+
+class _Flattening:
+    """Each part is put together once, whatever the number of its uses."""
+
+    def __init__(self, parts: Mapping[str, Part], whole: bool) -> None:
+        self.parts = parts
+        self.whole = whole
+        self.done: dict[str, PartContent] = {}
+        self.without_ports: set[str] = set()
+        self.faults: list[Fault] = []
+
+    def unused(self, parts: Mapping[str, Part]) -> None:
+        for name in parts:
+            if name not in self.done:
+                text = f'part "{name}" is not used'
+                self.faults.append(Fault(text, ("parts", name), "warning", on_key=True, about=name))
+
+    def content(self, owner: Definition | Part, path: Path, within: tuple[str, ...]) -> PartContent:
+        """What a model or a part holds with everything it uses."""
+        found = PartContent(**{name: dict(getattr(owner, name)) for name in SECTIONS})
+        _expand(found)
+        for name, use in owner.use.items():
+            place = (*path, "use", name)
+            if self.is_known(use, place, within):
+                part = self.part(use.part, (*within, use.part))
+                if self.is_joined(use, place):
+                    self.put(found, name, use, part, place)
+        return found
+
+    def is_known(self, use: Use, place: Path, within: tuple[str, ...]) -> bool:
+        if use.part not in self.parts:
+            self.faults.append(unknown_name("part", use.part, self.parts, (*place, "part")))
+            return False
+        if use.part in within:
+            circle = " -> ".join([*within[within.index(use.part) :], use.part])
+            self.faults.append(Fault(f"a part cannot contain itself: {circle}", (*place, "part")))
+            return False
+        return True
+
+    def is_joined(self, use: Use, place: Path) -> bool:
+        part = self.parts[use.part]
+        found = [fault.under(*place) for fault in use_faults(use, part.ports, self.done[use.part].parameters)]
+        if self.whole and use.part not in self.without_ports:
+            self.faults += found
+        return not found and use.part not in self.without_ports
+
+    def part(self, name: str, within: tuple[str, ...]) -> PartContent:
+        if name not in self.done:
+            part = self.parts[name]
+            self.done[name] = self.content(part, ("parts", name), within)
+            nodes = all_nodes(self.done[name].elements.values())
+            wrong = [
+                unknown_name("node", port, nodes, ("parts", name, "ports", index))
+                for index, port in enumerate(part.ports)
+                if port not in nodes
+            ]
+            self.faults += wrong if self.whole else []
+            if wrong:
+                self.without_ports.add(name)
+        return self.done[name]
+
+    def put(self, whole: PartContent, name: str, use: Use, part: PartContent, place: Path) -> None:
+        for copy in copies(name, use):
+            if copy.name in whole.elements:
+                text = f'"{copy.name}" is an element; what is used needs another name'
+                self.faults.append(Fault(text, place, on_key=True, about=copy.name))
+                return
+            for section, entries in self.renamed(copy, part).items():
+                table = getattr(whole, section)
+                twice = next((key for key in entries if key in table), None)
+                if twice is not None:
+                    text = f'"{twice}" is already there among the {section}; use the part under another name'
+                    self.faults.append(Fault(text, place, on_key=True, about=twice))
+                    return
+                table.update(entries)
+
+    def renamed(self, copy: Copy, part: PartContent) -> dict[str, dict[str, Any]]:
+        names = Renaming(
+            f"{copy.name}.",
+            {**copy.nodes, GROUND: GROUND},
+            {*part.sensors, *part.inputs},
+            {name: element.ports for name, element in part.elements.items()},
+        )
+        found: dict[str, dict[str, Any]] = {section: {} for section in SECTIONS}
+        for section in SECTIONS:
+            for name, value in getattr(part, section).items():
+                own = names.own(name)
+                try:
+                    if section == "configurations":
+                        axis = copy.name if name == DEFAULT_AXIS else own
+                        found[section][axis] = {label: _overlay(one, names, part) for label, one in value.items()}
+                    else:
+                        found[section][own] = value.renamed(names)
+                except ModelError as error:
+                    paths = [(section, own, *_below(fault.path, section)) for fault in error.faults]
+                    self.faults += [replace(fault, path=path) for fault, path in zip(error.faults, paths, strict=True)]
+                except UsageError as error:
+                    self.faults.append(Fault(str(error), (section, own)))
+        for name, value in copy.values.items():
+            own = names.own(name)
+            found["parameters"][own] = found["parameters"][own].given(value)
+        return found
+
+
+def _below(path: Path, section: str) -> Path:
+    """Faults of elements begin with the section and the name."""
+    return path[2:] if path[:1] == (section,) else path
+
+
+def _overlay(overlay: Overlay, names: Renaming, part: PartContent) -> Overlay:
+    """The changes of an alternative in the whole; entries of excitations are read, renamed and written again."""
+    entries = {}
+    for key, raw in overlay.entries.items():
+        name, _, own = key.rpartition(".")
+        spec = dict(part.excitations[name].specs()).get(own) if name in part.excitations else None
+        value, faults = spec.read(raw) if spec is not None else (None, [])
+        entries[key] = raw if spec is None or faults else spec.plain(spec.renamed(value, names))
+    return replace(overlay, entries=entries).renamed(names)
+
+
+def _expand(content: PartContent) -> None:
+    """Elements that stand for several are written out, also where configurations switch them."""
+    groups: dict[str, tuple[Element, ...]] = {}
+    elements: dict[str, Element] = {}
+    for name, element in content.elements.items():
+        group = element.expanded()
+        if group != (element,):
+            groups[name] = group
+        elements.update({one.name: one for one in group})
+    if groups:
+        content.elements = elements
+        content.configurations = {
+            axis: {label: _switched(overlay, groups) for label, overlay in alternatives.items()}
+            for axis, alternatives in content.configurations.items()
+        }
+
+
+def _switched(overlay: Overlay, groups: Mapping[str, tuple[Element, ...]]) -> Overlay:
+    return replace(overlay, on=tuple(_members(overlay.on, groups)), off=tuple(_members(overlay.off, groups)))
+
+
+def _members(names: tuple[str, ...], groups: Mapping[str, tuple[Element, ...]]) -> Iterator[str]:
+    for name in names:
+        yield from (one.name for one in groups[name]) if name in groups else (name,)

@@ -1,0 +1,53 @@
+"""Values of elements that are quoted at the speed of another shaft: put on their own, or why that cannot be done."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from torsionnet.core.errors import Fault, TorsionnetError
+from torsionnet.model.elements import Element, Law, Values
+from torsionnet.model.elements.speed_path import SpeedPath, SpeedPaths, own_node
+
+
+def at_own_speeds(elements: Sequence[Element], values: Mapping[str, Any]) -> tuple[Element, ...]:
+    """Elements with the values of their own shafts; those for which there is no ratio as they are written.
+
+    Parameters
+    ----------
+    elements : sequence of Element
+        Those that are switched on.
+    values : mapping
+        Exact values of the parameters.
+    """
+    try:
+        paths = SpeedPaths(elements, Values(values))
+        found = [(element, _path(element, paths)) for element in elements]
+    except (TorsionnetError, ArithmeticError, KeyError):  # checks say which values are missing or impossible
+        return tuple(elements)
+    return tuple(element if path is None else element.at_own_speed(path) for element, path in found)
+
+
+def _path(element: Element, paths: SpeedPaths) -> SpeedPath | None:
+    if element.referred_to is None:
+        return None
+    return paths.between(own_node(element.ports), element.referred_to)
+
+
+def unfit_references(elements: Sequence[Element], values: Mapping[str, Any]) -> Iterator[Fault]:
+    """Elements whose values are quoted at a shaft to which there is no ratio; all names are known."""
+    quoted = [element for element in elements if element.referred_to is not None]
+    paths = SpeedPaths(elements, Values(values)) if quoted else None
+    for element in quoted:
+        path = ("elements", element.name, "referred_to")
+        own = own_node(element.ports)
+        tabled = any(isinstance(part, Law) and part.table for part in element.parts(Values(values)))
+        reason = f"{element.name} has a table over frequency; give it at its own shaft, {own}" if tabled else None
+        reason = reason or element.referral_fault
+        if reason is None and paths is not None and paths.between(own, element.referred_to) is None:
+            reason = (
+                f"no ratio leads from {own} to {element.referred_to}: in between is something open, or a differential "
+                f"or planetary set with two free members; give the values of {element.name} at its own shaft"
+            )
+        if reason is not None:
+            yield Fault(reason, path)

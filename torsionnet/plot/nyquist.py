@@ -1,0 +1,87 @@
+"""Nyquist plot of a loop opened at a controller, with the margins as they are read from it."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import torsionnet.plot.style as style
+
+if TYPE_CHECKING:
+    from torsionnet.response.loop_margins import LoopMargins
+
+WIDEST = 3.0
+"""Magnitude up to which L is drawn to scale; beyond it is drawn on the rim."""
+
+
+def nyquist(margins: LoopMargins, *, title: str | None = None) -> Figure:
+    """L(j omega) in the complex plane, and its magnitude and phase over frequency.
+
+    Parameters
+    ----------
+    margins : LoopMargins
+        What :meth:`torsionnet.Drivetrain.loop_margins` gives.
+    title : str, optional
+        By default the controller at which the loop is opened.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.Drivetrain("governed", [tn.Inertia("rotor", node="a", inertia=2),
+    ...     tn.Controller("governor", sense={"velocity": "a"}, act="a", law=-30, delay="50 ms")])
+    >>> [axes.get_xlabel() for axes in nyquist(rig.loop_margins()).axes]
+    ['real part of L', '', 'frequency [Hz]']
+    """
+    figure = style.new_figure(style.WIDTH, 4.1)
+    grid = figure.add_gridspec(2, 2, width_ratios=(1.1, 1))
+    plane = figure.add_subplot(grid[:, 0])
+    size = figure.add_subplot(grid[0, 1])
+    _plane(plane, margins)
+    _over_frequency(size, figure.add_subplot(grid[1, 1], sharex=size), margins)
+    figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=style.SMALL)
+    words = f"{margins.title}: loop opened at {margins.controller}"
+    words += "" if margins.stable else " (unstable)"
+    style.heading(figure, words if title is None else title)
+    return figure
+
+
+def _plane(axes: Axes, margins: LoopMargins) -> None:
+    style.dress(axes)
+    loop = margins.loop * np.minimum(1, WIDEST / np.maximum(np.abs(margins.loop), 1e-300))
+    axes.plot(loop.real, loop.imag, color=style.PALETTE[0], linewidth=1.4, label="L, frequency > 0")
+    axes.plot(loop.real, -loop.imag, color=style.PALETTE[0], linewidth=0.7, linestyle="--")
+    turn = np.linspace(0, 2 * np.pi, 361)
+    axes.plot(np.cos(turn), np.sin(turn), color=style.INK, linewidth=0.6, alpha=0.5)
+    axes.plot([-1], [0], "+", color=style.PALETTE[1], markersize=10, markeredgewidth=2, label="-1")
+    if math.isfinite(margins.gain_increase.value):
+        text = f"gain × {margins.gain_increase.value:.3g}"
+        axes.plot([-1 / margins.gain_increase.value], [0], "D", color=style.PALETTE[2], markersize=4, label=text)
+    if math.isfinite(margins.phase.value):
+        point = -np.exp(1j * math.radians(margins.phase.value))
+        text = f"phase {margins.phase.value:.3g}°"
+        axes.plot([point.real], [point.imag], "o", color=style.PALETTE[3], markersize=5, label=text)
+    axes.set_aspect("equal")
+    axes.set_xlabel("real part of L")
+    axes.set_ylabel("imaginary part of L")
+
+
+def _over_frequency(size: Axes, phase: Axes, margins: LoopMargins) -> None:
+    for axes in (size, phase):
+        style.dress(axes)
+        axes.set_xscale("log")
+    f = margins.frequencies
+    size.loglog(f, np.abs(margins.loop), color=style.PALETTE[0], linewidth=1.2)
+    size.axhline(1, color=style.INK, linewidth=0.6)
+    size.set_ylabel("|L|")
+    phase.plot(f, np.degrees(np.angle(margins.loop)), ".", color=style.PALETTE[0], markersize=1.5)
+    phase.set_ylabel("phase of L [°]")
+    phase.set_yticks([-180, -90, 0, 90, 180])
+    phase.set_xlabel("frequency [Hz]")
+    for margin, color in ((margins.gain_increase, style.PALETTE[2]), (margins.phase, style.PALETTE[3])):
+        if math.isfinite(margin.frequency):
+            for axes in (size, phase):
+                axes.axvline(margin.frequency, color=color, linewidth=0.8)

@@ -1,0 +1,120 @@
+"""States of the laws of controllers, and how they close the loops around a drivetrain.
+
+A law is split into P(s) + R(s)/D(s), R of lower degree than D. P acts as inertia, damping and stiffness that need not
+be symmetric; R/D has the states of a companion form in a time of its own,
+
+    z' = w (F z + e y),    T = h z
+
+A delay has no finite number of states. Where points are asked for, the torque travels along a line of so many
+(collocation on Chebyshev points), which is right far beyond 1/delay but never everywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+
+from torsionnet.assembly.action_law import ActionLaw, divided
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.system import Assembly
+from torsionnet.core.errors import UsageError
+
+HIGHEST = 2
+"""Power of s up to which a law acts on a motion at once: its acceleration."""
+
+
+@dataclass(frozen=True)
+class LawStates:
+    """z' = F z + G_0 y + G_1 y', T = P(s) y + H z; ``at_once`` are the coefficients of 1, s and s^2 in P.
+
+    ``row`` and ``sensed`` (n_q,) are where T drives, and the motion y.
+    """
+
+    action: ActionLaw
+    row: FloatArray
+    sensed: FloatArray
+    at_once: FloatArray
+    F: FloatArray
+    G: FloatArray
+    H: FloatArray
+
+
+def law_states(assembly: Assembly, points: int = 0) -> tuple[LawStates, ...]:
+    """Of all actions; a delay is travelled in so many ``points``.
+
+    Raises
+    ------
+    UsageError
+        A delay without points, or a law that grows quicker with frequency than can be followed in time.
+    """
+    return tuple(_states(assembly, one, points) for one in assembly.system.actions)
+
+
+def _states(assembly: Assembly, action: ActionLaw, points: int) -> LawStates:
+    whole, rest = divided(action.numerator, action.denominator)
+    if len(whole) > HIGHEST + 1:
+        text = "its law grows quicker with frequency than the acceleration of what it senses; give it a filter"
+        raise UsageError(f"{action.owner}: {text}")
+    P = np.array([float(value) for value in (*whole, 0, 0, 0)[: HIGHEST + 1]])
+    F, w, h = companion(rest, action.denominator)
+    G = np.zeros((len(F), 2))
+    G[-1:, 0] = w
+    row, sensed = (over_coordinates(assembly, part) for part in (action.row, action.sensed))
+    if not action.delay:
+        return LawStates(action, row, sensed, P, F, G, h)
+    if not points:
+        text = "a delay has no finite number of states; leave it out, or ask for modes or a frequency response"
+        raise UsageError(f"{action.owner}: {text}")
+    if P[2]:
+        text = "what follows an acceleration with a delay and without a filter has infinitely many fast poles"
+        raise UsageError(f"{action.owner}: {text}; give it a filter")
+    return LawStates(action, row, sensed, np.zeros(3), *_delayed(P, F, G, h, float(action.delay), points))
+
+
+def over_coordinates(assembly: Assembly, row: Mapping[str, Fraction]) -> FloatArray:
+    found = np.zeros(assembly.system.n_coordinates)
+    for column, value in assembly.columns_of(row).items():
+        if column < len(found):  # imposed angles stand still
+            found[column] = value
+    return found
+
+
+def companion(numerator: Sequence[Fraction], denominator: Sequence[Fraction]) -> tuple[FloatArray, float, FloatArray]:
+    """F, w and h of z' = F z + w e y, T = h z for R(s)/D(s), e the last state; no coefficient is above w."""
+    d, r = ([float(value) for value in part] for part in (denominator, numerator))
+    n = len(d) - 1
+    w = max((abs(value) ** (1 / (n - power)) for power, value in enumerate(d[:-1]) if value), default=1.0)
+    F = w * np.eye(n, k=1)
+    if n:
+        F[-1] = [-w * value * w ** (power - n) for power, value in enumerate(d[:-1])]
+    h = np.array([value * w ** (power - n) for power, value in enumerate(r)])
+    return F, w, np.concatenate([h, np.zeros(n - len(h))])
+
+
+def _delayed(
+    P: FloatArray, F: FloatArray, G: FloatArray, h: FloatArray, delay: float, points: int
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """F, G and H with the torque travelling along a line of points."""
+    along = _derivative(points) / delay
+    n, m = len(F), points
+    whole = np.zeros((n + m, n + m))
+    whole[:n, :n], whole[n:, n:] = F, -along[1:, 1:]
+    whole[n:, :n] = -np.outer(along[1:, 0], h)
+    driven = np.zeros((n + m, 2))
+    driven[:n], driven[n:] = G, -np.outer(along[1:, 0], P[:2])
+    end = np.zeros(n + m)
+    end[-1] = 1.0
+    return whole, driven, end
+
+
+def _derivative(points: int) -> FloatArray:
+    """Of values at points + 1 Chebyshev points from 0 to 1 (L. N. Trefethen, Spectral Methods in MATLAB, chapter 6)."""
+    place = np.cos(np.pi * np.arange(points + 1) / points)
+    weight = np.where(np.isin(np.arange(points + 1), (0, points)), 2.0, 1.0) * (-1.0) ** np.arange(points + 1)
+    apart = place[:, None] - place[None, :] + np.eye(points + 1)
+    found = np.outer(weight, 1 / weight) / apart
+    found -= np.diag(found.sum(axis=1))
+    return np.asarray(-2 * found)

@@ -1,0 +1,294 @@
+"""Modes of a drivetrain that controllers or negative damping act on: poles of any sign, those of the laws among them.
+
+Starts come from the states of drivetrain and controllers together; each pole is then a root of the exact characteristic
+equation, delays included, with a bound on its rounding.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
+from torsionnet.assembly.system import Assembly
+from torsionnet.core.errors import UsageError
+from torsionnet.solve.active_digits import DIGITS, ManyDigitPencil
+from torsionnet.solve.active_pencil import EPS, ActivePencil, equilibrated
+from torsionnet.solve.eigen import OSCILLATORY, REAL, RIGID, EigenSolution, complex_modes, scaled, undamped_modes
+from torsionnet.solve.reduction import require_resistance
+from torsionnet.solve.state_space import first_order
+
+SMALL = 150
+"""Coordinates and controllers up to which every pole is settled on the characteristic equation, and counted."""
+FEW = 40
+"""Those up to which determinants are taken in many digits."""
+MOST_POINTS = 160
+FEWEST_POINTS = 20
+PER_RADIAN = 0.75
+"""Points of a delay per radian that the fastest motion turns in it."""
+SAME = 1e-7
+REAL_BELOW = 1e-10
+BLURRED = 1e-11
+"""Relative error from which on a pole is settled in many digits."""
+MOST_WORK = 3e5
+"""Cube of the coordinates times poles that are."""
+NOTHING = 1e-12
+"""Share of the radius below which a pole of a drivetrain with delays is taken for one at zero."""
+
+
+@dataclass(frozen=True)
+class Pole:
+    """A root of the characteristic equation with Im >= 0, and its shape over coordinates and torques of actions."""
+
+    value: complex
+    vector: ComplexArray
+    error: float
+    converged: bool = True
+
+    @property
+    def is_real(self) -> bool:
+        return self.value.imag == 0
+
+
+def is_active(system: RowSystem) -> bool:
+    """Whether energy may be fed into the drivetrain, so that nothing says on which side poles lie."""
+    return bool(system.actions) or bool((system.damping < 0).any())
+
+
+def active_modes(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tuple[str, ...]]:
+    """Modes, what is doubtful about them, and notes.
+
+    Raises
+    ------
+    UsageError
+        Frequency-dependent laws beside the actions.
+    SolveError
+        Some coordinates have neither inertia nor spring nor damper.
+    """
+    system = assembly.system
+    if system.dynamic:
+        raise UsageError("modes with controllers are not worked out where a stiffness depends on frequency")
+    require_resistance(system, (system.inertia != 0) | (system.damping != 0) | (system.stiffness != 0))
+    pencil = ActivePencil(assembly)
+    delay = max((float(one.delay) for one in system.actions), default=0.0)
+    poles, zeros, doubts, notes = _delayed(pencil, delay) if delay else _rational(pencil)
+    poles = _sharpened(assembly, poles)
+    rigid = _still(pencil) if zeros else np.zeros((system.n_coordinates, 0))
+    return _solution(sorted(poles, key=lambda pole: abs(pole.value)), rigid), doubts, notes
+
+
+def _rational(pencil: ActivePencil) -> tuple[list[Pole], int, tuple[str, ...], tuple[str, ...]]:
+    """All poles other than zero, and how many are zero."""
+    starts = _starts(pencil, 0)
+    if pencil.size > SMALL:
+        zeros = sum(abs(pole.value) <= 1e-7 * max(abs(one.value) for one in starts) for pole in starts)
+        return _upper(starts[zeros:]), zeros, (), ()
+    count, zeros = pencil.counts()
+    doubts = () if count == len(starts) else (f"{count} poles were counted, but {len(starts)} found",)
+    return [_settled(pencil, pole) for pole in _upper(starts[zeros:])], zeros, doubts, ()
+
+
+def _starts(pencil: ActivePencil, points: int) -> list[Pole]:
+    """Eigenvalues of the states, rising in size, with an estimate of their errors."""
+    from scipy import linalg
+
+    form = first_order(pencil.assembly, (), points)
+    if not len(form.A):
+        return []
+    balanced, back = linalg.matrix_balance(form.A)
+    values, right = np.linalg.eig(balanced)
+    try:
+        condition = np.linalg.norm(np.linalg.inv(right), axis=1)
+    except np.linalg.LinAlgError:
+        condition = np.full(len(values), np.inf)
+    states, size = back @ right, float(np.linalg.norm(balanced))
+    found = []
+    for number in np.argsort(np.abs(values), kind="stable"):
+        value, x = complex(values[number]), states[:, number]
+        q = form.X @ x
+        torques = [
+            (one.sensed @ q) * np.polynomial.polynomial.polyval(value, one.at_once) + form.torques[place] @ x
+            for place, one in enumerate(form.actions)
+        ]
+        error = EPS * size * float(condition[number]) / abs(value) if value else np.inf
+        found.append(Pole(value, np.concatenate([q, torques]).astype(complex), error))
+    return found
+
+
+def _upper(poles: Sequence[Pole]) -> list[Pole]:
+    """One of each conjugate pair."""
+    return [pole for pole in poles if pole.value.imag >= 0]
+
+
+def _settled(pencil: ActivePencil, pole: Pole) -> Pole:
+    """The pole on the exact equation, where it does not run away to another one, as of two that meet."""
+    found = pencil.settled(pole.value, pole.vector)
+    if found is None or abs(found[0] - pole.value) > max(1e-3, 100 * pole.error) * abs(pole.value):
+        return pole
+    value = complex(found[0].real, 0.0) if pole.is_real else found[0]
+    return Pole(value, found[1], min(found[2], max(pole.error, EPS)))
+
+
+def _sharpened(assembly: Assembly, poles: Sequence[Pole]) -> list[Pole]:
+    """Poles that rounding blurs, as slow ones of stiff drivetrains, in many digits; as many as time allows."""
+    size = assembly.system.n_coordinates + len(assembly.system.actions)
+    most = int(MOST_WORK // max(size, 1) ** 3)
+    blurred = sorted((pole.error, place) for place, pole in enumerate(poles) if pole.error > BLURRED)[::-1][:most]
+    if not blurred:
+        return list(poles)
+    import mpmath
+
+    found = list(poles)
+    with mpmath.workdps(DIGITS):
+        exact = ManyDigitPencil(assembly)
+        for error, place in blurred:
+            pole = found[place]
+            met = exact.settled(pole.value, pole.vector)
+            if met is not None and abs(met[0] - pole.value) <= max(0.1, 10 * error) * abs(pole.value):
+                value = complex(met[0].real, 0.0) if pole.is_real else met[0]
+                found[place] = Pole(value, met[1], EPS)
+    return found
+
+
+# --- delays --------------------------------------------------------------------------------------------------------
+
+
+def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], int, tuple[str, ...], tuple[str, ...]]:
+    """All poles within a circle that holds those of the laws, if it may be so wide; of others those of the laws."""
+    system = pencil.assembly.system
+    passive = replace(system, actions=())
+    free = complex_modes(passive) if not is_active(passive) else None
+    sizes = (
+        np.abs(free.eigenvalues) if free else undamped_modes(replace(passive, damping=np.zeros_like(system.damping)))[0]
+    )
+    widest = (MOST_POINTS - FEWEST_POINTS) / (PER_RADIAN * delay)
+    radius = min(1.3 * max([float(sizes.max(initial=0.0)), *(_corner(pencil)), 6 / delay]), widest)
+    starts = _starts(pencil, FEWEST_POINTS + math.ceil(PER_RADIAN * radius * delay))
+    moving = [pole for pole in _upper(starts) if abs(pole.value) > NOTHING * radius]
+    near = _distinct(pencil, [pole for pole in moving if abs(pole.value) <= 1.2 * radius])
+    near = [pole for pole in near if abs(pole.value) > NOTHING * radius]
+    least = min((abs(pole.value) for pole in near), default=radius)
+    zeros = _zeros(pencil, min(least, 1 / delay)) if _still(pencil).shape[1] else 0
+    radius = _between(radius, [abs(pole.value) for pole in near])
+    inside = [pole for pole in near if abs(pole.value) < radius]
+    counted = pencil.within(radius) if pencil.size <= SMALL else None
+    found = zeros + sum(1 if pole.is_real else 2 for pole in inside)
+    below = f"{radius / (2 * np.pi):.4g} Hz"
+    if counted is None:
+        doubts: tuple[str, ...] = (f"with the delay, the poles below {below} could not be counted",)
+    elif counted != found:
+        doubts = (f"with the delay, {counted} poles lie below {below}, but {found} were found",)
+    else:
+        doubts = ()
+    beyond = [] if free is None else _beyond(pencil, free, radius)
+    text = f"a delay makes infinitely many poles; those below {below} are all here"
+    notes = (f"{text}, and of faster ones those next to modes without control" if beyond else text,)
+    return inside + beyond, zeros, doubts, notes
+
+
+def _zeros(pencil: ActivePencil, rate: float) -> int:
+    """How many poles are zero; the others are not slower than ``rate``, rad/s."""
+    if pencil.size > FEW:
+        return pencil.within(1e-3 * rate) or 0
+    import mpmath
+
+    with mpmath.workdps(DIGITS):
+        return ManyDigitPencil(pencil.assembly).zeros(rate)
+
+
+def _corner(pencil: ActivePencil) -> list[float]:
+    """Sizes of the poles of the laws of controllers."""
+    found = []
+    for action in pencil.assembly.system.actions:
+        roots = np.roots([float(value) for value in reversed(action.denominator)])
+        found += [float(abs(root)) for root in roots]
+    return found
+
+
+def _distinct(pencil: ActivePencil, starts: Sequence[Pole]) -> list[Pole]:
+    """Poles that starts lead to, each once."""
+    found: list[Pole] = []
+    for start in starts:
+        met = pencil.settled(start.value, start.vector)
+        if met is None:
+            continue
+        value = met[0]
+        if abs(value.imag) <= REAL_BELOW * abs(value):
+            value = complex(value.real, 0.0)
+        pole = Pole(complex(value.real, abs(value.imag)), met[1] if value.imag >= 0 else met[1].conj(), met[2])
+        if all(abs(pole.value - other.value) > SAME * abs(pole.value) for other in found):
+            found.append(pole)
+    return found
+
+
+def _between(radius: float, sizes: Sequence[float]) -> float:
+    """A radius near this one, in the widest gap between sizes."""
+    marks = sorted([0.8 * radius, *(size for size in sizes if 0.8 * radius < size < radius), radius])
+    gaps = [(b / a, math.sqrt(a * b)) for a, b in pairwise(marks)]
+    return max(gaps)[1]
+
+
+def _beyond(pencil: ActivePencil, free: EigenSolution, radius: float) -> list[Pole]:
+    """Poles outside of the circle that modes without control lead to."""
+    n_act = pencil.size - pencil.n_coordinates
+    starts = [
+        Pole(complex(value), np.concatenate([free.vectors[:, number], np.zeros(n_act)]), 0.0)
+        for number, value in enumerate(free.eigenvalues)
+        if abs(value) >= radius
+    ]
+    found = _distinct(pencil, starts)
+    return [pole for pole in found if abs(pole.value) >= radius and abs(pole.value) > 0]
+
+
+# --- results ----------------------------------------------------------------------------------------------------
+
+
+def _still(pencil: ActivePencil) -> FloatArray:
+    """Coordinates of what can stand turned, constant torques of actions with it: the null space of P(0)."""
+    P = pencil.at(0j).real
+    left, right = equilibrated(np.abs(P))
+    _, sizes, vectors = np.linalg.svd(left[:, None] * P * right)
+    kept = sizes <= 1e-12 * sizes.max(initial=0.0)
+    basis = (right[:, None] * vectors[kept].T)[: pencil.n_coordinates]
+    return np.asarray(basis[:, np.abs(basis).max(axis=0, initial=0.0) > 0])
+
+
+def _solution(poles: Sequence[Pole], rigid: FloatArray) -> EigenSolution:
+    count, n_rigid, n = len(poles), rigid.shape[1], len(rigid)
+    values = np.array([_on_axis(pole) for pole in poles], dtype=complex)
+    shapes = np.array([pole.vector[:n] for pole in poles], dtype=complex).reshape(count, n).T
+    real = [pole.is_real for pole in poles]
+    shapes[:, real] = _turned_real(shapes[:, real])
+    zeros = np.zeros(n_rigid)
+    return EigenSolution(
+        eigenvalues=np.concatenate([zeros, values]).astype(complex),
+        vectors=np.hstack([_scaled(rigid), _scaled(shapes)]).astype(complex),
+        kinds=(RIGID,) * n_rigid + tuple(REAL if one else OSCILLATORY for one in real),
+        converged=np.ones(n_rigid + count, dtype=bool),
+        iterations=np.concatenate([zeros, np.ones(count)]).astype(int),
+        errors=np.concatenate([zeros, [pole.error for pole in poles]]),
+    )
+
+
+def _on_axis(pole: Pole) -> complex:
+    """A real part that is nothing but rounding is none."""
+    value = pole.value
+    return complex(0.0, value.imag) if abs(value.real) <= max(pole.error, 1e-14) * abs(value) else value
+
+
+def _turned_real(shapes: ComplexArray) -> ComplexArray:
+    largest = shapes[np.argmax(np.abs(shapes), axis=0), np.arange(shapes.shape[1])] if shapes.size else np.ones(0)
+    return np.asarray((shapes / np.where(largest == 0, 1, largest)).real.astype(complex))
+
+
+def _scaled(shapes: Any) -> Any:
+    """As elsewhere; a controller that swings by itself moves nothing."""
+    moving = np.abs(shapes).max(axis=0, initial=0.0) > 0
+    found = np.array(shapes)
+    found[:, moving] = scaled(found[:, moving])
+    return found
