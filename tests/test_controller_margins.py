@@ -176,6 +176,11 @@ class TestRefused:
         found = np.linalg.inv(np.array(D.subs(values).evalf().tolist(), dtype=complex))[np.ix_(order, order)]
         assert found == pytest.approx(expected, rel=1e-10)
         assert D.has(g)
+        assert system.equations()[0].endswith("= T + T_governor")
+        (law,) = system.laws()
+        assert law.startswith("T_governor = ")
+        assert law.endswith("(theta_b)")
+        assert "governor:" in CliRunner().invoke(app, ["equations", "-"], input=self.RIG.to_yaml()).output
 
 
 class TestFaults:
