@@ -31,6 +31,7 @@ from torsionnet.model.bench import Acquisition, Encoder, Exciter, Transducer
 from torsionnet.model.bench.excitations import EXCITATIONS
 from torsionnet.model.elements import (
     ELEMENT_TYPES,
+    Action,
     Constraint,
     Element,
     Law,
@@ -39,6 +40,7 @@ from torsionnet.model.elements import (
     element_classes,
     make_element,
 )  # fmt: skip
+from torsionnet.model.elements.control_entries import ControlLawEntry, OneOrTwoNodes, SensedEntry
 from torsionnet.model.elements.damping_entries import LossFactor
 from torsionnet.model.elements.nodes import NodeName, NodePair
 from torsionnet.model.elements.stiffness_rows import TableEntry
@@ -51,6 +53,7 @@ GENERATED = DOCS / "generated"
 STUB = DOCS.parent / "torsionnet" / "model" / "elements" / "element_types.pyi"
 
 SAMPLES = {
+    "time": "20 ms",
     "torque": "180 kN*m",
     "speed": "150 rpm",
     "inertia": "0.15 kg*m^2",
@@ -153,7 +156,8 @@ def sample_value(declared: Field[Any], *, symbolic: bool) -> Any:
     if isinstance(kind, PhysicalQuantity):
         loss = 0.1 if isinstance(kind, LossFactor) else SAMPLES[kind.dimension]
         return kind.symbol if symbolic else loss
-    others = {Teeth: [20, 61], Flag: True, Count: 1, Text: "text"}
+    others: dict[type, Any] = {Teeth: [20, 61], Flag: True, Count: 1, Text: "text"}
+    others |= {SensedEntry: {"velocity": "a"}, OneOrTwoNodes: "b", ControlLawEntry: {"p": -40, "i": -90}}
     if isinstance(kind, TableEntry):
         return [["1 Hz", "400 N*m/rad", "2 N*m*s/rad"], ["20 Hz", "500 N*m/rad", "1.2 N*m*s/rad"]]
     return kind.options[0] if isinstance(kind, OneOf) else others[type(kind)]
@@ -189,6 +193,15 @@ def row_text(part: Part) -> str:
 def law_text(part: Part) -> str:
     if isinstance(part, Constraint):
         return r"\gamma = 0"
+    if isinstance(part, Action):
+        s = sympy.Symbol("s")
+        above, below = (
+            sum((sympy.sympify(value) * s**power for power, value in enumerate(one)), start=sympy.Integer(0))
+            for one in (part.numerator, part.denominator)
+        )
+        law = sympy.latex(sympy.cancel(above / below) * sympy.exp(-s * part.delay))
+        sensed = row_text(Action(part.sensed, part.row, ())).partition("= ")[2]
+        return rf"T = \left[{law}\right] \left({sensed}\right)"
     return rf"\kappa(s) = {kappa(part)}"
 
 
