@@ -160,7 +160,7 @@ class TestRefused:
     )
     def test_in_words(self, ask):
         with pytest.raises(
-            tn.UsageError, match="not worked out for a drivetrain with controllers; switch off governor"
+            tn.UsageError, match="not worked out where a torque follows another motion; switch off governor"
         ):
             ask(self.RIG)
 
