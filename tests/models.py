@@ -172,8 +172,11 @@ def around(element):
     nodes = [node for node in element.ports.values() if node != "ground"]
     parts = [tn.Inertia(f"j_{node}", node=node, inertia=1 + i) for i, node in enumerate(nodes)]
     parts += [tn.Spring(f"s_{n}", nodes=(n, "ground"), stiffness=100 + 30 * i) for i, n in enumerate(nodes)]
-    sensors = {"twist": {"twist": "e"}}
-    sensors |= {f"T_{port}": {"torque": "e", "at": port} for port in element.ports}
+    sensors = {}
+    for one in element.expanded():
+        mark = one.name.removeprefix("e").replace(".", "_")
+        sensors[f"twist{mark}"] = {"twist": one.name}
+        sensors |= {f"T_{port}{mark}": {"torque": one.name, "at": port} for port in one.ports}
     sensors |= {f"w_{node}": {"velocity": node} for node in nodes} | {"a": {"acceleration": nodes[-1]}}
     sensors |= {f"inside_{index}": {"angle": node} for index, node in enumerate(element.internal_nodes)}
     parts += [

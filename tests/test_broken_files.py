@@ -319,9 +319,11 @@ def test_line_ends_and_byte_order_marks_do_not_matter(tmp_path, newline, mark):
 def test_missing_files_name_what_there_is(tmp_path):
     (tmp_path / "gearbox.yaml").write_text(BASE)
     (tmp_path / "notes.txt").write_text(BASE)
+    (tmp_path / "sheet.csv").write_text(BASE)
     expected = {
         tmp_path / "gerbox.yaml": 'did you mean "gearbox.yaml"?',
         tmp_path: "is a folder; name a model file in it: gearbox.yaml",
+        tmp_path / "sheet.csv": "makes one of a maker's sheet",
         tmp_path / "notes.txt": "is no model file; its name would end in .yaml, .yml, .json",
         tmp_path / "gone" / "x.yaml": "there is no file",
         "amt_rigg": 'no library model is named "amt_rigg"; did you mean "amt_rig"?',

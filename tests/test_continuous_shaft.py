@@ -92,6 +92,11 @@ def test_one_end_held():
     assert modes.converged.all()
 
 
+def test_trial_frequencies_that_hit_a_shaft_with_its_ends_held_mislead_nobody():
+    modes = held(length=0.1, outer_diameter=0.05).modes(lowest=7)  # the seventh once came out at 6.472 in place of 6.5
+    np.testing.assert_allclose(modes.natural_frequencies * 0.1 / SPEED, (np.arange(7) + 0.5) / 2, rtol=1e-13)
+
+
 def test_both_ends_held_so_that_every_mode_is_one_inside():
     modes = rig(shaft(), tn.Lock("l", node="a"), tn.Lock("r", node="b")).modes(lowest=50)
     np.testing.assert_allclose(modes.natural_frequencies, 2 * np.arange(1, 51) * UNIT, rtol=1e-13)
@@ -268,16 +273,18 @@ def made(tree, make, **options):
     return rig(*shafts, *elements)
 
 
-@settings(max_examples=campaigns.examples(4, 60), deadline=None)
+@pytest.mark.slow
+@settings(max_examples=campaigns.examples(3, 40), deadline=None)
 @given(trees())
 def test_random_trees_against_fine_segments(tree):
-    found = made(tree, tn.ContinuousShaft).modes(lowest=7).natural_frequencies
-    rough, fine = (made(tree, tn.Shaft, segments=n).modes(lowest=7).natural_frequencies for n in (12, 24))
+    found = made(tree, tn.ContinuousShaft).modes(lowest=4).natural_frequencies
+    rough, fine = (made(tree, tn.Shaft, segments=n).modes(lowest=4).natural_frequencies for n in (20, 40))
     np.testing.assert_allclose(found, (4 * fine - rough) / 3, rtol=2e-3, atol=1e-3)
     assert (found <= fine * (1 + 1e-9) + 1e-6).all()
 
 
-@settings(max_examples=campaigns.examples(4, 60), deadline=None)
+@pytest.mark.slow
+@settings(max_examples=campaigns.examples(3, 40), deadline=None)
 @given(trees())
 def test_response_of_random_trees_against_fine_segments(tree):
     locked = {part.node for part in tree[0] if part.kind == "lock"}
@@ -291,9 +298,11 @@ def test_response_of_random_trees_against_fine_segments(tree):
 
 def test_negative_pivots_are_the_negative_eigenvalues():
     random = np.random.default_rng(3)
-    for _ in range(20):
-        rows = random.integers(-2, 3, (9, 5)).astype(float)
-        kappa = random.standard_normal((9, 1))
+    for draw in range(60):
+        rows = random.integers(-2, 3, (12, 5)).astype(float)
+        if draw % 3:  # at most two coordinates a row, several rows on the same ones
+            rows *= np.array([random.permutation([1, 1, 0, 0, 0]) for _ in rows])
+        kappa = random.standard_normal((12, 1))
         expected = np.sum(np.linalg.eigvalsh(rows.T @ (kappa * rows)) < 0)
         maps = [{j: a for j, a in enumerate(row) if a} for row in rows.tolist()]
         assert negative_pivots(maps, kappa, 5).item() == expected

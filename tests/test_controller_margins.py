@@ -10,7 +10,7 @@ from test_controller import Plant
 
 import torsionnet as tn
 from torsionnet.cli.app import app
-from torsionnet.core.units import convert
+from torsionnet.solve.sensitivity.parametric import parametric_response
 
 
 def speed_loop(gain=-30.0, delay=0.05, inertia=2.0):
@@ -42,28 +42,30 @@ class TestMargins:
         assert margins.delay.value == pytest.approx((math.pi / 2 - 0.75) / 15, rel=1e-9)
         assert margins.stable
 
-    @pytest.mark.parametrize("law", [-12, {"p": -4, "i": -3}, {"numerator": [-60], "denominator": [0.3, 1]}])
-    def test_margins_are_those_of_python_control(self, law):
+    @pytest.mark.parametrize(
+        ("size", "law"), [(12, -12), (4, {"p": -4, "i": -3}), (60, {"numerator": [-60], "denominator": [0.3, 1]})]
+    )
+    def test_margins_are_those_of_python_control(self, size, law):
         elements = shaft_loop(law)
         rig = tn.Drivetrain("plant", elements[:-1], inputs={"T": {"torque": "a"}}, sensors={"w": {"velocity": "b"}})
-        H = {int: lambda: control.tf([-12], [1]), dict: lambda: None}[type(law)]()
-        if isinstance(law, dict):
-            H = control.tf([-4, -3], [1, 0]) if "p" in law else control.tf([-60], [0.3, 1])
-        gain, phase, modulus, _, at_phase, _ = control.stability_margins(-control.tf(rig.to_control()) * H)
+        H = {12: control.tf([-12], [1]), 4: control.tf([-4, -3], [1, 0]), 60: control.tf([-60], [0.3, 1])}[size]
+        loop = -control.tf(rig.to_control()) * H
+        gains, phases, distances, _, at_phases, _ = control.stability_margins(loop, returnall=True)
         found = tn.Drivetrain("loop", elements).loop_margins("governor")
-        if math.isfinite(found.gain_increase.value):
-            assert found.gain_increase.value == pytest.approx(gain, rel=1e-6) or gain < 1
-        assert abs(found.phase.value) == pytest.approx(abs((phase + 180) % 360 - 180), rel=1e-5)
-        assert found.phase.frequency == pytest.approx(convert(at_phase, "rad/s", "rad/s") / (2 * math.pi), rel=1e-6)
-        assert found.modulus.value == pytest.approx(modulus, rel=1e-3)
+        assert found.gain_increase.value == pytest.approx(min(gains[gains > 1], default=np.nan), rel=1e-6, nan_ok=True)
+        real = at_phases > 1e-6  # the rest is rounding of a pole and a zero at rest
+        nearest = np.argmin(np.abs(phases[real]))
+        assert found.phase.value == pytest.approx(phases[real][nearest], rel=1e-5)
+        assert found.phase.frequency == pytest.approx(at_phases[real][nearest] / (2 * math.pi), rel=1e-6)
+        assert found.modulus.value == pytest.approx(min(distances), rel=1e-3)
 
     @pytest.mark.parametrize("seed", range(10))
     def test_the_loop_is_that_of_dense_matrices_with_all_others_closed(self, seed):
-        plant = Plant(seed, delay=True)
+        plant = Plant(seed, delay=True, forms=("polynomials",))
         last = len(plant.laws) - 1
         margins = plant.rig.loop_margins(f"act{last}")
         out, sensed, kappa = plant.laws.pop()
-        for number in range(0, len(margins.frequencies), 97):
+        for number in np.flatnonzero(margins.frequencies > 0.01)[::97]:
             s = 2j * math.pi * margins.frequencies[number]
             rest = plant.dynamic_stiffness(s)
             expected = -kappa(s) * (sensed @ np.linalg.solve(rest, out))
@@ -112,7 +114,7 @@ configurations: {mild: {}, push: {g: 20}, idle: {off: [governor]}}
         path.write_text(self.MODEL)
         result = CliRunner().invoke(app, ["check", str(path)])
         assert result.exit_code == 0
-        (line,) = [line for line in result.output.splitlines() if "warning" in line]
+        (line,) = [line for line in result.output.splitlines() if ": warning:" in line]
         assert "in configuration push: governor makes the mode at" in line
         assert "unstable, it grows: damping ratio -" in line
         assert "strain in" in line
@@ -153,7 +155,7 @@ class TestRefused:
             lambda rig: rig.holzer_table(1),
             lambda rig: rig.mean_response("torque(shaft)"),
             lambda rig: rig.modes(measured_input="w"),
-            lambda rig: tn.parametric_response(rig, "w", "T", [1.0], ["g"]).at([-2.0]),
+            lambda rig: parametric_response(rig, "w", "T", [1.0], ["g"]).at([-2.0]),
         ],
     )
     def test_in_words(self, ask):
@@ -174,6 +176,11 @@ class TestRefused:
         found = np.linalg.inv(np.array(D.subs(values).evalf().tolist(), dtype=complex))[np.ix_(order, order)]
         assert found == pytest.approx(expected, rel=1e-10)
         assert D.has(g)
+        assert system.equations()[0].endswith("= T + T_governor")
+        (law,) = system.laws()
+        assert law.startswith("T_governor = ")
+        assert law.endswith("(theta_b)")
+        assert "governor:" in CliRunner().invoke(app, ["equations", "-"], input=self.RIG.to_yaml()).output
 
 
 class TestFaults:

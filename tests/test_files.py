@@ -9,7 +9,7 @@ import stat
 import subprocess
 import sys
 import threading
-from dataclasses import MISSING, replace
+from dataclasses import MISSING
 from fractions import Fraction
 from pathlib import Path
 
@@ -22,6 +22,7 @@ from hypothesis import strategies as st
 from models import EVERY_ELEMENT
 
 from torsionnet.core import atomic
+from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.errors import ModelError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.loading import load, loads
@@ -149,7 +150,10 @@ WITH_FILES = {"mass_elastic"}
 
 
 def rich_model():
-    """A model with every element type and every kind of entry."""
+    """A model with every element type and every kind of entry.
+
+    Most types have nodes of their own, which only dampers join: those with ratios would contradict each other's speeds.
+    """
     elements = [
         Inertia("motor", node="a", inertia="J", description="rotor: 3 discs, #2 is no"),
         Spring("shaft_1", nodes=("a", "b"), stiffness="2*k", damping={"zeta": "z", "at": "8 Hz"}),
@@ -166,8 +170,10 @@ def rich_model():
         Lock("brake", node="h", enabled=False),
     ]
     there = {element.kind for element in elements}
-    elements += [replace(element, name=f"a_{kind}") for kind, element in EVERY_ELEMENT.items()
-                 if kind not in there and kind not in WITH_FILES]  # fmt: skip
+    others = [element.renamed(Renaming(f"{kind}_", {"ground": "ground"}))
+              for kind, element in EVERY_ELEMENT.items() if kind not in there | WITH_FILES]  # fmt: skip
+    nodes = {node for element in others for node in element.ports.values()} - {"ground"}
+    elements += others + [Damper(f"oil_{node}", nodes=("a", node), damping=1) for node in sorted(nodes)]
     return Drivetrain(
         "no",
         elements,

@@ -15,7 +15,8 @@ from torsionnet.core.errors import UsageError
 from torsionnet.io import to_modelica, write_modelica
 
 FREQUENCIES = [0.7, 5.3, 21.0]
-NO_COUNTERPART = {"hysteretic_spring", "tabulated_spring", "controller", "fluid_coupling", "torque_converter"}
+OVER_FREQUENCY = {"tabulated_spring", "continuous_shaft"}
+NO_COUNTERPART = {"hysteretic_spring", *OVER_FREQUENCY, "controller", "fluid_coupling", "torque_converter"}
 
 
 def has_counterpart(rig):
@@ -201,7 +202,7 @@ def test_descriptions_are_quoted():
 
 @pytest.mark.parametrize("kind", sorted(NO_COUNTERPART))
 def test_elements_without_counterpart_are_refused_by_name(kind):
-    laws = {"hysteretic_spring": "loss factor on a - b", "tabulated_spring": "table over frequency on a - b"}
+    laws = {"hysteretic_spring": "loss factor on a - b"} | dict.fromkeys(OVER_FREQUENCY, "table over frequency on a")
     part = laws.get(kind, "torque on . - . that follows")
     with pytest.raises(UsageError, match=rf"has no counterpart of e \({kind}\), .*{part}"):
         to_modelica(around(EVERY_ELEMENT[kind]))

@@ -112,6 +112,41 @@ def test_one_table_in_many_forms(tmp_path, text):
     np.testing.assert_allclose(2 * np.pi * found[1:], np.sqrt(squares), rtol=1e-12)
 
 
+def test_an_american_sheet_in_pounds(tmp_path):
+    text = """"Mass No.","Item","WR2 (lb-ft2)","Stiffness (10^6 lb-in/rad)","Shaft OD (in)","RPM"
+1,"Motor","12,450",58.2,9.5,1785
+2,"Gear",310,,,1785
+3,"Pinion",94.5,,,7140
+"""
+    (tmp_path / "sheet.csv").write_text(text)
+    sheet = tn.io.mass_elastic_report(tmp_path / "sheet.csv")
+    pound, foot, inch = 0.45359237, 0.3048, 0.0254
+    assert [float(mass.inertia.si) for mass in sheet.masses] == pytest.approx(
+        [value * pound * foot**2 for value in (12450, 310, 94.5)], rel=1e-14
+    )
+    assert float(sheet.links[0].stiffness.si) == pytest.approx(58.2e6 * pound * 9.80665 * inch, rel=1e-14)
+    assert float(sheet.links[0].outer.si) == pytest.approx(9.5 * inch)
+    assert [mass.ratio for mass in sheet.masses] == [1, 1, 4]
+
+
+def test_a_remark_behind_the_unit_of_a_heading(tmp_path):
+    text = """Mass,Inertia [kg m^2] (referred to crankshaft),Elasticity [1e-9 rad/Nm] (referred to crankshaft),Speed ratio
+a,5,25,1
+b,6,0,1
+c,2,50,0.5
+d,3,,0.5
+"""
+    (tmp_path / "sheet.csv").write_text(text)
+    sheet = tn.io.mass_elastic_report(tmp_path / "sheet.csv")
+    assert sheet.referred
+    assert [float(mass.inertia.si) for mass in sheet.masses] == [5, 6, 8, 12]
+    assert [float(sheet.links[at].stiffness.si) for at in (0, 2)] == [4e7, 8e7]
+    assert sheet.links[0].stiffness.raw == "25e-9 rad/Nm"
+    assert ("Elasticity [1e-9 rad/Nm] (referred to crankshaft)", "compliance") in [
+        row[:2] for row in sheet.report().rows
+    ]
+
+
 def test_encodings_of_spreadsheet_programs(tmp_path):
     for encoding in ("utf-8-sig", "utf-16", "cp1252"):
         (tmp_path / "x.csv").write_bytes(MENDES.encode(encoding))
@@ -230,6 +265,7 @@ HEAD = "mass;J [kg*m^2];k [N*m/rad]\n"
         ("mass;k [N*m/rad]\na;1\nb;\n", 1, 1, "no column of inertias"),
         ("mass;J;k [N*m/rad]\na;1;2\nb;1;\n", 1, 6, 'the column "J" has no unit; write its heading as J [kg*m^2]'),
         ("mass;J [kg];k [N*m/rad];J [kg*m^2]\na;1;2;3\nb;1;;3\n", 1, 6, '"kg" is no unit of inertia'),
+        ("mass;Inertia (kgx-m2);k [N*m/rad]\na;1;2\nb;1;\n", 1, 6, '"kgx" is not a known unit'),
         ("mass;J [kgmm];k [N*m/rad];I kgm2\na;1;2;3\nb;1;;3\n", 1, 6, '"kgmm" is not a known unit'),
         ("mass;J [kg*m^2];inertia [kg*m^2];k [N*m/rad]\na;1;1;2\nb;1;1;\n", 1, 17, "both mean inertia"),
         ("mass;J [kg*m^2];Stifness\na;1;5\nb;1;\n", 1, 17, 'did you mean "stiffness"'),

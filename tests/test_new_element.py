@@ -31,7 +31,11 @@ from torsionnet.model.elements.laws import Law, difference
 @register
 @dataclass(frozen=True, eq=False, repr=False)
 class AnInerter(Element):
-    """Two nodes that resist their relative acceleration."""
+    """Two nodes that resist their relative acceleration.
+
+    >>> AnInerter("flywheel", nodes=("a", "b"), inertance=3).kind
+    'an_inerter'
+    """
 
     kind: ClassVar[str] = "an_inerter"
     glyph: ClassVar[str] = "damper"
@@ -121,6 +125,12 @@ def test_what_a_program_registers_is_offered_by_name():
     assert tn.MadeUpInerter is elements.MadeUpInerter is made
     assert "MadeUpInerter" in tn.__all__
     assert '"element_an_inerter"' in schema_text()
+
+
+def test_the_file_of_an_element_type_is_named_after_it():
+    """Otherwise every file would be imported to find it."""
+    for kind, cls in ELEMENT_TYPES.items():
+        assert cls.__module__ == f"{elements.__name__}.{kind}" or sys.modules[cls.__module__] in elements.FAMILIES
 
 
 def test_every_element_type_is_public():

@@ -36,8 +36,6 @@ def both(name):
 
 def with_choices(plain, parts):
     for label in plain.configurations:
-        if "dry" in label:
-            continue
         yield label, plain.configured(label), parts.configured(label)
 
 

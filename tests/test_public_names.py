@@ -43,6 +43,7 @@ LATER = {
     "half_ranges",
     "interference_diagram",
     "limit_check",
+    "nyquist",
     "order_overlay",
     "order_response",
     "star_diagrams",

@@ -12,12 +12,12 @@ ALL_BUT_THE_READER = HEAVY | {"numpy", "networkx", "pint", "pydantic"}
 # What is loaded at the very end is the last line on stderr, after all other output.
 PROGRAM = """
 import atexit, json, sys
-atexit.register(lambda: sys.stderr.write("\\n" + json.dumps(sorted(name for name in sys.modules if "." not in name))))
+atexit.register(lambda: sys.stderr.write("\\n" + json.dumps(sorted(sys.modules))))
 {body}
 """
 
 
-def loaded_packages(body, directory):
+def loaded_modules(body, directory):
     done = subprocess.run(
         [sys.executable, "-c", PROGRAM.format(body=body)],
         capture_output=True,
@@ -28,6 +28,10 @@ def loaded_packages(body, directory):
     )
     assert done.returncode == 0, done.stderr
     return set(json.loads(done.stderr.splitlines()[-1]))
+
+
+def loaded_packages(body, directory):
+    return {name for name in loaded_modules(body, directory) if "." not in name}
 
 
 def command(*arguments):
@@ -50,3 +54,9 @@ def test_loads_no_heavy_package(body, unwanted, pytestconfig):
 
 def test_a_heavy_package_would_be_seen(pytestconfig):
     assert "numpy" in loaded_packages("import numpy", pytestconfig.rootpath)
+
+
+def test_a_model_imports_the_element_types_that_it_has(pytestconfig):
+    loaded = loaded_modules(command("check", "dmf_rig"), pytestconfig.rootpath)
+    assert "torsionnet.model.elements.inertia" in loaded
+    assert not loaded & {f"torsionnet.model.elements.{kind}" for kind in ("mass_elastic", "clutch", "controller")}

@@ -98,9 +98,12 @@ class SymbolicMatrices:
         return passive
 
     def equations(self) -> tuple[str, ...]:
-        """One line per coordinate: the equation of motion, with ' for d/dt; then the torques that follow the motion."""
-        lines = (self._equation(row) for row in range(len(self.coordinates)))
-        return (*lines, *(one.equation(self.coordinates) for one in self.actions))
+        """One line per coordinate: the equation of motion, with ' for d/dt."""
+        return tuple(self._equation(row) for row in range(len(self.coordinates)))
+
+    def laws(self) -> tuple[str, ...]:
+        """One line for each torque that follows the motion, by its Laplace transform."""
+        return tuple(one.equation(self.coordinates) for one in self.actions)
 
     def _equation(self, row: int) -> str:
         terms = []

@@ -122,6 +122,8 @@ def equations_text(rig: Drivetrain) -> str:
     lines = [f"{rig.title}: equations of motion (' is d/dt)"]
     for name, equation in zip(system.coordinates, system.equations(), strict=True):
         lines += [f"{name}:", *_folded(equation)]
+    for one, law in zip(system.actions, system.laws(), strict=True):
+        lines += [f"{one.owner}:", *_folded(law)]
     others = [f"theta_{node} = {text}" for node, text in _dependent(system).items()]
     others += [f"{name} = {shown(formula)}" for name, formula in system.formulas.items()]
     lines += ["where", *(f"    {text}" for text in others)] if others else []
@@ -200,7 +202,7 @@ def equations_data(rig: Drivetrain) -> dict[str, Any]:
     symbolic = {symbol: [[str(cell) for cell in row] for row in getattr(system, symbol).tolist()] for symbol in "MCK"}
     return {
         "coordinates": list(system.coordinates),
-        "equations": list(system.equations()),
+        "equations": [*system.equations(), *system.laws()],
         "dependent": _dependent(system),
         "conditions": [str(condition) for condition in system.conditions],
         **symbolic,

@@ -40,8 +40,9 @@ class Modes:
     elements : tuple of str
         Names to the rows of the energy shares.
     kinetic, strain, dissipated : (n_elements, n_modes) arrays
-        Share of each element in the kinetic energy, strain energy and dissipated power of a mode; the sum is 1 where
-        there is any.
+        Share of each element in the kinetic energy, strain energy and dissipated power of a mode. The sizes of the
+        shares sum to 1 where there are any: those of an element that feeds the vibration, as a controller, are
+        negative in ``dissipated``, those of a stiffness or inertia below zero likewise.
     converged : (n_modes,) bool array
         False where the iteration for a frequency-dependent law did not settle.
     descriptions : tuple of str

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 import torsionnet.solve.frozen_stiffness as frozen_stiffness
 from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
-from torsionnet.solve import continuous
+from torsionnet.solve import continuous, continuous_damped
 from torsionnet.solve.lowest import Motions, lowest_vibrations
 from torsionnet.solve.reduction import LARGE, AnyArray, acting, resisting, restricted, stiff_laws, subspaces
 from torsionnet.solve.spectrum import physical, refined, solve
@@ -111,7 +111,7 @@ def complex_modes(
 
 
 def _of_continuous(system: RowSystem, count: int) -> EigenSolution:
-    rigid, found, missing = continuous.damped_modes(system, count)
+    rigid, found, missing = continuous_damped.damped_modes(system, count)
     solution = _sorted_solution(rigid, found, passive=is_passive(system, found.values)).first(count)
     return replace(solution, missing=missing)
 

@@ -21,7 +21,7 @@ Laws: TypeAlias = list[tuple[dict[int, float], FloatArray]]
 TINY = 1e-30
 """In place of a pivot of zero, over the size of its terms: on one side of zero, as it is next to it."""
 PARALLEL = 1e-12
-"""Relative difference of coefficients of two rows that are one."""
+"""Relative difference of squared coefficients of two rows that are one."""
 
 
 def negative_pivots(rows: Sequence[dict[int, float]], kappa: FloatArray, n_coordinates: int) -> FloatArray:
@@ -35,23 +35,35 @@ def negative_pivots(rows: Sequence[dict[int, float]], kappa: FloatArray, n_coord
     >>> negative_pivots([{0: 1.0, 1: -1.0}, {1: 1.0}], np.array([[3.0, -1.0], [2.0, -1.0]]), 2)
     array([0., 2.])
     """
-    laws: Laws = _merged([(dict(row), values) for row, values in zip(rows, kappa, strict=True) if row])
-    count = np.zeros(kappa.shape[1])
-    left = set(range(n_coordinates))
+    if any(len(row) > 2 for row in rows):
+        return _negative_eigenvalues(rows, kappa, n_coordinates)
+    laws = _single([(row, values) for row, values in zip(rows, kappa, strict=True) if row])
+    count, left = np.zeros(kappa.shape[1]), set(range(n_coordinates))
     while left:
-        at: dict[int, int] = dict.fromkeys(left, 0)
+        uses = dict.fromkeys(left, 0)
         for row, _ in laws:
             for column in row:
-                at[column] += len(row)
-        v = min(left, key=lambda column: at[column])
+                uses[column] += 1
+        v = min(left, key=lambda column: uses[column])
         left.discard(v)
         acting = [law for law in laws if v in law[0]]
         terms = np.array([values * row[v] ** 2 for row, values in acting]).reshape(-1, len(count))
         pivot = terms.sum(axis=0)
         pivot = np.where(pivot == 0, TINY * (np.abs(terms).sum(axis=0) + TINY), pivot)
         count += pivot < 0
-        laws = _merged([law for law in laws if v not in law[0]] + _beyond(acting, v, pivot))
+        laws = _single([law for law in laws if v not in law[0]] + _beyond(acting, v, pivot))
     return count
+
+
+def _negative_eigenvalues(rows: Sequence[dict[int, float]], kappa: FloatArray, n_coordinates: int) -> FloatArray:
+    """The same by all eigenvalues, for laws that tie three coordinates."""
+    dense = np.zeros((len(rows), n_coordinates))
+    for place, row in enumerate(rows):
+        dense[place, list(row)] = list(row.values())
+    scale = 1 / np.sqrt(np.abs(kappa).T @ dense**2 + TINY)
+    scaled = dense[None] * scale[:, None, :]
+    D = np.einsum("pli,lp,plj->pij", scaled, kappa, scaled)
+    return np.asarray((np.linalg.eigvalsh(D) < 0).sum(axis=1), dtype=float)
 
 
 def _beyond(acting: Laws, v: int, pivot: FloatArray) -> Laws:
@@ -61,26 +73,33 @@ def _beyond(acting: Laws, v: int, pivot: FloatArray) -> Laws:
         for second, other in acting[place + 1 :]:
             columns = (first.keys() | second.keys()) - {v}
             row = {c: second[v] * first.get(c, 0.0) - first[v] * second.get(c, 0.0) for c in columns}
-            size = max(map(abs, (*first.values(), *second.values()))) ** 2
-            row = {c: value for c, value in row.items() if abs(value) > PARALLEL * size}
-            if row:
-                found.append((row, kappa * (other / pivot)))
-    return found
+            found.append(({c: value for c, value in row.items() if value}, kappa * (other / pivot)))
+    return [law for law in found if law[0]]
 
 
-def _merged(laws: Laws) -> Laws:
-    """Laws on parallel rows as one."""
-    found: dict[tuple[tuple[int, float], ...], tuple[dict[int, float], FloatArray]] = {}
+def _single(laws: Laws) -> Laws:
+    """One law on each coordinate, and one between any two.
+
+    Beside an edge on the row (a_i, a_j) a law y on (b_i, b_j) is t y on that row, t = b_i b_j / (a_i a_j), and
+    y (b^2 - t a^2) on each of both coordinates.
+    """
+    edges: dict[tuple[int, ...], tuple[dict[int, float], FloatArray]] = {}
+    grounds: dict[int, FloatArray] = {}
     for row, values in laws:
-        first = min(row)
-        scale = row[first]
-        key = tuple((c, float(f"{row[c] / scale:.11e}")) for c in sorted(row))
-        if key in found:
-            known, before = found[key]
-            found[key] = known, before + values * (scale / known[first]) ** 2
-        else:
-            found[key] = row, values
-    return list(found.values())
+        columns = tuple(sorted(row))
+        if len(columns) == 1:
+            (c,) = columns
+            grounds[c] = grounds.get(c, 0.0) + values * row[c] ** 2
+            continue
+        known, before = edges.get(columns, (row, np.zeros_like(values)))
+        i, j = columns
+        share = row[i] * row[j] / (known[i] * known[j])
+        edges[columns] = known, before + share * values
+        for c in columns:
+            rest = row[c] ** 2 - share * known[c] ** 2
+            if abs(rest) > PARALLEL * row[c] ** 2:
+                grounds[c] = grounds.get(c, 0.0) + rest * values
+    return [*(({c: 1.0}, values) for c, values in grounds.items()), *edges.values()]
 
 
 class ModeCount:

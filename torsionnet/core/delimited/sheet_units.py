@@ -19,19 +19,20 @@ _KNOWN = {DIMENSIONS[name] for name in ("inertia", "stiffness", "compliance", "d
 
 @dataclass(frozen=True)
 class SheetUnit:
-    """A unit as its factor to SI; ``text`` is what a model file would write, empty where a power of ten stands."""
+    """A unit as its factor to SI; ``text`` is what a model file would write, with a power of ten after the number."""
 
     factor: Real
     dimension: Dimension
     text: str
+    power: int = 0
 
 
 def sheet_unit(text: str) -> SheetUnit:
     """Read a unit of a sheet; raises UnitError.
 
     >>> unit = sheet_unit("10⁻⁹ rad/N.m")
-    >>> unit.factor, str(unit.dimension), sheet_unit("kg.m2").text
-    (Fraction(1, 1000000000), 'rad/(N*m)', 'kg*m^2')
+    >>> unit.factor, str(unit.dimension), sheet_unit("kg.m2").text, sheet_unit("lb-in/rad").text
+    (Fraction(1, 1000000000), 'rad/(N*m)', 'kg*m^2', 'lbf*in/rad')
     """
     bare = text.strip().strip("[]").strip()
     if _DOUBTFUL.match(bare):
@@ -42,29 +43,36 @@ def sheet_unit(text: str) -> SheetUnit:
     spelled = _spelled(found["unit"] if found else plain)
     unit = parse_unit(spelled)
     factor = unit.factor * (Fraction(10) ** power if isinstance(unit.factor, Fraction) else 10.0**power)
-    return SheetUnit(factor, unit.dimension, "" if found else spelled)
+    return SheetUnit(factor, unit.dimension, spelled, power)
 
 
 def _spelled(text: str) -> str:
-    """As the parser of units reads it: points are products, and what follows a slash belongs below it."""
-    spelled = re.sub(r"(?<=[A-Za-z0-9²³])\s*\.\s*(?=[A-Za-z])", "*", plain_unit(text))
-    spelled = re.sub(r"\b(mm|cm|m|s|in|ft)([23])\b", r"\1^\2", spelled)
+    """As the parser of units reads it: points and hyphens are products, and what follows a slash belongs below it."""
+    spelled = re.sub(r"(?<=[A-Za-z0-9²³])\s*[.\-]\s*(?=[A-Za-z])", "*", plain_unit(text))
+    spelled = re.sub(r"\b(mm|cm|m|s|in|ft)([23])\b", r"\1^\2", re.sub(r"\bsec(?=\b|\d)", "s", spelled))
+    if _dimension(spelled) in _KNOWN:
+        return spelled
     above, slash, below = spelled.partition("/")
-    if slash and "/" not in below and "(" not in below:
-        gathered = f"{above}/({below.strip()})"
-        try:
-            if parse_unit(spelled).dimension not in _KNOWN and parse_unit(gathered).dimension in _KNOWN:
-                return gathered
-        except UnitError:
-            return spelled
-    return spelled
+    gathered = f"{above}/({below.strip()})" if slash and "/" not in below and "(" not in below else spelled
+    # A pound is a force where the unit makes no sense with it as a mass: lb-in/rad, but lb-ft2.
+    forms = (gathered, *(re.sub(r"\blb\b", "lbf", form) for form in (spelled, gathered)))
+    return next((form for form in forms if _dimension(form) in _KNOWN), spelled)
+
+
+def _dimension(text: str) -> Dimension | None:
+    try:
+        return parse_unit(text).dimension
+    except UnitError:
+        return None
 
 
 def named_unit(heading: str) -> tuple[str, str]:
-    """Name and unit of a heading, also where no bracket tells them apart.
+    """Name and unit of a heading, also where no bracket tells them apart, or more follows it.
 
     >>> named_unit("compliance 1e-9 rad/Nm"), named_unit("Inertia, kgm2"), named_unit("D outer")
     (('compliance', '1e-9 rad/Nm'), ('Inertia', 'kgm2'), ('D outer', ''))
+    >>> named_unit("k [MNm/rad] (referred to crank)")
+    ('k (referred to crank)', 'MNm/rad')
     """
     name, unit = split_heading(heading)
     if unit or heading.rstrip().endswith("]"):
@@ -72,6 +80,9 @@ def named_unit(heading: str) -> tuple[str, str]:
     bracketed = re.fullmatch(r"(?P<name>.*?\S)\s*\((?P<unit>.*)\)", heading.strip())
     if bracketed and _is_unit(bracketed["unit"]):
         return bracketed["name"], bracketed["unit"]
+    for found in re.finditer(r"\s*[\[(]([^\[\]()]*)[\])]", heading.strip()):
+        if _is_unit(found[1]):
+            return (heading.strip()[: found.start()] + heading.strip()[found.end() :]).strip(), found[1]
     words = re.split(r"(?<=\S)(?:\s*,\s*|\s+/\s+|\s+)", heading.strip())
     for count in range(len(words) - 1, 0, -1):
         tail = " ".join(words[-count:])

@@ -21,6 +21,7 @@ from torsionnet.core.entries.spec import Schema, Spec, entry
 from torsionnet.core.entries.words import Flag, Text, name_fault
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.core.expressions import Expression
+from torsionnet.core.type_register import TypeRegister
 from torsionnet.model.catalogues.catalogue import CatalogueRow
 from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, CatalogueEntry, SizeName, entries_of, resized
 from torsionnet.model.elements.laws import Constraint, Law, Part, Row, Values
@@ -28,8 +29,8 @@ from torsionnet.model.elements.nodes import NodeName, NodePair, ReferenceNode
 from torsionnet.model.elements.quantity_table import Several
 from torsionnet.model.elements.speed_path import SpeedPath
 
-ELEMENT_TYPES: dict[str, type[Element]] = {}
-"""Kind -> type, in the order of the kinds, whatever the order in which files were imported."""
+ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister("torsionnet.model.elements")
+"""Kind -> type, in the order of the kinds; a file is imported when the kind of its name is first asked for."""
 
 REFERRED = ("stiffness", "damping", "inertia")
 """Dimensions of values that may be quoted at the speed of another shaft."""
@@ -39,9 +40,7 @@ E = TypeVar("E", bound="Element")
 
 def register(cls: type[E]) -> type[E]:
     """Make an element type known under its ``kind``."""
-    known: dict[str, type[Element]] = {**ELEMENT_TYPES, cls.kind: cls}
-    ELEMENT_TYPES.clear()
-    ELEMENT_TYPES.update(sorted(known.items()))
+    ELEMENT_TYPES[cls.kind] = cls
     return cls
 
 

@@ -18,6 +18,7 @@ from torsionnet.model.elements.quantity_table import TableByName
 from torsionnet.model.elements.teeth import Teeth
 
 NEUTRAL = "neutral"
+MOST_GEARS = 100
 
 
 @register
@@ -95,6 +96,8 @@ class Gearbox(Element):
         if bool(self.ratios) == bool(self.teeth):
             given = ("teeth",) if self.teeth else ()
             return [Fault(f"give ratios or teeth, {'not both' if given else 'one of the two'}", given)]
+        if len(self.gears) > MOST_GEARS:
+            return [Fault(f"{len(self.gears)} gears; a gearbox has at most {MOST_GEARS}", (self._field,))]
         faults = []
         if len({self.input, self.output, self.housing}) < 3:
             faults.append(Fault("input, output and housing must be on different nodes", ("output",)))

@@ -163,7 +163,7 @@ class ShaftTwist(ShaftStiffness):
     def clamped_modes(self, omega: Floats) -> Floats:
         import numpy as np
 
-        x = np.asarray(omega) * np.sqrt(float(self.inertia) / float(self.stiffness))
+        x = self._argument((1j * omega).astype(np.complex128), np.zeros(np.shape(omega)))[1].real  # rounded as in kappa
         nearest = np.rint(x / np.pi)
         return np.asarray(nearest - (np.sin(x) * np.where(nearest % 2, -1.0, 1.0) < 0))
 
@@ -232,7 +232,7 @@ def quadratic_forms(x: complex) -> tuple[float, float, float, float]:
         return 1 / 3, 1 / 6, 1.0, -1.0
     ratio = math.sinh(2 * b) / (2 * b) if b else 1.0
     other = math.sin(2 * a) / (2 * a) if a else 1.0
-    size = (math.cosh(2 * b) - math.cos(2 * a)) / 2
+    size = max((math.cosh(2 * b) - math.cos(2 * a)) / 2, 1e-30)
     first = math.sin(a) / a * math.cosh(b) if a else math.cosh(b)
     second = math.cos(a) * (math.sinh(b) / b if b else 1.0)
     square = abs(x) ** 2

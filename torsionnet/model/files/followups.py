@@ -52,8 +52,8 @@ def _sound_checks(definition: Definition) -> Iterator[Fault]:
 
 def _lost_words(document: LocatedDocument, broken: Iterable[Path]) -> Iterator[str]:
     """Every name in the entries that could not be read: it may well be defined or used there."""
-    for path in broken:
-        yield from _words([*path[:2], entry_at(document.data, path[:2])])
+    for path in dict.fromkeys(path[:2] for path in broken):
+        yield from _words([*path, entry_at(document.data, path)])
     for path, value in document.dropped:
         yield from _words([*path[:2], value])
 

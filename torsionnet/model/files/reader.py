@@ -85,7 +85,8 @@ def find_model(model: str | os.PathLike[str]) -> Path:
     if not _holds(Path.exists, path):
         raise UsageError(_missing(path, library))
     if path.suffix.lower() not in SUFFIXES:
-        raise UsageError(f"{path} is no model file; its name would end in {', '.join(SUFFIXES)}")
+        sheet = f"; torsionnet import {path} makes one of a maker's sheet" if path.suffix.lower() == ".csv" else ""
+        raise UsageError(f"{path} is no model file; its name would end in {', '.join(SUFFIXES)}{sheet}")
     return path
 
 

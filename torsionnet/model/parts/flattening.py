@@ -16,6 +16,10 @@ from torsionnet.model.parts.part import Part, Use
 
 SECTIONS = ("parameters", "elements", "inputs", "sensors", "configurations", "excitations", "limits")
 """What a part may have and the whole gets from it."""
+MOST_ENTRIES = 10_000
+"""In those sections of a model; a few parts that hold each other several times would be more than memory holds."""
+MOST_LEVELS = 20
+"""Of parts in parts."""
 
 
 @dataclass
@@ -29,6 +33,11 @@ class PartContent:
     configurations: dict[str, Any] = field(default_factory=dict)
     excitations: dict[str, Any] = field(default_factory=dict)
     limits: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def size(self) -> int:
+        """How many entries it has."""
+        return sum(len(getattr(self, section)) for section in SECTIONS)
 
 
 def flattened(definition: Definition, *, whole: bool = True) -> tuple[Definition, list[Fault]]:
@@ -85,6 +94,10 @@ class _Flattening:
             circle = " -> ".join([*within[within.index(use.part) :], use.part])
             self.faults.append(Fault(f"a part cannot contain itself: {circle}", (*place, "part")))
             return False
+        if len(within) == MOST_LEVELS:
+            text = f"parts are nested more than {MOST_LEVELS} levels deep; put some of them together"
+            self.faults.append(Fault(text, (*place, "part")))
+            return False
         return True
 
     def is_joined(self, use: Use, place: Path) -> bool:
@@ -96,9 +109,13 @@ class _Flattening:
 
     def part(self, name: str, within: tuple[str, ...]) -> PartContent:
         if name not in self.done:
-            part = self.parts[name]
+            part, before = self.parts[name], len(self.faults)
             self.done[name] = self.content(part, ("parts", name), within)
             nodes = all_nodes(self.done[name].elements.values())
+            if len(self.faults) > before:
+                # Something is missing in it, and perhaps its ports with that.
+                nodes = {*nodes, *part.ports}
+                self.without_ports.add(name)
             wrong = [
                 unknown_name("node", port, nodes, ("parts", name, "ports", index))
                 for index, port in enumerate(part.ports)
@@ -110,6 +127,11 @@ class _Flattening:
         return self.done[name]
 
     def put(self, whole: PartContent, name: str, use: Use, part: PartContent, place: Path) -> None:
+        count = whole.size + part.size * (use.repeat or 1)
+        if count > MOST_ENTRIES:
+            text = f"this makes {count} entries (elements, parameters, sensors, ...); a model may have {MOST_ENTRIES}"
+            self.faults.append(Fault(text, place, on_key=True))
+            return
         for copy in copies(name, use):
             if copy.name in whole.elements:
                 text = f'"{copy.name}" is an element; what is used needs another name'

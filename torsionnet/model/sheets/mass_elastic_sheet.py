@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from torsionnet.core.delimited.cell_grid import CellGrid, read_grid
 from torsionnet.core.errors import ModelError
+from torsionnet.core.units import DIMENSIONS
 from torsionnet.model.sheets.meanings import BY_KEY, is_referred
 from torsionnet.model.sheets.sheet_columns import SheetColumn, SheetColumns, read_columns
 from torsionnet.model.sheets.sheet_rows import SheetLink, SheetMass, read_rows
@@ -63,6 +64,8 @@ class MassElasticSheet:
 
 
 def _taken(column: SheetColumn) -> str:
+    if column.meaning == "stiffness" and column.unit and column.unit.dimension == DIMENSIONS["compliance"]:
+        return "compliance"
     return BY_KEY[column.meaning].shown if column.meaning else "not understood" if not column.remark else "not used"
 
 

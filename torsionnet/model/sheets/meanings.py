@@ -65,10 +65,10 @@ MEANINGS = (
              r"|elastizit).*|[kce](?:[\ ]?(?:t|dyn|tdyn|t\ dyn|tot|\d))?", "k [N*m/rad]"),
     _meaning("outer", "outer diameter", "length",
              r"(?:outer|outside|extern|aussen|äusser|shaft|wellen).*(?:dia|durchm|ø).*"
-             r"|(?:dia|durchm)\w*(?:\ (?:outer|outside|ext|a|o))?|d|d\ ?[ao]|d\ outer|od|ø|aussen\ ?ø",
+             r"|(?:dia|durchm)\w*(?:\ (?:outer|outside|ext|a|o))?|d|d\ ?[ao]|d\ outer|(?:shaft\ )?od|ø|aussen\ ?ø",
              "outer diameter [mm]"),
     _meaning("inner", "inner diameter", "length", r"(?:inner|inside|intern|innen).*(?:dia|durchm|ø).*|bore.*|bohrung.*"
-             r"|dia\w*\ (?:inner|inside|int|i)|d\ ?i|d\ inner|id", "inner diameter [mm]"),
+             r"|dia\w*\ (?:inner|inside|int|i)|d\ ?i|d\ inner|(?:shaft\ )?id", "inner diameter [mm]"),
     _meaning("length", "length", "length", r"(?:shaft\ )?length|länge|laenge|l", "length [mm]"),
     _meaning("ratio", "speed ratio", "1", r".*(?:speed|rpm|drehzahl).*(?:ratio|factor|verhältnis|faktor)|rel.*speed"
              r"|ratio\ of\ speeds?|n\ ?/\ ?n\ ?\d?", "speed ratio"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from difflib import SequenceMatcher
@@ -133,6 +134,8 @@ def _column(
     if not unit_text:
         unit_text = next((text.strip("[]() ") for text in more if _readable(text.strip("[]() ")) is not None), "")
     unit_text = "" if unit_text in _NO_UNIT else unit_text
+    if not unit_text and re.search(r"\brpm\b|\br/min\b", cell.text, re.IGNORECASE):
+        unit_text = "rpm"
     disc = "gd2" in plain_heading(name).replace(" ", "").replace("²", "2") or "schwungmoment" in name.casefold()
     if unit_text and disc and "GD" not in unit_text:
         unit_text += " GD2"
@@ -197,7 +200,11 @@ def _doubts(meaning: Meaning, heading: str, unit_text: str, below: Sequence[Cell
     elif meaning.key == "psi" and unit_text == "%":
         yield f'"{heading}" may be psi or a share of critical damping; call it psi [%] or zeta [%]'
     elif meaning.needs_unit and not unit_text and any(is_like_number(cell.text) for cell in below):
-        yield f'the column "{heading}" has no unit; write its heading as {meaning.example}, in the unit it has'
+        bracketed = re.search(r"[\[(]([^\[\]()]*[A-Za-z][^\[\]()]*)[\])]", heading)
+        if bracketed and is_referred(bracketed[1]) is None:
+            yield _bad_unit(bracketed[1], meaning)
+        else:
+            yield f'the column "{heading}" has no unit; write its heading as {meaning.example}, in the unit it has'
 
 
 def _without_doubles(columns: Sequence[SheetColumn], faults: list[Fault], grid: CellGrid) -> list[SheetColumn]:

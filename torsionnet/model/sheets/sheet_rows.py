@@ -88,6 +88,14 @@ def _real_link(link: SheetLink, ratios: dict[str, Fraction]) -> SheetLink:
     return replace(link, stiffness=scaled[0], damping=scaled[1])
 
 
+def _quotient(speed: SheetValue, first: SheetValue) -> Fraction:
+    """Of two speeds; of numbers in the same unit exactly, since rpm in rad/s is no fraction."""
+    (above, _, unit), (below, _, first_unit) = speed.text.partition(" "), first.text.partition(" ")
+    if unit and unit == first_unit:
+        return Fraction(above) / Fraction(below)
+    return exact(speed.si) / exact(first.si)
+
+
 @dataclass
 class _Rows:
     values: SheetValues
@@ -96,7 +104,7 @@ class _Rows:
     begun: list[_Begun] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     names: Names = field(default_factory=lambda: Names([GROUND]))
-    first_speed: Fraction = Fraction(1)
+    first_speed: SheetValue = SheetValue(Fraction(1))
 
     def __post_init__(self) -> None:
         self.all: list[Row] = []
@@ -206,9 +214,10 @@ class _Rows:
         if not found.si:
             self._fault("a mass that does not turn has no speed ratio; expected a number other than 0", cell, row)
             return before
-        if ratio is None and not self.masses:
-            self.first_speed = exact(found.si)
-        return exact(found.si) if ratio else exact(found.si) / self.first_speed
+        if ratio:
+            return exact(found.si)
+        self.first_speed = self.first_speed if self.masses else found
+        return _quotient(found, self.first_speed)
 
     def _link(self, row: Row, first: str | None) -> _Begun:
         """The shaft of a row; which masses it connects may be said by masses that come later."""

@@ -142,7 +142,9 @@ def _in_unit(number: str, unit: SheetUnit | None) -> SheetValue:
     # Beyond the range of numbers, or nothing left of it: as a model file is refused.
     if value:
         exact(si)
-    return SheetValue(si, f"{number} {unit.text}" if unit.text else "")
+    if unit.power and "e" in number.casefold():
+        return SheetValue(si)
+    return SheetValue(si, f"{number}{f'e{unit.power}' if unit.power else ''} {unit.text}")
 
 
 def _number_part(cell: Cell) -> Cell:

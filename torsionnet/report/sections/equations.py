@@ -28,10 +28,12 @@ from torsionnet.report.report_data import FEW_CASES, MOST_SYMBOLIC, Case, Form, 
 from torsionnet.report.report_tables import table
 from torsionnet.report.report_words import plain
 from torsionnet.report.widths import FORMULA, MATRIX, letters, matrix_letters
-from torsionnet.symbolic.equations import bracketed, complex_stiffness, equation_terms, matrix_latex, to_latex
+from torsionnet.symbolic.equations import bracketed, column, complex_stiffness, equation_terms, matrix_latex, to_latex
 from torsionnet.symbolic.shown import latex
+from torsionnet.symbolic.symbol_names import symbol_latex
 
 if TYPE_CHECKING:
+    from torsionnet.assembly.symbolic import SymbolicAction
     from torsionnet.response.frequency_response import FloatArray
     from torsionnet.symbolic.symbolic_system import SymbolicSystem
 
@@ -93,6 +95,7 @@ def _form(form: Form, *, several: bool) -> list[Block]:
     blocks += [Paragraph(_introduction(system)), Equations(rows)]
     if all(matrix_letters(getattr(system, key)) <= MATRIX for key in UNITS):
         blocks += _matrices(system)
+    blocks += _laws(system)
     if system.conditions:
         zero = [Math(f"{latex(condition)} = 0") for condition in system.conditions]
         parts: list[Any] = []
@@ -108,7 +111,9 @@ def _matrices(system: SymbolicSystem) -> list[Block]:
     terms = [rf"\mathbf{{{key}}}\,{DOTS[key]}" for key in filled]
     dynamic = complex_stiffness(system)
     terms += [r"\mathbf{D}(\omega)\,\mathbf{q}"] if any(dynamic) else []
-    load = r"\mathbf{B}\,\mathbf{u}" if system.inputs else r"\mathbf{0}"
+    loads = [r"\mathbf{B}\,\mathbf{u}"] if system.inputs else []
+    loads += [rf"{column([latex(value) for value in one.row])}\,{_torque(one)}" for one in system.actions]
+    load = " + ".join(loads) or r"\mathbf{0}"
     q = to_latex(system, "q")
     blocks: list[Block] = [Paragraph(("In matrices:",))]
     blocks.append(Formula(rf"{' + '.join(terms) or '0'} = {load}, \qquad \mathbf{{q}} = {q}"))
@@ -119,6 +124,22 @@ def _matrices(system: SymbolicSystem) -> list[Block]:
         both = [rf"\mathbf{{{key}}} = {to_latex(system, key)}" for key in ("B", "u")]
         blocks.append(Formula(r", \qquad ".join(both)))
     return blocks
+
+
+def _laws(system: SymbolicSystem) -> list[Block]:
+    """The torques that follow the motion, by their Laplace transforms."""
+    import sympy
+
+    found: list[Block] = []
+    for one in system.actions:
+        sensed = column([latex(value) for value in one.sensed])
+        law = latex(one.law(sympy.Symbol("s")))
+        found.append(Formula(rf"{_torque(one)} = {law}\,{sensed}^{{\mathsf{{T}}}}\,{to_latex(system, 'q')}"))
+    return found
+
+
+def _torque(action: SymbolicAction) -> str:
+    return symbol_latex(f"T_{action.owner}")
 
 
 def _introduction(system: Any) -> Text:
