@@ -67,7 +67,8 @@ def _hanging(element: Element) -> Piece:
     block.strokes.append(Stroke(((44, 0), (44, top))))
     foot = top - glyph.length
     block.strokes += outlines.ground(44, foot) if end == GROUND else outlines.mass(44, foot) if end else []
-    block.boxes.append((44 - glyph.reach, 44 + glyph.reach, foot, 0))
+    below = outlines.DISC_WIDTH if end else 0.0
+    block.boxes.append((44 - glyph.reach, 44 + glyph.reach, foot - below, 0))
     _port(block, 16, element, 0)
     return block
 
@@ -106,7 +107,8 @@ def _box(element: Element) -> Piece:
     block.strokes += [outlines.rectangle(-60, 60, -half, half, outlines.BOX), *emblems.emblem(element, 0, 6)]
     block.boxes.append((-60, 60, -half, half))
     first, second, *others = element.ports
-    for x, y, name in ((-44, -10, first), (44, -10, second), (0, -half + 2, ", ".join(others))):
+    left, right = (min(44.0, 57 - 2.2 * len(name)) for name in (first, second))
+    for x, y, name in ((-left, -10, first), (right, -10, second), (0, -half + 2, ", ".join(others))):
         block.write(x, y, [(name, "port")])
     return block
 

@@ -161,8 +161,8 @@ class TestOutputs:
 
     def test_stress_over_frequency_has_the_same_unit(self):
         session = open_session("marine_medium_speed")
-        found = answer(session, State(output="stress(int_shaft)", input="T1", band=(1.0, 20.0)))["response"]
-        torque = answer(session, State(output="torque(int_shaft)", input="T1", band=(1.0, 20.0)))["response"]
+        found = answer(session, State(output="stress(int_shaft)", input="cyl1.T", band=(1.0, 20.0)))["response"]
+        torque = answer(session, State(output="torque(int_shaft)", input="cyl1.T", band=(1.0, 20.0)))["response"]
         assert found["units"]["deg"] == "N/mm^2/(N*m)"
         shown = np.multiply(found["magnitude"], found["scales"]["deg"])
         assert shown == pytest.approx(np.multiply(torque["magnitude"], 1e3 / (np.pi * 300**3 / 16)), rel=1e-9)

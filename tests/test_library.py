@@ -60,7 +60,7 @@ def test_editors_find_the_schema(name):
 
 
 def test_readme_has_a_row_for_every_model():
-    readme = (library_folder() / "README.md").read_text(encoding="utf-8")
+    readme = (library_folder() / "README.md").read_text(encoding="utf-8").partition("## Catalogues")[0]
     assert sorted(re.findall(r"^\| `(\w+)` \|", readme, flags=re.MULTILINE)) == sorted(MODELS)
 
 

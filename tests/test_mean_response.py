@@ -302,7 +302,7 @@ configurations:
         """Gear III: 200 N m of the engine at 1500 rpm, times half of 1.257 x 3.45 at each wheel."""
         car = tn.load("front_wheel_drive_car")
         state = car.configured("gear=III,clutch=closed").static_state()
-        assert {one.element: one.torque for one in state.loads}["half_l"] == pytest.approx(
+        assert {one.element: one.torque for one in state.loads}["left.shaft"] == pytest.approx(
             200 * 1.257 * 3.45 / 2, rel=1e-5
         )
         with pytest.raises(tn.UsageError, match="turns independently"):

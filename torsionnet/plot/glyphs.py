@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from torsionnet.model.elements import Element
+from torsionnet.model.elements import Element, Law, Values
+from torsionnet.plot import machine_glyphs
 from torsionnet.plot.emblems import emblem
 from torsionnet.plot.outlines import BODY, BOX, Glyph, rectangle, wheel
 from torsionnet.plot.pieces import Point, Stroke, arc
@@ -13,7 +14,26 @@ from torsionnet.plot.strands import network
 
 
 def _spring(element: Element, values: Mapping[str, Any]) -> Glyph:
-    return network(element, values, "spring")
+    """Its springs and dashpots, between two discs if both ends have an inertia."""
+    between = network(element, values, "spring")
+    ends = [*element.ports.values()]
+    heavy = {
+        node
+        for part in element.parts(Values(values))
+        if isinstance(part, Law) and part.inertia != 0 and len(part.row) == 1
+        for node in part.row
+    }
+    return _between_discs(between) if len(ends) == 2 and heavy.issuperset(ends) else between
+
+
+def _between_discs(inner: Glyph) -> Glyph:
+    """A glyph with a disc at either end."""
+    first, width, half = 4.0, 8.0, max(16.0, inner.reach)
+    start = first + width
+    end = start + inner.length
+    leads = (Stroke(((0, 0), (first, 0)), "shaft"), Stroke(((end + width, 0), (end + start, 0)), "shaft"))
+    discs = (rectangle(first, start, -half, half, BODY), rectangle(end, end + width, -half, half, BODY))
+    return Glyph((*leads, *inner.along(start, 0), *discs), end + start, half + 1)
 
 
 def _damper(element: Element, values: Mapping[str, Any]) -> Glyph:
@@ -78,6 +98,14 @@ def _other(element: Element, values: Mapping[str, Any]) -> Glyph:
     return Glyph((*leads, rectangle(8, 40, -10, 10, "#ffffff")), 48, 11)
 
 
+_MACHINES: dict[str, Callable[[], Glyph]] = {
+    "crank": machine_glyphs.crank,
+    "machine": machine_glyphs.machine,
+    "load": machine_glyphs.load,
+    "controller": machine_glyphs.controller,
+    "sheet": machine_glyphs.sheet,
+}
+"""Those that look the same whatever the element."""
 _INLINE: dict[str, Callable[[Element, Mapping[str, Any]], Glyph]] = {
     "disc": _disc,
     "spring": _spring,
@@ -94,4 +122,6 @@ _INLINE: dict[str, Callable[[Element, Mapping[str, Any]], Glyph]] = {
 
 def inline_glyph(element: Element, values: Mapping[str, Any]) -> Glyph:
     """The symbol of an element between two ends."""
+    if element.glyph in _MACHINES:
+        return _MACHINES[element.glyph]()
     return _INLINE.get(element.glyph, _other)(element, values)
