@@ -149,9 +149,6 @@ class TestRefused:
     @pytest.mark.parametrize(
         "ask",
         [
-            lambda rig: rig.symbolic().transfer_function("w", "T"),
-            lambda rig: rig.symbolic().transfer_matrix(["w"], ["T"]),
-            lambda rig: rig.symbolic().simplified("w", "T", band=(1, 5)),
             lambda rig: rig.holzer_table(1),
             lambda rig: rig.mean_response("torque(shaft)"),
             lambda rig: rig.modes(measured_input="w"),
