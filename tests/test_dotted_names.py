@@ -21,12 +21,12 @@ LIBRARY = list(tn.library_models())
 
 
 def in_a_part(definition):
-    """The model as the part ``rig`` of a model that holds nothing else."""
+    """The model as the part ``rig`` of a model that holds nothing else; parts of its own are put in before."""
     ports = {name: element.ports for name, element in definition.elements.items()}
     names = Renaming("rig.", {"ground": "ground"}, {*definition.inputs, *definition.sensors}, ports)
     return Definition(
         name=definition.name,
-        parts={"model": part_of(definition)[0]},
+        parts={"model": part_of(replace(definition, authored=None))[0]},
         use={"rig": Use(part="model")},
         operating_point=definition.operating_point.renamed(names),
         speeds=definition.speeds and definition.speeds.renamed(names),

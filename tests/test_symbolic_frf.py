@@ -139,7 +139,7 @@ class TestEveryFormIsTheNumericResponse:
         inertias = [tn.Inertia(f"J{n}", node=n, inertia=1 + i) for i, n in enumerate(ends)]
         hold = tn.Spring("hold", nodes=(ends[0], "ground"), stiffness=90, damping="c")
         model = tn.Drivetrain("one", [element, *inertias, hold], {"c": 1}, inputs={"T": {"torque": ends[-1]}})
-        for output in (f"angle({ends[0]})", "torque(hold)", f"twist({element.name})"):
+        for output in (f"angle({ends[0]})", "torque(hold)", f"twist({element.expanded()[-1].name})"):
             H = model.symbolic().transfer_function(output, "T")
             expected = model.configured(c=3).frequency_response(output, "T", F).values[:, 0, 0]
             assert_equal(H.evaluate(F, c=3).values[:, 0, 0], expected, output)
