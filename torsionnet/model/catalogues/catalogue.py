@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
@@ -11,7 +12,7 @@ from pathlib import Path
 from torsionnet.core.delimited.cell_grid import Cell, CellGrid, read_grid
 from torsionnet.core.delimited.sheet_numbers import decimal_sign, is_like_number, plain_number_text
 from torsionnet.core.delimited.sheet_units import named_unit, sheet_unit
-from torsionnet.core.errors import Fault, ModelError, Position, nearest
+from torsionnet.core.errors import Fault, ModelError, Position, UsageError, nearest
 from torsionnet.core.units import UnitError, numeral_of, parse_number
 
 SIZE = "size"
@@ -54,6 +55,44 @@ class CatalogueRow:
 
     def __str__(self) -> str:
         return f"{self.file}, size {self.size}"
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """A catalogue in a file, for elements made in Python: ``catalogue=read_catalogue("x.csv"), size="A350"``."""
+
+    path: Path
+
+    @property
+    def sizes(self) -> tuple[str, ...]:
+        """The sizes it has, in the order of its rows."""
+        stat = self.path.stat()
+        return tuple(row.size for row in _rows(self.path, stat.st_mtime_ns, stat.st_size))
+
+
+def read_catalogue(path: str | os.PathLike[str]) -> Catalogue:
+    """Read a catalogue: a text file with a column ``size`` and columns named as entries, each with its unit.
+
+    Raises
+    ------
+    ModelError
+        The file is no catalogue, with the row and column of every fault.
+    UsageError
+        There is no such file.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp(), "couplings.csv")
+    >>> _ = path.write_text("size;stiffness [kN*m/rad]\\nA350;11,2\\nA400;16,0\\n", encoding="utf-8")
+    >>> read_catalogue(path).sizes
+    ('A350', 'A400')
+    """
+    found = Catalogue(Path(path))
+    if not found.path.is_file():
+        raise UsageError(f'there is no file "{path}"')
+    _ = found.sizes
+    return found
 
 
 def catalogue_row(path: Path, file: str, size: str) -> CatalogueRow:
