@@ -9,6 +9,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from models import EVERY_ELEMENT
 from test_cli import run
 
 import torsionnet as tn
@@ -181,7 +182,7 @@ class TestWords:
         words = {plain(kind) for kind in ELEMENT_TYPES} | {
             plain(name).lower() for cls in ELEMENT_TYPES.values() for name, _ in cls.specs()
         }
-        words |= {"input", "sensor", "rigid body", "real pole", "error", "warning", "note", *(f"{q} {o} " for q in ("torque", "angle", "velocity", "acceleration", "twist") for o in ("on", "of", "through"))}  # fmt: skip
+        words |= {f"{word} " for word in words} | {"input", "sensor", "rigid body", "real pole", "error", "warning", "note", *(f"{q} {o} " for q in ("torque", "angle", "velocity", "acceleration", "twist") for o in ("on", "of", "through"))}  # fmt: skip
         for text in TEXTS:
             for piece in PLACE.split(text.removeprefix("; "))[::2]:
                 if (
@@ -238,9 +239,22 @@ class TestWords:
     def test_types_and_properties_of_elements_are_listed(self):
         kinds, names = replaceable()["types of elements"], replaceable()["properties of elements"]
         assert set(kinds) == {plain(kind) for kind in ELEMENT_TYPES}
-        ports = {port for cls in ELEMENT_TYPES.values() for port, spec in cls.specs() if "Node" in type(spec).__name__}
-        every = {plain(name) for cls in ELEMENT_TYPES.values() for name, _ in cls.specs() if name not in ports}
-        assert set(names) | {"inertia"} == every - {"description", "enabled", "nodes"}
+        every = {plain(name) for cls in ELEMENT_TYPES.values() for name, _ in cls.specs()}
+        assert {name.removesuffix(" {key}") for name in names} <= every - {"description", "enabled", "nodes", "node"}
+
+    @pytest.mark.parametrize("kind", sorted(EVERY_ELEMENT.keys() - {"mass_elastic"}))
+    def test_properties_of_every_element_are_replaced(self, kind):
+        """A report on each: what stands in the column of properties is one of the texts, or a measure of damping."""
+        marked = Wording({text: "@" + text for texts in replaceable().values() for text in texts})
+        element = EVERY_ELEMENT[kind]
+        discs = [tn.Inertia(f"J_{node}", node=node, inertia=1) for node in element.ports.values() if node != "ground"]
+        oil = [tn.Damper(f"c_{disc.node}", nodes=("x", disc.node), damping=1) for disc in discs]
+        rig = tn.Drivetrain("rig", [element, *discs, *oil, tn.Inertia("J_x", node="x", inertia=1)])
+        section = make_report(rig, date=None, template=None, sections=["elements"]).sections[0]
+        rows = [row for block in Reworded(marked).of(section).blocks for group in block.groups for row in group.rows]
+        own = [row for row in rows if row[3]]
+        assert own
+        assert all(row[3].startswith("@") for row in own), [row[3] for row in own]
 
     def test_faults(self, folder):
         fill(
@@ -292,7 +306,7 @@ NOT_REPLACED = {
     ("comparison", "Test over model of "), ("modes", "Mode shapes of "), ("responses", "Bode plot of "),
     ("schematic", " elements between the nodes "), ("schematic", "Schematic of "),
     # joined to what the author or another part of the program wrote
-    ("elements", " on "), ("elements", " frequencies, "), ("elements", " rows, "), ("elements", "; … and "), ("elements", "table of "),
+    ("elements", " frequencies, "), ("elements", " rows, "), ("elements", " rows of "), ("elements", "; … and "), ("elements", "table of "),
     ("formulas", " in "), ("kinematics", "input "), ("modes", "spread over many, at most "), ("modes", "\xa0% in "),
     ("parameters", "; changed for this report"),
     ("critical_speeds", " modes, "), ("critical_speeds", " crossings"), ("limits", " over speed with its limits"),

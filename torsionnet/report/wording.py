@@ -7,7 +7,7 @@ the sections know nothing of it.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from importlib.resources import files
@@ -15,17 +15,22 @@ from typing import Any, ClassVar
 
 from torsionnet.core.entries.composite import Named
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.spec import EntryError, entry
-from torsionnet.core.entries.words import Text
+from torsionnet.core.entries.scalars import PhysicalQuantity, Value
+from torsionnet.core.entries.spec import EntryError, Spec, entry
+from torsionnet.core.entries.words import Count, OneOf, Text
 from torsionnet.core.errors import Fault, meant_or
 from torsionnet.model.elements import ELEMENT_TYPES
-from torsionnet.model.elements.nodes import NodeName, NodePair
+from torsionnet.model.elements.characteristic import Characteristic
+from torsionnet.model.elements.curves import LookupCurve
+from torsionnet.model.elements.quantity_table import Several
+from torsionnet.model.elements.stiffness_rows import TableEntry
+from torsionnet.model.elements.teeth import Teeth
 from torsionnet.model.files.located import compose
 
 PLACE = re.compile(r"\{(\w+)\}")
 """Where something is inserted."""
-COMMON = ("description", "enabled")
-"""Entries of every element that a report has no word for."""
+SHOWN = (PhysicalQuantity, Value, Teeth, Count, OneOf, TableEntry, Characteristic, LookupCurve)
+"""Kinds of entries that a report on a model has a row for; one of several values has a row for each."""
 LISTED = 'the page "A report in your own words" lists them'
 
 
@@ -34,13 +39,20 @@ def replaceable() -> Mapping[str, tuple[str, ...]]:
     """The texts of a report that may be replaced, by section."""
     listed = files("torsionnet.report").joinpath("texts.yaml").read_text(encoding="utf-8")
     texts = {section: tuple(map(str, texts)) for section, texts in compose(listed, "texts.yaml").data.items()}
-    specs = {name: spec for cls in ELEMENT_TYPES.values() for name, spec in cls.specs() if name not in COMMON}
-    own = {name for name, spec in specs.items() if not isinstance(spec, NodeName | NodePair)} - set(ELEMENT_TYPES)
+    own = {name for cls in ELEMENT_TYPES.values() for one in cls.specs() for name in _properties(*one)}
     return {
         **texts,
         "types of elements": _words(ELEMENT_TYPES),
-        "properties of elements": _words(own),
+        "properties of elements": _words(own - set(ELEMENT_TYPES)),
     }
+
+
+def _properties(name: str, spec: Spec) -> Iterator[str]:
+    """What a report calls the values of an entry."""
+    if isinstance(spec, Several):
+        yield f"{name} {{key}}"
+    elif isinstance(spec, SHOWN):
+        yield name
 
 
 def _words(names: Iterable[str]) -> tuple[str, ...]:

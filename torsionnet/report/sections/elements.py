@@ -7,9 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.core.damping import MEASURES, DampingMeasure
-from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.scalars import PhysicalQuantity, Value
 from torsionnet.core.entries.spec import Spec
-from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.expressions import Expression, Name, Number
 from torsionnet.core.units import expected_unit
 from torsionnet.model.channels import PORT_QUANTITIES, UNITS
@@ -19,12 +18,12 @@ from torsionnet.model.elements.curves import LookupCurve
 from torsionnet.model.elements.laws import Law
 from torsionnet.model.elements.quantity_table import Several, TableByName
 from torsionnet.model.elements.stiffness_rows import TableEntry
-from torsionnet.model.elements.teeth import Teeth
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, NumberText, Section, TableBlock
 from torsionnet.report.expression_latex import expression_latex
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import as_shown, table
 from torsionnet.report.report_words import capital, listed, named, plain, unit
+from torsionnet.report.wording import SHOWN
 
 if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
@@ -104,7 +103,9 @@ def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cel
         elif isinstance(spec, Several):
             for key, one in value if isinstance(spec, TableByName) else enumerate(value, 1):
                 yield plain(f"{name} {key}"), *_of_table(spec.of, one, rig)
-        elif isinstance(spec, (Teeth, Count, OneOf, TableEntry, Characteristic, LookupCurve)):
+        elif isinstance(spec, Value):
+            yield plain(name), "", NumberText(float(value), 5), unit(expected_unit(spec.dimension))
+        elif isinstance(spec, SHOWN) and value != ():
             yield plain(name), "", _plain(spec, value), "–"
 
 
