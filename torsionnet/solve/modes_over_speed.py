@@ -93,7 +93,8 @@ class ModesOverSpeed:
             speed, other = other, other * factor
         settled = np.nan
         if above(speed) * above(other) <= 0:
-            settled = float(brentq(above, *sorted((speed, other)), xtol=TOLERANCE / 10 * speed, rtol=TOLERANCE / 10))
+            low, high = sorted((speed, other))
+            settled = float(brentq(above, low, high, xtol=TOLERANCE / 10 * speed, rtol=TOLERANCE / 10))
         if abs(above(settled)) <= 10 * TOLERANCE * settled:
             return self.at(settled)[mode.number - 1]
         text = f"mode {mode.number} and its critical speed near {speed * RPM:.6g} rpm"
