@@ -106,7 +106,7 @@ class TestClutch:
             ({"torque": TABLE, "friction": TABLE}, "give torque or friction over slip, not both"),
             ({"friction": TABLE}, "friction needs clamp_torque"),
             ({"damping": 3}, "a rigid disc has no damping"),
-            ({"torque": [[3, 1], [2, 1]]}, "the slip speed rises from row to row"),
+            ({"torque": [[3, 1], [2, 1]]}, "the slip speed must increase from row to row"),
             ({"state": "shut"}, "expected closed or open or slipping"),
         ],
     )
