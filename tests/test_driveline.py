@@ -187,7 +187,7 @@ class TestGearbox:
         ("entries", "where", "words"),
         [
             ("ratios: {I: 4, II: 2}, engaged: VI", "4:77", 'no gear of box is named "VI"; it has I, II and neutral'),
-            ("ratios: {I: 4, II: 0}", "4:64", "must not be zero"),
+            ("ratios: {I: 4, II: 0}, engaged: I", "4:64", "must not be zero"),
             ("ratios: {I: 4, II: 3 kg}", "4:64", "is not a value of a plain number"),
             ("engaged: I", "4:8", "give ratios or teeth, one of the two"),
             ("ratios: {I: 4}, teeth: {I: [1, 4]}", "4:68", "not both"),
