@@ -114,7 +114,7 @@ class _Flattening:
             nodes = all_nodes(self.done[name].elements.values())
             if len(self.faults) > before:
                 # Something is missing in it, and perhaps its ports with that.
-                nodes = {*nodes, *part.ports}
+                nodes = (*nodes, *part.ports)
                 self.without_ports.add(name)
             wrong = [
                 unknown_name("node", port, nodes, ("parts", name, "ports", index))
