@@ -13,7 +13,7 @@ BENCHMARKS := $(basename $(notdir $(wildcard benchmarks/[!_]*.py)))
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo figures identify test test-all compare structure hops mutation fuzz lint format types generate docs bench bench-short clean
+.PHONY: help demo figures identify test test-all compare compare-parts structure hops mutation fuzz lint format types generate docs bench bench-short clean
 
 help:  ## show this list
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / {printf "  make %-11s %s\n", $$1, $$2}' Makefile
@@ -38,6 +38,9 @@ test-all: $(VENV)/.group-test  ## all tests, also campaigns over many seeds
 
 compare: $(VENV)/.group-test  ## 300 random models against exact mechanics; make compare ARGS="--models 3000 --seed 1"
 	cd tests && ../$(RUN) -m oracle $(ARGS)
+
+compare-parts: $(VENV)/.group-test  ## 300 random plants of components and parts against plain equations
+	cd tests && ../$(RUN) -m plain $(ARGS)
 
 structure: $(VENV)/.group-test  ## counts: code lines, import circles, doubled names; ARGS=COMMIT beside another commit
 	PYTHONPATH=tests $(RUN) -m structure $(ARGS)

@@ -33,6 +33,7 @@ from torsionnet.model.bench import Acquisition, Encoder, Exciter, Transducer
 from torsionnet.model.bench.excitations import EXCITATIONS
 from torsionnet.model.elements import (
     ELEMENT_TYPES,
+    GROUND,
     Action,
     Constraint,
     Element,
@@ -167,10 +168,14 @@ def made_in_docstring(cls: type[Element]) -> tuple[Element, ...]:
 
 
 def in_symbols(cls: type[Element], data: dict[str, Any]) -> dict[str, Any]:
-    """Every quantity by its symbol, unless the element needs its number."""
+    """Every quantity by its symbol, unless the element needs its number; ratios for teeth, and members that turn."""
     for declared in own_fields(cls):
         kind = spec_of(declared)
-        if isinstance(kind, PhysicalQuantity) and (declared.name in data or isinstance(declared.default, str)):
+        if isinstance(kind, NodeName) and data.get(declared.name) == GROUND:
+            data = data | {declared.name: declared.name}
+        if declared.name == "ratio" and isinstance(data.get("teeth"), tuple):
+            data = {name: value for name, value in data.items() if name != "teeth"} | {"ratio": kind.symbol}
+        elif isinstance(kind, PhysicalQuantity) and (declared.name in data or isinstance(declared.default, str)):
             trial = data | {declared.name: kind.symbol}
             data = trial if constructible(cls, trial) else data
     return data

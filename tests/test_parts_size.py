@@ -58,3 +58,16 @@ def test_a_gearbox_of_many_gears():
     ratios = ", ".join(f"g{index}: {index + 1}" for index in range(3000))
     box = f"elements: {{box: {{type: gearbox, input: a, output: b, ratios: {{{ratios}}}}}}}\n"
     refused(f"torsionnet: 1\nname: box\n{box}", "3000 gears; a gearbox has at most 100")
+
+
+@pytest.mark.parametrize("name", ["in", "lambda", "omega"])
+def test_a_name_that_no_parameter_may_have(name):
+    """Parameters of the part begin with it: flat, the model could not be read again."""
+    text = THROW.replace("    elements:", "    parameters: {k: 1}\n    elements:")
+    refused(text + LAST.replace("x:", f"{name}:") % "p0", f'"{name}" is (a word of the Python language|reserved)')
+    with pytest.raises(ModelError, match=f'"{name}" is'):
+        tn.loads("torsionnet: 1\nname: x\nelements: {m: {type: inertia, node: a, inertia: 1}}\n").with_part(
+            name,
+            tn.Drivetrain("p", [tn.Inertia("m", node="a", inertia="J")], parameters={"J": 1}, ports=["a"]),
+            at={"a": "a"},
+        )

@@ -174,3 +174,25 @@ def test_nonsense_is_refused(change, words):
 def test_a_shaft_that_stands_still_has_no_centrifugal_field():
     with pytest.raises(tn.ModelError, match="must be greater than 0"):
         grounded(absorber(0.0))
+
+
+ABOVE_ITS_ORDER = """
+torsionnet: 1
+parameters: {w: SPEED}
+elements:
+  rotor: {type: inertia, node: a, inertia: 0.4 kg*m^2}
+  shaft: {type: spring, nodes: [a, b], stiffness: 30 kN*m/rad}
+  load: {type: inertia, node: b, inertia: 0.9 kg*m^2}
+  pendulums: {type: pendulum_absorber, node: a, count: 4, mass: 0.8 kg, pivot_radius: 90 mm, path_radius: 20 mm, speed: w}
+speeds: {of: a, range: 2000..5000 rpm, step: 500 rpm, rated: 3000 rpm}
+excitations: {gas: {type: harmonic, node: a, orders: {2: {amplitude: 100 N*m}}}}
+"""
+
+
+def test_a_mode_that_rises_nearly_with_its_order_has_its_critical_speed():
+    """It keeps ahead of the order over the whole range, and is met beyond, where it stays as at the end."""
+    found = tn.loads(ABOVE_ITS_ORDER.replace("SPEED", "{by: speed, of: a}")).critical_speeds(reach=0.5).crossings
+    at_end = tn.loads(ABOVE_ITS_ORDER.replace("SPEED", "5000 rpm")).modes().natural_frequencies.max()
+    highest = max(found, key=lambda one: one.mode.undamped_frequency)
+    assert highest.mode.undamped_frequency == pytest.approx(at_end, rel=1e-9)
+    assert highest.speed("undamped") == pytest.approx(np.pi * at_end, rel=1e-9)

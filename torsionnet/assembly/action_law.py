@@ -69,7 +69,7 @@ class ActionLaw:
 
 
 def refuse_actions(actions: Sequence[ActionLaw], what: str) -> None:
-    """Refuse what is not worked out where controllers act.
+    """Refuse what is not worked out where controllers act, or fluid couplings, whose torques follow two speeds.
 
     Raises
     ------
@@ -78,7 +78,7 @@ def refuse_actions(actions: Sequence[ActionLaw], what: str) -> None:
     """
     if actions:
         names = ", ".join(dict.fromkeys(one.owner for one in actions))
-        raise UsageError(f"{what} not worked out for a drivetrain with controllers; switch off {names}")
+        raise UsageError(f"{what} not worked out where a torque follows another motion; switch off {names}")
 
 
 def polynomial(coefficients: Sequence[Any], s: Any) -> Any:

@@ -43,7 +43,7 @@ class Algebra:
 
 
 RATIONAL = Algebra(number=lambda number: number, sqrt=units.exact_sqrt, pi=math.pi)
-FLOAT = Algebra(number=float, sqrt=math.sqrt, pi=math.pi)
+FLOAT = Algebra(number=float, sqrt=units.exact_sqrt, pi=math.pi)
 
 
 @dataclass(frozen=True)

@@ -491,6 +491,8 @@ def limited(value: Any) -> Any:
 
 
 def exact_sqrt(value: Fraction | float) -> Fraction | float:
+    if value < 0:
+        raise ArithmeticError(f"there is no root of {float(value):.4g}")
     if not isinstance(value, Fraction | int):
         return math.sqrt(value)
     root = Fraction(math.isqrt(value.numerator), math.isqrt(value.denominator))

@@ -13,17 +13,24 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
+from torsionnet.model.torque_places import place_fault, renamed_place, torque_place
 
 FORM = "{node: value}"
 _SPEED = Named("mean speed by node, as 1500 rpm", PhysicalQuantity("mean speed", "speed", lower=None), form=FORM)
 _TORQUE = Named(
-    "mean external torque by node, as 80 N*m", PhysicalQuantity("mean torque", "torque", lower=None), form=FORM
+    "mean external torque by node, as 80 N*m, or between two as pulley-block",
+    PhysicalQuantity("mean torque", "torque", lower=None),
+    refused=place_fault,
+    form=FORM,
 )
 
 
 @dataclass(frozen=True)
 class OperatingPoint(Declared):
-    """Mean speeds (rad/s) and mean external torques (N m) by node, as given in the model."""
+    """Mean speeds (rad/s) and mean external torques (N m) by node, as given in the model.
+
+    A torque between two nodes, ``pulley-block``, acts on the first and as much the other way on the second.
+    """
 
     kind: ClassVar[str] = "operating point"
     article: ClassVar[str] = "an operating point"
@@ -31,6 +38,11 @@ class OperatingPoint(Declared):
 
     speed: Mapping[str, Expression] = entry(_SPEED, None)
     torque: Mapping[str, Expression] = entry(_TORQUE, None)
+
+    @property
+    def loaded_nodes(self) -> tuple[str, ...]:
+        """The nodes on which torques act."""
+        return tuple(dict.fromkeys(node for place in self.torque for node in torque_place(place).nodes))
 
     def __bool__(self) -> bool:
         return bool(self.speed or self.torque)
@@ -45,11 +57,10 @@ class OperatingPoint(Declared):
 
     def renamed(self, names: Renaming) -> OperatingPoint:
         """The same of a part, with the names it has in the whole."""
-        tables = (
-            {names.node(node): names.expression(one) for node, one in table.items()}
-            for table in (self.speed, self.torque)
+        return OperatingPoint(
+            {names.node(node): names.expression(one) for node, one in self.speed.items()},
+            {renamed_place(place, names): names.expression(one) for place, one in self.torque.items()},
         )
-        return OperatingPoint(*tables)
 
     def overlaid(self, other: OperatingPoint | None) -> OperatingPoint:
         """A point with the entries of ``other`` replacing its own."""

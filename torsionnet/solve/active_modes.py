@@ -103,7 +103,8 @@ def _starts(pencil: ActivePencil, points: int) -> list[Pole]:
     balanced, back = linalg.matrix_balance(form.A)
     values, right = np.linalg.eig(balanced)
     try:
-        condition = np.linalg.norm(np.linalg.inv(right), axis=1)
+        with np.errstate(over="ignore"):  # of eigenvectors that are nearly the same
+            condition = np.linalg.norm(np.linalg.inv(right), axis=1)
     except np.linalg.LinAlgError:
         condition = np.full(len(values), np.inf)
     states, size = back @ right, float(np.linalg.norm(balanced))

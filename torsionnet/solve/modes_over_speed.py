@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.core.errors import UsageError
+from torsionnet.core.errors import SolveError
 from torsionnet.core.units import RPM
 from torsionnet.model.operating_values import following
 from torsionnet.response.vibration_mode import VibrationMode
@@ -18,6 +18,9 @@ from torsionnet.solve.operating_groups import at_speeds
 
 TOLERANCE, MOST_STEPS = 1e-6, 60
 """Share by which a critical speed and the speed its mode is calculated at may differ, and in how many steps."""
+
+STRIDE = 1.2
+"""From a speed to the next on the way to one on the other side of the line."""
 
 
 class ModesOverSpeed:
@@ -48,24 +51,51 @@ class ModesOverSpeed:
 
         Raises
         ------
-        UsageError
-            The two do not settle.
+        SolveError
+            The two do not settle: the frequency leaps over the line.
         """
         if not self.follow:
             return mode
         speed, length, before = speed_of(mode), 1.0, np.inf
         for _ in range(MOST_STEPS):
-            if not speed > 0:
+            found = self._numbered(mode.number, speed)
+            if found is None:
                 return mode
-            found = self.at(speed)
-            if mode.number > len(found):
-                return mode
-            mode = found[mode.number - 1]
+            mode = found
             step = speed_of(mode) - speed
             if abs(step) <= TOLERANCE * speed:
                 return mode
             length = length / 2 if abs(step) > 0.7 * before else length
             before = abs(step)
             speed += length * step
+        return self._bracketed(mode, speed, speed_of)
+
+    def _numbered(self, number: int, speed: float) -> VibrationMode | None:
+        found = self.at(speed) if speed > 0 else ()
+        return found[number - 1] if number <= len(found) else None
+
+    def _bracketed(
+        self, mode: VibrationMode, speed: float, speed_of: Callable[[VibrationMode], float]
+    ) -> VibrationMode:
+        """Where a mode rises nearly with the line, as one of pendulums does, steps from one to the other do not end.
+
+        Beyond the range of speeds modes stay as they are, so that there always are speeds on both sides.
+        """
+        from scipy.optimize import brentq
+
+        def above(at: float) -> float:
+            found = self._numbered(mode.number, at)
+            return np.nan if found is None else speed_of(found) - at
+
+        factor = STRIDE if above(speed) > 0 else 1 / STRIDE
+        other = speed * factor
+        while above(speed) * above(other) > 0:
+            speed, other = other, other * factor
+        settled = np.nan
+        if above(speed) * above(other) <= 0:
+            low, high = sorted((speed, other))
+            settled = float(brentq(above, low, high, xtol=TOLERANCE / 10 * speed, rtol=TOLERANCE / 10))
+        if abs(above(settled)) <= 10 * TOLERANCE * settled:
+            return self.at(settled)[mode.number - 1]
         text = f"mode {mode.number} and its critical speed near {speed * RPM:.6g} rpm"
-        raise UsageError(f"{text} do not settle within {TOLERANCE:g} of each other")
+        raise SolveError(f"{text} do not settle within {TOLERANCE:g} of each other")

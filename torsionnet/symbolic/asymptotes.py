@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import sympy
 
 from torsionnet.symbolic.algebras import InPowersOfS, S
+from torsionnet.symbolic.delay import refuse_delays
 from torsionnet.symbolic.numbers import first_term, lowest, surely_zero
 from torsionnet.symbolic.program import Program, ProgramNode
 from torsionnet.symbolic.rational import factored, tidy
@@ -31,6 +32,7 @@ def low_frequency(function: SymbolicFraction) -> Any:
 
 def high_frequency(function: SymbolicFraction) -> Any:
     """The leading term for s -> oo."""
+    refuse_delays(function.used_tables, "leading term at high frequency")
     algebra = InPowersOfS(Program().leaf)
     above, below = (
         (len(polynomial.coefficients), first_term(polynomial.coefficients[::-1], surely_zero))

@@ -11,6 +11,7 @@ import sympy
 
 from torsionnet.core.errors import UsageError
 from torsionnet.symbolic.algebras import S
+from torsionnet.symbolic.delay import delays_of
 from torsionnet.symbolic.where import WhereTable, continued_table, where_table
 
 if TYPE_CHECKING:
@@ -32,9 +33,11 @@ def python_code(function: SymbolicFraction, name: str) -> str:
         ``name`` or a parameter is no plain identifier.
     """
     table = _table(function)
-    arguments = _plain({symbol: str(symbol) for symbol in _symbols(table) - {S}})
+    arguments = _plain({symbol: str(symbol) for symbol in (_symbols(table) | _delaying(function)) - {S}})
     kappas = _plain({kappa: kappa.func.__name__ for kappa in _tables(table)})
-    tables = {kappa: f"_{kappas[kappa]}" for kappa in sorted(kappas, key=str)}
+    delays = {kappa: function.used_tables[kappa].time for kappa in delays_of(function.used_tables)}
+    tables = {kappa: f"_{kappas[kappa]}" for kappa in sorted(kappas, key=str) if kappa not in delays}
+    factors = {kappa: f"_np.exp(-_s * {_written(time, arguments)})" for kappa, time in delays.items()}
     return "\n".join(
         [
             "import numpy as _np",
@@ -43,7 +46,7 @@ def python_code(function: SymbolicFraction, name: str) -> str:
             f"def {checked(name)}({_signature(function, arguments, tables)}):",
             *_docstring(function, bool(tables)),
             "    _s = 2j * _np.pi * _np.asarray(_f, dtype=float)",
-            *_body(table, {**arguments, **tables, S: "_s"}),
+            *_body(table, {**arguments, **tables, **factors, S: "_s"}),
             "",
         ]
     )
@@ -87,6 +90,12 @@ def _symbols(table: WhereTable) -> set[Any]:
     for leaf in _leaves(table):
         found |= getattr(leaf, "free_symbols", set())
     return found - {sympy.Symbol("omega")}
+
+
+def _delaying(function: SymbolicFraction) -> set[Any]:
+    """Symbols in delays."""
+    times = (delay.time for delay in delays_of(function.used_tables).values())
+    return {symbol for time in times for symbol in time.free_symbols}
 
 
 def _tables(table: WhereTable) -> set[Any]:

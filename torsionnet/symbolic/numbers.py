@@ -18,7 +18,8 @@ from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.elimination import exact
 from torsionnet.response import FrequencyResponse
 from torsionnet.symbolic.algebras import InPowersOfS, NumericValues, evaluated
-from torsionnet.symbolic.program import ProgramNode
+from torsionnet.symbolic.delay import InPowersNearRest, delays_of
+from torsionnet.symbolic.program import Program, ProgramNode
 from torsionnet.symbolic.scaled import Scaled
 
 if TYPE_CHECKING:
@@ -133,7 +134,7 @@ def lowest(function: SymbolicFraction, coefficient: Any, vanishes: Any) -> tuple
     """(power, coefficient) of the lowest terms of numerator and denominator; None for a numerator of zero."""
     limit = 4
     while True:
-        algebra = InPowersOfS(coefficient, limit)
+        algebra = InPowersNearRest(coefficient, limit, delays_of(function.used_tables))
         found = [
             first_term(polynomial.coefficients, vanishes)
             for polynomial in function.steps.run(algebra, [function.numerator, function.denominator])
@@ -151,6 +152,14 @@ def first_term(coefficients: Any, vanishes: Any) -> tuple[int, Any] | None:
         if not vanishes(value):
             return power, value
     return None
+
+
+def vanishes(node: ProgramNode) -> bool:
+    """Whether a polynomial in s is zero for all values of s and the symbols."""
+    if node.is_zero:
+        return True
+    (polynomial,) = node.program.run(InPowersOfS(Program().leaf), [node])
+    return all(surely_zero(value) for value in polynomial.coefficients)
 
 
 def surely_zero(node: ProgramNode | int) -> bool:

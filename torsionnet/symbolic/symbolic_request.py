@@ -14,6 +14,8 @@ from torsionnet.model.readings import port_of
 from torsionnet.response import Channel
 from torsionnet.solve.cut import beyond_cut, cut_definition
 from torsionnet.solve.transfer_request import TransferRequest, ask
+from torsionnet.symbolic.active_mechanism import mechanism
+from torsionnet.symbolic.numbers import vanishes
 from torsionnet.symbolic.symbolic_sensors import Mechanism, SymbolicPart, loose_constraints, parts_of
 
 
@@ -70,13 +72,13 @@ def resolve(
     """
     request = ask(drivetrain, output, input, excitation)
     sensors, load = request.sensors, request.excitations[0].row
-    mechanism = _mechanism(drivetrain, sensors, referred_to, memo)
-    reading, *measured = (parts_of(mechanism, sensor) for sensor in sensors)
+    seen = _mechanism(drivetrain, sensors, referred_to, memo)
+    reading, *measured = (parts_of(seen, sensor) for sensor in sensors)
     channels = (request.outputs[0].channel, request.measured[0].channel)
-    whole = SymbolicRequest(mechanism, reading, None, load, 1, channels, request.notes)
+    whole = SymbolicRequest(seen, reading, None, load, 1, channels, request.notes)
     if not measured:
         return whole
-    if mechanism.numerator(measured[0], load).is_zero:
+    if vanishes(seen.numerator(measured[0], load)):
         felt = f"{request.names} does not feel the {request.excitations[0]}"
         raise UsageError(f"{felt}: the transfer function against it does not exist")
     whole = replace(whole, measured=measured[0])
@@ -93,7 +95,7 @@ def _mechanism(
     """The mechanism in which the sensors can be read, from ``memo`` where it has been made before."""
     loose = loose_constraints(drivetrain, sensors)
     kept = tuple(node for node in referred_to if node in drivetrain.nodes)
-    return (memo or Memo()).once(Mechanism, loose, lambda: Mechanism(drivetrain, kept, loose))
+    return (memo or Memo()).once(Mechanism, loose, lambda: mechanism(drivetrain, kept, loose))
 
 
 def _of_cut(
@@ -111,8 +113,8 @@ def _of_cut(
     rest = drivetrain.with_definition(cut_definition(drivetrain.definition, kept))
     if not (output.of in rest.elements if output.is_on_element else set(rest.nodes).issuperset(output.nodes)):
         return whole
-    mechanism = _mechanism(rest, [output], referred_to)
+    rested = _mechanism(rest, [output], referred_to)
     removed = ", ".join(name for name in drivetrain.elements if name not in kept)
     notes = (*whole.notes, f"cut at {whole.channels[1].name}: independent of {removed}") if removed else whole.notes
     into = sign if sensor.of in kept else -sign
-    return SymbolicRequest(mechanism, parts_of(mechanism, output), None, {node: 1}, into, whole.channels, notes)
+    return SymbolicRequest(rested, parts_of(rested, output), None, {node: 1}, into, whole.channels, notes)

@@ -33,13 +33,14 @@ PURE_S = Stiffness(damping=ONE)
 
 @dataclass(frozen=True)
 class SymbolicPart:
-    """factor * s^power * law * (row theta), or the torque through constraint number ``rigid`` times the factor."""
+    """factor * s^power * law * (row theta), or factor * torque of constraint ``rigid`` or of ``action``, by number."""
 
     row: Mapping[str, Any]
     factor: Any = ONE
     power: int = 0
     law: Stiffness | None = None
     rigid: int | None = None
+    action: int | None = None
 
 
 @dataclass(frozen=True)
@@ -129,12 +130,15 @@ def parts_of(mechanism: Mechanism, sensor: Sensor) -> list[SymbolicPart]:
     """The parts of what a sensor reads."""
     kinematics = mechanism.kinematics
     rows = ((owner, law.row) for owner, law in kinematics.laws)
-    read = reading(sensor, mechanism.drivetrain.elements, mechanism.values, rows, kinematics.constraints)
+    driving = [(owner, action.row) for owner, action in kinematics.actions]
+    elements = mechanism.drivetrain.elements
+    read = reading(sensor, elements, mechanism.values, rows, kinematics.constraints, driving)
     if read.row is not None:
         return [SymbolicPart(read.row, power=read.power)]
     shares = [(*kinematics.laws[number], twin(factor).symbol) for number, factor in read.laws.items()]
     laws = [SymbolicPart(law.row, by, law=Stiffness(*law_parts(owner, law))) for owner, law, by in shares if law.acts]
-    return laws + [SymbolicPart({}, twin(by).symbol, rigid=number) for number, by in read.constraints.items()]
+    rigid = [SymbolicPart({}, twin(by).symbol, rigid=number) for number, by in read.constraints.items()]
+    return laws + rigid + [SymbolicPart({}, twin(by).symbol, action=number) for number, by in read.actions.items()]
 
 
 def loose_constraints(drivetrain: AssembledModel, sensors: Collection[Sensor]) -> tuple[int, ...]:

@@ -6,16 +6,16 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.assembly.action_law import refuse_actions
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.symbolic import SymbolicMatrices, stiffness_symbol, symbolic_matrices, with_symbols
-from torsionnet.assembly.twin import TWINS, twin_parameters
+from torsionnet.assembly.twin import TWINS, twin, twin_parameters
 from torsionnet.core.memo import Memo
 from torsionnet.model.channels import Input, Sensor
-from torsionnet.model.elements import Law, Values
+from torsionnet.model.elements import Action, Law, Values
 from torsionnet.model.kinematics import owned_parts
 from torsionnet.response import Channel
 from torsionnet.solve.transfer_request import ask
+from torsionnet.symbolic.delay import Delay, delay_symbol
 from torsionnet.symbolic.imposed import at_rest, is_imposed, posed, single
 from torsionnet.symbolic.program import ProgramNode
 from torsionnet.symbolic.symbolic_request import SymbolicRequest, resolve
@@ -65,7 +65,6 @@ class SymbolicSystem(SymbolicMatrices):
         (k_1*tau**2 + k_2)/(k_1*k_2)
         """
         drivetrain = self._model
-        refuse_actions(drivetrain.assembly.system.actions, "transfer functions in symbols are")
         single(output, input)
         request = posed(drivetrain, output, input, excitation)
         memo = self.memo if request.drivetrain is drivetrain else None
@@ -94,7 +93,6 @@ class SymbolicSystem(SymbolicMatrices):
         1
         """
         drivetrain = self._model
-        refuse_actions(drivetrain.assembly.system.actions, "transfer functions in symbols are")
         request = ask(drivetrain, list(outputs), list(inputs), excitation)
         if request.is_measured and len(inputs) > 1:
             return over_measured(drivetrain, request, self._written)
@@ -192,8 +190,12 @@ def _tables(drivetrain: AssembledModel) -> Mapping[Any, Any]:
     """What depends on frequency by the symbols that stand for it, its coefficients as sympy expressions."""
     values = Values(twin_parameters(drivetrain.definition.parameters, drivetrain.exact_values), TWINS)
     parts = [(owned.element, owned.part) for owned in owned_parts(drivetrain.definition, values)]
-    laws = [(owner, part) for owner, part in parts if isinstance(part, Law) and part.table is not None]
-    return {stiffness_symbol(owner, law.table): with_symbols(law.table) for owner, law in laws if law.table is not None}
+    laws = [(owner, part) for owner, part in parts if isinstance(part, Law)]
+    found = {
+        stiffness_symbol(owner, law.table): with_symbols(law.table) for owner, law in laws if law.table is not None
+    }
+    delays = [(owner, twin(part.delay).symbol) for owner, part in parts if isinstance(part, Action)]
+    return found | {delay_symbol(owner): Delay(time) for owner, time in delays if time != 0}
 
 
 def symbolic_system(drivetrain: AssembledModel, referred_to: Collection[str] = ()) -> SymbolicSystem:

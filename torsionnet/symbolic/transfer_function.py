@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.response import FrequencyResponse
 from torsionnet.symbolic.algebras import Changed, Derivatives
+from torsionnet.symbolic.delay import refuse_delays
 from torsionnet.symbolic.program import Program
 from torsionnet.symbolic.readable import require_readable, require_short
 from torsionnet.symbolic.shown import latex, shown, with_where
@@ -54,6 +55,7 @@ class TransferFunction(SymbolicFraction):
         """Polynomials in s, with coefficients a_i, b_i and what they stand for."""
         from torsionnet.symbolic.rational import rational
 
+        refuse_delays(self.used_tables, "form of two polynomials")
         return rational(self)
 
     @cached_property
@@ -61,6 +63,7 @@ class TransferFunction(SymbolicFraction):
         """Static gain, omega_n and zeta of the factors of first and second order."""
         from torsionnet.symbolic.normalised import normalised
 
+        refuse_delays(self.used_tables, "normalised form")
         return normalised(self)
 
     @cached_property

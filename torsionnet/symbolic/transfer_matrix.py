@@ -22,9 +22,9 @@ from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.solve.transfer_request import TransferRequest
-from torsionnet.symbolic.algebras import InPowersOfS
+from torsionnet.symbolic.active_mechanism import mechanism
 from torsionnet.symbolic.imposed import at_rest, is_imposed
-from torsionnet.symbolic.numbers import surely_zero
+from torsionnet.symbolic.numbers import vanishes
 from torsionnet.symbolic.program import Program, ProgramNode
 from torsionnet.symbolic.symbolic_sensors import Mechanism, loose_constraints, parts_of
 from torsionnet.symbolic.transfer_function import TransferFunction
@@ -126,9 +126,9 @@ def over_measured(drivetrain: AssembledModel, request: TransferRequest, write: W
     columns = []
     for source in request.excitations:
         driven = source if source.quantity == "angle" else None
-        mechanism = mechanisms.get(driven) or _mechanism(drivetrain, driven, sensors, program)
-        mechanisms[driven] = mechanism
-        columns.append([mechanism.numerator(parts_of(mechanism, sensor), source.row) for sensor in sensors])
+        seen = mechanisms.get(driven) or _mechanism(drivetrain, driven, sensors, program)
+        mechanisms[driven] = seen
+        columns.append([seen.numerator(parts_of(seen, sensor), source.row) for sensor in sensors])
     return _by_cramer(program, [list(row) for row in zip(*columns, strict=True)], request, write)
 
 
@@ -137,7 +137,7 @@ def _mechanism(
 ) -> Mechanism:
     """The drivetrain with all imposed angles at rest, but that of ``driven``."""
     system = at_rest(drivetrain, driven) if is_imposed(drivetrain) else drivetrain
-    return Mechanism(system, loose=loose_constraints(system, sensors), program=program)
+    return mechanism(system, loose=loose_constraints(system, sensors), program=program)
 
 
 def _by_cramer(
@@ -145,8 +145,7 @@ def _by_cramer(
 ) -> TransferMatrix:
     above, below = readings[: len(request.outputs)], readings[len(request.outputs) :]
     whole = _determinant(program, below)
-    (polynomial,) = program.run(InPowersOfS(Program().leaf), [whole])
-    if all(surely_zero(value) for value in polynomial.coefficients):
+    if vanishes(whole):
         raise UsageError("the measured inputs do not tell the excitations apart: the transfer functions do not exist")
     return TransferMatrix(
         tuple(

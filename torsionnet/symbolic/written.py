@@ -8,6 +8,7 @@ from typing import Any
 
 import sympy
 
+from torsionnet.symbolic.active_mechanism import ActiveMechanism
 from torsionnet.symbolic.algebras import in_s
 from torsionnet.symbolic.mechanical import NoContinuedFractionError, response
 from torsionnet.symbolic.network import Stiffness
@@ -24,6 +25,8 @@ def continued(asked: SymbolicRequest, leaf: Callable[[Any], Any]) -> Any:
             return leaf(Stiffness(*(asked.change(part) for part in payload.parts)))
         return leaf(asked.change(sympy.Integer(payload) if isinstance(payload, int) else payload))
 
+    if isinstance(asked.mechanism, ActiveMechanism):
+        return None
     try:
         alone = asked.measured is None
         above, receptance = response(asked.mechanism, asked.output, asked.load, element, shift=alone)

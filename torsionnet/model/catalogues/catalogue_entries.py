@@ -11,7 +11,7 @@ from torsionnet.core.entries.nearby import nearby_file
 from torsionnet.core.entries.spec import EntryError, Schema, Spec
 from torsionnet.core.errors import Fault, ModelError, did_you_mean
 from torsionnet.core.units import expected_unit
-from torsionnet.model.catalogues.catalogue import SIZE, CatalogueCell, CatalogueRow, catalogue_row
+from torsionnet.model.catalogues.catalogue import SIZE, CatalogueCell, CatalogueRow
 
 CATALOGUE = "catalogue"
 PACKAGE = Path(__file__).resolve().parents[2]
@@ -69,6 +69,8 @@ def row_of(entries: Mapping[str, Any]) -> tuple[CatalogueRow | None, list[Fault]
         return None, [Fault(f"expected the name of a catalogue, as couplings.csv, got {file!r}", (CATALOGUE,))]
     if size is None:
         return None, [Fault("a catalogue needs the size that is meant, as size: A350", (CATALOGUE,), on_key=True)]
+    from torsionnet.model.catalogues.catalogue_reading import catalogue_row
+
     try:
         return catalogue_row(_path(file), file, str(size)), []
     except EntryError as error:
@@ -115,8 +117,10 @@ def resized(
     row: CatalogueRow, size: str, specs: Mapping[str, Spec], stored: Mapping[str, Any]
 ) -> tuple[dict[str, Any], list[Fault]]:
     """What changes with another size: the row itself, and the entries that have the values of the row before."""
+    from torsionnet.model.catalogues.catalogue_reading import catalogue_row
+
     try:
-        new = row.of_size(size)
+        new = catalogue_row(row.path, row.file, size)
     except ModelError as error:
         return {}, list(error.faults)
     before, _ = entries_of(row, specs, {})

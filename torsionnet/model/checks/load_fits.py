@@ -6,8 +6,10 @@ from collections.abc import Iterator, Mapping
 
 from torsionnet.core.errors import USELESS, Fault, Path, UsageError, unknown_name
 from torsionnet.model.definition import Definition, all_nodes
-from torsionnet.model.load.external_torques import CutOffError, ExternalTorques, stated_torques, unknown_driver
+from torsionnet.model.load.external_torques import CutOffError, ExternalTorques, stated_torques
 from torsionnet.model.load.load_section import Load
+from torsionnet.model.load.sides_of_load import unknown_driver
+from torsionnet.model.torque_places import torque_place
 
 AGREE = 0.01
 """Share by which torques of a load and those of an operating point, rounded for a data sheet, may differ."""
@@ -17,10 +19,11 @@ def unknown_in_load(definition: Definition, load: Load) -> Iterator[Fault]:
     """Names of nodes, and of nodes or excitations, that the model does not have."""
     nodes = all_nodes(definition.elements.values())
     single: Path = ("load", "absorbed_at")
-    for node in load.by_node:
-        if node not in nodes:
-            path = ("load", "absorbers", node) if load.absorbers else single
-            yield unknown_name("node", node, nodes, path, on_key=bool(load.absorbers))
+    for place in load.by_place:
+        path = ("load", "absorbers", place) if load.absorbers else single
+        for node in torque_place(place).nodes:
+            if node not in nodes:
+                yield unknown_name("node", node, nodes, path, on_key=bool(load.absorbers))
     for name in load.driven_by:
         fault = unknown_driver(definition, name)
         if fault:

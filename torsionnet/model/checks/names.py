@@ -13,6 +13,7 @@ from torsionnet.model.elements import GROUND
 from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.operating_values import unknown_in_parameters
 from torsionnet.model.readings import section_fault
+from torsionnet.model.torque_places import torque_place
 
 MOST_HINTS = 20
 """Dead ends for which a node is looked for that may have been meant: where there are more, they are no misspellings."""
@@ -90,10 +91,15 @@ def unknown_nodes(definition: Definition) -> list[Fault]:
             for label, overlay in alternatives.items()
         ]
     for path, point in points:
-        for table in ("speed", "torque"):
-            given = getattr(point, table, {})
-            unknown = [str(node) for node in given if node not in nodes]
-            faults += [_unknown_node(node, nodes, (*path, table, node), on_key=True) for node in unknown]
+        named = [("speed", node, node) for node in (point.speed if point else ())]
+        named += [
+            ("torque", text, node) for text in (point.torque if point else ()) for node in torque_place(text).nodes
+        ]
+        faults += [
+            _unknown_node(node, nodes, (*path, table, key), on_key=True)
+            for table, key, node in named
+            if node not in nodes
+        ]
     return faults
 
 
@@ -204,8 +210,9 @@ def dead_ends(definition: Definition) -> list[Fault]:
     channels: tuple[Input | Sensor, ...] = (*definition.inputs.values(), *definition.sensors.values())
     used = {name for channel in channels for name in (channel.of, *channel.nodes)}
     used |= {node for one in definition.excitations.values() for node in (*one.nodes, one.reaction_node or GROUND)}
-    used |= {*definition.load.by_node, *definition.load.driven_by} if definition.load else set()
-    used |= {GROUND, *definition.ports, *definition.operating_point.speed, *definition.operating_point.torque}
+    loading = (*definition.load.by_place, *definition.load.driven_by) if definition.load else ()
+    used |= {node for place in loading for node in torque_place(place).nodes}
+    used |= {GROUND, *definition.ports, *definition.operating_point.speed, *definition.operating_point.loaded_nodes}
     faults: list[Fault] = []
     for node, names in touching.items():
         if len(names) == 1 and node not in used and len(definition.elements[names[0]].ports) > 1:

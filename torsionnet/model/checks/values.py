@@ -160,6 +160,8 @@ def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
     place = ("elements", element.name)
     try:
         laws = [part for part in element.parts(Values(numbers)) if isinstance(part, Law)]
+    except ZeroDivisionError:
+        return [Fault(f"{element.name} cannot be calculated: something is divided by zero", place)]
     except (TorsionnetError, ArithmeticError) as error:
         return [Fault(f"{element.name} cannot be calculated: {error}", place)]
     damping = min((law.damping for law in laws), default=0)

@@ -113,4 +113,4 @@ class GridGenerator(Element):
         if self.synchronising_coefficient is not None:
             return value(self.synchronising_coefficient)
         most = value(self.emf) * value(self.grid_voltage) / value(self.reactance)
-        return value.algebra.sqrt(most**2 - value(self.power) ** 2)
+        return value.root(most**2 - value(self.power) ** 2, "the power must not be above E V/X")

@@ -14,6 +14,7 @@ from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, m
 from torsionnet.model.elements.nodes import NodeName
 
 _RATED = ("rated_torque", "rated_slip")
+_ABOVE = "the rated torque must not be above the breakdown torque"
 
 
 @register
@@ -80,7 +81,7 @@ class InductionMachine(Element):
     def _rated_faults(self) -> list[Fault]:
         rated, breakdown = self.rated_torque, self.breakdown_torque
         if isinstance(rated, Number) and isinstance(breakdown, Number) and rated.value > breakdown.value:
-            return [Fault(f"the rated torque must not be above the breakdown torque {breakdown}", ("rated_torque",))]
+            return [Fault(f"{_ABOVE} {breakdown}", ("rated_torque",))]
         return []
 
     def _lag_faults(self) -> list[Fault]:
@@ -124,4 +125,4 @@ class InductionMachine(Element):
         if self.breakdown_slip is not None:
             return value(self.breakdown_slip)
         ratio = value(self.breakdown_torque) / value(self.rated_torque)
-        return value(self.rated_slip) * (ratio + value.algebra.sqrt(ratio**2 - 1))
+        return value(self.rated_slip) * (ratio + value.root(ratio**2 - 1, _ABOVE))

@@ -105,6 +105,13 @@ class Values:
     def __call__(self, scalar: Any) -> Any:
         return as_expression(scalar).evaluate(self.parameters, self.algebra)
 
+    def root(self, square: Any, reason: str) -> Any:
+        """The square root, or an error that says why the square is below zero."""
+        try:
+            return self.algebra.sqrt(square)
+        except ArithmeticError:
+            raise ArithmeticError(reason) from None
+
 
 def as_expression(scalar: Any) -> Expression:
     """The expression behind a field that its element has already coerced."""

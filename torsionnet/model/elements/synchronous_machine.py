@@ -113,7 +113,7 @@ class SynchronousMachine(Element):
         pairs, field = value(scalar(self.pole_pairs)), value(self.pull_out_torque)
         if self.load_angle is None:
             torque = 0 if self.torque is None else value(self.torque)
-            return pairs * value.algebra.sqrt(field**2 - torque**2)
+            return pairs * value.root(field**2 - torque**2, "the torque must not be above the pull-out torque")
         once, twice = (value.algebra.number(_cosine(n * self.load_angle.value)) for n in (1, 2))
         saliency = 0 if self.reluctance_torque is None else value(self.reluctance_torque)
         return pairs * (field * once + 2 * saliency * twice)

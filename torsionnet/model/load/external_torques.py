@@ -8,15 +8,15 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
-from torsionnet.core.errors import UsageError, meant_or
+from torsionnet.core.errors import UsageError
+from torsionnet.model.channels import Input
 from torsionnet.model.definition import Definition, all_nodes
-from torsionnet.model.load.load_section import Load
+from torsionnet.model.load.absorber import Absorber
+from torsionnet.model.load.sides_of_load import drivers, on_nodes, reacting
 from torsionnet.model.speeds import mean_speeds, speeds_with
+from torsionnet.model.torque_places import torque_place
 
 UNKNOWN = "the load determines no mean torques here"
-
-ENGINE = "reciprocating_engine"
-"""The type of excitation that drives where nothing else is said."""
 
 NEEDS_RATED = "the load needs the rated speed: speeds: {of: node, rated: 750 rpm, ...}"
 
@@ -29,7 +29,7 @@ def reference_node(definition: Definition) -> str:
     """The node whose speed is meant where a load follows the speed: that of ``speeds:``, else the first absorber."""
     if definition.speeds is not None:
         return str(definition.speeds.of)
-    return next(iter(definition.load.by_node)) if definition.load else ""
+    return torque_place(next(iter(definition.load.by_place))).of if definition.load else ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +38,8 @@ class ExternalTorques:
 
     ``values`` are those of the parameters. A driver's torque has the sign of the rotation of its node, an absorber's
     the opposite one; the reference node turns in the positive sense. Power is shared, so that drivers of unlike speeds
-    have unlike torques.
+    have unlike torques. Between two nodes the speed of the first relative to the second counts, and the second takes
+    the reaction.
     """
 
     definition: Definition
@@ -84,10 +85,17 @@ class ExternalTorques:
 
     def _rated_of_absorber(self) -> float | None:
         """The reference's speed at which the first absorber with a rated speed of its own has that."""
-        for node, absorber in self.definition.load.by_node.items() if self.definition.load else ():
-            if absorber.rated and self.ratios.get(node):
-                return float(absorber.rated / abs(self.ratios[node]))
+        for place, absorber in self.absorbers.items():
+            ratio = self._relative(place)
+            if absorber.rated and ratio:
+                return float(absorber.rated / abs(ratio))
         return None
+
+    @cached_property
+    def absorbers(self) -> dict[Input, Absorber]:
+        """What is absorbed, by where its torque acts."""
+        load = self.definition.load
+        return {reacting(self.definition, place): one for place, one in load.by_place.items()} if load else {}
 
     @cached_property
     def at_operating_point(self) -> dict[str, float]:
@@ -106,34 +114,40 @@ class ExternalTorques:
             and the operating point does not state the torques at this speed.
         """
         if self.definition.load is not None:
-            return self._of_load(speed, self.definition.load)
+            return self._of_load(speed)
         stated = stated_torques(self.definition, self.values)
         if not stated or not math.isclose(speed, self.operating_speed):
             raise UsageError("mean torques over speed need the entry load: {absorbed_at: node, power: ..., ...}")
         return stated
 
-    def _of_load(self, speed: float, load: Load) -> dict[str, float]:
+    def _of_load(self, speed: float) -> dict[str, float]:
         rated = self.definition.speeds.rated if self.definition.speeds else None
-        torques: dict[str, float] = {}
+        acting: list[tuple[Input, float]] = []
         power = 0.0
-        for node, absorber in load.by_node.items():
-            ratio = self._ratio(node)
+        for place, absorber in self.absorbers.items():
+            ratio = self._ratio(place)
             if absorber.needs_rated and not rated:
                 raise UsageError(f"{NEEDS_RATED}, or rated of its own")
             torque = absorber.torque_at(abs(ratio) * speed, abs(ratio) * rated if rated else None)
-            torques[node] = torques.get(node, 0.0) - math.copysign(torque, ratio)
+            acting.append((place, -math.copysign(torque, ratio)))
             power += torque * abs(ratio) * speed
-        for node, share in self._drivers.items():
-            torques[node] = torques.get(node, 0.0) + share * power / (self._ratio(node) * speed)
-        return torques
+        acting += [(place, share * power / (self._ratio(place) * speed)) for place, share in self._drivers.items()]
+        return on_nodes(acting)
 
     @cached_property
-    def _drivers(self) -> dict[str, float]:
+    def _drivers(self) -> dict[Input, float]:
         assert self.definition.load is not None
         return drivers(self.definition, self.definition.load)
 
-    def _ratio(self, node: str) -> float:
-        ratio = self.ratios.get(node)
+    def _relative(self, place: Input) -> float | None:
+        """Speed of the place over that of the reference; a node to react on that no ratio leads to stands still."""
+        own = self.ratios.get(place.of)
+        if own is None or place.against is None:
+            return own
+        return own - self.ratios.get(place.against, 0.0)
+
+    def _ratio(self, place: Input) -> float:
+        node, ratio = place.of, self._relative(place)
         if ratio:
             return ratio
         if node not in all_nodes(self.definition.active):
@@ -141,41 +155,6 @@ class ExternalTorques:
         why = "stands still" if ratio is not None else "turns independently"
         text = f"{node} {why} when {self.reference} turns, so that it can neither drive nor absorb"
         raise CutOffError(f"{text}; {UNKNOWN}")
-
-
-def drivers(definition: Definition, load: Load) -> dict[str, float]:
-    """Share of the power by node; that of an engine is spread evenly over its cylinders.
-
-    Raises
-    ------
-    UsageError
-        Nobody is named, and the model has not exactly one engine.
-    """
-    shares = dict(load.driven_by)
-    if not shares:
-        engines = [name for name, one in definition.excitations.items() if one.kind == ENGINE]
-        if len(engines) != 1:
-            raise UsageError("say who drives: driven_by: {node: 1}, or the name of an excitation")
-        shares = {engines[0]: 1.0}
-    found: dict[str, float] = {}
-    for name, share in shares.items():
-        nodes = (
-            [node for _, node in definition.excitations[name].node_entries]
-            if name in definition.excitations
-            else [name]
-        )
-        for node in nodes:
-            found[node] = found.get(node, 0.0) + share / len(nodes)
-    return found
-
-
-def unknown_driver(definition: Definition, name: str) -> str | None:
-    """Why ``name`` cannot drive, or None."""
-    nodes = all_nodes(definition.elements.values())
-    if name in definition.excitations or name in nodes:
-        return None
-    known = [*definition.excitations, *nodes]
-    return f'no node or excitation is named "{name}"{meant_or(name, known, "driven_by has nodes or excitations")}'
 
 
 def mean_torques(external: ExternalTorques) -> dict[str, float]:
@@ -191,4 +170,5 @@ def mean_torques(external: ExternalTorques) -> dict[str, float]:
 
 def stated_torques(definition: Definition, values: Mapping[str, Any]) -> dict[str, float]:
     """Mean external torque in N m on the nodes for which the operating point gives one."""
-    return {node: float(value.evaluate(values)) for node, value in definition.operating_point.torque.items()}
+    stated = definition.operating_point.torque
+    return on_nodes((torque_place(text), float(value.evaluate(values))) for text, value in stated.items())

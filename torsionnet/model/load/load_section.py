@@ -10,8 +10,8 @@ from torsionnet.core.entries.composite import Named, Nested
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
-from torsionnet.model.elements.nodes import NodeName
 from torsionnet.model.load.absorber import Absorber
+from torsionnet.model.torque_places import TorquePlace, place_fault
 
 _LAW = ("power", "torque", "torque_exponent", "rated", "over_speed")
 _ABSORBER = Nested(
@@ -29,7 +29,7 @@ class Load(Absorber):
     Examples
     --------
     >>> load = Load(absorbed_at="prop", power="3000 kW", torque_exponent=2, driven_by={"fly": 1})
-    >>> list(load.by_node), load.driven_by
+    >>> list(load.by_place), load.driven_by
     (['prop'], {'fly': 1.0})
     """
 
@@ -37,18 +37,22 @@ class Load(Absorber):
     article: ClassVar[str] = "a load"
     form: ClassVar[str] = "{absorbed_at: prop, power: 3000 kW, torque_exponent: 2, driven_by: {fly: 1}}"
 
-    absorbed_at: Any = entry(NodeName("the node that absorbs", allow_ground=False), None)
+    absorbed_at: Any = entry(TorquePlace("the node that absorbs; gen-frame: with the reaction on another node"), None)
     absorbers: Any = entry(
         Named(
             "instead: several nodes, each with what it absorbs",
             _ABSORBER,
+            refused=place_fault,
             form="{prop: {power: 3 MW, torque_exponent: 2}}",
         ),
         None,
     )
     driven_by: Any = entry(
         Named(
-            "node or excitation that drives -> share of the power; default: the only engine", _SHARE, form="{fly: 1}"
+            "node, two nodes as fly-block, or excitation that drives -> share of the power; default: the only engine",
+            _SHARE,
+            refused=place_fault,
+            form="{fly: 1}",
         ),
         None,
     )
@@ -70,6 +74,6 @@ class Load(Absorber):
         return faults
 
     @property
-    def by_node(self) -> Mapping[str, Absorber]:
-        """What each node absorbs."""
+    def by_place(self) -> Mapping[str, Absorber]:
+        """What is absorbed at each node, or between two."""
         return dict(self.absorbers) if self.absorbers else {str(self.absorbed_at): self}

@@ -13,6 +13,7 @@ from torsionnet.core.entries.scalars import AnyQuantity
 from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
 from torsionnet.core.entries.words import Count, Text, is_plain
 from torsionnet.core.errors import Fault
+from torsionnet.core.expression_reading import check_name
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.configurations import Overlay
 from torsionnet.model.elements import Element
@@ -100,10 +101,15 @@ def use_name_fault(name: str) -> str | None:
     return f'"{name}" is no name; use letters, digits and _, beginning with a letter'
 
 
+def prefix_fault(name: str) -> str | None:
+    """Why nothing can be used under a name, which begins the names of parameters."""
+    return use_name_fault(name) or check_name(name)
+
+
 USE = Named(
     "parts put into this model, by the name that stands before those of all they hold",
     Nested("a part, the nodes it is joined to and its values", lambda: Use, "use"),
-    refused=use_name_fault,
+    refused=prefix_fault,
     names=PLAIN_NAME_SCHEMA,
     form="{left: {part: half_shaft, at: {inner: dl, outer: hub}}}",
 )

@@ -133,7 +133,7 @@ def augmented(unknowns: Unknowns, at: Sequence[float], nodes: Sequence[str], red
     parts = owned_parts(unknowns.definition, Values(unknowns.values(at), DUALS))
     acting = ", ".join(dict.fromkeys(part.element for part in parts if isinstance(part.part, Action)))
     if acting:
-        raise UsageError(f"derivatives are not worked out for a drivetrain with controllers; switch off {acting}")
+        raise UsageError(f"derivatives are not worked out where a torque follows another motion; switch off {acting}")
     count, place = len(unknowns.names), {node: index for index, node in enumerate(nodes)}
     owned = [(part.element, part.part) for part in parts if hasattr(part.part, "inertia")]
     laws: list[Any] = [law for _, law in owned]

@@ -1,0 +1,25 @@
+"""Random plants of components and parts against equations written down from what is documented of each component."""
+
+import pytest
+
+pytest.importorskip("flint", reason="exact values need python-flint")
+
+from plain.campaign import run
+
+from torsionnet.model.elements import ELEMENT_TYPES
+
+IN_ANOTHER_CAMPAIGN = {"damper", "planetary", "differential", "rigid_coupling", "lock", "shaft", "tabulated_spring"}
+"""Drawn by ``oracle``; a sheet has tests of its own."""
+
+
+def test_some():
+    assert run(f"short-{i}" for i in range(12)).wrong == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("block", range(4))
+def test_many(block):
+    findings = run(f"long-{block}-{i}" for i in range(100))
+    assert findings.wrong == []
+    assert set(ELEMENT_TYPES) - {"mass_elastic"} - IN_ANOTHER_CAMPAIGN <= findings.drawn.keys()
+    assert min(findings.compared.values()) > 5

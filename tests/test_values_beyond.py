@@ -1,0 +1,50 @@
+"""Values of parameters, of alternatives and of parts at which an element has no law: said in its words, never a traceback."""
+
+import pytest
+
+import torsionnet as tn
+from torsionnet.core.errors import ModelError
+
+LIMITED = {
+    "the rated torque must not be above the breakdown torque": (
+        "{type: induction_machine, node: a, synchronous_speed: 100, breakdown_torque: p, rated_torque: 2, rated_slip: 2 %}",
+        1,
+    ),
+    "the torque must not be above the pull-out torque": (
+        "{type: synchronous_machine, node: a, pull_out_torque: p, torque: 2, pole_pairs: 2}",
+        1,
+    ),
+    "the power must not be above E V/X": (
+        "{type: grid_generator, node: a, rated_power: 1 MW, speed: 3000 rpm, grid_frequency: 50, inertia_constant: 3,"
+        " emf: p, grid_voltage: 1, reactance: 1, power: 0.9}",
+        0.5,
+    ),
+    "something is divided by zero": (
+        "{type: dual_mass_flywheel, nodes: [a, b], primary_inertia: 1, secondary_inertia: 1, stiffness: 9, blocked: p}",
+        1,
+    ),
+}
+ELEMENTS = "elements:\n{0}  m: {{type: inertia, node: a, inertia: 1}}\n{0}  e: {1}\n"
+FLAT = "torsionnet: 1\nname: x\nparameters: {{p: {2}}}\n" + ELEMENTS
+PART = (
+    "torsionnet: 1\nname: x\nparts:\n  z:\n    ports: [a]\n    parameters: {{p: {3}}}\n    "
+    + ELEMENTS
+    + "use: {{u: {{part: z, at: {{a: n}}, parameters: {{p: {2}}}}}}}\n"
+)
+
+
+@pytest.mark.parametrize(("reason", "case"), LIMITED.items(), ids=list(LIMITED))
+def test_reason(reason, case):
+    element, bad = case
+    good = 0.5 if bad == 1 and "blocked" in element else 4
+    axis = f"configurations: {{c: {{ok: {{}}, bad: {{p: {bad}}}}}}}\n"
+    for text in (
+        FLAT.format("", element, bad),
+        PART.format("    ", element, bad, good),
+        FLAT.format("", element, good) + axis,
+    ):
+        with pytest.raises(ModelError, match=reason) as caught:
+            tn.loads(text)
+        assert all(fault.position.line > 1 for fault in caught.value.faults)
+    with pytest.raises(ModelError, match=reason):
+        tn.loads(FLAT.format("", element, good)).configured(p=bad).modes()
