@@ -264,6 +264,13 @@ class TestHysteresis:
             near = [abs(self.determinant(pole * (1 + d), eta, gain, tau)) for d in (1e-6, -1e-6)]
             assert abs(self.determinant(pole, eta, gain, tau)) < 1e-5 * min(near)
 
+    def test_what_turns_freely_has_two_poles_at_zero_and_none_beside(self):
+        """A double pole at zero is moved by the root of the rounding; with a delay it was taken for a slow mode."""
+        modes = self.car(0).modes()
+        slow = np.abs(modes.eigenvalues) < 1
+        assert slow.sum() == 1
+        assert modes.kinds[int(np.flatnonzero(slow)[0])] == "rigid body"
+
     def test_without_gain_they_are_those_of_the_drivetrain_alone(self):
         with_it = self.car(0.08, -1e-9, 0).modes().eigenvalues
         elements = [one for one in self.car(0.08).elements.values() if one.name != "jerk"]

@@ -38,6 +38,8 @@ BLURRED = 1e-11
 """Relative error from which on a pole is settled in many digits."""
 MOST_WORK = 3e5
 """Cube of the coordinates times poles that are."""
+LIKE_ZERO = 0.5
+"""Relative error from which on a slow pole is one at zero that rounding has moved."""
 LOSS_STEPS = 8
 """Shares of the loss factors by which poles are led from elastic springs to hysteretic ones."""
 NOTHING = 1e-12
@@ -232,7 +234,7 @@ def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], int, tuple
     starts = _starts(pencil, FEWEST_POINTS + math.ceil(PER_RADIAN * radius * delay))
     moving = [pole for pole in _upper(starts) if abs(pole.value) > NOTHING * radius]
     near = _distinct(pencil, [pole for pole in moving if abs(pole.value) <= 1.2 * radius])
-    near = [pole for pole in near if abs(pole.value) > NOTHING * radius]
+    near = [pole for pole in near if abs(pole.value) > NOTHING * radius and pole.error < LIKE_ZERO]
     least = min((abs(pole.value) for pole in near), default=radius)
     zeros = _zeros(pencil, min(least, 1 / delay)) if _still(pencil).shape[1] else 0
     radius = _between(radius, [abs(pole.value) for pole in near])
