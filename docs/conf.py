@@ -55,7 +55,9 @@ sphinx_gallery_conf = {
 def setup(app):
     """Write the pages that are made from the code before the others are read."""
     import generate
+    from pygments.lexers.special import TextLexer
 
+    app.add_lexer("csv", TextLexer)  # Pygments knows none for it
     app.connect("builder-inited", lambda _: generate.write_all())
     app.connect("autodoc-process-docstring", for_sphinx, priority=400)
 

@@ -47,6 +47,7 @@ from torsionnet.model.elements import (
 from torsionnet.model.elements.damping_entries import LossFactor
 from torsionnet.model.elements.nodes import NodeName, NodePair
 from torsionnet.model.elements.quantity_table import Several
+from torsionnet.model.elements.shaft_stiffness import ShaftStiffness
 from torsionnet.model.elements.teeth import Teeth
 from torsionnet.model.report import SECTIONS
 from torsionnet.report.wording import replaceable
@@ -257,6 +258,8 @@ def kappa(law: Law) -> str:
         for coefficient, power in ((law.inertia, "s^2"), (law.damping, "s"))
         if sympy.sympify(coefficient) != 0
     ]
+    if isinstance(law.table, ShaftStiffness):
+        return wave_text(law.table)
     if law.table is not None:
         return r"k(f) + \mathrm{j}\,\omega\,c(f)"
     loss = sympy.sympify(law.loss_factor)
@@ -265,8 +268,22 @@ def kappa(law: Law) -> str:
     return " + ".join(terms)
 
 
+def wave_text(table: ShaftStiffness) -> str:
+    """A law of a continuous shaft in K, the stiffness of the piece with its loss, and its x."""
+    K, x, omega = sympy.symbols("K x omega", positive=True)
+    return sympy.latex(table.with_coefficients(K, K * x**2 / omega**2, 0).formula(omega))
+
+
+def with_curves_named(expression: sympy.Expr) -> sympy.Expr:
+    """What is read off a curve, straight between its rows, as a function of what stands over it."""
+    return expression.replace(
+        lambda part: part.is_Add and part.has(sympy.Abs),
+        lambda part: sympy.Function("curve")(*sorted(part.free_symbols, key=str)),
+    )
+
+
 def product(coefficient: Any, factor: str) -> str:
-    value = sympy.sympify(coefficient)
+    value = with_curves_named(sympy.sympify(coefficient))
     text = sympy.latex(value)
     return (f"\\left({text}\\right)" if value.is_Add and factor else text) + (f"\\,{factor}" if factor else "")
 

@@ -43,7 +43,7 @@ COMPONENTS = """elements:
   box: {type: gearbox, input: inp, output: out1, ratios: {I: -3.769, II: -1.958, III: -1.257, IV: -0.870},
         engaged: III, housing: block, input_inertia: 0.0021 kg*m^2, output_inertia: 0.0032 kg*m^2,
         wheel_inertias: {I: 0.0041 kg*m^2, II: 0.0026 kg*m^2, III: 0.0016 kg*m^2, IV: 0.0011 kg*m^2}}
-  high: {type: gearbox, input: inp, output: out2, ratios: {V: -0.857, VI: -0.717}, housing: block,
+  high: {type: gearbox, input: inp, output: out2, engaged: neutral, ratios: {V: -0.857, VI: -0.717}, housing: block,
          output_inertia: 0.0028 kg*m^2, wheel_inertias: {V: 0.0010 kg*m^2, VI: 0.0009 kg*m^2}}
   axle: {type: final_drive, pinion: out1, cage: cage, left: dl, right: dr, ratio: -f1, housing: block,
          cage_inertia: 0.028 kg*m^2}

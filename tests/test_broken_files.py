@@ -188,7 +188,7 @@ CASES = [
     case("param empty", "4:5", "expected a number, a quantity with unit or an expression, got nothing", ("k: 1 kN*m/rad", "k:")),
     case("shaft inner", "7:88", "the inner diameter must be smaller than the outer diameter", (SPRING, "type: shaft, nodes: [motor, wheel], outer_diameter: 50 mm, inner_diameter: 60 mm, length: 1 m")),
     case("shaft mm as bare kg", "7:65", '"50 kg" is not a value of length', (SPRING, "type: shaft, nodes: [motor, wheel], outer_diameter: 50 kg, length: 1 m, segments: 2.5")),
-    case("table order", "7:80", "the frequencies of the table must increase from row to row", (SPRING, "type: tabulated_spring, nodes: [motor, wheel], table: [[2, 1, 1], [1, 2, 2]]")),
+    case("table order", "7:80", "the frequency must increase from row to row", (SPRING, "type: tabulated_spring, nodes: [motor, wheel], table: [[2, 1, 1], [1, 2, 2]]")),
     case("table neg", "7:72", "stiffness must not be negative", (SPRING, "type: tabulated_spring, nodes: [motor, wheel], table: [[2, -1, 1], [1, 2]]")),
     case("planetary", "7:12", "sun, ring and carrier must be on three different nodes", (SPRING, "type: planetary, sun: motor, ring: motor, carrier: wheel, teeth: [62, 28]")),
     case("differential", "7:12", "cage, left and right must be on three different nodes", (SPRING, "type: differential, cage: motor, left: wheel, right: wheel")),

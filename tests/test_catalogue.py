@@ -5,6 +5,7 @@ import pytest
 
 import torsionnet as tn
 from torsionnet.core.errors import ModelError
+from torsionnet.io import mass_elastic_report, read_catalogue
 from torsionnet.model.catalogues.catalogue_entries import shipped_catalogues
 
 COUPLINGS = """\
@@ -195,3 +196,47 @@ class TestShipped:
             sizes = [row.split(",")[0] for row in rows]
             assert len(set(sizes)) == len(sizes) >= 5
             assert all(name in ("size", "description") or name.endswith("]") for name in head.split(","))
+
+
+class TestInPython:
+    @pytest.fixture
+    def path(self, tmp_path):
+        (tmp_path / "couplings.csv").write_text(COUPLINGS, encoding="utf-8")
+        return tmp_path / "couplings.csv"
+
+    @pytest.mark.parametrize("read", [lambda path: path, read_catalogue])
+    def test_by_path_or_as_it_was_read(self, path, read):
+        found = tn.HystereticSpring(
+            "coupling", nodes=("a", "b"), stiffness=None, loss_factor=None, catalogue=read(path), size="A350"
+        )
+        assert float(found.stiffness.value) == 11200
+        assert (found.catalogue.file, found.size, found.description) == ("couplings.csv", "A350", "rubber")
+
+    def test_what_is_given_wins_and_sizes_are_listed(self, path):
+        found = tn.HystereticSpring(
+            "coupling", nodes=("a", "b"), stiffness=5, loss_factor=None, catalogue=path, size="B1.000"
+        )
+        assert float(found.stiffness.value) == 5
+        assert read_catalogue(path).sizes == ("A350", "B1.000")
+
+    @pytest.mark.parametrize(
+        ("entries", "message"),
+        [
+            ({"size": "A351"}, 'has no size "A351"; did you mean "A350"'),
+            ({}, "a catalogue needs the size that is meant"),
+        ],
+    )
+    def test_what_is_missing_is_told(self, path, entries, message):
+        with pytest.raises(ModelError, match=message):
+            tn.HystereticSpring("c", nodes=("a", "b"), stiffness=None, loss_factor=None, catalogue=path, **entries)
+        with pytest.raises(tn.UsageError, match="there is no file"):
+            read_catalogue(path.with_name("other.csv"))
+        with pytest.raises(ModelError, match=r"in Python give Path\('couplings.csv'\)"):
+            tn.Spring("c", nodes=("a", "b"), stiffness=1, catalogue="couplings.csv", size="A350")
+
+    def test_a_sheet_by_path_or_as_it_was_read(self, tmp_path):
+        path = tmp_path / "engine.csv"
+        path.write_text("mass;J [kg m²];k [MNm/rad]\ncyl 1;0,45;2,1\nflywheel;14;", encoding="utf-8")
+        first, second = (tn.MassElastic("e", table=one) for one in (path, mass_elastic_report(path)))
+        assert [str(one) for one in first.expanded()] == [str(one) for one in second.expanded()]
+        assert float(first.expanded()[0].inertia.value) == 0.45

@@ -11,6 +11,7 @@ from test_controller import Plant
 
 import torsionnet as tn
 from torsionnet.solve.active_pencil import ActivePencil
+from torsionnet.solve.state_space import state_space
 
 
 def governed(law, delay=0, inertia=3.0, quantity="velocity", **more):
@@ -228,12 +229,62 @@ class TestInTime:
         record = rig.simulate("velocity(a)", {"a": torque}, 100)
         assert record["velocity(a)"].values == pytest.approx(expected, abs=1e-10)
 
-    def test_a_delay_is_refused_in_time(self):
+    def test_a_delay_has_no_state_space(self):
         with pytest.raises(tn.UsageError, match="governor: a delay has no finite number of states"):
-            governed(-3, delay=0.1).simulate("a", {"a": [0.0, 1.0]}, 10)
+            state_space(governed(-3, delay=0.1))
+
+
+class TestHysteresis:
+    """Loss factors beside controllers: poles of the upper half plane against the determinant of dense matrices."""
+
+    def car(self, eta, gain=-8.0, delay="4 ms"):
+        elements = [
+            tn.Inertia("motor", node="m", inertia=0.5),
+            tn.HystereticSpring("half_shaft", nodes=("m", "w"), stiffness=4000, loss_factor=eta),
+            tn.Inertia("wheels", node="w", inertia=2),
+            tn.HystereticSpring("tyre", nodes=("w", "v"), stiffness=9000, loss_factor=2 * eta),
+            tn.Damper("rubber", nodes=("w", "v"), damping=3),
+            tn.Inertia("car", node="v", inertia=90),
+            tn.Controller("jerk", sense={"velocity": ["m", "v"]}, act="m", law={"p": gain}, delay=delay),
+        ]
+        return tn.Drivetrain("car", elements)
+
+    def determinant(self, s, eta, gain, tau):
+        k, t = 4000 * (1 + 1j * eta), 9000 * (1 + 2j * eta) + 3 * s
+        D = np.array([[0.5 * s**2 + k, -k, 0], [-k, 2 * s**2 + k + t, -t], [0, -t, 90 * s**2 + t]])
+        D[0] -= gain * s * np.exp(-tau * s) * np.array([1, 0, -1])
+        return np.linalg.det(D)
+
+    @pytest.mark.parametrize(("eta", "gain", "tau"), [(0.05, -8.0, 0), (0.1, -8.0, 0.004), (0.02, 5.0, 0)])
+    def test_poles_are_roots_of_the_determinant(self, eta, gain, tau):
+        modes = self.car(eta, gain, tau).modes()
+        poles = modes.eigenvalues[modes.eigenvalues.imag > 1]
+        assert len(poles) >= 2
+        for pole in poles:
+            near = [abs(self.determinant(pole * (1 + d), eta, gain, tau)) for d in (1e-6, -1e-6)]
+            assert abs(self.determinant(pole, eta, gain, tau)) < 1e-5 * min(near)
+
+    def test_what_turns_freely_has_two_poles_at_zero_and_none_beside(self):
+        """A double pole at zero is moved by the root of the rounding; with a delay it was taken for a slow mode."""
+        modes = self.car(0).modes()
+        slow = np.abs(modes.eigenvalues) < 1
+        assert slow.sum() == 1
+        assert modes.kinds[int(np.flatnonzero(slow)[0])] == "rigid body"
+
+    def test_without_gain_they_are_those_of_the_drivetrain_alone(self):
+        with_it = self.car(0.08, -1e-9, 0).modes().eigenvalues
+        elements = [one for one in self.car(0.08).elements.values() if one.name != "jerk"]
+        alone = tn.Drivetrain("alone", elements).modes().eigenvalues
+        assert with_it[with_it.imag > 1] == pytest.approx(alone[alone.imag > 1], rel=1e-8)
 
 
 class TestRefused:
+    def test_a_stiffness_that_varies_is_named(self):
+        table = tn.TabulatedSpring("s", nodes=("a", "ground"), table=[[1, 300, 2], [9, 500, 1]])
+        rig = governed(-3)
+        with pytest.raises(tn.UsageError, match="stiffness varies with frequency: s"):
+            tn.Drivetrain("x", [*rig.elements.values(), table]).modes()
+
     def test_laws_that_nothing_real_has_in_time(self):
         with pytest.raises(tn.UsageError, match="governor: its law grows quicker with frequency than the acceleration"):
             governed({"d": -3}, quantity="acceleration").modes()

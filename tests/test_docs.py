@@ -327,6 +327,11 @@ def test_every_public_name_is_in_the_reference(package):
         assert (getattr(home, name).__doc__ or "").strip(), name
 
 
+def test_the_page_of_elements_sorts_every_type_by_use():
+    named = re.findall(r"\[(\w+)\]\(#(\w+)\)", (DOCS / "elements.md").read_text(encoding="utf-8"))
+    assert sorted(named) == sorted((kind, kind) for kind in ELEMENT_TYPES)
+
+
 def test_there_is_a_gallery():
     assert len(EXAMPLES) >= 6
 

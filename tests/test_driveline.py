@@ -106,7 +106,7 @@ class TestClutch:
             ({"torque": TABLE, "friction": TABLE}, "give torque or friction over slip, not both"),
             ({"friction": TABLE}, "friction needs clamp_torque"),
             ({"damping": 3}, "a rigid disc has no damping"),
-            ({"torque": [[3, 1], [2, 1]]}, "the slip speed rises from row to row"),
+            ({"torque": [[3, 1], [2, 1]]}, "the slip speed must increase from row to row"),
             ({"state": "shut"}, "expected closed or open or slipping"),
         ],
     )
@@ -187,7 +187,7 @@ class TestGearbox:
         ("entries", "where", "words"),
         [
             ("ratios: {I: 4, II: 2}, engaged: VI", "4:77", 'no gear of box is named "VI"; it has I, II and neutral'),
-            ("ratios: {I: 4, II: 0}", "4:64", "must not be zero"),
+            ("ratios: {I: 4, II: 0}, engaged: I", "4:64", "must not be zero"),
             ("ratios: {I: 4, II: 3 kg}", "4:64", "is not a value of a plain number"),
             ("engaged: I", "4:8", "give ratios or teeth, one of the two"),
             ("ratios: {I: 4}, teeth: {I: [1, 4]}", "4:68", "not both"),

@@ -14,6 +14,7 @@ from torsionnet.model.excitations.electric_machine import ElectricMachine
 from torsionnet.model.excitations.gear_mesh import GearMesh
 from torsionnet.model.excitations.propeller_torque import PropellerTorque
 from torsionnet.model.excitations.universal_joint import UniversalJoint
+from torsionnet.model.files.reader import read_text
 
 RPM = np.pi / 30
 TAU = -61 / 17
@@ -425,6 +426,19 @@ speeds: {of: m, list: [300 rpm, 600 rpm]}
 excitations:
   x: WHAT
 """
+
+
+@pytest.mark.parametrize("driven", [
+    "{type: gearbox, input: p, output: w, ratios: {I: -3}, engaged: I, stiffness: {I: 10 MN*m/rad}}",
+    "{type: final_drive, pinion: p, left: w, right: right, ratio: 3, stiffness: 10 MN*m/rad}",
+])  # fmt: skip
+def test_an_assembly_with_teeth_is_refused_with_what_to_write_instead(driven):
+    stage = "{type: gear, nodes: [p, w], teeth: [17, -61], stiffness: 10 MN*m/rad}"
+    text = FILE.replace("WHAT", MESHED).replace(stage, driven)
+    _, faults = read_text(text, "plant.yaml")
+    said = [fault.message for fault in faults if fault.path == ("excitations", "x", "mesh")]
+    assert len(said) == 1
+    assert "write the pair in question as an element of its own, {type: gear, teeth: ..., stiffness: ...}" in said[0]
 
 
 class TestFiles:

@@ -113,3 +113,11 @@ def test_export_writes_sheets(tmp_path, capsys):
     np.testing.assert_allclose(poles(read_mass_elastic(target)), there, rtol=1e-12, atol=1e-9)
     assert main(["export", "geared_branch", "-o", str(tmp_path / "x.m"), "--referred-to", "motor"]) == 2
     assert "belongs to a mass-elastic sheet" in capsys.readouterr().err
+
+
+def test_a_controller_is_no_rigid_connection_to_ground(tmp_path):
+    masses = [tn.Inertia("J", node="a", inertia=3), tn.Inertia("I", node="b", inertia=1)]
+    governor = tn.Controller("governor", sense={"velocity": "b"}, act="a", law=-4)
+    rig = tn.Drivetrain("x", [*masses, tn.Spring("k", nodes=("a", "b"), stiffness=100), governor])
+    with pytest.raises(UsageError, match=r"no column for governor \(controller\)"):
+        write_mass_elastic(rig, tmp_path / "x.csv")

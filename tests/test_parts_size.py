@@ -56,7 +56,7 @@ def test_a_part_of_many_ports():
 
 def test_a_gearbox_of_many_gears():
     ratios = ", ".join(f"g{index}: {index + 1}" for index in range(3000))
-    box = f"elements: {{box: {{type: gearbox, input: a, output: b, ratios: {{{ratios}}}}}}}\n"
+    box = f"elements: {{box: {{type: gearbox, input: a, output: b, engaged: neutral, ratios: {{{ratios}}}}}}}\n"
     refused(f"torsionnet: 1\nname: box\n{box}", "3000 gears; a gearbox has at most 100")
 
 

@@ -365,3 +365,54 @@ class TestReadings:
         shapes = CliRunner().invoke(app, ["modes", str(path), "--shapes", "--referred-to", "crank"])
         assert shapes.exit_code == 0
         assert "angles referred to crank" in shapes.output
+
+
+CUT = """torsionnet: 1
+elements:
+  engine: {type: inertia, node: crank, inertia: 2}
+  clutch: {type: spring, nodes: [crank, disc], stiffness: 1000}
+  mesh: {type: gear, nodes: [disc, wheel], ratio: 3}
+  car: {type: inertia, node: wheel, inertia: 9}
+  brake: {type: spring, nodes: [wheel, drum], stiffness: 50}
+  drum: {type: inertia, node: drum, inertia: 1}
+sensors:
+  speed: {velocity: wheel, referred_to: crank}
+  pull:
+    torque: mesh
+    at: wheel
+    referred_to: crank
+  own: {twist: brake}
+configurations:
+  clutch:
+    closed: {}
+    open: {off: [clutch]}
+"""
+
+
+class TestCheckOfSensors:
+    def test_a_sensor_that_no_ratio_leads_to_is_an_error_in_that_configuration(self):
+        _, faults = read_text(CUT, "car.yaml")
+        errors = [fault for fault in faults if fault.severity == "error"]
+        assert [(fault.path[1], fault.position.line, fault.configuration) for fault in errors] == [
+            ("speed", 19, "open"),
+            ("pull", 19, "open"),
+        ]
+        assert all("no ratio leads from wheel to crank in this configuration" in fault.message for fault in errors)
+
+    def test_where_it_holds_for_all_it_is_at_the_line_of_the_sensor(self):
+        text = CUT.replace("stiffness: 1000}", "stiffness: 1000, enabled: false}").partition("configurations:")[0]
+        _, faults = read_text(text, "car.yaml")
+        errors = [fault for fault in faults if fault.severity == "error"]
+        assert [(fault.path, fault.position.line) for fault in errors] == [
+            (("sensors", "speed", "referred_to"), 10),
+            (("sensors", "pull", "referred_to"), 14),
+        ]
+
+    def test_with_a_way_there_is_nothing_to_say(self):
+        _, faults = read_text(CUT.replace("    open: {off: [clutch]}\n", ""), "car.yaml")
+        assert not [fault for fault in faults if fault.severity == "error"]
+
+    def test_what_is_switched_off_is_a_note_only(self):
+        _, faults = read_text(CUT.replace("off: [clutch]", "off: [mesh, car, brake, drum, clutch]"), "car.yaml")
+        assert not [fault for fault in faults if fault.severity == "error"]
+        assert any("switched off" in fault.message for fault in faults)

@@ -11,13 +11,14 @@ from pathlib import Path
 import numpy as np
 
 import torsionnet as tn
-from fuzz import drawing, running, sources
+from fuzz import drawing, reuse, running, sources
 from fuzz.mutating import Chance, mutated, mutated_bytes
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import ExpressionError
 from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.io import read_frequency_response, read_tors
 from torsionnet.model.files import dump
+from torsionnet.model.files.writer import flat_text
 from torsionnet.report import make_report
 from torsionnet.signals import check_recording, read_recording
 
@@ -54,6 +55,11 @@ def _running(chance: Chance, folder: Path) -> bytes:
         at = text.index("speeds:") if chance.random() < 0.8 else 0
         text = text[:at] + mutated(text[at:], chance)
     return _encoded(text)
+
+
+def _components(chance: Chance, folder: Path) -> bytes:
+    del folder
+    return _encoded(reuse.component_plant(chance))
 
 
 def _text(of: Callable[[], tuple[str, ...]], chance: Chance, folder: Path) -> bytes:
@@ -154,6 +160,19 @@ def _use_beside(text: str, path: Path) -> None:
     tn.load(plant).order_response("torque(rubber)")
 
 
+def _use_sized(text: str, path: Path) -> None:
+    plant = path.with_name("sized.yaml")
+    plant.write_text(text, encoding="utf-8")
+    use_model(plant)
+
+
+def use_parts(path: Path) -> None:
+    use_model(path)
+    rig = tn.load(path)
+    assert tn.loads(flat_text(rig.definition), folder=path.parent) == rig
+    rig.check()
+
+
 def use_bench(path: Path) -> None:
     bench = tn.load_bench(path)
     if bench.plan.acquisition.rate * bench.plan.excitation.length <= MOST_SAMPLES:
@@ -183,6 +202,13 @@ def use_tors(path: Path) -> None:
         model.modes()
 
 
+def components() -> tuple[Kind, ...]:
+    """Random components, which are drawn beside exact equations and want their library."""
+    if importlib.util.find_spec("flint") is None:
+        return ()
+    return (Kind("components", ".yaml", _components, use_parts, lambda _: reuse.TWIN.encode(), seconds=5.0),)
+
+
 def _installed(ending: str) -> bool:
     return ending not in LIBRARIES or importlib.util.find_spec(LIBRARIES[ending]) is not None
 
@@ -197,6 +223,22 @@ KINDS = {
         Kind("expression", ".txt", _expression, use_expression, lambda _: b"2*k"),
         Kind("model", ".yaml", _model, use_model, lambda _: sources.RIG.encode()),
         Kind("running", ".yaml", _running, use_running, lambda _: running.SOUND.encode(), seconds=6.0),
+        Kind("parts", ".yaml", partial(_text, reuse.plants), use_parts, lambda _: reuse.TWIN.encode(), seconds=5.0),
+        *components(),
+        Kind(
+            "catalogue",
+            ".csv",
+            partial(_text, lambda: (reuse.COUPLINGS,)),
+            partial(_use_sized, reuse.SIZED),
+            lambda _: reuse.COUPLINGS.encode(),
+        ),
+        Kind(
+            "sheet",
+            ".csv",
+            partial(_text, reuse.sheets),
+            partial(_use_sized, reuse.SHEET),
+            lambda _: reuse.sheets()[0].encode(),
+        ),
         Kind(
             "pressure",
             ".csv",

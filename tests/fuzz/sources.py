@@ -11,7 +11,7 @@ from foreign_files import matlab_73, record, written
 from tors_models import THRUSTER
 
 import torsionnet as tn
-from fuzz import running
+from fuzz import reuse, running
 from torsionnet.io import to_tors, write_frequency_response
 from torsionnet.model.files import library_models
 from torsionnet.signals import write_recording
@@ -88,6 +88,7 @@ def furnish(folder: Path) -> None:
     response = tn.load(folder / "rig.yaml").configured("hard").frequency_response("phi", "T", np.linspace(1, 25, 25))
     write_frequency_response(response, folder / "frf.csv")
     running.furnish(folder)
+    reuse.furnish(folder)
 
 
 @cache

@@ -8,22 +8,29 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from flint import acb, arb, ctx
 
 import torsionnet as tn
 from plain.equations import Dense
+from plain.questions import QUESTIONS
 from plain.trains import Plant, plant
 from torsionnet.model.files.writer import flat_text
 from torsionnet.solve.sensitivity import parametric_response
 
 BITS = 300
 TOLERANCE = 1e-9
-NOTHING = 1e-60
+NOTHING = 1e-50
 """Smaller numbers are what the digits leave of zero."""
 
-REFUSED = ("derivatives are not worked out", "held rigidly", "a torque there does nothing")
+REFUSED = (
+    "derivatives are not worked out",
+    "held rigidly",
+    "cannot turn, there is no ratio",
+    "a torque there does nothing",
+)
 """Questions that have no answer, as it is documented."""
 
 
@@ -59,14 +66,28 @@ def compare(seed: str, findings: Findings) -> None:
             if drawn.is_rational:
                 _poles(seed, drawn, rig, findings)
             _slopes(seed, drawn, rig, f[:3], findings)
+            for ask in QUESTIONS:
+                _ask(ask, seed, drawn, rig, findings)
         except Exception as error:  # noqa: BLE001  (whatever it is, it is a finding)
-            if isinstance(error, tn.TorsionnetError) and any(words in str(error) for words in REFUSED):
-                findings.compared["refused"] += 1
-            else:
-                findings.wrong.append(f"{seed} {type(error).__name__}: {str(error)[:500]}")
+            _failed(seed, error, findings)
     for one in heard:
         if not issubclass(one.category, tn.TorsionnetWarning):
             findings.wrong.append(f"{seed} {one.category.__name__}: {one.message}")
+
+
+def _ask(question: Any, seed: str, drawn: Plant, rig: tn.Drivetrain, findings: Findings) -> None:
+    try:
+        for what, found, exact, tolerance in question(drawn, rig, random.Random(f"{question.__name__} {seed}")):
+            findings.compare(seed, what, found, exact, tolerance)
+    except Exception as error:  # noqa: BLE001  (whatever it is, it is a finding)
+        _failed(f"{seed} {question.__name__}", error, findings)
+
+
+def _failed(seed: str, error: Exception, findings: Findings) -> None:
+    if isinstance(error, tn.TorsionnetError) and any(words in str(error) for words in REFUSED):
+        findings.compared["refused"] += 1
+    else:
+        findings.wrong.append(f"{seed} {type(error).__name__}: {str(error)[:500]}")
 
 
 def _frequencies(seed: str) -> list[float]:

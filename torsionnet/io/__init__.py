@@ -10,6 +10,7 @@ _HOMES = {
     "from_tors": "torsionnet.io.tors_reading",
     "iter_blocks": "torsionnet.io.recording_files",
     "mass_elastic_report": "torsionnet.io.mass_elastic_reading",
+    "read_catalogue": "torsionnet.model.catalogues.catalogue_reading",
     "read_frequency_response": "torsionnet.io.response_files",
     "read_mass_elastic": "torsionnet.io.mass_elastic_reading",
     "read_recording": "torsionnet.io.recording_files",
@@ -49,3 +50,4 @@ if TYPE_CHECKING:
     from torsionnet.io.tors_reading import read_tors as read_tors
     from torsionnet.io.tors_writing import to_tors as to_tors
     from torsionnet.io.tors_writing import write_tors as write_tors
+    from torsionnet.model.catalogues.catalogue_reading import read_catalogue as read_catalogue

@@ -12,7 +12,7 @@ from typing import Any
 from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.io.part_words import unwritten
-from torsionnet.model.elements import GROUND, Element, Law, Row, Shaft, Values
+from torsionnet.model.elements import GROUND, Constraint, Element, Law, Row, Shaft, Values
 
 PAIR = 2
 MOST_NAMED = 4
@@ -81,8 +81,9 @@ def mass_elastic_graph(drivetrain: Drivetrain, reference: str) -> MassElasticGra
     for given in drivetrain.elements.values():
         element = _lumped(given)
         for part in element.parts(value):
-            written = _law(graph, element, part, value) if isinstance(part, Law) else len(part.row) <= PAIR
-            if written and part.row and not isinstance(part, Law):
+            rigid = isinstance(part, Constraint)
+            written = _law(graph, element, part, value) if isinstance(part, Law) else rigid and len(part.row) <= PAIR
+            if written and part.row and rigid:
                 graph.connections.append(_connected(element.name, part.row))
             refused += [] if written else [unwritten(element, part)]
     if refused:

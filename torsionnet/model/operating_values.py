@@ -9,13 +9,13 @@ from functools import cached_property
 from typing import Any
 
 from torsionnet.core.errors import Fault, UsageError, unknown_name
+from torsionnet.core.piecewise_linear import interpolated
 from torsionnet.core.units import RPM
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Constraint, Law, Values
 from torsionnet.model.elimination import reduce_rows
 from torsionnet.model.kinematics import UNIT, exact_row, owned_parts
 from torsionnet.model.load.external_torques import ExternalTorques
-from torsionnet.model.lookup_table import interpolated
 from torsionnet.model.parameters import AMPLITUDE, Parameter, resolve
 from torsionnet.model.readings import port_of
 

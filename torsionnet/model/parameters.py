@@ -15,8 +15,9 @@ from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, refere
 from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, ExpressionError, Number
+from torsionnet.core.piecewise_linear import Rows
 from torsionnet.core.units import DIMENSIONS, Dimension
-from torsionnet.model.lookup_table import LookupTable, Rows, wrong_key
+from torsionnet.model.lookup_table import LookupTable, wrong_key
 
 AMPLITUDE = "vibratory_torque"
 BY = {

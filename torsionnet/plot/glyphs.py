@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
+import torsionnet.plot.machine_glyphs as machine_glyphs
 from torsionnet.model.elements import Element, Law, Values
-from torsionnet.plot import machine_glyphs
 from torsionnet.plot.emblems import emblem
 from torsionnet.plot.outlines import BODY, BOX, Glyph, rectangle, wheel
 from torsionnet.plot.pieces import Point, Stroke, arc

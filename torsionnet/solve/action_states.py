@@ -53,7 +53,14 @@ def law_states(assembly: Assembly, points: int = 0) -> tuple[LawStates, ...]:
     return tuple(_states(assembly, one, points) for one in assembly.system.actions)
 
 
-def _states(assembly: Assembly, action: ActionLaw, points: int) -> LawStates:
+def undelayed_states(assembly: Assembly, action: ActionLaw) -> LawStates:
+    """Of an action without its delay.
+
+    Raises
+    ------
+    UsageError
+        A law that grows quicker with frequency than can be followed in time.
+    """
     whole, rest = divided(action.numerator, action.denominator)
     if len(whole) > HIGHEST + 1:
         text = "its law grows quicker with frequency than the acceleration of what it senses; give it a filter"
@@ -63,15 +70,32 @@ def _states(assembly: Assembly, action: ActionLaw, points: int) -> LawStates:
     G = np.zeros((len(F), 2))
     G[-1:, 0] = w
     row, sensed = (over_coordinates(assembly, part) for part in (action.row, action.sensed))
+    return LawStates(action, row, sensed, P, F, G, h)
+
+
+def _states(assembly: Assembly, action: ActionLaw, points: int) -> LawStates:
+    alone = undelayed_states(assembly, action)
     if not action.delay:
-        return LawStates(action, row, sensed, P, F, G, h)
+        return alone
     if not points:
-        text = "a delay has no finite number of states; leave it out, or ask for modes or a frequency response"
+        text = "a delay has no finite number of states; leave it out, or ask for modes, responses or a motion"
         raise UsageError(f"{action.owner}: {text}")
-    if P[2]:
+    refuse_delayed_acceleration(alone)
+    travelling = _delayed(alone.at_once, alone.F, alone.G, alone.H, float(action.delay), points)
+    return LawStates(action, alone.row, alone.sensed, np.zeros(3), *travelling)
+
+
+def refuse_delayed_acceleration(law: LawStates) -> None:
+    """Refuse what has no motion over time that could be followed.
+
+    Raises
+    ------
+    UsageError
+        The law hands on an acceleration at once.
+    """
+    if law.at_once[HIGHEST]:
         text = "what follows an acceleration with a delay and without a filter has infinitely many fast poles"
-        raise UsageError(f"{action.owner}: {text}; give it a filter")
-    return LawStates(action, row, sensed, np.zeros(3), *_delayed(P, F, G, h, float(action.delay), points))
+        raise UsageError(f"{law.action.owner}: {text}; give it a filter")
 
 
 def over_coordinates(assembly: Assembly, row: Mapping[str, Fraction]) -> FloatArray:

@@ -17,6 +17,7 @@ import numpy as np
 from torsionnet.assembly.rows import ComplexArray, FloatArray, RowSystem
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError
+from torsionnet.model.elements.dynamic_stiffness import ComplexStiffness
 from torsionnet.solve.active_digits import DIGITS, ManyDigitPencil
 from torsionnet.solve.active_pencil import EPS, ActivePencil, equilibrated
 from torsionnet.solve.eigen import OSCILLATORY, REAL, RIGID, EigenSolution, complex_modes, scaled, undamped_modes
@@ -37,6 +38,10 @@ BLURRED = 1e-11
 """Relative error from which on a pole is settled in many digits."""
 MOST_WORK = 3e5
 """Cube of the coordinates times poles that are."""
+LIKE_ZERO = 0.5
+"""Relative error from which on a slow pole is one at zero that rounding has moved."""
+LOSS_STEPS = 8
+"""Shares of the loss factors by which poles are led from elastic springs to hysteretic ones."""
 NOTHING = 1e-12
 """Share of the radius below which a pole of a drivetrain with delays is taken for one at zero."""
 
@@ -72,7 +77,7 @@ def active_modes(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tu
     """
     system = assembly.system
     if system.dynamic:
-        raise UsageError("modes with controllers are not worked out where a stiffness depends on frequency")
+        return _with_hysteresis(assembly)
     require_resistance(system, (system.inertia != 0) | (system.damping != 0) | (system.stiffness != 0))
     pencil = ActivePencil(assembly)
     delay = max((float(one.delay) for one in system.actions), default=0.0)
@@ -80,6 +85,64 @@ def active_modes(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tu
     poles = _sharpened(assembly, poles)
     rigid = _still(pencil) if zeros else np.zeros((system.n_coordinates, 0))
     return _solution(sorted(poles, key=lambda pole: abs(pole.value)), rigid), doubts, notes
+
+
+def _with_hysteresis(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...], tuple[str, ...]]:
+    """Modes with springs of a loss factor, which does nothing to what does not vibrate.
+
+    Raises
+    ------
+    UsageError
+        A stiffness varies with frequency.
+    """
+    system = assembly.system
+    varying = [assembly.owners[law] for law, one in system.dynamic if not isinstance(one, ComplexStiffness)]
+    if varying:
+        names = ", ".join(dict.fromkeys(varying))
+        raise UsageError(f"modes with controllers are not worked out where a stiffness varies with frequency: {names}")
+    springs = system.stiffness + system.kappa(1.0).real
+    elastic = replace(assembly, system=replace(system, dynamic=(), stiffness=springs))
+    solution, doubts, notes = active_modes(elastic)
+    poles, lost = [], 0
+    pencil = ActivePencil(elastic)
+    for number, kind in enumerate(solution.kinds):
+        value, shape = complex(solution.eigenvalues[number]), solution.vectors[:, number]
+        pole = Pole(value, pencil.completed(value, shape), float(solution.errors[number]))
+        if kind == OSCILLATORY:
+            met = _led(elastic, system.kappa(1.0).imag, pole)
+            lost += met is None
+            pole = met or pole
+        if kind != RIGID:
+            poles.append(pole)
+    if lost or len(_apart(poles)) < len(poles):
+        doubts = (*doubts, "with loss factors, some modes could not be told apart beside the controllers")
+    rigid = solution.vectors[:, [kind == RIGID for kind in solution.kinds]].real
+    return _solution(sorted(poles, key=lambda pole: abs(pole.value)), rigid), doubts, notes
+
+
+def _led(elastic: Assembly, loss: FloatArray, pole: Pole) -> Pole | None:
+    """The pole followed as the losses k eta (n_laws,) of all laws grow from nothing."""
+    value, vector, error = pole.value, pole.vector, pole.error
+    for share in np.linspace(0, 1, LOSS_STEPS + 1)[1:]:
+        met = ActivePencil(elastic, share * loss).settled(value, vector)
+        if met is None or met[0].imag <= 0:
+            return None
+        value, vector, error = met
+    return Pole(value, vector, max(error, EPS))
+
+
+def _apart(poles: Sequence[Pole]) -> list[Pole]:
+    """Those that are not the same as one before, of equal shape."""
+    found: list[Pole] = []
+    for pole in poles:
+        if all(abs(pole.value - other.value) > SAME * abs(pole.value) or _differ(pole, other) for other in found):
+            found.append(pole)
+    return found
+
+
+def _differ(one: Pole, other: Pole) -> bool:
+    a, b = one.vector, other.vector
+    return bool(abs(a.conj() @ b) < (1 - SAME) * np.linalg.norm(a) * np.linalg.norm(b))
 
 
 def _rational(pencil: ActivePencil) -> tuple[list[Pole], int, tuple[str, ...], tuple[str, ...]]:
@@ -172,7 +235,7 @@ def _delayed(pencil: ActivePencil, delay: float) -> tuple[list[Pole], int, tuple
     starts = _starts(pencil, FEWEST_POINTS + math.ceil(PER_RADIAN * radius * delay))
     moving = [pole for pole in _upper(starts) if abs(pole.value) > NOTHING * radius]
     near = _distinct(pencil, [pole for pole in moving if abs(pole.value) <= 1.2 * radius])
-    near = [pole for pole in near if abs(pole.value) > NOTHING * radius]
+    near = [pole for pole in near if abs(pole.value) > NOTHING * radius and pole.error < LIKE_ZERO]
     least = min((abs(pole.value) for pole in near), default=radius)
     zeros = _zeros(pencil, min(least, 1 / delay)) if _still(pencil).shape[1] else 0
     radius = _between(radius, [abs(pole.value) for pole in near])

@@ -33,9 +33,13 @@ FINEST = 1 << 16
 
 @dataclass(frozen=True, eq=False)
 class ActivePencil:
-    """P(s) of an assembly with actions and constant coefficients."""
+    """P(s) of an assembly with actions and constant coefficients.
+
+    ``loss`` (n_laws,) are the k eta of hysteretic laws, for what vibrates with Im s > 0.
+    """
 
     assembly: Assembly
+    loss: FloatArray | None = None
 
     @cached_property
     def _laws(self) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -61,7 +65,11 @@ class ActivePencil:
     def at(self, s: complex) -> ComplexArray:
         """P(s)."""
         K, C, M = self._laws
-        return self._with(K + s * (C + s * M), [self._law(s, number) for number in range(len(self._rows[0]))], -1.0)
+        laws = K + s * (C + s * M)
+        if self.loss is not None:
+            rows = self.assembly.system.rows
+            laws = laws + 1j * (rows.T @ (self.loss[:, None] * rows))
+        return self._with(laws, [self._law(s, number) for number in range(len(self._rows[0]))], -1.0)
 
     def rate(self, s: complex) -> ComplexArray:
         """dP/ds."""
@@ -107,6 +115,14 @@ class ActivePencil:
         slope = polynomial(_derivative(above), s) - tau * polynomial(above, s)
         with np.errstate(all="ignore"):
             return slope * np.exp(-s * tau), polynomial(_derivative(below), s)
+
+    def completed(self, s: complex, shape: ComplexArray) -> ComplexArray:
+        """A shape over coordinates with the torques of the actions, (n + n_act,)."""
+        torques = []
+        for number, sensed in enumerate(self._rows[1]):
+            above, below = self._law(s, number)
+            torques.append(above * (sensed @ shape) / below if below else 0.0)
+        return np.concatenate([shape, np.array(torques, dtype=complex)])
 
     # --- single roots -----------------------------------------------------------------------------------------------
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
+from torsionnet.core.piecewise_linear import Rows
 from torsionnet.core.units import RPM
 from torsionnet.model.definition import Definition
-from torsionnet.model.lookup_table import Rows
 from torsionnet.model.operating_values import following
 from torsionnet.model.parameters import AMPLITUDE
 from torsionnet.solve.operating_groups import Settled

@@ -13,7 +13,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy import linalg
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import ComplexArray, FloatArray
@@ -21,6 +20,7 @@ from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.response.recording import Recording, Signal
 from torsionnet.solve.by_spectrum import by_spectrum
+from torsionnet.solve.delayed_motion import first_order_hold, with_delays
 from torsionnet.solve.state_space import first_order, output_matrices
 from torsionnet.solve.transfer_request import TransferRequest, ask
 from torsionnet.solve.triangular import DiagonalBlock, blocks
@@ -70,6 +70,8 @@ def respond(
     """Readings (n_out, n) under torques (n_in, n) in N m."""
     if drivetrain.assembly.system.dynamic:
         return by_spectrum(drivetrain, request, torques, sampling_rate)
+    if any(one.delay for one in drivetrain.assembly.system.actions):
+        return with_delays(drivetrain, request, torques, sampling_rate)
     system = first_order(drivetrain.assembly, request.excitations)
     C, D = output_matrices(drivetrain.assembly, request.outputs, request.excitations, system)
     motion = D @ torques
@@ -82,7 +84,7 @@ def _stepped(block: DiagonalBlock, torques: FloatArray, h: float) -> FloatArray:
     """What one block adds to the outputs."""
     from scipy.signal import lfilter
 
-    step, before, after = _first_order_hold(block, h)
+    step, before, after = first_order_hold(block.T, block.B, h)
     outputs = np.zeros((len(block.C), torques.shape[1]))
     known: dict[int, ComplexArray] = {}
     for state in range(len(step) - 1, -1, -1):
@@ -96,14 +98,3 @@ def _stepped(block: DiagonalBlock, torques: FloatArray, h: float) -> FloatArray:
         for output, weight in enumerate(block.C[:, state]):
             outputs[output] += weight.real * values.real - weight.imag * values.imag
     return outputs
-
-
-def _first_order_hold(block: DiagonalBlock, h: float) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """exp(T h), G_0 and G_1 for a torque that runs straight from one sample to the next."""
-    n, n_in = block.B.shape
-    whole = np.zeros((n + 2 * n_in, n + 2 * n_in), dtype=complex)
-    whole[:n, :n], whole[:n, n : n + n_in] = block.T * h, block.B * h
-    whole[n : n + n_in, n + n_in :] = np.eye(n_in)
-    power = np.asarray(linalg.expm(whole), dtype=np.complex128)
-    after = power[:n, n + n_in :]
-    return power[:n, :n], power[:n, n : n + n_in] - after, after

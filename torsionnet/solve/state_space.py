@@ -127,8 +127,17 @@ def _way_out(system: RowSystem) -> str:
     return "; a shaft with segments has one" if continuous else ""
 
 
-def first_order(assembly: Assembly, inputs: Sequence[Input], points: int = 0) -> StateSpaceForm:
+def first_order(
+    assembly: Assembly,
+    inputs: Sequence[Input],
+    points: int = 0,
+    *,
+    closing: Sequence[LawStates] | None = None,
+    opened: Sequence[LawStates] = (),
+) -> StateSpaceForm:
     """States of an assembly under torques on nodes; of delays so many ``points`` (:mod:`.action_states`).
+
+    With ``closing``, only these actions act, and the torques of those ``opened`` are inputs after the others.
 
     Raises
     ------
@@ -144,8 +153,8 @@ def first_order(assembly: Assembly, inputs: Sequence[Input], points: int = 0) ->
             "an imposed angle has no state space with torque inputs; make it a torque, or use frequency_response"
         )
     loads = [assembly.rows_of(channel.row)[0] for channel in inputs]
-    actions = law_states(assembly, points)
-    loads += [one.row for one in actions]
+    actions = law_states(assembly, points) if closing is None else closing
+    loads += [one.row for one in (*opened, *actions)]
     kinds = _kinds(system)
     columns = np.array(loads).reshape(len(loads), system.n_coordinates).T
     states = _state_names(assembly.kinematics.coordinates, kinds[0], kinds[1])
@@ -264,40 +273,48 @@ def _condensed(
 
 
 def output_matrices(
-    assembly: Assembly, readings: Sequence[Functional], inputs: Sequence[Input], system: StateSpaceForm
+    assembly: Assembly,
+    readings: Sequence[Functional],
+    inputs: Sequence[Input],
+    system: StateSpaceForm,
+    opened: Sequence[LawStates] = (),
 ) -> tuple[FloatArray, FloatArray]:
     """C (n_out, n_x) and D (n_out, n_in) of readings; the coefficients of u' and u'' have to vanish.
+
+    The torques of the actions ``opened`` are inputs after the others.
 
     Raises
     ------
     UsageError
         They do not.
     """
-    C, D = np.zeros((len(readings), len(system.A))), np.zeros((len(readings), len(inputs)))
+    C, D = np.zeros((len(readings), len(system.A))), np.zeros((len(readings), len(inputs) + len(opened)))
     for number, reading in enumerate(readings):
-        C[number], D[number] = _output_rows(assembly, reading, inputs, system)
+        direct = [float(reading.direct(channel.row)) for channel in inputs]
+        direct += [_share(assembly, reading, one) for one in opened]
+        C[number], D[number] = _output_rows(assembly, reading, np.array(direct), system)
     return C, D
 
 
 def _output_rows(
-    assembly: Assembly, reading: Functional, inputs: Sequence[Input], system: StateSpaceForm
+    assembly: Assembly, reading: Functional, direct: FloatArray, system: StateSpaceForm
 ) -> tuple[FloatArray, FloatArray]:
     C = np.zeros(len(system.A))
-    D = np.array([float(reading.direct(channel.row)) for channel in inputs])
-    rates = np.zeros((2, len(inputs)))
+    D = direct.astype(float)
+    rates = np.zeros((2, len(direct)))
     sizes = np.zeros(2)
     motions: list[tuple[float, FloatArray, Any]] = [
         (float(term.factor), term.row, powers_of_s(assembly, term)) for term in reading.terms
     ]
     for number, one in enumerate(system.actions):
-        weight = _share(reading, number, one)
+        weight = _share(assembly, reading, one)
         motions.append((weight, one.sensed, one.at_once))
         C += weight * system.torques[number]
     for gain, row, powers in motions:
         x, u = row @ system.X, row @ system.U
         factors = [float(factor) for factor in powers]
-        states, direct = (x, x @ system.A, x @ system.A @ system.A), (u, x @ system.B, x @ system.A @ system.B)
-        for factor, state, load in zip(factors, states, direct, strict=True):
+        states, loads = (x, x @ system.A, x @ system.A @ system.A), (u, x @ system.B, x @ system.A @ system.B)
+        for factor, state, load in zip(factors, states, loads, strict=True):
             C += gain * factor * state
             D = D + gain * factor * load
         improper = (factors[1] * u + factors[2] * (x @ system.B), factors[2] * u)
@@ -311,8 +328,9 @@ def _output_rows(
     return C, D
 
 
-def _share(reading: Functional, number: int, action: LawStates) -> float:
+def _share(assembly: Assembly, reading: Functional, action: LawStates) -> float:
     """What is read of the torque of an action: its own, and what it applies to nodes that are read."""
     nodes = action.action.nodes.items()
     applied = sum((share * reading.applied.get(node, 0) for node, share in nodes), start=Fraction(0))
+    number = next(place for place, one in enumerate(assembly.system.actions) if one is action.action)
     return float(reading.actions.get(number, 0) + applied)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 import warnings
 from collections.abc import Mapping
 from fractions import Fraction
@@ -17,10 +16,10 @@ from torsionnet.core.errors import TorsionnetWarning, UsageError
 from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
 from torsionnet.model.elimination import exact
 from torsionnet.response import FrequencyResponse
-from torsionnet.symbolic.algebras import InPowersOfS, NumericValues, evaluated
+from torsionnet.symbolic.algebras import NumericValues
 from torsionnet.symbolic.delay import InPowersNearRest, delays_of
-from torsionnet.symbolic.program import Program, ProgramNode
 from torsionnet.symbolic.scaled import Scaled
+from torsionnet.symbolic.zero_tests import exact_fraction
 
 if TYPE_CHECKING:
     from torsionnet.symbolic.symbolic_fraction import SymbolicFraction
@@ -68,11 +67,6 @@ def _tables(function: SymbolicFraction, values: Mapping[Any, Any]) -> dict[Any, 
     return {
         name: table.with_coefficients(*map(number, table.coefficients)) for name, table in function.used_tables.items()
     }
-
-
-def exact_fraction(value: Any) -> Fraction:
-    """A sympy rational as a Fraction."""
-    return Fraction(int(value.p), int(value.q))
 
 
 def _at(function: SymbolicFraction, frequencies: FloatArray, values: Mapping[Any, Any]) -> ComplexArray:
@@ -152,31 +146,3 @@ def first_term(coefficients: Any, vanishes: Any) -> tuple[int, Any] | None:
         if not vanishes(value):
             return power, value
     return None
-
-
-def vanishes(node: ProgramNode) -> bool:
-    """Whether a polynomial in s is zero for all values of s and the symbols."""
-    if node.is_zero:
-        return True
-    (polynomial,) = node.program.run(InPowersOfS(Program().leaf), [node])
-    return all(surely_zero(value) for value in polynomial.coefficients)
-
-
-def surely_zero(node: ProgramNode | int) -> bool:
-    """Whether a step is zero for all values of the symbols: tried at exact random numbers."""
-    if not isinstance(node, ProgramNode):
-        return node == 0
-    if node.is_zero:
-        return True
-    chosen: dict[Any, Fraction] = {}
-
-    def number(expression: Any) -> Fraction:
-        if expression.is_Rational:
-            return exact_fraction(expression)
-        return chosen.setdefault(expression, Fraction(random.Random(str(expression)).randrange(10**6, 10**7)))
-
-    class Chance:
-        def leaf(self, payload: Any) -> Fraction:
-            return payload if isinstance(payload, Fraction) else evaluated(payload, number)
-
-    return bool(node.program.run(Chance(), [node])[0] == 0)

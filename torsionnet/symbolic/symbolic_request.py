@@ -15,8 +15,8 @@ from torsionnet.response import Channel
 from torsionnet.solve.cut import beyond_cut, cut_definition
 from torsionnet.solve.transfer_request import TransferRequest, ask
 from torsionnet.symbolic.active_mechanism import mechanism
-from torsionnet.symbolic.numbers import vanishes
 from torsionnet.symbolic.symbolic_sensors import Mechanism, SymbolicPart, loose_constraints, parts_of
+from torsionnet.symbolic.zero_tests import vanishes
 
 
 @dataclass(frozen=True)

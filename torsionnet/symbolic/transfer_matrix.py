@@ -24,10 +24,10 @@ from torsionnet.response import Channel, FrequencyResponse
 from torsionnet.solve.transfer_request import TransferRequest
 from torsionnet.symbolic.active_mechanism import mechanism
 from torsionnet.symbolic.imposed import at_rest, is_imposed
-from torsionnet.symbolic.numbers import vanishes
 from torsionnet.symbolic.program import Program, ProgramNode
 from torsionnet.symbolic.symbolic_sensors import Mechanism, loose_constraints, parts_of
 from torsionnet.symbolic.transfer_function import TransferFunction
+from torsionnet.symbolic.zero_tests import vanishes
 
 Write: TypeAlias = Callable[[tuple[Channel, Channel], ProgramNode, ProgramNode, tuple[str, ...]], TransferFunction]
 

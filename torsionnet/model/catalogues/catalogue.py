@@ -38,3 +38,18 @@ class CatalogueRow:
 
     def __str__(self) -> str:
         return f"{self.file}, size {self.size}"
+
+
+@dataclass(frozen=True)
+class Catalogue:
+    """A catalogue in a file, for elements made in Python: ``catalogue=read_catalogue("x.csv"), size="A350"``.
+
+    Attributes
+    ----------
+    path : Path
+    sizes : tuple of str
+        The sizes it has, in the order of its rows.
+    """
+
+    path: Path
+    sizes: tuple[str, ...]

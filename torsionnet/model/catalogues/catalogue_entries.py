@@ -11,7 +11,7 @@ from torsionnet.core.entries.nearby import nearby_file
 from torsionnet.core.entries.spec import EntryError, Schema, Spec
 from torsionnet.core.errors import Fault, ModelError, did_you_mean
 from torsionnet.core.units import expected_unit
-from torsionnet.model.catalogues.catalogue import SIZE, CatalogueCell, CatalogueRow
+from torsionnet.model.catalogues.catalogue import SIZE, Catalogue, CatalogueCell, CatalogueRow
 
 CATALOGUE = "catalogue"
 PACKAGE = Path(__file__).resolve().parents[2]
@@ -24,7 +24,7 @@ class CatalogueEntry(Spec):
     def coerce(self, raw: Any) -> CatalogueRow:
         if isinstance(raw, CatalogueRow):
             return raw
-        raise EntryError("catalogues are read in model files; in Python give the values themselves")
+        raise EntryError(f"by its name a catalogue is found beside a model file; in Python give Path({raw!r})")
 
     def plain(self, value: Any) -> str:
         return str(value.file)
@@ -65,20 +65,23 @@ def row_of(entries: Mapping[str, Any]) -> tuple[CatalogueRow | None, list[Fault]
     if file is None:
         lone = Fault("a size is looked up in a catalogue; add catalogue: couplings.csv", (SIZE,), on_key=True)
         return None, [lone] if SIZE in entries else []
-    if not isinstance(file, str):
+    if isinstance(file, Catalogue):
+        return row_of({**entries, CATALOGUE: file.path})
+    if not isinstance(file, str | Path):
         return None, [Fault(f"expected the name of a catalogue, as couplings.csv, got {file!r}", (CATALOGUE,))]
     if size is None:
         return None, [Fault("a catalogue needs the size that is meant, as size: A350", (CATALOGUE,), on_key=True)]
     from torsionnet.model.catalogues.catalogue_reading import catalogue_row
 
     try:
-        return catalogue_row(_path(file), file, str(size)), []
+        path = file if isinstance(file, Path) else _path(file)
+        return catalogue_row(path, path.name if path is file else str(file), str(size)), []
     except EntryError as error:
         return None, [fault.under(CATALOGUE) for fault in error.faults]
     except OSError as error:
         return None, [Fault(f"{file} cannot be read: {error.strerror or error}", (CATALOGUE,))]
     except ModelError as error:
-        told = [] if any(fault.path for fault in error.faults) else [_useless(file, len(error.faults))]
+        told = [] if any(fault.path for fault in error.faults) else [_useless(str(file), len(error.faults))]
         return None, [*told, *error.faults]
 
 

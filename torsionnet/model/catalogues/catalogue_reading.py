@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from collections.abc import Iterable
 from functools import lru_cache
@@ -10,12 +11,37 @@ from pathlib import Path
 from torsionnet.core.delimited.cell_grid import Cell, CellGrid, read_grid
 from torsionnet.core.delimited.sheet_numbers import decimal_sign, is_like_number, plain_number_text
 from torsionnet.core.delimited.sheet_units import named_unit, sheet_unit
-from torsionnet.core.errors import Fault, ModelError, nearest
+from torsionnet.core.errors import Fault, ModelError, UsageError, nearest
 from torsionnet.core.units import UnitError, numeral_of, parse_number
-from torsionnet.model.catalogues.catalogue import SIZE, CatalogueCell, CatalogueRow
+from torsionnet.model.catalogues.catalogue import SIZE, Catalogue, CatalogueCell, CatalogueRow
 
 MOST_NAMED = 20
 """Sizes that a message names."""
+
+
+def read_catalogue(path: str | os.PathLike[str]) -> Catalogue:
+    """Read a catalogue: a text file with a column ``size`` and columns named as entries, each with its unit.
+
+    Raises
+    ------
+    ModelError
+        The file is no catalogue, with the row and column of every fault.
+    UsageError
+        There is no such file.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> path = Path(tempfile.mkdtemp(), "couplings.csv")
+    >>> _ = path.write_text("size;stiffness [kN*m/rad]\\nA350;11,2\\nA400;16,0\\n", encoding="utf-8")
+    >>> read_catalogue(path).sizes
+    ('A350', 'A400')
+    """
+    found = Path(path)
+    if not found.is_file():
+        raise UsageError(f'there is no file "{path}"')
+    stat = found.stat()
+    return Catalogue(found, tuple(row.size for row in _rows(found, stat.st_mtime_ns, stat.st_size)))
 
 
 def catalogue_row(path: Path, file: str, size: str) -> CatalogueRow:

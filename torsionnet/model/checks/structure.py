@@ -12,6 +12,7 @@ from torsionnet.model.checks.balance import unbalanced_torques
 from torsionnet.model.checks.curves_in_use import beyond_curves
 from torsionnet.model.checks.load_fits import unfit_load
 from torsionnet.model.checks.motions import left_free
+from torsionnet.model.checks.referred_sensors import unreachable_shafts
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND, Values
 from torsionnet.model.kinematics import (
@@ -224,6 +225,7 @@ def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
     if faults:
         return faults
     faults = [fault for check in CHECKS for fault in check(definition, kinematics)]
+    faults += unreachable_shafts(definition, values)
     external = ExternalTorques(definition, values)
     faults += inconsistent_speeds(external)
     sound = all(fault.severity != "error" for fault in faults)

@@ -5,17 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.core.entries.number_table import RowColumn
 from torsionnet.core.entries.scalars import PhysicalQuantity, Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault
-from torsionnet.model.elements.characteristic import Characteristic, outside, slope_at
+from torsionnet.core.piecewise_linear import outside, slope_at
+from torsionnet.model.elements.characteristic import Characteristic
 from torsionnet.model.elements.damping_entries import DampingQuantity
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.laws import GROUND, Constraint, Law, Part, Row, Values, difference, make_row
 from torsionnet.model.elements.nodes import NodePair
 
-_SLIP = ("slip speed", "speed")
+_SLIP = RowColumn("slip speed", "speed")
 
 
 @register
@@ -47,9 +49,11 @@ class Clutch(Element):
     nodes: Any = entry(NodePair("the two nodes it connects, the driving one first; twist is first minus second"))
     state: Any = entry(OneOf("what its friction faces do", ("closed", "open", "slipping")), "closed")
     slip_speed: Any = entry(Value("slipping: speed of the first node minus that of the disc", "speed", None), None)
-    torque: Any = entry(Characteristic("slipping: rows [slip speed, torque]", (_SLIP, ("torque", "torque"))), None)
+    torque: Any = entry(
+        Characteristic("slipping: rows [slip speed, torque]", (_SLIP, RowColumn("torque", "torque"))), None
+    )
     friction: Any = entry(
-        Characteristic("slipping, instead: rows [slip speed, friction coefficient]", (_SLIP, ("coefficient", "1"))),
+        Characteristic("slipping, instead: rows [slip speed, friction coefficient]", (_SLIP, RowColumn("coefficient"))),
         None,
     )
     clamp_torque: Any = entry(

@@ -31,7 +31,9 @@ class ContinuousShaft(Element):
     modes; those of a drivetrain are counted by the algorithm of Wittrick and Williams (1971), so that none is missed.
     A loss factor makes the shear modulus G (1 + j eta). Shafts with steps or a taper are several in series.
 
-    An inner node ``NAME.inside`` at 0.382 L shows how it moves between its ends, also where these stand still.
+    An inner node ``NAME.inside`` at 0.382 L shows how it moves between its ends, also where these stand still. Each of
+    the two pieces, with its own length in K = k (1 + j eta) and in x, is a spring K x / sin x between its ends, and
+    -K x tan(x/2) on each of them.
 
     Examples
     --------

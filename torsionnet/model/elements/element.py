@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping
 from copy import copy
 from dataclasses import Field, dataclass, replace
 from functools import cache
+from pathlib import PurePath
 from typing import Any, ClassVar, Self, TypeVar
 
 from torsionnet.core.damping import DampingMeasure
@@ -22,8 +23,15 @@ from torsionnet.core.entries.words import Flag, Text, name_fault
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.core.expressions import Expression
 from torsionnet.core.type_register import TypeRegister
-from torsionnet.model.catalogues.catalogue import CatalogueRow
-from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, CatalogueEntry, SizeName, entries_of, resized
+from torsionnet.model.catalogues.catalogue import SIZE, Catalogue, CatalogueRow
+from torsionnet.model.catalogues.catalogue_entries import (
+    CATALOGUE,
+    CatalogueEntry,
+    SizeName,
+    entries_of,
+    resized,
+    row_of,
+)
 from torsionnet.model.elements.laws import Constraint, Law, Part, Row, Values
 from torsionnet.model.elements.nodes import NodeName, NodePair, ReferenceNode
 from torsionnet.model.elements.quantity_table import Several
@@ -98,11 +106,27 @@ class Element(Declared):
     def __post_init__(self) -> None:
         reason = name_fault(self.name) if isinstance(self.name, str) else f"{self.name!r} is no name"
         faults = [Fault(reason)] if reason else []
-        faults += self._resized()
+        faults += self._looked_up() or self._resized()
         faults += self.coerced()
         faults = faults or self.contradictions()
         if faults:
             raise ModelError([fault.under("elements", str(self.name)) for fault in faults], f"element {self.name!r}")
+
+    def _looked_up(self) -> list[Fault]:
+        """Take what is not given from a catalogue in a file; a required entry is not given if it is None."""
+        if not isinstance(self.catalogue, Catalogue | PurePath):
+            return []
+        row, faults = row_of({CATALOGUE: self.catalogue, SIZE: self.size or None})
+        if row is None:
+            object.__setattr__(self, CATALOGUE, None)
+            return faults
+        specs, defaults = dict(self.specs()), self.defaults()
+        given = {name: getattr(self, name) for name in specs}
+        given = {name: raw for name, raw in given.items() if raw is not None and raw is not defaults.get(name)}
+        taken, faults = entries_of(row, specs, given)
+        for name, raw in {**taken, CATALOGUE: row}.items():
+            object.__setattr__(self, name, raw)
+        return faults
 
     def _resized(self) -> list[Fault]:
         """Take the row of another size, where a configuration says one; the faults of what it cannot give."""

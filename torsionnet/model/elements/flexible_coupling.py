@@ -13,8 +13,9 @@ from torsionnet.core.entries.words import Count
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import Expression, Number
+from torsionnet.core.piecewise_linear import Rows, in_algebra
 from torsionnet.model.elements.coupling_faults import contradictions, read_offs
-from torsionnet.model.elements.curves import LookupCurve, OnCurve, Rows, Temperature, is_share, read_off
+from torsionnet.model.elements.curves import LookupCurve, OnCurve, Temperature, is_share
 from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness, ScaledStiffness
 from torsionnet.model.elements.element import Element, register, viscous
@@ -166,4 +167,4 @@ class FlexibleCoupling(Element):
 
     def _read(self, rows: Rows, operating: Expression, value: Values) -> Any:
         at = value(operating) / value(self.T_KN) if is_share(rows[0][0]) else value(operating)
-        return read_off(rows, at, value)
+        return in_algebra(rows, at, value.algebra)

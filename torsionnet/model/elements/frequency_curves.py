@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from torsionnet.model.elements.curves import Rows
+from torsionnet.core.piecewise_linear import Rows
 from torsionnet.model.elements.sampled_stiffness import SampledStiffness
 
 

@@ -67,7 +67,7 @@ class Gearbox(Element):
         ),
         None,
     )
-    engaged: Any = entry(Text(f"the gear that is engaged, or {NEUTRAL}", "the name of a gear"), NEUTRAL)
+    engaged: Any = entry(Text(f"the gear that is engaged, or {NEUTRAL}", "the name of a gear"), None)
     loose_wheels: Any = entry(OneOf("the shaft with the loose wheels and synchronisers", ("output", "input")), "output")
     wheel_inertias: Any = entry(
         TableByName(
@@ -101,7 +101,12 @@ class Gearbox(Element):
         faults = []
         if len({self.input, self.output, self.housing}) < 3:
             faults.append(Fault("input, output and housing must be on different nodes", ("output",)))
-        if self.engaged not in (*self.gears, NEUTRAL):
+        if self.engaged is None:
+            text = (
+                f"say which gear is engaged, as engaged: {self.gears[0]}; it has {', '.join(self.gears)} and {NEUTRAL}"
+            )
+            faults.append(Fault(text, on_key=True))
+        elif self.engaged not in (*self.gears, NEUTRAL):
             known = f"it has {', '.join(self.gears)} and {NEUTRAL}"
             faults.append(Fault(f'no gear of {self.name} is named "{self.engaged}"; {known}', ("engaged",)))
         for field in ("wheel_inertias", "stiffness"):
@@ -130,15 +135,15 @@ class Gearbox(Element):
 
     def engaged_ratio(self, parameters: dict[str, Any]) -> Any:
         """The ratio of the engaged gear for the given parameter values; None in neutral."""
-        return None if self.engaged == NEUTRAL else self._ratios(Values(parameters))[self.engaged]
+        return None if self.engaged in (None, NEUTRAL) else self._ratios(Values(parameters))[self.engaged]
 
     def twist(self, value: Values) -> Row:
         """The mesh of the engaged gear; in neutral that of the first."""
-        return self._mesh_row(self.gears[0] if self.engaged == NEUTRAL else self.engaged, value)
+        return self._mesh_row(self.gears[0] if self.engaged in (None, NEUTRAL) else self.engaged, value)
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         parts = [self._mesh(gear, value) for gear in self.gears]
-        if self.engaged != NEUTRAL:
+        if self.engaged not in (None, NEUTRAL):
             shaft = self.output if self.loose_wheels == "output" else self.input
             parts.append(Constraint(difference(f"{self.name}.{self.engaged}", shaft)))
         inertias = [(f"{self.name}.{gear}", inertia) for gear, inertia in self.wheel_inertias]

@@ -5,16 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.core.entries.number_table import RowColumn
 from torsionnet.core.entries.scalars import PhysicalQuantity, Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import scalar
-from torsionnet.model.elements.characteristic import Characteristic, exact_number, outside, slope_at, value_at
+from torsionnet.core.piecewise_linear import exact_number, outside, slope_at, value_at
+from torsionnet.model.elements.characteristic import Characteristic
 from torsionnet.model.elements.element import Element
 from torsionnet.model.elements.laws import GROUND, Action, Law, Part, Row, Values, difference, make_row
 from torsionnet.model.elements.nodes import NodeName
 
-RATIO = ("speed ratio", "1")
+RATIO = RowColumn("speed ratio")
 _FORMS = {"pump_torque": ("test_speed",), "performance": ("diameter",), "k_factor": ()}
 
 
@@ -33,20 +35,21 @@ class Hydrodynamic(Element):
     speed: Any = entry(PhysicalQuantity("speed of the pump at the operating point", "speed", "omega_p", exclusive=True))
     speed_ratio: Any = entry(Value("speed of the turbine over that of the pump at the operating point", "1"))
     pump_torque: Any = entry(
-        Characteristic("rows [speed ratio, pump torque at test_speed]", (RATIO, ("torque", "torque"))), None
+        Characteristic("rows [speed ratio, pump torque at test_speed]", (RATIO, RowColumn("torque", "torque"))), None
     )
     test_speed: Any = entry(
         PhysicalQuantity("speed of the pump that pump_torque was measured at", "speed", "omega_0", exclusive=True), None
     )
     performance: Any = entry(
-        Characteristic("instead: rows [speed ratio, performance coefficient lambda]", (RATIO, ("lambda", "1"))), None
+        Characteristic("instead: rows [speed ratio, performance coefficient lambda]", (RATIO, RowColumn("lambda"))),
+        None,
     )
     diameter: Any = entry(
         PhysicalQuantity("diameter of the circuit, for performance", "length", "D", exclusive=True), None
     )
     density: Any = entry(PhysicalQuantity("density of the oil, for performance", "density", "rho"), "840 kg/m^3")
     k_factor: Any = entry(
-        Characteristic("instead: rows [speed ratio, K factor in (r/min)/sqrt(N*m)]", (RATIO, ("K", "1"))), None
+        Characteristic("instead: rows [speed ratio, K factor in (r/min)/sqrt(N*m)]", (RATIO, RowColumn("K"))), None
     )
     pump_inertia: Any = entry(PhysicalQuantity("inertia of the pump with its oil", "inertia", "J_p"), 0)
     turbine_inertia: Any = entry(PhysicalQuantity("inertia of the turbine with its oil", "inertia", "J_t"), 0)

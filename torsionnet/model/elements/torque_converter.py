@@ -5,8 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from torsionnet.core.entries.number_table import RowColumn
 from torsionnet.core.entries.spec import entry
-from torsionnet.model.elements.characteristic import Characteristic, slope_at, value_at
+from torsionnet.core.piecewise_linear import slope_at, value_at
+from torsionnet.model.elements.characteristic import Characteristic
 from torsionnet.model.elements.element import register
 from torsionnet.model.elements.hydrodynamic import RATIO, Hydrodynamic
 from torsionnet.model.elements.laws import Values
@@ -39,7 +41,7 @@ class TorqueConverter(Hydrodynamic):
     more_tables: ClassVar[tuple[str, ...]] = ("torque_ratio",)
 
     torque_ratio: Any = entry(
-        Characteristic("rows [speed ratio, turbine torque over pump torque]", (RATIO, ("torque ratio", "1"))),
+        Characteristic("rows [speed ratio, turbine torque over pump torque]", (RATIO, RowColumn("torque ratio"))),
         kw_only=True,
     )
 

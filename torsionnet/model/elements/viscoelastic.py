@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any, ClassVar
 
 from torsionnet.core.entries.declared import Declared
-from torsionnet.core.entries.scalars import SCALAR_SCHEMA, Value
-from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry, under
+from torsionnet.core.entries.number_table import NumberTable, RowColumn
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import Schema, entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.model.elements.curves import LookupCurve, Temperature
@@ -18,42 +17,25 @@ from torsionnet.model.elements.sampled_stiffness import SampledStiffness
 
 Moduli = tuple[tuple[float, float, float], ...]
 
-_COLUMNS = (
-    Value("frequency", "frequency", exclusive=True),
-    Value("storage modulus", "shear modulus", exclusive=True),
-    Value("loss modulus", "shear modulus", exclusive=True),
-)
-
 
 @dataclass(frozen=True, eq=False, repr=False)
-class ModulusRows(Spec):
+class ModulusRows(NumberTable):
     """Rows [frequency, storage modulus G', loss modulus G'']."""
 
-    def coerce(self, raw: Any) -> Moduli:
-        if isinstance(raw, str | Mapping) or not isinstance(raw, Sequence) or not raw:
-            raise EntryError(f"expected rows [frequency, G', G''], got {raw!r}")
-        rows = tuple(self._row(row, index) for index, row in enumerate(raw))
-        for index, (first, second) in enumerate(pairwise(rows), 1):
-            if second[0] <= first[0]:
-                raise EntryError("the frequencies must increase from row to row", (index, 0))
-        return rows
+    columns: tuple[RowColumn, ...] = (
+        RowColumn("frequency", "frequency", negative=False, zero=False),
+        RowColumn("storage modulus", "shear modulus", negative=False, zero=False),
+        RowColumn("loss modulus", "shear modulus", negative=False, zero=False),
+    )
 
-    @staticmethod
-    def _row(raw: Any, index: int) -> tuple[float, float, float]:
-        if isinstance(raw, str) or not isinstance(raw, Sequence) or len(raw) != len(_COLUMNS):
-            raise EntryError(f"a row is [frequency, G', G''], got {raw!r}", (index,))
-        try:
-            frequency, storage, loss = (under(place, _COLUMNS[place], cell) for place, cell in enumerate(raw))
-        except EntryError as error:
-            raise EntryError([fault.under(index) for fault in error.faults]) from None
-        return frequency, storage, loss
+    def coerce(self, raw: Any) -> Moduli:
+        return tuple((float(f.value), float(G_1.value), float(G_2.value)) for f, G_1, G_2 in self.rows(raw))
 
     def plain(self, value: Any) -> Any:
         return [list(row) for row in value]
 
     def schema(self) -> Schema:
-        row = {"type": "array", "items": SCALAR_SCHEMA, "minItems": 3, "maxItems": 3}
-        return {"type": "array", "items": row, "minItems": 1, "description": f"{self.description} [Hz, Pa, Pa]"}
+        return {**super().schema(), "description": f"{self.description} [Hz, Pa, Pa]"}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -40,6 +40,9 @@ class MeshError(Declared):
         return [Fault(f"an error is given as a way or as an angle, one of the two: {self.form}", on_key=True)]
 
 
+ASSEMBLED = ("gearbox", "final_drive")
+"""Elements with several pairs of teeth or other parts beside the mesh, in which no single twist can be imposed."""
+
 _ERROR = Nested("peak value and phase", lambda: MeshError, "mesh_error", shown="{way: 4 um}")
 
 
@@ -114,7 +117,12 @@ class GearMesh(TwistExcitation):
     def misfits(self, elements: Mapping[str, Element]) -> list[Fault]:
         gear = elements[self.mesh]
         if not isinstance(gear, Gear):
-            return [Fault(f"{self.mesh} is no gear but a {gear.kind}", ("mesh",))]
+            text = f"{self.mesh} is no gear but a {gear.kind}"
+            if gear.kind in ASSEMBLED:
+                text += (
+                    "; write the pair in question as an element of its own, {type: gear, teeth: ..., stiffness: ...}"
+                )
+            return [Fault(text, ("mesh",))]
         if self.speed_of not in gear.nodes:
             return [Fault(f"{self.mesh} connects {gear.nodes[0]} and {gear.nodes[1]}", ("speed_of",))]
         if gear.housing is not None:

@@ -111,10 +111,10 @@ class _Flattening:
         if name not in self.done:
             part, before = self.parts[name], len(self.faults)
             self.done[name] = self.content(part, ("parts", name), within)
-            nodes = {*all_nodes(self.done[name].elements.values())}
+            nodes = all_nodes(self.done[name].elements.values())
             if len(self.faults) > before:
                 # Something is missing in it, and perhaps its ports with that.
-                nodes |= {*part.ports}
+                nodes = (*nodes, *part.ports)
                 self.without_ports.add(name)
             wrong = [
                 unknown_name("node", port, nodes, ("parts", name, "ports", index))

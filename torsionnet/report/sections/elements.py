@@ -129,7 +129,7 @@ def _plain(spec: Spec, value: Any) -> str:
     if isinstance(spec, LookupCurve):
         return f"{len(value)} rows, {value[0][0]} to {value[-1][0]}"
     if isinstance(spec, Characteristic):
-        names = ", ".join(name for name, _ in spec.columns)
+        names = ", ".join(column.name for column in spec.columns)
         return f"table of {len(value)} rows of {names}"
     return " : ".join(map(str, value)) if isinstance(value, tuple) else str(value)
 

@@ -1,0 +1,36 @@
+"""
+A long drill string, continuous and in segments
+===============================================
+
+3 km of pipe between a heavy top drive and the bit. The exact solution of the wave equation has all modes, none of them
+by segments; twenty segments hold for the first few.
+"""
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+import torsionnet as tn
+
+PIPE = {"outer_diameter": "127 mm", "inner_diameter": "108.6 mm", "length": "3 km"}
+
+
+def string(pipe):
+    top = tn.Inertia("top_drive", node="top", inertia="2000 kg*m^2")
+    hold = tn.Damper("drive", nodes=("top", "ground"), damping="500 N*m*s/rad")
+    collars = tn.Inertia("collars", node="bit", inertia="300 kg*m^2")
+    cutting = tn.Damper("mud", nodes=("bit", "ground"), damping="20 N*m*s/rad")
+    return tn.Drivetrain("drill string", [top, hold, pipe, collars, cutting])
+
+
+exact = string(tn.ContinuousShaft("pipe", nodes=("top", "bit"), **PIPE))
+frequencies = np.linspace(0.02, 3.4, 4000)
+figure, axes = plt.subplots(figsize=(8, 4), layout="constrained")
+for segments, color in ((5, "#D55E00"), (20, "#0072B2")):
+    model = string(tn.Shaft("pipe", nodes=("top", "bit"), segments=segments, **PIPE))
+    response = model.frequency_response("velocity(bit)", "bit", frequencies)
+    axes.semilogy(frequencies, np.abs(response.values[:, 0, 0]), color=color, lw=1, label=f"{segments} segments")
+response = exact.frequency_response("velocity(bit)", "bit", frequencies)
+axes.semilogy(frequencies, np.abs(response.values[:, 0, 0]), "k--", lw=1, label="continuous")
+axes.set(xlabel="frequency [Hz]", ylabel="speed of the bit over its torque [rad/s/(N m)]")
+axes.grid(visible=True, color="#dddddd")
+axes.legend()

@@ -1,0 +1,136 @@
+"""Wrong parts, catalogues, sheets and elements: each is told with its line, where it is used, and what would be right."""
+
+import pytest
+
+from torsionnet.cli import main
+
+THROW = """  throw:
+    ports: [front, rear]
+    parameters: {J: 1}
+    elements:
+      mass: {type: inertia, node: front, inertia: J}
+      shaft: {type: spring, nodes: [front, rear], stiffness: 40}
+"""
+FLY = "elements: {fly: {type: inertia, node: a, inertia: 3}}\n"
+ENDS = "  e: {type: inertia, node: a, inertia: 3}\n  w: {type: inertia, node: b, inertia: 3}\n"
+CLUTCH = "c: {type: clutch, nodes: [a, b], friction: [[0 rad/s, 0.36], [10 rad/s, 0.34]], clamp_torque: 800"
+FILES = {
+    "couplings.csv": "size;stiffness [kN*m/rad]\nA350;11,2\nA630;20,2\n",
+    "mixed.csv": "mass;J [kg*m^2];k [kN*m/rad]\na;1;40\nb;2;36 N*m/rad\nc;3;\n",
+    "bare.csv": "mass;J;k [N*m/rad]\na;1;40\nb;2;\n",
+    "throw.yaml": "torsionnet: 1\nports: [front]\nelements: {mass: {type: inertia, node: front, inertia: 1}}\n",
+}
+BROKEN = {
+    "a part that contains itself": (
+        f"parts:\n{THROW}    use: {{again: {{part: throw, at: {{front: front, rear: rear}}}}}}\n{FLY}"
+        "use: {cyl: {part: throw, at: {front: a, rear: b}}}\n",
+        ["model.yaml:9:25: error: a part cannot contain itself: throw -> throw"],
+    ),
+    "an unconnected port": (
+        f"parts:\n{THROW}{FLY}use:\n  cyl: {{part: throw, at: {{rear: a}}}}\n",
+        ["model.yaml:11:22: error: port front of throw not connected; give the node in at: {front: ...}"],
+    ),
+    "a port that is no node of the part": (
+        f"parts:\n{THROW.replace('rear]', 'rearr]', 1)}{FLY}use:\n  cyl: {{part: throw, at: {{front: b, rearr: a}}}}\n",
+        ['model.yaml:4:20: error: no node is named "rearr"; did you mean "rear"?'],
+    ),
+    "two parts of one name": (
+        f"parts:\n{THROW}{THROW}{FLY}use: {{cyl: {{part: throw, at: {{front: b, rear: a}}}}}}\n",
+        ['model.yaml:9:3: error: "throw" was already given at line 3, column 3; each name stands once'],
+    ),
+    "two parts of one name in two files": (
+        f"include: [throw.yaml]\nparts:\n{THROW}{FLY}use: {{cyl: {{part: throw, at: {{front: b, rear: a}}}}}}\n",
+        ['throw.yaml:1:1: error: two parts are named "throw"; the other one is at model.yaml:4'],
+    ),
+    "an index out of range": (
+        f"parts:\n{THROW}{FLY}use:\n  cyl: {{part: throw, repeat: 3, chain: [front, rear], at: {{front: c, rear: a}}}}\n"
+        "sensors: {T: {torque: cyl4.shaft}}\n",
+        ['model.yaml:12:23: error: no element is named "cyl4.shaft"; did you mean "cyl3.shaft"?'],
+    ),
+    "a list that is too short": (
+        f"parts:\n{THROW}{FLY}use:\n  cyl: {{part: throw, repeat: 3, chain: [front, rear], at: {{front: c, rear: a}}, "
+        "parameters: {J: [1, 2]}}\n",
+        ["model.yaml:11:96: error: J has 2 values for 3 copies; give 3, or one for all"],
+    ),
+    "an include outside the folder": (
+        f"include: [../throw.yaml]\n{FLY}",
+        ['model.yaml:2:11: error: "../throw.yaml" leads out of the folder of the model file; put the file beside'],
+    ),
+    "a size that the catalogue does not have": (
+        f"elements:\n{ENDS}  c: {{type: spring, nodes: [a, b], catalogue: couplings.csv, size: A351}}\n",
+        ['model.yaml:5:68: error: couplings.csv has no size "A351"; did you mean "A350"? It has A350, A630'],
+    ),
+    "a sheet with mixed units": (
+        "elements: {engine: {type: mass_elastic, table: mixed.csv}}\n",
+        [
+            'mixed.csv:3:5: error: "36 N*m/rad" is in another unit than its heading says',
+            'model.yaml:2:48: error: the sheet "mixed.csv" cannot be used',
+        ],
+    ),
+    "a sheet without units": (
+        "elements: {engine: {type: mass_elastic, table: bare.csv}}\n",
+        ['bare.csv:1:6: error: the column "J" has no unit; write its heading as J [kg*m^2]', "model.yaml:2:48: error"],
+    ),
+    "a ratio set without the engaged gear": (
+        f"elements:\n{ENDS}  box: {{type: gearbox, input: a, output: b, ratios: {{I: 3, II: 2}}}}\n",
+        ["model.yaml:5:3: error: say which gear is engaged, as engaged: I; it has I, II and neutral"],
+    ),
+    "a gear that is not in the set": (
+        f"elements:\n{ENDS}  box: {{type: gearbox, input: a, output: b, engaged: I, ratios: {{I: 3, II: 2}}}}\n"
+        "configurations: {gear: {six: {box.engaged: VI}}}\n",
+        ['model.yaml:6:44: error: no gear of box is named "VI"; it has I, II and neutral'],
+    ),
+    "a slipping clutch without slip speed": (
+        f"elements:\n{ENDS}  {CLUTCH}, state: slipping}}\n",
+        ["error: a slipping clutch needs slip_speed, as 5 rad/s, other than 0; one that sticks is closed"],
+    ),
+    "a clutch in a part that slips in a configuration": (
+        f"parts:\n  side:\n    ports: [a, b]\n    elements:\n      {CLUTCH}}}\nelements:\n{ENDS}"
+        "use: {left: {part: side, at: {a: a, b: b}}}\nconfigurations: {x: {slip: {left.c.state: slipping}}}\n",
+        ["model.yaml:11:43: error: a slipping clutch needs slip_speed"],
+    ),
+}
+UNSTABLE = """torsionnet: 1
+parts:
+  governed:
+    ports: [a, b]
+    elements:
+      s: {type: spring, nodes: [a, b], stiffness: 100}
+      g: {type: controller, sense: {velocity: a}, act: a, law: 4, delay: 10 ms}
+elements:
+  e: {type: inertia, node: a, inertia: 3}
+  w: {type: inertia, node: b, inertia: 3}
+use: {unit: {part: governed, at: {a: a, b: b}}}
+"""
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, text in FILES.items():
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def checked(folder, text, capsys):
+    (folder / "model.yaml").write_text(text, encoding="utf-8")
+    code = main(["check", "model.yaml"])
+    out = capsys.readouterr().out
+    return code, out
+
+
+@pytest.mark.parametrize("case", BROKEN)
+def test_it_is_told_with_its_place_and_what_would_be_right(folder, capsys, case):
+    text, messages = BROKEN[case]
+    code, out = checked(folder, f"torsionnet: 1\n{text}", capsys)
+    assert code == 1
+    for message in messages:
+        assert message in out
+
+
+def test_a_controller_that_drives_a_mode_is_named_where_it_stands_and_where_it_is_used(folder, capsys):
+    """It is a warning: the model can be calculated, and its modes tell how fast what grows."""
+    code, out = checked(folder, UNSTABLE, capsys)
+    assert code == 0
+    assert "model.yaml:7:7: warning: g makes the mode at 1.2" in out
+    assert "model.yaml:11:7: used here" in out

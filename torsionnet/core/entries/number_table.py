@@ -1,0 +1,82 @@
+"""Tables as lists of rows of numbers, the first of which rises from row to row."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_scalar
+from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.expressions import Number
+from torsionnet.core.piecewise_linear import Rows
+from torsionnet.core.units import is_beyond_range
+
+
+class RowColumn(NamedTuple):
+    """A column: its name, its dimension, and whether its values may be below zero, or zero."""
+
+    name: str
+    dimension: str = "1"
+    negative: bool = True
+    zero: bool = True
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class NumberTable(Spec):
+    """Rows ``[[0 rad/s, 40 N*m], [10 rad/s, 36 N*m]]`` whose first column rises."""
+
+    columns: tuple[RowColumn, ...] = ()
+    fewest: int = 1
+
+    @property
+    def example(self) -> str:
+        return f"rows {self._row_text}" + (f", at least {self.fewest}" if self.fewest > 1 else "")
+
+    @property
+    def _row_text(self) -> str:
+        return f"[{', '.join(column.name for column in self.columns)}]"
+
+    def coerce(self, raw: Any) -> Any:
+        return self.rows(raw)
+
+    def rows(self, raw: Any) -> Rows:
+        """The rows of an entry, exact and in SI."""
+        raw = raw.tolist() if hasattr(raw, "tolist") else raw
+        if isinstance(raw, str | Mapping) or not isinstance(raw, Sequence) or len(raw) < self.fewest:
+            raise EntryError(f"expected {self.example}; got {'nothing' if raw is None else repr(raw)}")
+        rows = tuple(self._row(row, index) for index, row in enumerate(raw))
+        for index, (row, following) in enumerate(pairwise(rows), 1):
+            if following[0].value <= row[0].value:
+                raise EntryError(f"the {self.columns[0].name} must increase from row to row", (index, 0))
+        return rows
+
+    def _row(self, row: Any, index: int) -> tuple[Number, ...]:
+        if isinstance(row, str) or not isinstance(row, Sequence) or len(row) != len(self.columns):
+            raise EntryError(f"a row is {self._row_text}, got {'nothing' if row is None else repr(row)}", (index,))
+        return tuple(self._cell(cell, index, place) for place, cell in enumerate(row))
+
+    def _cell(self, cell: Any, index: int, place: int) -> Number:
+        column = self.columns[place]
+        try:
+            value = cell if isinstance(cell, Number) else read_scalar(cell, column.dimension)
+        except EntryError as error:
+            raise EntryError(error.fault.under(index, place)) from None
+        if not isinstance(value, Number):
+            raise EntryError("a table holds numbers, not expressions", (index, place))
+        if not column.negative and value.value < 0:
+            raise EntryError(f"{column.name} must not be negative", (index, place))
+        if not column.zero and value.value == 0:
+            raise EntryError(f"{column.name} must be greater than 0", (index, place))
+        if is_beyond_range(float(value.value)):
+            raise EntryError(f"{float(value.value):g} is no size that anything in a drivetrain has", (index, place))
+        return value
+
+    def plain(self, value: Any) -> Any:
+        return [[plain_scalar(cell) for cell in row] for row in value]
+
+    def schema(self) -> Schema:
+        count = len(self.columns)
+        row = {"type": "array", "items": SCALAR_SCHEMA, "minItems": count, "maxItems": count}
+        return {"type": "array", "items": row, "minItems": self.fewest, "description": self.description}

@@ -1,0 +1,30 @@
+"""Sensors referred to a shaft to which no ratio leads."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from typing import Any
+
+from torsionnet.core.errors import Fault, UsageError
+from torsionnet.model.channels import Sensor
+from torsionnet.model.definition import Definition, all_nodes
+from torsionnet.model.elements import Values
+from torsionnet.model.readings import referring_factor
+
+
+def unreachable_shafts(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
+    """An error for each declared sensor that cannot be referred to its shaft; those that are switched off say so."""
+    elements = {element.name: element for element in definition.active}
+    nodes = all_nodes(definition.active)
+    faults = []
+    for name, sensor in definition.sensors.items():
+        if sensor.referred_to is not None and _is_on(sensor, elements, nodes):
+            try:
+                referring_factor(sensor, elements, Values(values))
+            except UsageError as error:
+                faults.append(Fault(f"{name}: {error}", ("sensors", name, "referred_to")))
+    return faults
+
+
+def _is_on(sensor: Sensor, elements: Mapping[str, Any], nodes: Collection[str]) -> bool:
+    return sensor.of in elements if sensor.is_on_element else all(node in nodes for node in sensor.nodes)
