@@ -18,7 +18,7 @@ UNKNOWN = "the load determines no mean torques here"
 ENGINE = "reciprocating_engine"
 """The type of excitation that drives where nothing else is said."""
 
-NEEDS_RATED = "the load needs the rated speed: speeds: {of: node, rated: 750 rpm, ...}"
+NEEDS_RATED = "what follows the speed, as the load does, needs the rated speed: speeds: {of: node, rated: 750 rpm, ...}"
 
 
 class CutOffError(UsageError):
