@@ -134,3 +134,22 @@ def test_a_controller_that_drives_a_mode_is_named_where_it_stands_and_where_it_i
     assert code == 0
     assert "model.yaml:7:7: warning: g makes the mode at 1.2" in out
     assert "model.yaml:11:7: used here" in out
+
+
+def test_stages_that_are_no_list_are_told_how_to_write_them(folder, capsys):
+    flywheel = (
+        "{type: dual_mass_flywheel, nodes: [a, b], "
+        "primary_inertia: 1, secondary_inertia: 1, torque: 9, stages: {0 deg: 5, 9 deg: 8}}"
+    )
+    code, out = checked(folder, f"torsionnet: 1\nelements:\n{ENDS}  dmf: {flywheel}\n", capsys)
+    assert code == 1
+    assert ": error: expected stages as [{stiffness: 6 N*m/deg, to: 120 N*m}, {stiffness: 14" in out
+
+
+def test_a_list_of_stages_is_shown_in_words(folder, capsys):
+    flywheel = "{type: dual_mass_flywheel, nodes: [a, b], primary_inertia: 1, secondary_inertia: 1, torque: 9, stages: [{stiffness: 5, to: 4 deg}, {stiffness: 8}]}"
+    (folder / "model.yaml").write_text(f"torsionnet: 1\nelements:\n{ENDS}  dmf: {flywheel}\n", encoding="utf-8")
+    assert main(["show", "model.yaml"]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "'stiffness'" not in shown
+    assert "stiffness 5 to 4 deg" in shown

@@ -205,7 +205,7 @@ class TestWhatIsWrong:
 
     def test_a_rated_speed_is_needed(self):
         text = MARINE.format(rest=LOAD).replace(", rated: 750 rpm", "")
-        with pytest.raises(tn.ModelError, match="the load needs the rated speed"):
+        with pytest.raises(tn.ModelError, match="needs the rated speed"):
             tn.loads(text)
 
     @pytest.mark.parametrize(

@@ -129,7 +129,14 @@ def value_text(element: Element, spec: Spec, value: Any, rig: Model) -> Written:
     if hasattr(value, "frequencies"):
         return (f"of {len(value.frequencies)} frequencies",)
     plain = spec.plain(value)
-    return (", ".join(map(str, plain)) if isinstance(plain, list) else str(plain),)
+    return (", ".join(map(_words, plain)) if isinstance(plain, list) else str(plain),)
+
+
+def _words(plain: Any) -> str:
+    """An entry of a list: ``stiffness 340 to 30 deg`` of a stage."""
+    if not isinstance(plain, dict):
+        return str(plain)
+    return " ".join(f"{name} {one:.6g}" if isinstance(one, float) else f"{name} {one}" for name, one in plain.items())
 
 
 def _unit_of_measure(value: DampingMeasure) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from functools import cached_property
 
@@ -85,16 +86,16 @@ class ModesOverSpeed:
 
         def above(at: float) -> float:
             found = self._numbered(mode.number, at)
-            return np.nan if found is None else speed_of(found) - at
+            return math.nan if found is None else speed_of(found) - at
 
         factor = STRIDE if above(speed) > 0 else 1 / STRIDE
         other = speed * factor
         while above(speed) * above(other) > 0:
             speed, other = other, other * factor
-        settled = np.nan
+        settled = math.nan
         if above(speed) * above(other) <= 0:
-            low, high = sorted((speed, other))
-            settled = float(brentq(above, low, high, xtol=TOLERANCE / 10 * speed, rtol=TOLERANCE / 10))
+            ends, share = (min(speed, other), max(speed, other)), TOLERANCE / 10
+            settled = float(brentq(above, ends[0], ends[1], xtol=share * speed, rtol=share))
         if abs(above(settled)) <= 10 * TOLERANCE * settled:
             return self.at(settled)[mode.number - 1]
         text = f"mode {mode.number} and its critical speed near {speed * RPM:.6g} rpm"

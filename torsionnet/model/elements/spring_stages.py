@@ -55,7 +55,11 @@ class SpringStages(Composite):
 
     @property
     def _listed(self) -> Listed:
-        return Listed(self.description, Nested("a stage", lambda: SpringStage, "spring_stage"), form="a list of stages")
+        return Listed(
+            self.description,
+            Nested("a stage", lambda: SpringStage, "spring_stage"),
+            form="stages as [{stiffness: 6 N*m/deg, to: 120 N*m}, {stiffness: 14 N*m/deg}]",
+        )
 
     def read(self, raw: Any) -> tuple[Any, list[Fault]]:
         stages, faults = self._listed.read(raw)

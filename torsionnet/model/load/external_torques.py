@@ -18,7 +18,7 @@ from torsionnet.model.torque_places import torque_place
 
 UNKNOWN = "the load determines no mean torques here"
 
-NEEDS_RATED = "the load needs the rated speed: speeds: {of: node, rated: 750 rpm, ...}"
+NEEDS_RATED = "what follows the speed, as the load does, needs the rated speed: speeds: {of: node, rated: 750 rpm, ...}"
 
 
 class CutOffError(UsageError):
