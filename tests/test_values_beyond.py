@@ -75,3 +75,13 @@ def test_a_controller_that_moves_nothing():
         ],
     )
     assert sorted(abs(held.modes().eigenvalues)) == pytest.approx([2, 3])
+
+
+def test_a_link_to_itself(tmp_path):
+    (tmp_path / "loop.yaml").symlink_to("loop.yaml")
+    path = tmp_path / "m.yaml"
+    path.write_text(
+        "torsionnet: 1\nname: x\ninclude: [loop.yaml]\nelements:\n  m: {type: inertia, node: a, inertia: 1}\n"
+    )
+    with pytest.raises(ModelError, match='there is no file "loop.yaml"'):
+        tn.load(path)
