@@ -48,3 +48,40 @@ def test_reason(reason, case):
         assert all(fault.position.line > 1 for fault in caught.value.faults)
     with pytest.raises(ModelError, match=reason):
         tn.loads(FLAT.format("", element, good)).configured(p=bad).modes()
+
+
+def test_a_size_beyond_all_numbers(tmp_path):
+    (tmp_path / "c.csv").write_text("size;stiffness [kN*m/rad]\nA;1e309\n")
+    path = tmp_path / "m.yaml"
+    path.write_text(
+        "torsionnet: 1\nname: x\nelements:\n  m: {type: inertia, node: a, inertia: 1}\n"
+        "  s: {type: spring, nodes: [a, ground], catalogue: c.csv, size: A}\n"
+    )
+    with pytest.raises(ModelError):
+        tn.load(path)
+
+
+def test_a_controller_that_moves_nothing():
+    """Its own pole stays, without motion; warnings would be errors here."""
+    law = {"numerator": [1], "denominator": [1, 2]}
+    held = tn.Drivetrain(
+        "held",
+        [
+            tn.Inertia("m", node="a", inertia=1),
+            tn.Spring("s", nodes=("a", "ground"), stiffness=9),
+            tn.Inertia("w", node="b", inertia=1),
+            tn.Lock("l", node="b"),
+            tn.Controller("c", sense={"velocity": "a"}, act="b", law=law),
+        ],
+    )
+    assert sorted(abs(held.modes().eigenvalues)) == pytest.approx([2, 3])
+
+
+def test_a_link_to_itself(tmp_path):
+    (tmp_path / "loop.yaml").symlink_to("loop.yaml")
+    path = tmp_path / "m.yaml"
+    path.write_text(
+        "torsionnet: 1\nname: x\ninclude: [loop.yaml]\nelements:\n  m: {type: inertia, node: a, inertia: 1}\n"
+    )
+    with pytest.raises(ModelError, match='there is no file "loop.yaml"'):
+        tn.load(path)

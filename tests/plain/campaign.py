@@ -28,6 +28,7 @@ NOTHING = 1e-50
 REFUSED = (
     "derivatives are not worked out",
     "held rigidly",
+    "is locked in this configuration",
     "cannot turn, there is no ratio",
     "a torque there does nothing",
 )
@@ -148,7 +149,10 @@ def _poles(seed: str, drawn: Plant, rig: tn.Drivetrain, findings: Findings) -> N
     """Every pole by Newton's method on the determinant, and their number by its growth from zero to infinity."""
     dense = Dense(drawn)
     found = [one for one in rig.modes().eigenvalues if one != 0]
+    own = [_complex(root) for one in drawn.components.values() for root in one.roots(dense.value)]
     for pole in found:
+        if any(abs(pole - root) < 1e-6 * abs(pole) for root in own):
+            continue  # of a controller whose torque moves nothing: no zero of the determinant
         right = _newton(dense, pole)
         findings.compare(seed, "pole", pole, right, 1e-7)
     number = sum(2 if one.imag > 0 else 1 for one in found)

@@ -403,7 +403,10 @@ def numeral_of(value: Fraction) -> str:
     """
     if value.denominator == 1 and abs(value) < 10**16:
         return str(value)
-    short = repr(float(value))
+    try:
+        short = repr(float(value))
+    except OverflowError:
+        return str(value)
     return short if Fraction(short) == value else str(value)
 
 

@@ -169,7 +169,9 @@ def scaled(shapes: AnyArray) -> AnyArray:
         return shapes
     size = np.abs(shapes)
     first = np.argmax(size >= size.max(axis=0) * (1 - 1e-9), axis=0)
-    return np.asarray(shapes / shapes[first, np.arange(shapes.shape[1])])
+    largest = shapes[first, np.arange(shapes.shape[1])]
+    # A pole of a controller that drives what cannot move has no motion.
+    return np.asarray(shapes / np.where(largest == 0, 1, largest), dtype=shapes.dtype)
 
 
 def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatArray, FloatArray]:

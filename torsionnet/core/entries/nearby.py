@@ -46,7 +46,7 @@ def nearby_file(name: str) -> Path:
     try:
         there, inside = path.is_file(), path.resolve().is_relative_to(folder.resolve())
         size = path.stat().st_size if there else 0
-    except OSError:
+    except (OSError, RuntimeError):  # the latter of links that lead in a circle, up to Python 3.12
         there, inside, size = False, True, 0
     if not there:
         raise EntryError(f'there is no file "{name}" beside the model file{_others(path)}')
