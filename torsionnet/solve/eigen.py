@@ -171,7 +171,8 @@ def scaled(shapes: AnyArray) -> AnyArray:
     first = np.argmax(size >= size.max(axis=0) * (1 - 1e-9), axis=0)
     largest = shapes[first, np.arange(shapes.shape[1])]
     # A pole of a controller that drives what cannot move has no motion.
-    return np.asarray(shapes / np.where(largest == 0, 1, largest), dtype=shapes.dtype)
+    largest[largest == 0] = 1
+    return np.asarray(shapes / largest)
 
 
 def undamped_modes(system: RowSystem, lowest: int | None = None) -> tuple[FloatArray, FloatArray]:
