@@ -83,5 +83,5 @@ def test_a_link_to_itself(tmp_path):
     path.write_text(
         "torsionnet: 1\nname: x\ninclude: [loop.yaml]\nelements:\n  m: {type: inertia, node: a, inertia: 1}\n"
     )
-    with pytest.raises(ModelError, match='there is no file'):
+    with pytest.raises(ModelError, match="there is no file"):
         tn.load(path)

@@ -10,7 +10,8 @@ from torsionnet.core.damping import MEASURES
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.errors import Fault, Path, TorsionnetError
 from torsionnet.core.expressions import Compound, Expression, ExpressionError
-from torsionnet.core.units import DIMENSIONS, Dimension, expected_unit, is_beyond_range
+from torsionnet.core.number_range import is_beyond_range
+from torsionnet.core.units import DIMENSIONS, Dimension, expected_unit
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Element, Law, Values
 from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor
