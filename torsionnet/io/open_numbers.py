@@ -9,7 +9,7 @@ from math import pi
 from typing import Any
 
 from torsionnet.core.expressions import Algebra, Compound, Expression, Name, Number
-from torsionnet.core.units import exact_sqrt, limited
+from torsionnet.core.number_range import exact_sqrt, limited
 from torsionnet.model.elements import Values
 
 

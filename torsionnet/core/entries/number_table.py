@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 from torsionnet.core.entries.scalars import SCALAR_SCHEMA, plain_scalar, read_scalar
 from torsionnet.core.entries.spec import EntryError, Schema, Spec
 from torsionnet.core.expressions import Number
+from torsionnet.core.number_range import is_beyond_range
 from torsionnet.core.piecewise_linear import Rows
-from torsionnet.core.units import is_beyond_range
 
 
 class RowColumn(NamedTuple):

@@ -11,7 +11,8 @@ from torsionnet.core.entries.spec import EntryError, Schema, Spec
 from torsionnet.core.errors import Path
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import Expression, ExpressionError, Number
-from torsionnet.core.units import DIMENSIONS, UnitError, expected_unit, is_beyond_range
+from torsionnet.core.number_range import is_beyond_range
+from torsionnet.core.units import DIMENSIONS, UnitError, expected_unit
 
 SCALAR_SCHEMA: Schema = {"type": ["number", "string"]}
 

@@ -15,7 +15,7 @@ from fractions import Fraction
 from typing import Any
 
 from torsionnet.core.expressions import Algebra
-from torsionnet.core.units import limited
+from torsionnet.core.number_range import limited
 from torsionnet.model.elimination import exact
 from torsionnet.solve.modular import residue
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from torsionnet.core.delimited.headings import plain_unit
 from torsionnet.core.errors import Fault, ModelError
-from torsionnet.core.units import LARGEST, parse_unit
+from torsionnet.core.number_range import LARGEST
+from torsionnet.core.units import parse_unit
 from torsionnet.io.records.channel_choice import ChannelChoice, choose, length_faults
 from torsionnet.io.records.clock import Clock, clock_of, rate_fault, time_faults
 from torsionnet.io.records.source import Source
