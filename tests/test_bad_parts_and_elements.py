@@ -24,15 +24,40 @@ BROKEN = {
     "a part that contains itself": (
         f"parts:\n{THROW}    use: {{again: {{part: throw, at: {{front: front, rear: rear}}}}}}\n{FLY}"
         "use: {cyl: {part: throw, at: {front: a, rear: b}}}\n",
-        ["model.yaml:9:25: error: a part cannot contain itself: throw -> throw"],
+        [
+            "model.yaml:9:25: error: a part cannot contain itself: throw -> throw; leave out one of these uses",
+            "model.yaml:11:7: used here",
+        ],
     ),
     "an unconnected port": (
         f"parts:\n{THROW}{FLY}use:\n  cyl: {{part: throw, at: {{rear: a}}}}\n",
-        ["model.yaml:11:22: error: port front of throw not connected; give the node in at: {front: ...}"],
+        [
+            "model.yaml:11:22: error: port front of throw not connected; give the node in at: {front: ...}",
+            "model.yaml:4:5: defined here",
+        ],
     ),
     "a port that is no node of the part": (
         f"parts:\n{THROW.replace('rear]', 'rearr]', 1)}{FLY}use:\n  cyl: {{part: throw, at: {{front: b, rearr: a}}}}\n",
-        ['model.yaml:4:20: error: no node is named "rearr"; did you mean "rear"?'],
+        [
+            'model.yaml:4:20: error: no node is named "rearr"; did you mean "rear"? the nodes of throw are front, rear',
+            "model.yaml:11:3: used here",
+        ],
+    ),
+    "a port that the part does not have": (
+        f"parts:\n{THROW}{FLY}use:\n  cyl: {{part: throw, at: {{front: b, rear: a, flange: a}}}}\n",
+        [
+            'model.yaml:11:46: error: no port of throw is named "flange"; the ports are front, rear',
+            "model.yaml:4:5: defined here",
+        ],
+    ),
+    "an unconnected port of a part in a part": (
+        f"parts:\n{THROW}  row:\n    ports: [p]\n    use: {{one: {{part: throw, at: {{front: p}}}}}}\n{FLY}"
+        "use:\n  cyl: {part: row, at: {p: a}}\n",
+        [
+            "model.yaml:11:30: error: port rear of throw not connected; give the node in at: {rear: ...}",
+            "model.yaml:14:3: used here",
+            "model.yaml:4:5: defined here",
+        ],
     ),
     "two parts of one name": (
         f"parts:\n{THROW}{THROW}{FLY}use: {{cyl: {{part: throw, at: {{front: b, rear: a}}}}}}\n",

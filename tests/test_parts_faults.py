@@ -128,8 +128,9 @@ def test_a_part_cannot_contain_itself(parts, circle):
     ]
     text = "\n".join(["torsionnet: 1", "name: x", "parts:", *lines, "use: {top: {part: a, at: {p: n}}}"])
     (fault,) = errors(text)
-    assert fault.message == f"a part cannot contain itself: {circle}"
+    assert fault.message == f"a part cannot contain itself: {circle}; leave out one of these uses"
     assert fault.position.line == 3 + len(parts)
+    assert [one.line for one in fault.used_at][0] == 4 + len(parts)
 
 
 def files(tmp_path, **texts):

@@ -74,6 +74,7 @@ def _as_data(model: str, faults: Sequence[Fault]) -> dict[str, Any]:
             "path": list(fault.path),
             "position": None if fault.position is None else asdict(fault.position),
             "used_at": [asdict(position) for position in fault.used_at],
+            "defined_at": None if fault.defined_at is None else asdict(fault.defined_at),
         }
         for fault in faults
     ]

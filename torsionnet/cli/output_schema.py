@@ -62,6 +62,7 @@ FAULT = record(
     path=listed({"type": ["string", "integer"]}),
     position=or_null(POSITION),
     used_at=listed(POSITION),
+    defined_at=or_null(POSITION),
 )
 KIND: Schema = {"enum": ["rigid body", "real pole", "oscillatory"]}
 MODE = record(

@@ -43,6 +43,7 @@ class Fault:
     ``"unknown name"``, :data:`USELESS` or empty, ``about`` the key or name in question and ``meant`` the one probably
     intended; ``configuration`` is set where only that configuration has the fault. Of an entry of a part, ``uses`` are
     the paths, outermost first, where the part is used that has the fault; a reader of files adds ``used_at``.
+    ``defined`` is the path of what is used wrongly, where that says what would be right; a reader adds ``defined_at``.
     """
 
     message: str
@@ -56,6 +57,8 @@ class Fault:
     configuration: str = ""
     uses: tuple[Path, ...] = ()
     used_at: tuple[Position, ...] = ()
+    defined: Path = ()
+    defined_at: Position | None = None
 
     def under(self, *prefix: str | int) -> Fault:
         """The fault with its path below ``prefix``."""
@@ -74,8 +77,10 @@ class Fault:
         if self.position is None:
             where = visible(".".join(str(part) for part in self.path))
             return f"{where}: {said}" if where else said
-        used = "".join(f"\n{_located(one)}: used here{_excerpt(one)}" for one in self.used_at)
-        return f"{_located(self.position)}: {said}{_excerpt(self.position)}{used}"
+        others = [(one, "used here") for one in self.used_at]
+        others += [(self.defined_at, "defined here")] if self.defined_at else []
+        shown = "".join(f"\n{_located(one)}: {what}{_excerpt(one)}" for one, what in others)
+        return f"{_located(self.position)}: {said}{_excerpt(self.position)}{shown}"
 
 
 def _located(position: Position) -> str:
@@ -228,8 +233,11 @@ def unknown_key(key: object, known: Iterable[str], path: Path, rest: str) -> Fau
     return Fault(text, path, on_key=True, kind="unknown key", about=name, meant=meant)
 
 
-def unknown_name(what: str, name: str, known: Iterable[str], path: Path, *, on_key: bool = False) -> Fault:
-    """Fault of a name nobody defines: ``no node is named "x"; did you mean "y"?``."""
+def unknown_name(
+    what: str, name: str, known: Iterable[str], path: Path, *, on_key: bool = False, rest: str = ""
+) -> Fault:
+    """Fault of a name nobody defines: ``no node is named "x"; did you mean "y"?``; ``rest`` says which there are."""
     meant = nearest(name, known)
     text = f'no {what} is named "{name}"{_question(meant)}'
+    text = f"{text}; {rest}".replace("?; ", "? ") if rest else text
     return Fault(text, path, on_key=on_key, kind="unknown name", about=name, meant=meant)

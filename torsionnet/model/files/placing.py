@@ -47,7 +47,11 @@ def _one_line(message: str) -> str:
 def _place(fault: Fault, document: LocatedDocument) -> Fault:
     path = _path_in_file(fault, document.data)
     position = document.position(path, on_key=fault.on_key)
-    fault = replace(fault, used_at=tuple(document.position(use, on_key=True) for use in fault.uses))
+    fault = replace(
+        fault,
+        used_at=tuple(document.position(use, on_key=True) for use in fault.uses),
+        defined_at=document.position(fault.defined, on_key=True) if fault.defined else None,
+    )
     about_the_whole = not path and fault.severity != "error"
     return fault.at(replace(position, source="") if about_the_whole else position)
 

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import islice
 from typing import Any
 
-from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.core.errors import Fault, Path, unknown_name
 from torsionnet.core.expressions import Expression
 from torsionnet.model.parts.part import Use
+
+MOST_LISTED = 12
+"""Names of what there is, in a fault."""
 
 
 @dataclass(frozen=True)
@@ -61,22 +65,35 @@ def use_faults(use: Use, ports: Collection[str], parameters: Collection[str]) ->
     if missing:
         nodes = ", ".join(f"{port}: ..." for port in missing)
         text = f"port{'s' if len(missing) > 1 else ''} {', '.join(missing)} of {use.part} not connected"
-        yield Fault(f"{text}; give the node in at: {{{nodes}}}", ("at",) if use.at else (), on_key=True)
+        path: Path = ("at",) if use.at else ()
+        yield Fault(f"{text}; give the node in at: {{{nodes}}}", path, on_key=True, defined=_ports_of(use))
     for table in ("at", "parameters"):
         for key, value in getattr(use, table).items():
             yield from _wrong_length(use, table, key, value)
 
 
+def _ports_of(use: Use) -> Path:
+    return ("parts", use.part, "ports")
+
+
+def listing(what: str, names: Collection[str]) -> str:
+    """Text ``the nodes are a, b``, the first of them where there are many."""
+    shown = [*islice(names, MOST_LISTED), *(["..."] if len(names) > MOST_LISTED else [])]
+    return f"the {what} are {', '.join(shown)}" if names else f"there are no {what}"
+
+
 def _unknown(use: Use, ports: Collection[str], parameters: Collection[str]) -> Iterator[Fault]:
-    for port in use.at:
+    named: list[tuple[str, Path]] = [(port, ("at", port)) for port in use.at]
+    named += [(port, ("chain", index)) for index, port in enumerate(use.chain or ())]
+    for port, path in named:
         if port not in ports:
-            yield unknown_name(f"port of {use.part}", port, ports, ("at", port), on_key=True)
-    for index, port in enumerate(use.chain or ()):
-        if port not in ports:
-            yield unknown_name(f"port of {use.part}", port, ports, ("chain", index))
+            rest = listing("ports", ports)
+            fault = unknown_name(f"port of {use.part}", port, ports, path, on_key=path[0] == "at", rest=rest)
+            yield replace(fault, defined=_ports_of(use))
     for key in use.parameters:
         if key not in parameters:
-            yield unknown_name(f"parameter of {use.part}", key, parameters, ("parameters", key), on_key=True)
+            path, rest = ("parameters", key), listing("parameters", parameters)
+            yield unknown_name(f"parameter of {use.part}", key, parameters, path, on_key=True, rest=rest)
 
 
 def _wrong_length(use: Use, table: str, key: str, value: Any) -> Iterator[Fault]:

@@ -11,7 +11,7 @@ from torsionnet.core.errors import Fault, ModelError, Path, UsageError, unknown_
 from torsionnet.model.configurations import DEFAULT_AXIS, Overlay
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND, Element
-from torsionnet.model.parts.copies import Copy, copies, use_faults
+from torsionnet.model.parts.copies import Copy, copies, listing, use_faults
 from torsionnet.model.parts.part import Part, Use
 
 SECTIONS = ("parameters", "elements", "inputs", "sensors", "configurations", "excitations", "limits")
@@ -67,6 +67,11 @@ class _Flattening:
         self.done: dict[str, PartContent] = {}
         self.without_ports: set[str] = set()
         self.faults: list[Fault] = []
+        self.uses: tuple[Path, ...] = ()
+
+    def tell(self, *faults: Fault) -> None:
+        """Each with the uses that led to the part it is in, outermost first."""
+        self.faults += [replace(fault, uses=self.uses) for fault in faults]
 
     def unused(self, parts: Mapping[str, Part]) -> None:
         for name in parts:
@@ -81,22 +86,24 @@ class _Flattening:
         for name, use in owner.use.items():
             place = (*path, "use", name)
             if self.is_known(use, place, within):
+                outer, self.uses = self.uses, (*self.uses, place)
                 part = self.part(use.part, (*within, use.part))
+                self.uses = outer
                 if self.is_joined(use, place):
                     self.put(found, name, use, part, place)
         return found
 
     def is_known(self, use: Use, place: Path, within: tuple[str, ...]) -> bool:
         if use.part not in self.parts:
-            self.faults.append(unknown_name("part", use.part, self.parts, (*place, "part")))
+            self.tell(unknown_name("part", use.part, self.parts, (*place, "part")))
             return False
         if use.part in within:
             circle = " -> ".join([*within[within.index(use.part) :], use.part])
-            self.faults.append(Fault(f"a part cannot contain itself: {circle}", (*place, "part")))
+            self.tell(Fault(f"a part cannot contain itself: {circle}; leave out one of these uses", (*place, "part")))
             return False
         if len(within) == MOST_LEVELS:
             text = f"parts are nested more than {MOST_LEVELS} levels deep; put some of them together"
-            self.faults.append(Fault(text, (*place, "part")))
+            self.tell(Fault(text, (*place, "part")))
             return False
         return True
 
@@ -104,7 +111,7 @@ class _Flattening:
         part = self.parts[use.part]
         found = [fault.under(*place) for fault in use_faults(use, part.ports, self.done[use.part].parameters)]
         if self.whole and use.part not in self.without_ports:
-            self.faults += found
+            self.tell(*found)
         return not found and use.part not in self.without_ports
 
     def part(self, name: str, within: tuple[str, ...]) -> PartContent:
@@ -116,12 +123,13 @@ class _Flattening:
                 # Something is missing in it, and perhaps its ports with that.
                 nodes = (*nodes, *part.ports)
                 self.without_ports.add(name)
+            rest = listing(f"nodes of {name}", nodes)
             wrong = [
-                unknown_name("node", port, nodes, ("parts", name, "ports", index))
+                unknown_name("node", port, nodes, ("parts", name, "ports", index), rest=rest)
                 for index, port in enumerate(part.ports)
                 if port not in nodes
             ]
-            self.faults += wrong if self.whole else []
+            self.tell(*(wrong if self.whole else []))
             if wrong:
                 self.without_ports.add(name)
         return self.done[name]
@@ -130,19 +138,19 @@ class _Flattening:
         count = whole.size + part.size * (use.repeat or 1)
         if count > MOST_ENTRIES:
             text = f"this makes {count} entries (elements, parameters, sensors, ...); a model may have {MOST_ENTRIES}"
-            self.faults.append(Fault(text, place, on_key=True))
+            self.tell(Fault(text, place, on_key=True))
             return
         for copy in copies(name, use):
             if copy.name in whole.elements:
                 text = f'"{copy.name}" is an element; what is used needs another name'
-                self.faults.append(Fault(text, place, on_key=True, about=copy.name))
+                self.tell(Fault(text, place, on_key=True, about=copy.name))
                 return
             for section, entries in self.renamed(copy, part).items():
                 table = getattr(whole, section)
                 twice = next((key for key in entries if key in table), None)
                 if twice is not None:
                     text = f'"{twice}" is already there among the {section}; use the part under another name'
-                    self.faults.append(Fault(text, place, on_key=True, about=twice))
+                    self.tell(Fault(text, place, on_key=True, about=twice))
                     return
                 table.update(entries)
 
