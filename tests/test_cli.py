@@ -108,10 +108,20 @@ def test_version():
 
 def test_library_lists_every_model_with_its_source():
     listed = json.loads(run("library", "--json").stdout)
-    assert {entry["name"] for entry in listed} == set(tn.library_models())
+    assert {entry["name"] for entry in listed if entry["kind"] == "model"} == set(tn.library_models())
+    for kind, folder in [("part", "parts/*.yaml"), ("catalogue", "catalogues/*.csv")]:
+        shipped = {path.stem for path in (ROOT / "library").glob(folder)}
+        assert {entry["name"] for entry in listed if entry["kind"] == kind} == shipped
     assert all(entry["what"] and entry["source"] and Path(entry["file"]).is_file() for entry in listed)
     text = run("library").stdout
-    assert {row[:2] for row in unfolded(text)} == {(entry["name"], entry["what"]) for entry in listed}
+    assert {row[:3] for row in unfolded(text)} == {(entry["name"], entry["kind"], entry["what"]) for entry in listed}
+
+
+def test_a_part_or_catalogue_of_the_library_is_no_model_and_told_how_to_use_it():
+    told = run("show", "planetary_stage", code=2).stderr
+    assert "use: {NAME: {part: planetary_stage, at: {carrier: ..., out: ..., housing: ...}}}" in " ".join(told.split())
+    told = run("show", "example_couplings", code=2).stderr
+    assert "catalogue: example_couplings and size:" in " ".join(told.split())
 
 
 def test_schema_on_stdout_and_in_a_file(tmp_path):

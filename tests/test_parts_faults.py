@@ -130,7 +130,7 @@ def test_a_part_cannot_contain_itself(parts, circle):
     (fault,) = errors(text)
     assert fault.message == f"a part cannot contain itself: {circle}; leave out one of these uses"
     assert fault.position.line == 3 + len(parts)
-    assert [one.line for one in fault.used_at][0] == 4 + len(parts)
+    assert fault.used_at[0].line == 4 + len(parts)
 
 
 def files(tmp_path, **texts):

@@ -6,18 +6,26 @@ from torsionnet.cli.command import JSON, Answer, Command, click_command
 
 
 class LibraryCommand(Command):
-    """List the models that come with the package; use their names in place of a file."""
+    """List the models that come with the package, to be named in place of a file, and its parts and catalogues."""
 
     forms = JSON
 
     def answer(self) -> Answer:
         from torsionnet.model.files import library_entry, library_models
+        from torsionnet.model.files.library import catalogue_entry, library_catalogues, library_parts
         from torsionnet.response.table import Column, Table
 
-        rows = tuple((name, *library_entry(path), str(path)) for name, path in library_models().items())
-        names = ("name", "what", "source", "file")
+        kinds = (
+            ("model", library_models(), library_entry),
+            ("part", library_parts(), library_entry),
+            ("catalogue", library_catalogues(), catalogue_entry),
+        )
+        rows = tuple(
+            (name, kind, *read(path), str(path)) for kind, files, read in kinds for name, path in files.items()
+        )
+        names = ("name", "kind", "what", "source", "file")
         return Answer(
-            screen=lambda: [Table("", tuple(map(Column, names)), rows).chosen(range(3))],
+            screen=lambda: [Table("", tuple(map(Column, names)), rows).chosen(range(4))],
             data=lambda: [dict(zip(names, row, strict=True)) for row in rows],
         )
 

@@ -164,7 +164,9 @@ AT_LEVEL = record(at=NUMBER, level=NUMBER)
 
 OUTPUTS: dict[str, Schema] = {
     "check": listed(record(model=TEXT, errors=COUNT, faults=listed(FAULT))),
-    "library": listed(record(name=TEXT, what=TEXT, source=TEXT, file=TEXT)),
+    "library": listed(
+        record(name=TEXT, kind={"enum": ["model", "part", "catalogue"]}, what=TEXT, source=TEXT, file=TEXT)
+    ),
     "modes": listed(
         record(
             title=TEXT,

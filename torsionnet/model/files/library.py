@@ -1,7 +1,8 @@
-"""The model files that come with the package."""
+"""The models, benches, parts and catalogues that come with the package."""
 
 from __future__ import annotations
 
+import re
 from itertools import islice
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from torsionnet.model.files.yaml_scalars import plain_value
 
 PACKAGE = Path(__file__).resolve().parents[2]
 HEAD_LINES = 40
+_END = re.compile("[,:.]")
 
 
 def library_folder() -> Path:
@@ -48,6 +50,30 @@ def library_parts() -> dict[str, Path]:
     True
     """
     return {path.stem: path for path in sorted((library_folder() / "parts").glob("*.yaml"))}
+
+
+def library_catalogues() -> dict[str, Path]:
+    """Name and file of every catalogue in the library, by name.
+
+    Examples
+    --------
+    >>> "example_couplings" in library_catalogues()
+    True
+    """
+    return {path.stem: path for path in sorted((library_folder() / "catalogues").glob("*.csv"))}
+
+
+def catalogue_entry(path: Path) -> tuple[str, str]:
+    """What a catalogue has and where that comes from: its first line, ``# Tyres of cars, data of usual size: ...``.
+
+    Examples
+    --------
+    >>> catalogue_entry(library_catalogues()["example_couplings"])
+    ('Rubber couplings', 'made-up data of usual size')
+    """
+    with path.open(encoding="utf-8") as file:
+        what, _, rest = file.readline().lstrip("# ").partition(",")
+    return what.strip(), _END.split(rest, maxsplit=1)[0].strip()
 
 
 def library_entry(path: Path) -> tuple[str, str]:

@@ -17,6 +17,7 @@ from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.followups import check_what_was_read
 from torsionnet.model.files.including import include_parts
 from torsionnet.model.files.library import library_models
+from torsionnet.model.files.library_uses import other_use
 from torsionnet.model.files.located import LocatedDocument, compose
 from torsionnet.model.files.placing import placed, presentable
 from torsionnet.model.parts.places import at_written_places
@@ -113,6 +114,9 @@ def _files_in(folder: Path) -> str:
 def _missing(path: Path, library: Iterable[str]) -> str:
     names = sorted(library)
     if path.suffix.lower() not in SUFFIXES and len(path.parts) <= 1:
+        other = other_use(path.name)
+        if other:
+            return other
         hint = did_you_mean(path.name, [*names, *_beside(path)])
         hint = hint or f"; there are {', '.join(names)}"
         return f'no library model is named "{path}"{hint} (a file name ends in .yaml)'

@@ -1,0 +1,34 @@
+"""How what the library has beside models is used: parts and catalogues."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from torsionnet.model.files.library import library_catalogues, library_entry, library_parts
+from torsionnet.model.files.located import compose
+
+
+def other_use(name: str) -> str:
+    """How a part or a catalogue of the library is used, which is no model; empty if none is named so.
+
+    Examples
+    --------
+    >>> print(other_use("rotor_blade").partition("; ")[0])
+    "rotor_blade" is a part (Rotor blade, edgewise), no model
+    """
+    parts, catalogues = library_parts(), library_catalogues()
+    if name in parts:
+        return _part(name, parts[name])
+    if name in catalogues:
+        text = f"give an element the entries catalogue: {name} and size: ..."
+        return f'"{name}" is a catalogue, no model; {text}; its sizes are in {catalogues[name]}'
+    return ""
+
+
+def _part(name: str, path: Path) -> str:
+    data = compose(path.read_text(encoding="utf-8"), str(path)).data
+    nodes = ", ".join(f"{port}: ..." for port in data["ports"])
+    text = f'"{name}" is a part ({library_entry(path)[0]}), no model'
+    text += f"; put it into a model with use: {{NAME: {{part: {name}, at: {{{nodes}}}}}}}"
+    values = ", ".join(data["parameters"])
+    return f"{text}; its parameters are {values}, its elements {', '.join(data['elements'])}; its file is {path}"
