@@ -217,6 +217,54 @@ class TestFaults:
                 elements=[element, *([tn.Inertia("y_J", node="y", inertia=1)] if "y" in element.ports.values() else [])]
             )
 
+    @pytest.mark.parametrize("first", ["gear", "spring"])
+    def test_two_ways_with_different_ratios(self, first):
+        """Gears of 17 and 41 teeth beside a spring: which of both the values are quoted over cannot be told."""
+        ways = {
+            "gear": tn.Gear("gear", nodes=("a", "b"), ratio="41/17"),
+            "spring": tn.Spring("spring", nodes=("a", "b"), stiffness=5),
+        }
+        parts = [
+            tn.Inertia("a_J", node="a", inertia=1),
+            *(ways[name] for name in sorted(ways, key=lambda name: name != first)),
+            tn.Spring("shaft", nodes=("b", "c"), stiffness=3, referred_to="a"),
+            tn.Inertia("c_J", node="c", inertia=1),
+        ]
+        with pytest.raises(ModelError, match="two ways lead from b to a") as caught:
+            tn.Drivetrain("loop", parts)
+        (fault,) = caught.value.faults
+        assert fault.path == ("elements", "shaft", "referred_to")
+        one, other = ("2.41176", "1") if first == "gear" else ("1", "2.41176")
+        assert f"a turns {one} or {other} times as fast as b by them; give the values of shaft at its own" in str(fault)
+
+    def test_second_ratio_over_two_gears(self):
+        """41/17 over one pair and, the other way around the loop, 2 * 3 over two, each way with a shaft in it."""
+        parts = [
+            tn.Inertia("a_J", node="a", inertia=1),
+            tn.Gear("pair", nodes=("a", "p"), ratio="41/17"),
+            tn.Spring("p_shaft", nodes=("p", "b"), stiffness=4),
+            tn.Gear("first", nodes=("a", "q"), ratio=2),
+            tn.Spring("q_shaft", nodes=("q", "r"), stiffness=4),
+            tn.Gear("second", nodes=("r", "b"), ratio=3),
+            tn.Inertia("b_J", node="b", inertia=1, referred_to="a"),
+        ]
+        with pytest.raises(ModelError, match=r"a turns 2\.41176 or 6 times as fast as b by them"):
+            tn.Drivetrain("loop", parts)
+
+    def test_loops_that_leave_one_ratio(self):
+        """One that agrees with itself, and one beyond the shafts in question."""
+        parts = [
+            tn.Inertia("a_J", node="a", inertia=1),
+            tn.Gear("g", nodes=("a", "b"), ratio=3),
+            tn.Gear("g2", nodes=("a", "c"), ratio=3, stiffness=5),
+            tn.Spring("across", nodes=("b", "c"), stiffness=7),
+            tn.Inertia("c_J", node="c", inertia=1, referred_to="a"),
+            tn.Gear("aside", nodes=("a", "d"), ratio=2, stiffness=5),
+            tn.Spring("locking", nodes=("a", "d"), stiffness=5),
+            tn.Inertia("d_J", node="d", inertia=1),
+        ]
+        assert tn.Drivetrain("loop", parts).elements["c_J"].referred_to == "a"
+
     def test_ground_is_no_shaft(self):
         with pytest.raises(ModelError, match="ground does not move"):
             tn.Inertia("x", node="prop", inertia=1, referred_to="ground")

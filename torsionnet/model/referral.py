@@ -7,6 +7,7 @@ from typing import Any
 
 from torsionnet.core.errors import Fault, TorsionnetError
 from torsionnet.model.elements import Element, Law, Values
+from torsionnet.model.elements.speed_loops import second_ratio
 from torsionnet.model.elements.speed_path import SpeedPath, SpeedPaths, own_node
 
 
@@ -49,5 +50,25 @@ def unfit_references(elements: Sequence[Element], values: Mapping[str, Any]) -> 
                 f"no ratio leads from {own} to {element.referred_to}: in between is something open, or a differential "
                 f"or planetary set with two free members; give the values of {element.name} at its own shaft"
             )
+        if reason is None and paths is not None:
+            reason = _two_ratios(element, paths, own)
         if reason is not None:
             yield Fault(reason, path)
+
+
+def _two_ratios(element: Element, paths: SpeedPaths, own: str) -> str | None:
+    """Why the ratio to the shaft is not the only one: by another way, as over a spring beside gears, it is different."""
+    end = str(element.referred_to)
+    tree, path = paths.tree(own, end), paths.between(own, end)
+    if not tree.closing or path is None:
+        return None
+    try:
+        first, second = path.ratio(paths.value), second_ratio(tree, own, paths.value)
+    except ArithmeticError:  # a ratio of zero, which other checks tell
+        return None
+    if second is None:
+        return None
+    return (
+        f"two ways lead from {own} to {end}, and {end} turns {float(first):.6g} or {float(second):.6g} times as fast as "
+        f"{own} by them; give the values of {element.name} at its own shaft, {own}, without referred_to"
+    )

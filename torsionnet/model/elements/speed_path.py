@@ -99,20 +99,24 @@ class _Held:
         return len(self.row) == 2 and all(type(a) is int for a in self.row.values()) and sum(self.row.values()) == 0
 
 
+@dataclass(frozen=True)
+class SpeedTree:
+    """By node the next step towards one, over rows in which all other nodes stand still, and what closes loops."""
+
+    steps: Mapping[str, SpeedStep | None]
+    closing: tuple[SpeedStep, ...]
+
+
 class SpeedPaths:
     """The ways between shafts through elements that are switched on, with the values of one algebra."""
 
     def __init__(self, elements: Sequence[Passing], value: Values) -> None:
         self.elements, self.value = elements, value
-        self._trees: dict[str, dict[str, SpeedStep | None]] = {}
+        self._trees: dict[str, SpeedTree] = {}
 
     def between(self, start: str, end: str) -> SpeedPath | None:
         """The way from one node to another, or None."""
-        if end not in self._trees:
-            self._trees[end] = self._tree(end, ())
-        tree = self._trees[end]
-        if start not in tree:
-            tree = self._tree(end, (start,))  # which moves after all
+        tree = self.tree(start, end).steps
         if start not in tree:
             return None
         steps = []
@@ -125,6 +129,13 @@ class SpeedPaths:
                 steps.append(step)
             node = step.end
         return SpeedPath(tuple(steps))
+
+    def tree(self, start: str, end: str) -> SpeedTree:
+        """All ways to a node, from another one too if any leads there."""
+        if end not in self._trees:
+            self._trees[end] = self._tree(end, ())
+        tree = self._trees[end]
+        return tree if start in tree.steps else self._tree(end, (start,))  # which moves after all
 
     @cached_property
     def _rows(self) -> list[_Held]:
@@ -147,18 +158,21 @@ class SpeedPaths:
             held.is_unity for held in self._at[step.start] if (held.element, held.number) == (step.element, step.row)
         )
 
-    def _tree(self, end: str, moving: Sequence[str]) -> dict[str, SpeedStep | None]:
-        """By node the next step towards ``end``, over rows in which all other nodes stand still."""
+    def _tree(self, end: str, moving: Sequence[str]) -> SpeedTree:
         still = self._standing({end, *moving})
         found: dict[str, SpeedStep | None] = {end: None}
+        closing = []
         waiting = [end]
         for node in waiting:
             for held in self._at.get(node, ()):
                 for other in held.leads(node, still):
+                    step, own = SpeedStep(held.element, held.number, other, node), found[node]
                     if other not in found:
-                        found[other] = SpeedStep(held.element, held.number, other, node)
+                        found[other] = step
                         waiting.append(other)
-        return found
+                    elif own is None or (own.element, own.row) != (held.element, held.number):
+                        closing.append(step)
+        return SpeedTree(found, tuple(closing))
 
     def _standing(self, moving: set[str]) -> set[str]:
         """Nodes tied to the ground by clamps and springs; not those that turn with the nodes in question."""
