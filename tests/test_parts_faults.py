@@ -38,6 +38,7 @@ def test_the_model_itself_is_sound():
 
 
 CASES = [  # old, new, line:column, message
+    ("right: {part: half,", "right: {part: half.yaml,", "17:17", "a file goes into include:"),
     ("right: {part: half,", "right: {part: halve,", "17:17", 'no part is named "halve"; did you mean "half"?'),
     ("inner: cage, road: road}, parameters", "inner: cage}, parameters", "16:22", "port road of half not connected"),
     ("{part: half, at: {inner: cage, road: road}}", "{part: half}", "17:3", "ports inner, road of half not connected"),

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from torsionnet.core.entries.nearby import names_a_file
 from torsionnet.core.entries.renaming import Renaming
 from torsionnet.core.errors import Fault, ModelError, Path, UsageError, unknown_name
 from torsionnet.model.configurations import DEFAULT_AXIS, Overlay
@@ -95,7 +96,8 @@ class _Flattening:
 
     def is_known(self, use: Use, place: Path, within: tuple[str, ...]) -> bool:
         if use.part not in self.parts:
-            self.tell(unknown_name("part", use.part, self.parts, (*place, "part")))
+            rest = "a file goes into include:, its part then has the name of the file" if names_a_file(use.part) else ""
+            self.tell(unknown_name("part", use.part, self.parts, (*place, "part"), rest=rest))
             return False
         if use.part in within:
             circle = " -> ".join([*within[within.index(use.part) :], use.part])
