@@ -57,7 +57,7 @@ def unfit_references(elements: Sequence[Element], values: Mapping[str, Any]) -> 
 
 
 def _two_ratios(element: Element, paths: SpeedPaths, own: str) -> str | None:
-    """Why the ratio to the shaft is not the only one: by another way, as over a spring beside gears, it is different."""
+    """Why the ratio to the shaft is not the only one: another way, as over a spring beside gears, has another."""
     end = str(element.referred_to)
     tree, path = paths.tree(own, end), paths.between(own, end)
     if not tree.closing or path is None:
@@ -69,6 +69,6 @@ def _two_ratios(element: Element, paths: SpeedPaths, own: str) -> str | None:
     if second is None:
         return None
     return (
-        f"two ways lead from {own} to {end}, and {end} turns {float(first):.6g} or {float(second):.6g} times as fast as "
-        f"{own} by them; give the values of {element.name} at its own shaft, {own}, without referred_to"
+        f"two ways lead from {own} to {end}, and {end} turns {float(first):.6g} or {float(second):.6g} times as fast "
+        f"as {own} by them; give the values of {element.name} at its own shaft, {own}, without referred_to"
     )
