@@ -14,7 +14,8 @@ ROUNDING = 1e-9
 def second_ratio(tree: SpeedTree, start: str, value: Values) -> Any | None:
     """Speed of the shaft at the end over that at the start by another way than that of the tree, if it differs.
 
-    What closes a loop leads around the steps that its two ends do not have in common on their ways to the end.
+    What closes a loop leads around the steps that its start does not have in common with its end; the tree has it in
+    both directions.
     """
     ratios: dict[str, Any] = {}
     for node, step in tree.steps.items():
@@ -27,8 +28,6 @@ def second_ratio(tree: SpeedTree, start: str, value: Values) -> Any | None:
         here, there = _way(tree, closing.start), _way(tree, closing.end)
         if way & (here - there):
             return ratios[start] * factor
-        if way & (there - here):
-            return ratios[start] / factor
     return None
 
 

@@ -101,7 +101,10 @@ class _Held:
 
 @dataclass(frozen=True)
 class SpeedTree:
-    """By node the next step towards one, over rows in which all other nodes stand still, and what closes loops."""
+    """By node the next step towards one, over rows in which all other nodes stand still.
+
+    ``closing`` are the steps of the rows that close loops, each in both directions.
+    """
 
     steps: Mapping[str, SpeedStep | None]
     closing: tuple[SpeedStep, ...]
