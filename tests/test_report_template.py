@@ -14,6 +14,8 @@ from test_cli import run
 
 import torsionnet as tn
 from torsionnet.model.elements import ELEMENT_TYPES
+from torsionnet.model.elements.sheared_shapes import RUBBER_SHAPES, FilmGap
+from torsionnet.model.elements.viscoelastic import Viscoelastic
 from torsionnet.report import make_report
 from torsionnet.report.document_tree import (
     Facts,
@@ -183,13 +185,15 @@ class TestWords:
             plain(name).lower() for cls in ELEMENT_TYPES.values() for name, _ in cls.specs()
         }
         words |= {f"{word} " for word in words} | {"input", "sensor", "rigid body", "real pole", "error", "warning", "note", *(f"{q} {o} " for q in ("torque", "angle", "velocity", "acceleration", "twist") for o in ("on", "of", "through"))}  # fmt: skip
+        nested = (Viscoelastic, FilmGap, *RUBBER_SHAPES.values())
+        words |= {plain(name).lower() for cls in nested for name, _ in cls.specs()}
         for text in TEXTS:
             for piece in PLACE.split(text.removeprefix("; "))[::2]:
                 if (
                     "of vibration" in piece
                 ):  # put together of many parts; descriptions of modes have a test of their own
                     continue
-                low = piece.lower()
+                low = piece.lower().rpartition(".")[2]  # of a nested entry the last name
                 assert low in words or f'"{piece}"' in shown or any(low in one for one in strings), (text, piece)
 
     def test_every_text_of_a_section_is_listed(self):

@@ -8,8 +8,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from torsionnet.core.damping import DampingMeasure
+from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import Spec
-from torsionnet.core.entries.words import Text
 from torsionnet.core.expressions import Expression, Number
 from torsionnet.core.number_text import on_screen
 from torsionnet.core.units import RPM, expected_unit
@@ -18,8 +18,8 @@ from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.model.elements import Element, Values
 from torsionnet.model.elements.characteristic import Characteristic
 from torsionnet.model.elements.laws import Law
-from torsionnet.model.elements.nodes import NodeName, NodePair, ReferenceNode
 from torsionnet.model.elements.quantity_table import Several, TableByName
+from torsionnet.model.given_values import given, in_words
 from torsionnet.response.table import Column, Table
 
 if TYPE_CHECKING:
@@ -30,7 +30,6 @@ MOST_ROWS = 60
 """Rows of a table in a notebook."""
 Written: TypeAlias = tuple[str | float, ...]
 """A text with numbers in it, which a table writes with the digits of its column."""
-SHOWN_ELSEWHERE = (NodeName, NodePair, Text)
 
 
 def tables(rig: Model) -> tuple[Table, ...]:
@@ -97,12 +96,9 @@ def nodes_text(element: Element) -> str:
 def values_of(element: Element, rig: Model) -> Iterator[Written]:
     """``stiffness k_2 = 460 N*m/rad`` for each value given."""
     defaults = element.defaults()
-    for name, (spec, value) in element.scalars().items():
-        if name == "enabled" or (isinstance(spec, SHOWN_ELSEWHERE) and not isinstance(spec, ReferenceNode)):
-            continue  # in columns of their own
-        if value == defaults[name]:
-            continue
-        yield (f"{name} ", *value_text(element, spec, value, rig))
+    for name, spec, value in given(element):
+        if value != defaults.get(name, ()):
+            yield (f"{name} ", *value_text(element, spec, value, rig))
 
 
 def value_text(element: Element, spec: Spec, value: Any, rig: Model) -> Written:
@@ -128,15 +124,10 @@ def value_text(element: Element, spec: Spec, value: Any, rig: Model) -> Written:
         return (f"of {len(value)} rows",)
     if hasattr(value, "frequencies"):
         return (f"of {len(value.frequencies)} frequencies",)
-    plain = spec.plain(value)
-    return (", ".join(map(_words, plain)) if isinstance(plain, list) else str(plain),)
-
-
-def _words(plain: Any) -> str:
-    """An entry of a list: ``stiffness 340 to 30 deg`` of a stage."""
-    if not isinstance(plain, dict):
-        return str(plain)
-    return " ".join(f"{name} {one:.6g}" if isinstance(one, float) else f"{name} {one}" for name, one in plain.items())
+    if isinstance(spec, Value):
+        unit = expected_unit(spec.dimension)
+        return (float(value), "" if unit == "1" else f" {unit}")
+    return (in_words(spec, value),)
 
 
 def _unit_of_measure(value: DampingMeasure) -> str:

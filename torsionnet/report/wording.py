@@ -13,7 +13,7 @@ from functools import cache, cached_property
 from importlib.resources import files
 from typing import Any, ClassVar
 
-from torsionnet.core.entries.composite import Named
+from torsionnet.core.entries.composite import Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.scalars import PhysicalQuantity, Value
 from torsionnet.core.entries.spec import EntryError, Spec, entry
@@ -21,11 +21,14 @@ from torsionnet.core.entries.words import Count, OneOf, Text
 from torsionnet.core.errors import Fault, meant_or
 from torsionnet.model.elements import ELEMENT_TYPES
 from torsionnet.model.elements.characteristic import Characteristic
+from torsionnet.model.elements.control_entries import ControlLawEntry
 from torsionnet.model.elements.curves import LookupCurve
 from torsionnet.model.elements.quantity_table import Several
+from torsionnet.model.elements.spring_stages import SpringStages
 from torsionnet.model.elements.stiffness_rows import TableEntry
 from torsionnet.model.elements.teeth import Teeth
 from torsionnet.model.files.located import compose
+from torsionnet.model.given_values import is_elsewhere
 
 PLACE = re.compile(r"\{(\w+)\}")
 """Where something is inserted."""
@@ -49,10 +52,23 @@ def replaceable() -> Mapping[str, tuple[str, ...]]:
 
 def _properties(name: str, spec: Spec) -> Iterator[str]:
     """What a report calls the values of an entry."""
-    if isinstance(spec, Several):
+    if is_elsewhere(name, spec):
+        return
+    if isinstance(spec, Nested):
+        yield from _nested(name, spec.of())
+        return
+    if isinstance(spec, Typed):
+        for cls in spec.kinds().values():
+            yield from _nested(name, cls)
+    if isinstance(spec, Several | SpringStages | ControlLawEntry):
         yield f"{name} {{key}}"
-    elif isinstance(spec, SHOWN):
+    if not isinstance(spec, Several | SpringStages):
         yield name
+
+
+def _nested(name: str, cls: type[Declared]) -> Iterator[str]:
+    for inner, of in cls.specs():
+        yield from _properties(f"{name}.{inner}", of)
 
 
 def _words(names: Iterable[str]) -> tuple[str, ...]:

@@ -99,7 +99,8 @@ def _with_hysteresis(assembly: Assembly) -> tuple[EigenSolution, tuple[str, ...]
     varying = [assembly.owners[law] for law, one in system.dynamic if not isinstance(one, ComplexStiffness)]
     if varying:
         names = ", ".join(dict.fromkeys(varying))
-        raise UsageError(f"modes with controllers are not worked out where a stiffness varies with frequency: {names}")
+        text = f"modes with controllers are not worked out where a stiffness varies with frequency: {names}"
+        raise UsageError(f"{text}; a continuous shaft may be given as type: shaft with segments")
     springs = system.stiffness + system.kappa(1.0).real
     elastic = replace(assembly, system=replace(system, dynamic=(), stiffness=springs))
     solution, doubts, notes = active_modes(elastic)

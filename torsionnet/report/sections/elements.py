@@ -18,6 +18,7 @@ from torsionnet.model.elements.curves import LookupCurve
 from torsionnet.model.elements.laws import Law
 from torsionnet.model.elements.quantity_table import Several, TableByName
 from torsionnet.model.elements.stiffness_rows import TableEntry
+from torsionnet.model.given_values import given, in_words
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, NumberText, Section, TableBlock
 from torsionnet.report.expression_latex import expression_latex
 from torsionnet.report.report_data import ReportData
@@ -93,7 +94,8 @@ def between(element: Element) -> str:
 
 def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cell, Cell]]:
     """Property, symbol, value and unit of everything that was given."""
-    for name, (spec, value) in element.scalars().items():
+    defaults = element.defaults()
+    for name, spec, value in given(element):
         if isinstance(value, DampingMeasure):
             yield from _measure(element, value, rig)
         elif isinstance(spec, PhysicalQuantity) and isinstance(value, Expression):
@@ -107,6 +109,20 @@ def _values(element: Element, rig: Drivetrain) -> Iterator[tuple[Cell, Cell, Cel
             yield plain(name), "", NumberText(float(value), 5), unit(expected_unit(spec.dimension))
         elif isinstance(spec, SHOWN) and value != ():
             yield plain(name), "", _plain(spec, value), "–"
+        elif not isinstance(spec, SHOWN) and value != defaults.get(name, ()):
+            yield from _in_words(element, name, spec, value, rig)
+
+
+def _in_words(
+    element: Element, name: str, spec: Spec, value: Any, rig: Drivetrain
+) -> Iterator[tuple[Cell, Cell, Cell, Cell]]:
+    """Each of the expressions an element has in such an entry, as those of a law; words where there is none."""
+    found = [(path, one, of) for path, _, one, of in element.expressions() if path[0] == name]
+    for path, one, of in found:
+        number = NumberText(float(one.evaluate(rig.exact_values)), 5)
+        yield plain(" ".join(map(str, path))), _symbol(one), number, unit(expected_unit(of)) if of else "SI"
+    if not found:
+        yield plain(name), "", in_words(spec, value), "–"
 
 
 def _of_table(spec: Spec, value: Any, rig: Drivetrain) -> tuple[Cell, Cell, Cell]:

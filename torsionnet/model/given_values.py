@@ -1,0 +1,61 @@
+"""What was given of an element: every value by itself, those of nested entries too, whatever their kinds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.core.entries.composite import Typed
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.number_table import NumberTable
+from torsionnet.core.entries.spec import Spec
+from torsionnet.core.entries.words import Flag
+from torsionnet.model.elements.nodes import NodeName, NodePair, ReferenceNode
+
+if TYPE_CHECKING:
+    from torsionnet.model.elements import Element
+
+REMARKS = ("description", "enabled")
+"""Entries that stand in the remarks."""
+
+
+def given(element: Element) -> Iterator[tuple[str, Spec, Any]]:
+    """Name, specification and value of everything but nodes and remarks; of nested entries ``silicone.moduli``."""
+    for name, (spec, value) in element.scalars().items():
+        if not is_elsewhere(name, spec):
+            yield from _leaves(name, spec, value)
+
+
+def is_elsewhere(name: str, spec: Spec) -> bool:
+    """Whether columns of their own show it."""
+    nodes = isinstance(spec, NodeName | NodePair) and not isinstance(spec, ReferenceNode)
+    return nodes or name in REMARKS
+
+
+def _leaves(name: str, spec: Spec, value: Any) -> Iterator[tuple[str, Spec, Any]]:
+    if isinstance(value, tuple) and value and all(isinstance(one, Declared) for one in value):
+        for number, one in enumerate(value, 1):
+            yield from _leaves(f"{name} {number}", spec, one)
+    elif isinstance(value, Declared):
+        if isinstance(spec, Typed):
+            yield name, spec, value.kind
+        for inner, of in value.specs():
+            if (one := getattr(value, inner)) is not None:
+                yield from _leaves(f"{name}.{inner}", of, one)
+    else:
+        yield name, spec, value
+
+
+def in_words(spec: Spec, value: Any) -> str:
+    """A value that is no number: yes or no, a word, a list of these."""
+    if isinstance(spec, Flag):
+        return "yes" if value else "no"
+    if isinstance(spec, NumberTable):
+        return f"{len(value)} rows, {value[0][0]:g} to {value[-1][0]:g}"
+    return _listed(value if isinstance(value, str) else spec.plain(value))
+
+
+def _listed(plain: Any) -> str:
+    if isinstance(plain, Mapping):
+        return ", ".join(f"{name} {_listed(one)}" for name, one in plain.items())
+    return ", ".join(map(_listed, plain)) if isinstance(plain, list | tuple) else str(plain)
