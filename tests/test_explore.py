@@ -249,9 +249,11 @@ class TestSaving:
             values = {one.name: f"{1.03 * one.default:.6g} {one.unit}".strip() for one in free}
             state = read_state({"choice": dict(rig._choice), "values": values})
             expected = session.base.configured(configuration, **state.values)
-            text = session.saved(state)
-            assert tn.loads(text).configured(configuration).parameters == expected.parameters
-            assert text.count("\n") == session.text.count("\n")  # edited in place, not written anew
+            assert tn.loads(session.saved(state)).configured(configuration).parameters == expected.parameters
+            # One copy of a part may need a list where the author gave a value for all; that is written anew.
+            own = {name: value for name, value in values.items() if "." not in name}
+            text = session.saved(read_state({"choice": dict(rig._choice), "values": own}))
+            assert text.count("\n") == session.text.count("\n")  # edited in place
 
     def test_only_the_values_change(self, amt):
         state = State({"gear": "V"}, {"k_1": "0.5 kN*m/rad", "tau": 3.3})

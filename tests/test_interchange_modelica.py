@@ -20,7 +20,10 @@ NO_COUNTERPART = {"hysteretic_spring", *OVER_FREQUENCY, "controller", "fluid_cou
 
 
 def has_counterpart(rig):
-    return not any(element.kind in NO_COUNTERPART for element in rig.definition.active)
+    """Whether no element is of a type that Modelica lacks, or loses energy as rubber does."""
+    laws = [law for _, law in rig.assembly.kinematics.laws if law.acts]
+    lossy = any(law.loss_factor or law.table for law in laws)
+    return not lossy and not any(element.kind in NO_COUNTERPART for element in rig.definition.active)
 
 
 def different(name):

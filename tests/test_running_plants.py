@@ -200,7 +200,7 @@ class TestCompressor:
         """Work of the net trace of four cylinders a turn, against the torque that the load takes."""
         engine = plant.definition.excitations["compressor"]
         work = -4 * mean_indicated_pressure(engine, "fired") * swept(engine)
-        taken = sum(one.torque for one in plant.definition.load.by_node.values())
+        taken = sum(one.torque for one in plant.definition.load.by_place.values())
         assert work / (2 * np.pi) == pytest.approx(taken, rel=0.01)
 
     def test_ideal_work_of_one_end(self, plant):

@@ -77,12 +77,15 @@ def motion(drawn: Plant, rig: tn.Drivetrain, chance: random.Random) -> Iterator[
     terms = 60 + 4 * math.ceil(largest * count / rate)
     if terms > MOST_TERMS:
         return
-    recording = rig.simulate(output, {source: np.arange(count) / rate}, rate)
+    recording = rig.simulate([*drawn.outputs], {source: np.arange(count) / rate}, rate)
     values = recording[output].values
+    # What is far from the torque hardly moves at first: it is as exact as the largest motion's last digits.
+    noise = 1e-4 * max(float(np.abs(recording[one].values).max()) for one in drawn.outputs)
+    size = max(float(np.abs(values).max()), noise) or 1.0
     for place in (20, 59):
         t = place / rate
         exact = _talbot(lambda s: _entry(drawn, s, output, source) / s**2, t, terms)
-        yield "motion", 1 + (values[place] - exact) / float(np.abs(values).max() or 1.0), 1.0, 1e-9
+        yield "motion", 1 + (values[place] - exact) / size, 1.0, 1e-9
 
 
 def _talbot(transform: Any, t: float, terms: int) -> float:
