@@ -153,3 +153,17 @@ class TestForms:
         assert "omega" in H.to_latex()
         alone = 2j * math.pi / (50 + 60j * math.pi - 8 * math.pi**2)
         assert H.evaluate([1.0], tau=0).values.item() == pytest.approx(alone, rel=1e-12)
+
+
+def test_a_report_leaves_out_what_a_delay_has_not(tmp_path):
+    from torsionnet.report import write_report
+
+    model = tn.loads(
+        "{torsionnet: 1, elements: {one: {type: inertia, node: a, inertia: 2}, hold: {type: spring, nodes: [a, ground],"
+        " stiffness: 100, damping: 2}, governor: {type: controller, sense: {velocity: a}, act: a, law: -2, delay: 5 ms}},"
+        " inputs: {T: {torque: a}}, sensors: {w: {velocity: a}}}"
+    )
+    write_report(model, tmp_path / "report.md")
+    text = (tmp_path / "report.md").read_text(encoding="utf-8")
+    assert "Low frequency" in text or "Static value" in text
+    assert "High frequency" not in text

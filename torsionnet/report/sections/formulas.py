@@ -30,6 +30,7 @@ from torsionnet.report.report_tables import table
 from torsionnet.report.report_words import capital, pair_latex, quotient_latex, sentence, unit
 from torsionnet.report.widths import FORMULA, letters
 from torsionnet.response import FrequencyResponse
+from torsionnet.symbolic.delay import delays_of
 from torsionnet.symbolic.equations import sum_terms
 from torsionnet.symbolic.shown import latex, polynomial_latex
 from torsionnet.symbolic.symbol_names import symbol_latex
@@ -108,6 +109,8 @@ def _introduction(found: TransferFunction, rig: Drivetrain) -> Text:
 
 
 def _polynomial(found: TransferFunction, pair: Pair, cases: tuple[Case, ...]) -> list[Block]:
+    if delays_of(found.used_tables):  # which are no polynomials in s
+        return []
     rational = found.polynomial
     order = len(rational.denominator) - 1
     if order > MOST_ORDER or max(map(_terms, (*rational.numerator, *rational.denominator))) > LONGEST:
@@ -162,10 +165,11 @@ def _exact(value: Any) -> bool:
 
 def _limits(found: TransferFunction, pair: Pair) -> TableBlock:
     arrow = {"low": r"s \to 0", "high": r"s \to \infty"}
-    static, low, high = found.static_gain, found.low_frequency, found.high_frequency
+    static, low = found.static_gain, found.low_frequency
     rows: list[tuple[Cell, ...]] = [("Static value", _limit(static))]
     rows += [(("Low frequency, ", Math(arrow["low"])), _limit(low))] if low != static else []
-    rows.append((("High frequency, ", Math(arrow["high"])), _limit(high)))
+    if not delays_of(found.used_tables):  # with a delay there is no leading term
+        rows.append((("High frequency, ", Math(arrow["high"])), _limit(found.high_frequency)))
     return table(("Limits of ", Math(pair_latex(pair))), (Heading("Limit"), Heading("Leading term", wide=True)), rows)
 
 
