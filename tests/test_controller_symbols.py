@@ -8,6 +8,7 @@ import sympy
 from test_controller import FREQUENCIES, Plant
 
 import torsionnet as tn
+from torsionnet.assembly.symbolic import symbolic_matrices
 
 
 def speed_loop(delay=0, law=None):
@@ -167,3 +168,13 @@ def test_a_report_leaves_out_what_a_delay_has_not(tmp_path):
     text = (tmp_path / "report.md").read_text(encoding="utf-8")
     assert "Low frequency" in text or "Static value" in text
     assert "High frequency" not in text
+
+
+def test_torques_of_one_element_have_names_of_their_own():
+    converter = tn.TorqueConverter(
+        "conv", pump="a", turbine="b", speed=200, speed_ratio=0.5, pump_torque=[[0, 180], [1, 100]], test_speed=200,
+        torque_ratio=[[0, 2.2], [1, 1]],
+    )  # fmt: skip
+    rig = tn.Drivetrain("two", [converter, tn.Inertia("J", node="a", inertia=1), tn.Inertia("K", node="b", inertia=2)])
+    owners = [one.owner for one in symbolic_matrices(rig).actions]
+    assert owners == ["conv_1", "conv_2"]

@@ -167,8 +167,20 @@ def symbolic_matrices(drivetrain: AssembledModel, referred_to: Sequence[str] = (
         B=_matrix(loads, coordinates).T,
         values={sympy.Symbol(name): rational(value) for name, value in drivetrain.exact_values.items()},
         conditions=ratios.conditions(),
-        actions=tuple(_action(owner, action, ratios, coordinates) for owner, action in ratios.kinematics.actions),
+        actions=tuple(
+            _action(name, action, ratios, coordinates)
+            for name, (_, action) in zip(_numbered(ratios.kinematics.actions), ratios.kinematics.actions, strict=True)
+        ),
     )
+
+
+def _numbered(actions: Sequence[tuple[str, Action]]) -> list[str]:
+    """The owners of actions, with a number where one has several: their torques need names of their own."""
+    owners = [owner for owner, _ in actions]
+    return [
+        owner if owners.count(owner) == 1 else f"{owner}_{owners[: place + 1].count(owner)}"
+        for place, owner in enumerate(owners)
+    ]
 
 
 def _action(owner: str, action: Action, ratios: _Ratios, coordinates: Sequence[str]) -> SymbolicAction:
