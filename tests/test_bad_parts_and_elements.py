@@ -177,4 +177,4 @@ def test_a_list_of_stages_is_shown_in_words(folder, capsys):
     assert main(["show", "model.yaml"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
     assert "'stiffness'" not in shown
-    assert "stiffness 5 to 4 deg" in shown
+    assert "stages 1.stiffness 5 N*m/rad; stages 1.to 4 deg" in shown
