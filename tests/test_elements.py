@@ -149,3 +149,9 @@ def test_contradictions_are_named(make, words):
 def test_compliance_is_inverted_where_a_stiffness_is_wanted():
     spring = tn.Spring("s", nodes=("a", "b"), stiffness="0.002 rad/Nm")
     assert spring.stiffness.evaluate({}) == 500
+
+
+@pytest.mark.parametrize("kind", ["spring", "hysteretic_spring", "shaft", "continuous_shaft"])
+def test_a_bore_is_smaller_than_its_shaft(kind):
+    with pytest.raises(tn.ModelError, match="the inner diameter must be smaller than the outer diameter"):
+        replace(EVERY_ELEMENT[kind], outer_diameter="50 mm", inner_diameter="50 mm")

@@ -10,11 +10,12 @@ from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Expression, Number
+from torsionnet.core.expressions import Expression
 from torsionnet.model.elements.damping_entries import LossFactor
 from torsionnet.model.elements.element import Element, register
 from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
 from torsionnet.model.elements.nodes import NodePair
+from torsionnet.model.elements.round_section import section_faults
 from torsionnet.model.elements.shaft_stiffness import ShaftEnd, ShaftTwist
 
 INSIDE = Fraction(382, 1000)
@@ -62,10 +63,7 @@ class ContinuousShaft(Element):
     )
 
     def contradictions(self) -> list[Fault]:
-        inner, outer = self.inner_diameter, self.outer_diameter
-        if isinstance(inner, Number) and isinstance(outer, Number) and inner.value >= outer.value:
-            return [Fault("the inner diameter must be smaller than the outer diameter", ("inner_diameter",))]
-        return []
+        return section_faults(self)
 
     @property
     def diameters(self) -> tuple[Expression, Expression]:

@@ -11,11 +11,12 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.core.expression_reading import scalar
-from torsionnet.core.expressions import Expression, Number
+from torsionnet.core.expressions import Expression
 from torsionnet.model.elements.damping_entries import DampingQuantity
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.laws import Law, Part, Row, Values, difference, make_row
 from torsionnet.model.elements.nodes import NodePair
+from torsionnet.model.elements.round_section import section_faults
 
 
 @register
@@ -55,10 +56,7 @@ class Shaft(Element):
     damping: Any = entry(DampingQuantity("viscous damping of the whole shaft in twist", "damping", "c"), 0)
 
     def contradictions(self) -> list[Fault]:
-        inner, outer = self.inner_diameter, self.outer_diameter
-        if isinstance(inner, Number) and isinstance(outer, Number) and inner.value >= outer.value:
-            return [Fault("the inner diameter must be smaller than the outer diameter", ("inner_diameter",))]
-        return []
+        return section_faults(self)
 
     @property
     def diameters(self) -> tuple[Expression, Expression]:

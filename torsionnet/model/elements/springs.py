@@ -8,11 +8,12 @@ from typing import Any, ClassVar
 from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
-from torsionnet.core.expressions import Expression, Number
+from torsionnet.core.expressions import Expression
 from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor, loss_factor
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.laws import Law, Part, Values, difference
 from torsionnet.model.elements.nodes import NodePair
+from torsionnet.model.elements.round_section import section_faults
 from torsionnet.model.elements.stiffness_rows import TableEntry
 
 PAIR = "the two nodes it connects, one may be ground; twist is the angle of the first minus the second"
@@ -20,15 +21,6 @@ SECTION = PhysicalQuantity(
     "outer diameter of the shaft that it stands for, where its stress is judged", "length", "D", exclusive=True
 )
 BORE = PhysicalQuantity("inner diameter there", "length", "d")
-
-
-def _section_faults(element: Any) -> list[Fault]:
-    inner, outer = element.inner_diameter, element.outer_diameter
-    if outer is None:
-        return [] if inner == Number(0) else [Fault("inner_diameter needs outer_diameter too", ("inner_diameter",))]
-    if isinstance(inner, Number) and isinstance(outer, Number) and inner.value >= outer.value:
-        return [Fault("the inner diameter must be smaller than the outer diameter", ("inner_diameter",))]
-    return []
 
 
 @register
@@ -53,7 +45,7 @@ class Spring(Element):
     inner_diameter: Any = entry(BORE, 0)
 
     def contradictions(self) -> list[Fault]:
-        return _section_faults(self)
+        return section_faults(self)
 
     @property
     def diameters(self) -> tuple[Expression, Expression] | None:
@@ -112,7 +104,7 @@ class HystereticSpring(Element):
     inner_diameter: Any = entry(BORE, 0)
 
     def contradictions(self) -> list[Fault]:
-        return _section_faults(self)
+        return section_faults(self)
 
     @property
     def diameters(self) -> tuple[Expression, Expression] | None:
