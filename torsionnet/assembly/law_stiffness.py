@@ -88,8 +88,14 @@ class LawStiffness:
     def at(self, points: NDArray[np.intp]) -> LawStiffness:
         """Some points, as frequencies of one variant."""
         actions = tuple(values.reshape(1, -1)[:, points] for values in self.actions)
-        some = replace(self, omega=self._all_omega[points], actions=actions)
-        return some.sampled_as(self.by_law[:, points])
+        variants, places = np.divmod(points, self.n_frequencies)
+        omega = self.omega[places] if self.omega.ndim == 1 else self.omega[variants, places]
+        values = np.empty((self.n_laws, len(points)), dtype=complex)
+        values.real = self.inertia[variants].T * -(omega * omega) + self.stiffness[variants].T
+        values.imag = self.damping[variants].T * omega
+        for law, sampled in self.sampled:
+            values[law] += sampled[variants, places]
+        return replace(self, omega=omega, actions=actions).sampled_as(values)
 
     def sampled_as(self, values: ComplexArray) -> LawStiffness:
         """At the same frequencies of one variant, but with stiffnesses (n_laws, n_f) of any values."""
@@ -107,15 +113,15 @@ class LawStiffness:
         shape = (len(self.stiffness), len(sources))
         J, c, k = np.zeros(shape), np.zeros(shape), np.zeros(shape)
         places: dict[int, list[tuple[int, float]]] = {}
-        slots, laws, factors = [], [], []
+        terms: dict[int, list[tuple[int, int, float]]] = {}
         for slot, source in enumerate(sources):
-            for law, factor in source:
-                slots.append(slot)
-                laws.append(law)
-                factors.append(factor)
+            for number, (law, factor) in enumerate(source):
+                terms.setdefault(number, []).append((slot, law, factor))
                 places.setdefault(law, []).append((slot, factor))
-        for part, whole in ((J, self.inertia), (c, self.damping), (k, self.stiffness)):
-            np.add.at(part.T, slots, (whole[:, laws] * factors).T)
+        for some in terms.values():  # the first terms of all sums, then the second ones: no slot twice
+            slots, laws, factors = map(list, zip(*some, strict=True))
+            for part, whole in ((J, self.inertia), (c, self.damping), (k, self.stiffness)):
+                part[:, slots] += whole[:, laws] * factors
         sampled: dict[int, ComplexArray] = {}
         for law, values in self.sampled:
             for slot, factor in places.get(law, ()):

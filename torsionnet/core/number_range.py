@@ -10,7 +10,7 @@ SMALLEST, LARGEST = 1e-40, 1e40
 """Sizes in SI: beyond these the square of a value, or its product with another one, leaves the range of numbers."""
 
 
-def is_beyond_range(value: float) -> bool:
+def is_beyond_range(value: Any) -> bool:
     """Whether a value is of no size that anything in a drivetrain has; 0 is one.
 
     >>> is_beyond_range(1e300), is_beyond_range(0.0)

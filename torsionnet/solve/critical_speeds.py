@@ -52,7 +52,7 @@ def critical_speeds(
         raise UsageError(f"a line frequency is above 0 Hz, got {line_frequency}")
     rule = margin_rule(margin)
     changed = _with_dampers(drivetrain, dampers, damper_names)
-    lines, reference, speed_range = _lines(changed, speeds, speed_of, excitations)
+    lines, reference, speed_range = excited_lines(changed, speeds, speed_of, excitations)
     # The vibrations are those with imposed motions held, as in the order response.
     held = with_motions_held(changed, {name: changed.definition.excitations[name] for name in lines})
     title = drivetrain.title + ("" if dampers == AS_MODELLED else f", damper ring {dampers}")
@@ -83,7 +83,23 @@ def critical_speeds(
     return replace(found, crossings=peaks, outputs=channels)
 
 
-def _lines(
+def order_margins(
+    drivetrain: AssembledModel, *, speeds: ArrayLike | None = None, excitations: Iterable[str] | None = None
+) -> tuple[CriticalSpeed, ...]:
+    """Every order against every mode, however far away, with its margin; without forces and peaks."""
+    lines, reference, speed_range = excited_lines(drivetrain, speeds, None, excitations)
+    held = with_motions_held(drivetrain, {name: drivetrain.definition.excitations[name] for name in lines})
+    question = _Question(held, drivetrain.title, reference, speed_range, None, 0.0, None)
+    return tuple(question.met(mode, line) for group in lines.values() for line in group for mode in question.modes)
+
+
+def excited_frequencies(line: OrderLine, speed_range: tuple[float, float]) -> tuple[float, float]:
+    """Lowest and highest frequency of a line over a range of speeds, Hz >= 0."""
+    ends = line.frequency(np.array(speed_range))
+    return (0.0 if ends[0] * ends[1] < 0 else float(np.abs(ends).min())), float(np.abs(ends).max())
+
+
+def excited_lines(
     drivetrain: AssembledModel, speeds: ArrayLike | None, speed_of: str | None, excitations: Iterable[str] | None
 ) -> tuple[dict[str, list[OrderLine]], str, tuple[float, float]]:
     """Every line by its excitation, the reference node and the operating range.
@@ -133,10 +149,14 @@ class _Question:
 
     def crossings(self, name: str, lines: Sequence[OrderLine]) -> list[CriticalSpeed]:
         """The lines of one excitation against every mode."""
-        blank = [self._settled(self._crossing(mode, line), line) for mode in self.modes for line in lines]
+        blank = [self.met(mode, line) for mode in self.modes for line in lines]
         near = [one for one in blank if self._is_near(one)]
         excitation = self.drivetrain.definition.excitations.get(name)
         return near if excitation is None else list(self._with_forces(near, excitation, self.known[name]))
+
+    def met(self, mode: VibrationMode, line: OrderLine) -> CriticalSpeed:
+        """A line against a mode, near the operating range or not."""
+        return self._settled(self._crossing(mode, line), line)
 
     def known_speeds(self, name: str, ratio: float) -> tuple[float, float]:
         """The operating range, and what is listed beyond it where the data of an excitation go so far."""
@@ -154,10 +174,9 @@ class _Question:
                 yield f"{text}; its forces at critical speeds outside are those at the end of it"
 
     def _crossing(self, mode: VibrationMode, line: OrderLine) -> CriticalSpeed:
-        ends = line.frequency(np.array(self.speed_range))
-        low, high = (0.0 if ends[0] * ends[1] < 0 else np.abs(ends).min()), np.abs(ends).max()
+        low, high = excited_frequencies(line, self.speed_range)
         natural = [value for value in (mode.undamped_frequency, mode.natural_frequency) if not math.isnan(value)]
-        margin = min(_distance(value, float(low), float(high)) for value in natural)
+        margin = min(_distance(value, low, high) for value in natural)
         required = self.rule.required(line.order) if self.rule else None
         return CriticalSpeed(mode, line.excitation, line.order, line.ratio, line.fixed, margin, required)
 

@@ -43,19 +43,14 @@ def order_response(
     excitations: Iterable[str] | None = None,
 ) -> OrderResponse:
     """See :meth:`torsionnet.Drivetrain.order_response`."""
-    reference, at = _speeds(drivetrain, speeds, speed_of)
-    acting = _acting(drivetrain.definition.excitations, excitations)
-    for name, one in acting.items():
-        _require_moving(drivetrain, name, one)
-    held = with_motions_held(drivetrain, acting)
-    ratios = {name: _turning(drivetrain, one.shaft, reference) for name, one in acting.items()}
-    senses = {name: input_senses(held, one, reference) for name, one in acting.items()}
+    question = OrderQuestion.of(drivetrain, speeds, speed_of, excitations)
+    at = question.at
 
     def run(wanted: Any, settled: Settled) -> OrderResponse:
         found = [
-            (_block(rigs, wanted, acting, ratios, senses, reference, at[part]), part)
+            (_block(rigs, wanted, question.loads(at[part])), part)
             for rigs, part in solved_together(
-                at_speeds(held, reference, at, settled), lambda rig: stressed_sections(rig, (wanted,))
+                at_speeds(question.held, question.reference, at, settled), lambda rig: stressed_sections(rig, (wanted,))
             )
         ]
         return joined(found, at, drivetrain.title)
@@ -64,6 +59,70 @@ def order_response(
         return run([Sensor("torque", name) for name in elements], settled).half_range
 
     return run(outputs, settled_by_vibration(drivetrain.definition, at, vibration))
+
+
+@dataclass(frozen=True, eq=False)
+class OrderQuestion:
+    """What acts on a drivetrain, by the speed of a reference shaft.
+
+    Attributes
+    ----------
+    held : AssembledModel
+        The drivetrain whose imposed motions are inputs.
+    reference : str
+        Node of the speeds.
+    at : (n_speeds,) array
+        rad/s.
+    acting : mapping
+        Excitations by name.
+    ratios : mapping
+        Excitation -> revolutions of its shaft per revolution of the reference.
+    senses : mapping
+    """
+
+    held: AssembledModel
+    reference: str
+    at: FloatArray
+    acting: Mapping[str, OrderExcitation]
+    ratios: Mapping[str, Fraction]
+    senses: Mapping[str, Senses]
+
+    @classmethod
+    def of(
+        cls,
+        drivetrain: AssembledModel,
+        speeds: ArrayLike | None = None,
+        speed_of: str | None = None,
+        excitations: Iterable[str] | None = None,
+    ) -> OrderQuestion:
+        """As of :func:`order_response`, which refuses the same."""
+        reference, at = _speeds(drivetrain, speeds, speed_of)
+        acting = _acting(drivetrain.definition.excitations, excitations)
+        for name, one in acting.items():
+            _require_moving(drivetrain, name, one)
+        held = with_motions_held(drivetrain, acting)
+        ratios = {name: _turning(drivetrain, one.shaft, reference) for name, one in acting.items()}
+        senses = {name: input_senses(held, one, reference) for name, one in acting.items()}
+        return cls(held, reference, at, acting, ratios, senses)
+
+    def loads(self, at: FloatArray) -> OrderLoads:
+        """What acts at some speeds in rad/s."""
+        found = tuple(
+            _acts(name, one, self.ratios[name], self.senses[name], one.torques(at * abs(float(self.ratios[name]))))
+            for name, one in self.acting.items()
+        )
+        lines = tuple(line for each in found for line in each.lines)
+        inputs = tuple(dict.fromkeys(channel for each in found for channel in each.loads))
+        loads = np.zeros((len(at), len(lines), len(inputs)), dtype=complex)
+        first = 0
+        for each in found:
+            for channel, amplitudes in each.loads.items():
+                loads[:, first : first + len(each.lines), inputs.index(channel)] = amplitudes
+            first += len(each.lines)
+        turning = at[:, None] * np.array([float(line.relative) for line in lines]) / (2 * math.pi)
+        hertz = turning + np.array([line.fixed for line in lines])
+        hertz[np.abs(hertz) < STILL * np.abs(turning)] = 0
+        return OrderLoads(at, self.reference, found, lines, inputs, loads, hertz)
 
 
 def shaft_speeds(drivetrain: AssembledModel, excitation: str) -> tuple[float, float]:
@@ -115,7 +174,7 @@ def _sense(drivetrain: AssembledModel, node: str, reference: str) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class _Acting:
+class ActingLines:
     """What one excitation does at some speeds: its lines, and by input the amplitudes (n_speeds, n_lines)."""
 
     name: str
@@ -126,7 +185,7 @@ class _Acting:
     """By node: the input, and the sign with which a torque acts there."""
 
 
-def _acts(name: str, one: OrderExcitation, ratio: Fraction, senses: Senses, found: OrderTorques) -> _Acting:
+def _acts(name: str, one: OrderExcitation, ratio: Fraction, senses: Senses, found: OrderTorques) -> ActingLines:
     fixed = np.zeros(len(found.orders)) if found.fixed is None else found.fixed
     pairs = zip(found.orders.tolist(), fixed.tolist(), strict=True)
     lines = tuple(OrderLine(name, order, abs(ratio), frequency) for order, frequency in pairs)
@@ -135,41 +194,64 @@ def _acts(name: str, one: OrderExcitation, ratio: Fraction, senses: Senses, foun
     columns = {place: column for column, place in enumerate(found.nodes) if place in senses}
     inputs = {place: (one.channel(place), senses[place]) for place in columns}
     loads = {channel: sense * found.amplitudes[:, :, columns[place]] for place, (channel, sense) in inputs.items()}
-    return _Acting(name, lines, loads, found, inputs)
+    return ActingLines(name, lines, loads, found, inputs)
+
+
+@dataclass(frozen=True, eq=False)
+class OrderLoads:
+    """What acts at some speeds, as lines over inputs.
+
+    Attributes
+    ----------
+    at : (n_speeds,) array
+        rad/s.
+    reference : str
+    found : tuple of ActingLines
+        By excitation.
+    lines : tuple of OrderLine
+    inputs : tuple of Input
+    loads : (n_speeds, n_lines, n_inputs) complex array
+    hertz : (n_speeds, n_lines) array
+        Of either sign.
+    """
+
+    at: FloatArray
+    reference: str
+    found: tuple[ActingLines, ...]
+    lines: tuple[OrderLine, ...]
+    inputs: tuple[Input, ...]
+    loads: ComplexArray
+    hertz: FloatArray
+
+    def response(self, gains: ComplexArray, channels: tuple[Channel, ...]) -> OrderResponse:
+        """By the responses (n_speeds, n_lines, n_out, n_inputs) to units of the inputs."""
+        values = np.einsum("slon,sln->slo", gains, self.loads)
+        return _worst(
+            OrderResponse(self.at, self.reference, self.lines, values, channels), self.found, gains, self.inputs
+        )
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """All that occur, in Hz, >= 0, each once."""
+        return np.unique(np.abs(self.hertz))
+
+    def at_lines(self, frequencies: FloatArray, values: ComplexArray) -> ComplexArray:
+        """Responses by speed and line, of those (n_f, ...) at all frequencies that occur."""
+        where = np.searchsorted(frequencies, np.abs(self.hertz))
+        return _forward(values[where], self.hertz)
 
 
 def _block(
-    rigs: Sequence[AssembledModel],
-    outputs: str | Sensor | Sequence[str | Sensor],
-    acting: Mapping[str, OrderExcitation],
-    ratios: Mapping[str, Fraction],
-    senses: Mapping[str, Senses],
-    reference: str,
-    at: FloatArray,
+    rigs: Sequence[AssembledModel], outputs: str | Sensor | Sequence[str | Sensor], loads: OrderLoads
 ) -> OrderResponse:
     """The responses at some speeds, of one drivetrain or of one for each."""
-    found = [
-        _acts(name, one, ratios[name], senses[name], one.torques(at * abs(float(ratios[name]))))
-        for name, one in acting.items()
-    ]
-    lines = tuple(line for each in found for line in each.lines)
-    inputs = list(dict.fromkeys(channel for each in found for channel in each.loads))
-    loads = np.zeros((len(at), len(lines), len(inputs)), dtype=complex)
-    first = 0
-    for each in found:
-        for channel, amplitudes in each.loads.items():
-            loads[:, first : first + len(each.lines), inputs.index(channel)] = amplitudes
-        first += len(each.lines)
-    turning = at[:, None] * np.array([float(line.relative) for line in lines]) / (2 * math.pi)
-    hertz = turning + np.array([line.fixed for line in lines])
-    hertz[np.abs(hertz) < STILL * np.abs(turning)] = 0
-    gains, channels = _gains(rigs[0], outputs, inputs, hertz) if len(rigs) == 1 else _each(rigs, outputs, inputs, hertz)
-    values = np.einsum("slon,sln->slo", gains, loads)
-    return _worst(OrderResponse(at, reference, lines, values, channels), found, gains, inputs)
+    inputs = list(loads.inputs)
+    gains, channels = _gains(rigs[0], outputs, loads) if len(rigs) == 1 else _each(rigs, outputs, inputs, loads.hertz)
+    return loads.response(gains, channels)
 
 
 def _worst(
-    nominal: OrderResponse, acting: Sequence[_Acting], gains: ComplexArray, inputs: Sequence[Input]
+    nominal: OrderResponse, acting: Sequence[ActingLines], gains: ComplexArray, inputs: Sequence[Input]
 ) -> OrderResponse:
     """The worst of what excitations offer besides: a misfire of each cylinder, spread between cylinders."""
     alternatives: list[Contributions] = []
@@ -185,22 +267,18 @@ def _worst(
 
 
 def _gains(
-    drivetrain: AssembledModel,
-    outputs: str | Sensor | Sequence[str | Sensor],
-    inputs: Sequence[Input],
-    hertz: FloatArray,
+    drivetrain: AssembledModel, outputs: str | Sensor | Sequence[str | Sensor], loads: OrderLoads
 ) -> tuple[ComplexArray, tuple[Channel, ...]]:
     """Responses (n_speeds, n_lines, n_out, n_inputs) at frequencies (n_speeds, n_lines) of either sign.
 
     What does not vibrate, as a line of the slip at synchronous speed, makes no vibration.
     """
-    frequencies, where = np.unique(np.abs(hertz), return_inverse=True)
+    frequencies = loads.frequencies
     still = frequencies == 0
-    driving: list[Any] = list(inputs)
-    response = shared_response(drivetrain, outputs, driving, frequencies[~still])
+    response = shared_response(drivetrain, outputs, list(loads.inputs), frequencies[~still])
     values = np.zeros((len(frequencies), *response.values.shape[1:]), dtype=complex)
     values[~still] = response.values
-    return _forward(values[where.reshape(hertz.shape)], hertz), response.outputs
+    return loads.at_lines(frequencies, values), response.outputs
 
 
 def _each(

@@ -16,6 +16,7 @@ from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.solve.closed_loops import ClosedLoops, closed
 from torsionnet.solve.doubt import SHARE
 from torsionnet.solve.posed import PosedProblem
+from torsionnet.solve.reading_table import reading_table
 from torsionnet.solve.response_problem import ResponseProblem
 from torsionnet.solve.sweep import Sweep
 from torsionnet.solve.transfer_request import TransferRequest
@@ -43,6 +44,13 @@ def transfer_functions(
 ) -> FrequencyPoints:
     """Outputs over inputs; ``turned``: by another order of elimination."""
     posed, n_out = request.posed.turned if turned else request.posed, len(request.outputs)
+    method = starmesh.chosen_method(posed.problem, kappa.n_points, method)
+    if method == "compiled" and (whole := _compiled(request, posed, kappa)) is not None:
+        points = np.flatnonzero(~np.isfinite(whole.values).all(axis=(1, 2)))
+        if len(points):  # beyond its range, or infinite
+            again = transfer_functions(request, kappa.at(points), "graph", turned=turned)
+            whole.values[points], whole.conditioning[points] = again.values, again.conditioning
+        return whole
     found = METHODS[method](posed.problem, kappa)
     loops = closed(posed, kappa, found.values, found.doubtful)
     with np.errstate(invalid="ignore"):
@@ -53,6 +61,27 @@ def transfer_functions(
         values, lost, apart = _divide(values, measured)
         conditioning = _shares(posed, kappa, loops.values, measured).max(axis=2).min(axis=1) * apart
         doubtful = doubtful | lost
+    return FrequencyPoints(values, conditioning, doubtful)
+
+
+def _compiled(request: TransferRequest, posed: PosedProblem, kappa: LawStiffness) -> FrequencyPoints | None:
+    """Everything in one compiled loop; None where that loop does not know how."""
+    import torsionnet.solve.compiled as compiled
+
+    parts, n_out = posed.problem.parts, len(request.outputs)
+    tables = [reading_table(posed, n_out, len(excitations)) for excitations, _ in parts]
+    values = np.empty((kappa.n_points, n_out, posed.n_excitations), dtype=complex)
+    conditioning, doubtful = np.ones(kappa.n_points), np.zeros(kappa.n_points, dtype=bool)
+    for (excitations, part), table in zip(parts, tables, strict=True):
+        if table is None:
+            return None
+        slots = kappa.gathered(part.plan.sources)
+        found, conditioning, lost = compiled.read(part.tape, slots, table, kappa.only(table.laws))
+        doubtful |= lost | part.plan.subtracts
+        if len(parts) == 1:
+            values = found
+        else:
+            values[:, :, excitations] = found
     return FrequencyPoints(values, conditioning, doubtful)
 
 

@@ -33,14 +33,25 @@ WORTH = 1e9
 """Operations times points from which on the compiled loop saves more than the second or two that its start takes."""
 
 
+def chosen_method(problem: ResponseProblem, n_points: int, method: str) -> str:
+    """``method``, or for ``auto`` the one that many points are worth: by their number alone, wherever numba works."""
+    if method != "auto" or n_points * sum(len(part.tape) for _, part in problem.parts) < WORTH:
+        return method
+    with contextlib.suppress(Exception):  # no numba, or one that is broken: numpy can do the same
+        import torsionnet.solve.compiled  # noqa: F401
+
+        return "compiled"
+    return "graph"
+
+
 def respond(problem: ResponseProblem, kappa: LawStiffness) -> Sweep:
     """Outputs and reactions of a problem for dynamic stiffnesses of its laws in n_points points.
 
     Large problems take the compiled loop where it works. Only their size decides, so that a result does not depend on
     what was calculated before.
     """
-    if kappa.n_points * sum(len(part.tape) for _, part in problem.parts) >= WORTH:
-        with contextlib.suppress(Exception):  # no numba, or one that is broken: numpy can do the same
+    if chosen_method(problem, kappa.n_points, "auto") == "compiled":
+        with contextlib.suppress(Exception):
             return respond_compiled(problem, kappa)
     return respond_in_numpy(problem, kappa)
 

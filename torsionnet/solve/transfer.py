@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from torsionnet.assembly.assembled import AssembledModel
-from torsionnet.assembly.law_stiffness import law_stiffness
+from torsionnet.assembly.law_stiffness import LawStiffness, law_stiffness
 from torsionnet.assembly.rows import ComplexArray, FloatArray
 from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import TorsionnetWarning, UsageError
@@ -134,9 +134,20 @@ def evaluate(
     method : str
     """
     kappa = law_stiffness([assembly.system for assembly in assemblies], 2 * np.pi * frequencies)
+    return evaluate_laws(kappa, assemblies, request, frequencies, method)
+
+
+def evaluate_laws(
+    kappa: LawStiffness,
+    assemblies: Sequence[Assembly],
+    request: TransferRequest,
+    frequencies: FloatArray,
+    method: str = "auto",
+) -> Evaluated:
+    """As :func:`evaluate` for the laws of the variants; assemblies are asked for where a point has lost digits."""
     found = transfer_functions(request, kappa, method)
     if method != "dense":
-        found = settled(assemblies, request, frequencies, kappa, found)
+        found = settled(assemblies, request, frequencies, kappa, found, method)
     shape = (len(assemblies), frequencies.shape[-1])
     if request.is_measured:
         _warn_poor(found.conditioning, request, np.broadcast_to(frequencies, shape).ravel())

@@ -101,6 +101,27 @@ def remembered(
     return drivetrain.assembly.system.memo.once(TransferRequest, (parts, sections), asked)
 
 
+def again(drivetrain: AssembledModel, request: TransferRequest) -> TransferRequest:
+    """The same asked of another model, as of a variant with rows of its own.
+
+    Raises
+    ------
+    UsageError
+        It does not have what was asked for.
+    """
+
+    def read(known: Functional) -> Functional:
+        return known if known.sensor is None else functional(drivetrain, known.sensor, known.name)
+
+    sensors = [one.sensor for one in request.measured if one.sensor is not None]
+    inputs: list[Sensor | Input] = [*sensors] if request.is_measured else [*request.excitations]
+    found = driven(drivetrain, tuple(inputs), list(request.excitations) if request.is_measured else None)
+    outputs, measured = tuple(map(read, request.outputs)), tuple(map(read, request.measured))
+    found = replace(found, outputs=outputs, measured=measured, notes=request.notes)
+    found.require_felt()
+    return found
+
+
 def stressed_sections(
     drivetrain: AssembledModel, entries: Iterable[str | Sensor | Input | Sequence[str | Sensor | Input]]
 ) -> tuple[Any, ...]:
@@ -127,7 +148,7 @@ def ask(
     UsageError
         An unknown name, no or an ambiguous excitation, or not as many measured inputs as excitations.
     """
-    outputs = tuple(_output(drivetrain, entry) for entry in _listed(output, "an output", (str, Sensor)))
+    outputs = tuple(named_output(drivetrain, entry) for entry in _listed(output, "an output", (str, Sensor)))
     if not outputs:
         raise UsageError(NOTHING)
     return replace(driven(drivetrain, input, excitation), outputs=outputs)
@@ -280,7 +301,8 @@ def _listed(names: Any, what: str, kinds: tuple[type, ...]) -> list[Any]:
     return entries
 
 
-def _output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:
+def named_output(drivetrain: AssembledModel, entry: str | Sensor) -> Functional:
+    """The reading of a sensor or node; UsageError says why there is none."""
     sensor = named_sensor(entry, drivetrain.sensors)
     if sensor is None and entry in drivetrain.nodes:
         sensor = Sensor("angle", str(entry))

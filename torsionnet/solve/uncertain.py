@@ -30,6 +30,7 @@ def settled(
     frequencies: FloatArray,
     kappa: LawStiffness,
     found: FrequencyPoints,
+    method: str = "auto",
 ) -> FrequencyPoints:
     """The same with points in doubt estimated, and solved in many digits where rounding would show.
 
@@ -43,6 +44,8 @@ def settled(
     kappa : LawStiffness
         Of all points.
     found : FrequencyPoints
+    method : str
+        By which points in doubt are estimated.
 
     Raises
     ------
@@ -53,7 +56,7 @@ def settled(
     if not len(points):
         return found
     errors = expected_errors(
-        lambda some, turned: transfer_functions(request, some, turned=turned).values,
+        lambda some, turned: transfer_functions(request, some, method, turned=turned).values,
         kappa.at(points),
         found.values[points],
     )

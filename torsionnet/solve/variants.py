@@ -1,8 +1,8 @@
-"""Transfer functions of many variants of a drivetrain: those with the same request are solved together."""
+"""Transfer functions of many variants of a drivetrain: those with the same rows are solved together."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import groupby
 
 import numpy as np
@@ -13,9 +13,12 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.response import FrequencyResponses
+from torsionnet.solve.batch.batch import Batch
+from torsionnet.solve.batch.batch_plan import batch_plan
+from torsionnet.solve.batch.batched_responses import batched_responses
 from torsionnet.solve.grid import Adaptive
 from torsionnet.solve.transfer import Evaluated, chosen_frequencies, known_method, responses, warn_infinite
-from torsionnet.solve.transfer_request import remembered
+from torsionnet.solve.transfer_request import TransferRequest, remembered
 
 
 def frequency_responses(
@@ -33,13 +36,15 @@ def frequency_responses(
     parameters = _columns(variants)
     request = remembered(drivetrain, output, input, excitation)
     f = chosen_frequencies(drivetrain, frequencies, request)
-    copies = [drivetrain.configured(**values) for values in _rows(parameters)]
-    parts: list[Evaluated] = []
-    requests = [remembered(copy, output, input, excitation) for copy in copies]
-    for _, group in groupby(zip(copies, requests, strict=True), key=lambda pair: id(pair[1])):
-        alike = list(group)
-        parts.append(responses([copy for copy, _ in alike], alike[0][1], f, method))
-    values, conditioning = (np.concatenate([getattr(part, name) for part in parts]) for name in Evaluated._fields)
+    batch = _batch(drivetrain, parameters)
+    if batch is None:
+
+        def ask(copy: AssembledModel) -> TransferRequest:
+            return remembered(copy, output, input, excitation)
+
+        values, conditioning = _grouped([drivetrain.configured(**row) for row in _rows(parameters)], ask, f, method)
+    else:
+        values, conditioning = batched_responses(batch, request, f, method)
     warn_infinite(values, conditioning, f)
     return FrequencyResponses(
         parameters,
@@ -51,6 +56,35 @@ def frequency_responses(
         conditioning if request.is_measured else None,
         request.notes,
     )
+
+
+def _batch(drivetrain: AssembledModel, parameters: Mapping[str, FloatArray]) -> Batch | None:
+    """All variants in arrays, or None where most have rows or acting laws of their own.
+
+    Raises
+    ------
+    ModelError
+        A variant is impossible.
+    """
+    plan = batch_plan(drivetrain, parameters)
+    if plan is None:
+        return None
+    batch = plan.batch(parameters)
+    if batch.impossible.any():
+        batch.model(int(np.argmax(batch.impossible)))
+    return None if 2 * batch.apart.sum() > len(batch) else batch
+
+
+def _grouped(
+    copies: Sequence[AssembledModel], ask: Callable[[AssembledModel], TransferRequest], f: FloatArray, method: str
+) -> Evaluated:
+    """Variants made one by one; neighbours with the same request are solved together."""
+    parts: list[Evaluated] = []
+    requests = [ask(copy) for copy in copies]
+    for _, group in groupby(zip(copies, requests, strict=True), key=lambda pair: id(pair[1])):
+        alike = list(group)
+        parts.append(responses([copy for copy, _ in alike], alike[0][1], f, method))
+    return Evaluated(*(np.concatenate([getattr(part, name) for part in parts]) for name in Evaluated._fields))
 
 
 def _columns(variants: Mapping[str, ArrayLike]) -> dict[str, FloatArray]:

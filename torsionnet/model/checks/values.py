@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from fractions import Fraction
+from typing import Any
 
 from torsionnet.core.damping import MEASURES
 from torsionnet.core.entries.scalars import PhysicalQuantity
@@ -119,13 +120,13 @@ def _point_sizes(definition: Definition, numbers: Numbers) -> list[Fault]:
 def _field_sizes(element: Element, numbers: Numbers) -> list[Fault]:
     faults = []
     for path, spec, expression, wanted in element.expressions():
-        text = _size_fault(spec, expression, numbers, measure=_is_in_measure(spec, path), wanted=wanted)
+        text = _size_fault(spec, expression, numbers, measure=is_in_measure(spec, path), wanted=wanted)
         if text:
             faults.append(Fault(text, ("elements", element.name, *path)))
     return faults
 
 
-def _is_in_measure(spec: object, path: Path) -> bool:
+def is_in_measure(spec: object, path: Path) -> bool:
     """Whether an entry is a part of a measure of damping."""
     return isinstance(spec, DampingQuantity | LossFactor) and path[-1] in (*MEASURES, "at")
 
@@ -141,17 +142,22 @@ def _size_fault(spec: object, expression: Expression, numbers: Numbers, *, measu
         return f"{expression} is not a finite number"
     if is_beyond_range(value):
         return f"{expression} = {value:g} is no size that anything in a drivetrain has"
+    reason = wrong_size(spec, value, measure=measure, wanted=wanted)
+    if reason is None:
+        return None
     shown = f"{expression} = {value:g}" if expression.names else f"{value:g}"
     if measure:
+        return f"{'the frequency' if wanted == 'frequency' else 'the damping'} {shown}: {reason}"
+    return f"{shown}: {spec.description if isinstance(spec, PhysicalQuantity) else ''} {reason}"
+
+
+def wrong_size(spec: object, value: Any, *, measure: bool, wanted: str) -> str | None:
+    """What is wrong with the size of a finite value in an entry, or None; ``value`` can be compared with numbers."""
+    if measure:
         positive = wanted == "frequency" or not isinstance(spec, DampingQuantity)
-        shown = f"{'the frequency' if wanted == 'frequency' else 'the damping'} {shown}"
-        return (
-            f"{shown}: must {'be greater than' if positive else 'not be less than'} 0"
-            if value < 0 or (positive and value == 0)
-            else None
-        )
-    reason = spec.bound_fault(value) if isinstance(spec, PhysicalQuantity) else None
-    return f"{shown}: {spec.description if isinstance(spec, PhysicalQuantity) else ''} {reason}" if reason else None
+        bad = value < 0 or (positive and value == 0)
+        return f"must {'be greater than' if positive else 'not be less than'} 0" if bad else None
+    return spec.bound_fault(value) if isinstance(spec, PhysicalQuantity) else None
 
 
 def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
@@ -165,15 +171,21 @@ def _law_sizes(element: Element, numbers: Numbers) -> list[Fault]:
         return [Fault(f"{element.name} cannot be calculated: something is divided by zero", place)]
     except (TorsionnetError, ArithmeticError) as error:
         return [Fault(f"{element.name} cannot be calculated: {error}", place)]
-    damping = min((law.damping for law in laws), default=0)
-    if any(min(law.inertia, law.stiffness, law.loss_factor) < 0 for law in laws) or (
-        damping < 0 and not element.may_feed
-    ):
+    if negative_laws(element, laws):
         return [Fault(f"the values of {element.name} give it a negative inertia, damping or stiffness", place)]
+    damping = min((law.damping for law in laws), default=0)
     if damping < 0:
         text = f"{element.name} drives vibrations here: its damping is {float(damping):.4g} N*m*s/rad"
         return [Fault(text, place, "note")]
     return []
+
+
+def negative_laws(element: Element, laws: Iterable[Law]) -> bool:
+    """Whether a law has a coefficient below zero that its element may not have."""
+    return any(
+        law.inertia < 0 or law.stiffness < 0 or law.loss_factor < 0 or (law.damping < 0 and not element.may_feed)
+        for law in laws
+    )
 
 
 def passive_tables(definition: Definition) -> list[Fault]:

@@ -93,7 +93,7 @@ class OnCurve(PhysicalQuantity):
     rows: Rows = ()
     share_of: Fraction | float = 1
 
-    def curve_fault(self, value: float) -> str | None:
+    def curve_fault(self, value: Any) -> str | None:
         """Why nothing can be read off at a value in SI, or None."""
         first, last = (float(self.rows[place][0].value) * float(self.share_of) for place in (0, -1))
         slack = 1e-9 * last

@@ -10,13 +10,13 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any
 
-from torsionnet.model.files.library import library_benches, library_entry, library_models
+from torsionnet.model.files.library import library_benches, library_entry, library_models, library_studies
 from torsionnet.model.files.reader import read_file
 
 if TYPE_CHECKING:
     from torsionnet.model.definition import Definition
 
-__all__ = ["dump", "json_schema", "library_benches", "library_entry", "library_models", "read_file"]
+__all__ = ["dump", "json_schema", "library_benches", "library_entry", "library_models", "library_studies", "read_file"]
 
 
 def dump(definition: Definition, path: str | os.PathLike[str] | None = None) -> str:

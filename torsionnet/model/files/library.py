@@ -1,4 +1,4 @@
-"""The models, benches, parts and catalogues that come with the package."""
+"""The models, benches, studies, parts and catalogues that come with the package."""
 
 from __future__ import annotations
 
@@ -41,6 +41,17 @@ def library_benches() -> dict[str, Path]:
     return {path.stem: path for path in sorted((library_folder() / "benches").glob("*.yaml"))}
 
 
+def library_studies() -> dict[str, Path]:
+    """Name and file of every study in the library, by name.
+
+    Examples
+    --------
+    >>> "amt_tolerances" in library_studies()
+    True
+    """
+    return {path.stem: path for path in sorted((library_folder() / "studies").glob("*.yaml"))}
+
+
 def library_parts() -> dict[str, Path]:
     """Name and file of every part in the library, by name; models that name none of their own so may use them.
 
@@ -78,13 +89,24 @@ def catalogue_entry(path: Path) -> tuple[str, str]:
 
 def library_entry(path: Path) -> tuple[str, str]:
     """The texts after ``name:`` and ``source:`` in the head of a model file, without reading the rest."""
-    found = {"name": "", "source": ""}
+    return _texts(path, "name", "source")
+
+
+def study_entry(path: Path) -> tuple[str, str]:
+    """Title of a study file and the model that it is about, without reading the rest."""
+    name, model = _texts(path, "name", "model")
+    return name, f"of {model}"
+
+
+def _texts(path: Path, *keys: str) -> tuple[str, str]:
+    found = dict.fromkeys(keys, "")
     with path.open(encoding="utf-8") as file:
         for line in islice(file, HEAD_LINES):
             key, colon, text = line.partition(":")
             if colon and key in found:
                 found[key] = _unquoted(text.strip())
-    return found["name"], found["source"]
+    first, second = found.values()
+    return first, second
 
 
 def _unquoted(text: str) -> str:

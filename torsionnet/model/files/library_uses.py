@@ -1,15 +1,15 @@
-"""How what the library has beside models is used: parts and catalogues."""
+"""How what the library has beside models is used: parts, catalogues and studies."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from torsionnet.model.files.library import library_catalogues, library_entry, library_parts
+from torsionnet.model.files.library import library_catalogues, library_entry, library_parts, library_studies
 from torsionnet.model.files.located import compose
 
 
 def other_use(name: str) -> str:
-    """How a part or a catalogue of the library is used, which is no model; empty if none is named so.
+    """How a part, a catalogue or a study of the library is used, which is no model; empty if none is named so.
 
     Examples
     --------
@@ -22,6 +22,8 @@ def other_use(name: str) -> str:
     if name in catalogues:
         text = f"give an element the entries catalogue: {name} and size: ..."
         return f'"{name}" is a catalogue, no model; {text}; its sizes are in {catalogues[name]}'
+    if name in library_studies():
+        return f'"{name}" is a study, no model; torsionnet study {name} calculates it'
     return ""
 
 

@@ -54,6 +54,9 @@ def read_text(
         return None, presentable(error.faults)
     if not isinstance(document.data, dict):
         return None, [_no_model(document)]
+    if "vary" in document.data and "elements" not in document.data:
+        text = f"this is a study, no model; torsionnet study {Path(file).name} calculates it"
+        return None, placed([*document.faults, Fault(text, ("vary",), on_key=True)], document)
     with files_beside(folder):
         include_parts(document)
         definition, faults = read_definition(document.data)

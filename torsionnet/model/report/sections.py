@@ -20,6 +20,7 @@ SECTIONS = {
     "limits": "stresses, couplings, gears and dampers against what they bear; barred ranges and the conclusion",
     "test": "tests over the model",
     "fit": "fitted parameters with intervals",
+    "study": "what varies, every quantity over all variants, limits kept, and what is concluded",
     "checks": "findings of the checks, and how well the numbers agree with a second way to them",
     "validity": "what the results rest on",
 }

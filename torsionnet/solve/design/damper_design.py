@@ -62,10 +62,10 @@ def damper_design(
         raise UsageError("say which parameter is sought, such as the damping of a film")
     varied = unknowns(drivetrain, names)
     given = parameters if isinstance(parameters, Mapping) else {}
-    units = _units(varied)
+    units = sought_units(varied)
     start = np.array(varied.start)
-    box = _box(varied, given, units)
-    levels = _levels(drivetrain, varied, output, input, band, speeds, speed_of, excitations)
+    box = sought_box(varied, given, units)
+    levels = levels_of(drivetrain, varied, output, input, band, speeds, speed_of, excitations)
     best = smallest_maximum(levels, box, start)
     sought = tuple(
         DesignParameter(name, unit, *numbers)
@@ -81,9 +81,9 @@ def damper_design(
         levels.channel,
         levels.of,
         sought,
-        _peaks(levels, start)[0],
-        _peaks(levels, best)[0],
-        _peaks(levels, best),
+        highest_peaks(levels, start)[0],
+        highest_peaks(levels, best)[0],
+        highest_peaks(levels, best),
         {name: _effect(levels, box, best, place) for place, name in enumerate(names)},
         tuple(_curve(levels, label, values) for label, values in cases.items()),
         _fixed_points(levels, free, locked, films) if damping.any() and input is not None else (),
@@ -91,7 +91,7 @@ def damper_design(
     )
 
 
-def _levels(
+def levels_of(
     drivetrain: AssembledModel,
     varied: Unknowns,
     output: str | Sensor,
@@ -101,6 +101,7 @@ def _levels(
     speed_of: str | None,
     excitations: Iterable[str] | None,
 ) -> Levels:
+    """Over a band of frequencies from an input, or over the speeds of what excites the drivetrain."""
     if input is None:
         if band is not None:
             raise UsageError("a band of frequencies needs the input whose response is meant; over speed give speeds")
@@ -118,12 +119,13 @@ def _levels(
     return ReceptanceLevels(response, (low, high))
 
 
-def _units(varied: Unknowns) -> list[str]:
+def sought_units(varied: Unknowns) -> list[str]:
+    """Of the values sought."""
     known = parameter_units(varied.definition)
     return [known[name] for name in varied.parameters]
 
 
-def _box(varied: Unknowns, given: Bounds, units: Sequence[str]) -> Box:
+def sought_box(varied: Unknowns, given: Bounds, units: Sequence[str]) -> Box:
     """Bounds as given, else those of the model, else a decade to each side."""
     ends = []
     for name, parameter, start, unit in zip(varied.names, varied.parameters, varied.start, units, strict=True):
@@ -159,7 +161,7 @@ def _number(name: str, written: Any, unit: str) -> float:
     return float(value.value)
 
 
-def _peaks(levels: Levels, values: FloatArray) -> tuple[LevelPeak, ...]:
+def highest_peaks(levels: Levels, values: FloatArray) -> tuple[LevelPeak, ...]:
     """Maxima as high as the highest but for a thousandth."""
     points = levels.maxima(values)
     sizes = levels.at(values, points)

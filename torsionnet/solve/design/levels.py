@@ -45,8 +45,9 @@ class VariedModel:
 class Levels(Protocol):
     """Levels over points, which are frequencies in Hz or speeds in rad/s."""
 
-    precision: ClassVar[float]
-    """Relative, of levels and of what follows from them."""
+    @property
+    def precision(self) -> float:
+        """Relative, of levels and of what follows from them."""
 
     def grid(self, values: FloatArray) -> FloatArray:
         """Points (n,) that show every maximum, rising."""

@@ -72,7 +72,7 @@ def smallest_maximum(levels: Levels, box: Box, start: FloatArray) -> FloatArray:
         return _along_one(levels, box, start)
     places = [box.place(start), *qmc.Sobol(len(start), scramble=False).random(SAMPLES * 2 ** (len(start) - 1))]
     rough = [largest(levels, box.inside(place), refined=False) for place in places]
-    found = [_searched(levels, box, places[index]) for index in np.argsort(rough, kind="stable")[:BEST]]
+    found = [searched(levels, box, places[index]) for index in np.argsort(rough, kind="stable")[:BEST]]
     return box.inside(min(found, key=lambda place: largest(levels, box.inside(place))))
 
 
@@ -98,8 +98,8 @@ def largest(levels: Levels, values: FloatArray, *, refined: bool = True) -> floa
     return float(levels.at(values, points).max())
 
 
-def _searched(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
-    """The best place that is found from one; maxima of every answer are points of the next question."""
+def searched(levels: Levels, box: Box, place: FloatArray) -> FloatArray:
+    """The best place in the cube that is found from one; maxima of every answer are points of the next question."""
     grid = levels.grid(box.inside(place))
     points = grid[:: max(len(grid) // SAMPLED, 1)]
     best, least = place, np.inf

@@ -1,0 +1,114 @@
+"""The arrays of a batch while passes over its variants fill them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.errors import ModelError
+from torsionnet.model.elements import Law, Values
+from torsionnet.model.elements.dynamic_stiffness import ComplexStiffness, DynamicStiffness
+from torsionnet.model.readings import section_modulus
+from torsionnet.solve.batch.batch import Batch
+from torsionnet.solve.batch.batched_stiffness import BatchedStiffness
+from torsionnet.solve.batch.variant_numbers import Decisions, column
+
+
+class Filling:
+    """Coefficients that start as those of the drivetrain, and what is known of every variant."""
+
+    def __init__(self, drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -> None:
+        self.drivetrain, self.values = drivetrain, values
+        self.count = len(next(iter(values.values())))
+        system = drivetrain.assembly.system
+        self.inertia, self.damping, self.stiffness = (
+            np.tile(one, (self.count, 1)) for one in (system.inertia, system.damping, system.stiffness)
+        )
+        self.dynamic: list[BatchedStiffness] = []
+        self.moduli: dict[str, FloatArray] = {}
+        self.impossible = ~np.all([np.isfinite(one) for one in values.values()], axis=0)
+        self.apart, self.known = (np.zeros(self.count, dtype=bool) for _ in range(2))
+
+    def followed(self, places: NDArray[np.intp], decisions: Decisions) -> FollowingPass:
+        """The variants that have followed every decision of a pass."""
+        own = places[decisions.follows]
+        self.known[own] = ~decisions.unsure[decisions.follows]
+        return FollowingPass(self, own, decisions.follows)
+
+    def settle(self) -> None:
+        """Variants apart, and those of which no pass could tell: whether they are possible at all, each by itself."""
+        finite = np.ones(self.count, dtype=bool)
+        for array in (self.inertia, self.damping, self.stiffness):
+            finite &= np.isfinite(array).all(axis=1)
+        for one in self.dynamic:
+            finite[one.places] &= np.isfinite(one.coefficients).all(axis=0)
+        self.apart |= ~(self.known & finite)
+        self.apart &= ~self.impossible
+        for index in np.flatnonzero(self.apart):
+            try:
+                self.drivetrain.configured(**{name: float(one[index]) for name, one in self.values.items()})
+            except ModelError:
+                self.impossible[index], self.apart[index] = True, False
+
+    def batch(self) -> Batch:
+        varied = {one.law for one in self.dynamic}
+        same = (
+            BatchedStiffness(law, np.arange(self.count), one, np.zeros((0, self.count)))
+            for law, one in self.drivetrain.assembly.system.dynamic
+            if law not in varied
+        )
+        coefficients = self.inertia, self.damping, self.stiffness, (*same, *self.dynamic)
+        return Batch(self.drivetrain, self.values, *coefficients, self.impossible, self.apart, self.moduli)
+
+
+@dataclass(frozen=True, eq=False)
+class FollowingPass:
+    """Variants ``own`` that a pass has right numbers for; ``follows`` tells them from others in these numbers."""
+
+    filling: Filling
+    own: NDArray[np.intp]
+    follows: NDArray[np.bool_]
+
+    def mark_apart(self) -> None:
+        """They have rows of their own."""
+        self.filling.apart[self.own] = True
+
+    def _column(self, number: Any) -> FloatArray:
+        return column(number, len(self.follows))[self.follows]
+
+    def take(self, law: Law, number: int | None) -> None:
+        """The coefficients of a law; ``number`` is None where the drivetrain has it without any effect."""
+        filling, own = self.filling, self.own
+        entries = law.inertia, law.damping, law.stiffness, law.loss_factor
+        inertia, damping, stiffness, loss = map(self._column, entries)
+        acts = (inertia != 0) | (damping != 0) | (stiffness != 0) | (law.table is not None)
+        if number is None:
+            filling.apart[own[acts]] = True
+            return
+        known = filling.drivetrain.assembly.laws[number]
+        hysteretic = bool(known.loss_factor != 0)
+        same = acts & ((stiffness != 0) == bool(known.stiffness != 0)) & ((loss != 0) == hysteretic)
+        filling.apart[own[~same]] = True
+        filling.inertia[own, number], filling.damping[own, number] = inertia, damping
+        filling.stiffness[own, number] = 0.0 if hysteretic else stiffness
+        if hysteretic:
+            self._dynamic(number, ComplexStiffness(0j), np.array([stiffness, stiffness * loss]))
+        elif law.table is not None:
+            coefficients = [self._column(one) for one in law.table.coefficients]
+            self._dynamic(number, law.table, np.array(coefficients).reshape(-1, len(own)))
+
+    def _dynamic(self, number: int, of: DynamicStiffness, coefficients: FloatArray) -> None:
+        self.filling.dynamic.append(BatchedStiffness(number, self.own, of, coefficients))
+
+    def take_modulus(self, name: str, modulus: Any) -> None:
+        """The section modulus of a shaft."""
+        drivetrain = self.filling.drivetrain
+        known = float(section_modulus(drivetrain.elements[name], Values(drivetrain.exact_values)))
+        ratios = self.filling.moduli.setdefault(name, np.ones(self.filling.count))
+        ratios[self.own] = self._column(modulus) / known

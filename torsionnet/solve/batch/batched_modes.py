@@ -1,0 +1,214 @@
+"""Modes of many variants of a drivetrain: as stacks of matrices, and singly where those leave a doubt."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.assembled import AssembledModel
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.assembly.system import Assembly
+from torsionnet.core.errors import ModelError, TorsionnetError
+from torsionnet.model.elements.dynamic_stiffness import ComplexStiffness
+from torsionnet.response import Modes
+from torsionnet.solve.batch.stacked_form import Coefficients
+from torsionnet.solve.batch.stacked_modes import stacked_modes
+from torsionnet.solve.modes import natural_modes
+
+if TYPE_CHECKING:
+    from torsionnet.solve.batch.batch import Batch
+
+NUMBERS = 200_000
+"""Entries of the rows of a stack that is worked on at a time, so that it stays in a processor's cache."""
+Number = TypeVar("Number", np.float64, np.complex128)
+
+
+@dataclass(frozen=True, eq=False)
+class BatchedModes:
+    """Modes of n variants, each in the order of :class:`~torsionnet.Modes`: rigid bodies, then by ``|lambda|``.
+
+    There are as many columns as the variant with the most modes needs; NaN stands after the last mode of the others. A
+    vibration that some variant damps beyond critical damping is two real poles there, so that their numbers differ.
+
+    Attributes
+    ----------
+    drivetrain : AssembledModel
+        That the variants are of, with its own values.
+    values : mapping
+        Parameter -> (n,) values in SI.
+    eigenvalues : (n, n_modes) complex array
+        rad/s, Im >= 0; NaN throughout for a variant that cannot be.
+    shapes : (n, n_nodes, n_modes) complex array
+        Angles of all nodes, 1 at the node that moves most.
+    undamped_natural_frequencies : (n, n_undamped) array
+        Hz, of M and K alone, ascending, rigid-body modes as 0.
+    doubtful : (n,) boolean array
+        Variants that were solved singly: rounding or equal modes left a doubt, or they have laws of other kinds.
+    singles : mapping
+        Place -> assembly of these.
+    batch : Batch or None
+        The coefficients of the others.
+    notes : tuple of str
+        What is uncertain about single variants.
+    """
+
+    drivetrain: AssembledModel
+    values: Mapping[str, FloatArray]
+    eigenvalues: ComplexArray
+    shapes: ComplexArray
+    undamped_natural_frequencies: FloatArray
+    doubtful: NDArray[np.bool_]
+    singles: Mapping[int, Assembly] = field(repr=False)
+    batch: Batch | None = None
+    notes: tuple[str, ...] = ()
+
+    @classmethod
+    def of_drivetrain(cls, drivetrain: AssembledModel, modes: Modes) -> BatchedModes:
+        """The modes of a drivetrain with its own values, as of the only variant."""
+        return cls(
+            drivetrain,
+            {},
+            modes.eigenvalues[None],
+            modes.shapes[None],
+            modes.undamped_natural_frequencies[None],
+            np.ones(1, dtype=bool),
+            {0: drivetrain.assembly},
+        )
+
+    def __len__(self) -> int:
+        return len(self.eigenvalues)
+
+    @cached_property
+    def natural_frequencies(self) -> FloatArray:
+        """(n, n_modes), ``|lambda| / 2 pi`` in Hz; 0 for a rigid-body mode."""
+        return frequencies_of(self.eigenvalues)
+
+    @cached_property
+    def damping_ratios(self) -> FloatArray:
+        """(n, n_modes), ``-Re lambda / |lambda|``; 1 for a stable real pole, NaN for a rigid-body mode."""
+        return ratios_of(self.eigenvalues)
+
+
+def frequencies_of(eigenvalues: ComplexArray) -> FloatArray:
+    """Natural frequencies in Hz."""
+    return np.asarray(np.abs(eigenvalues) / (2 * np.pi))
+
+
+def ratios_of(eigenvalues: ComplexArray) -> FloatArray:
+    """Damping ratios; NaN for rigid-body modes."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(-eigenvalues.real / np.abs(eigenvalues) + 0.0)
+
+
+def batched_modes(batch: Batch) -> BatchedModes:
+    """Modes of every variant of a batch: those of ``batch.model(i).modes()`` to 1e-9.
+
+    Variants that stacks of matrices leave a doubt about are solved singly, and so are all of a drivetrain with torques
+    that follow a motion elsewhere or with laws over frequency other than hysteretic springs. The bits of a variant do
+    not depend on what else is in the batch.
+    """
+    assembly = batch.drivetrain.assembly
+    found = _Gathered(len(batch), len(assembly.nodes))
+    given = stacked_coefficients(batch)
+    if given is not None:
+        _solve_together(batch, given, found)
+    for place in np.flatnonzero(~(found.done | batch.impossible)).tolist():
+        found.solve(place, partial(batch.model, place))
+    return found.modes(batch.drivetrain, batch.values, batch)
+
+
+def single_modes(drivetrain: AssembledModel, values: Mapping[str, FloatArray]) -> BatchedModes:
+    """Modes of variants that have no batch, as their rows differ: each solved by itself."""
+    n = len(next(iter(values.values())))
+    found = _Gathered(n, len(drivetrain.assembly.nodes))
+    for place in range(n):
+        changes = {name: float(column[place]) for name, column in values.items()}
+        found.solve(place, partial(drivetrain.configured, **changes))
+    return found.modes(drivetrain, values, None)
+
+
+def stacked_coefficients(batch: Batch) -> Coefficients | None:
+    """Coefficients of all variants; None where they do not say all, as with actions and tables over frequency."""
+    if batch.drivetrain.assembly.system.actions:
+        return None
+    stiffness, loss = batch.stiffness.copy(), np.zeros_like(batch.stiffness)
+    for one in batch.dynamic:
+        if not isinstance(one.of, ComplexStiffness):
+            return None
+        kappa = one.kappa(np.zeros(1))[:, 0]
+        stiffness[one.places, one.law] += kappa.real
+        loss[one.places, one.law] += kappa.imag
+    return Coefficients(batch.inertia, batch.damping, stiffness, loss)
+
+
+def _solve_together(batch: Batch, given: Coefficients, found: _Gathered) -> None:
+    assembly, places = batch.drivetrain.assembly, batch.together
+    system, nodes = assembly.system, assembly.node_rows.dense
+    step = max(1, NUMBERS // (len(system.law_rows) * (system.n_coordinates + 1)))
+    for start in range(0, len(places), step):
+        some = places[start : start + step]
+        part = stacked_modes(system, nodes, given.of(some))
+        sure = ~part.doubtful
+        found.put(some[sure], part.eigenvalues[sure], part.shapes[sure], part.undamped[sure])
+
+
+class _Gathered:
+    """Modes of n variants as they come in; NaN where there are none."""
+
+    def __init__(self, n: int, n_nodes: int) -> None:
+        self.eigenvalues = np.full((n, 0), np.nan, dtype=complex)
+        self.shapes = np.full((n, n_nodes, 0), np.nan, dtype=complex)
+        self.undamped = np.full((n, 0), np.nan)
+        self.done = np.zeros(n, dtype=bool)
+        self.singles: dict[int, Assembly] = {}
+        self.notes: list[str] = []
+
+    def put(
+        self, places: NDArray[np.intp] | list[int], values: ComplexArray, shapes: ComplexArray, undamped: FloatArray
+    ) -> None:
+        """Modes of some variants: rad/s, shapes over nodes, rad/s."""
+        self.eigenvalues = _widened(self.eigenvalues, values.shape[-1])
+        self.shapes = _widened(self.shapes, values.shape[-1])
+        self.undamped = _widened(self.undamped, undamped.shape[-1])
+        self.eigenvalues[places, : values.shape[-1]] = values
+        self.shapes[places, :, : values.shape[-1]] = shapes
+        self.undamped[places, : undamped.shape[-1]] = undamped
+        self.done[places] = True
+
+    def solve(self, place: int, make: Callable[[], AssembledModel]) -> None:
+        """Modes of one variant as those of a single drivetrain; nothing comes in of one that cannot be."""
+        try:
+            model = make()
+            found, doubts = natural_modes(model)
+        except (ModelError, TorsionnetError) as error:
+            self.notes.append(f"variant {place + 1} has no modes: {error}")
+            return
+        self.put([place], found.eigenvalues, found.shapes, 2 * np.pi * found.undamped_natural_frequencies)
+        self.singles[place] = model.assembly
+        self.notes += [f"variant {place + 1}: {doubt}" for doubt in doubts]
+
+    def modes(self, drivetrain: AssembledModel, values: Mapping[str, FloatArray], batch: Batch | None) -> BatchedModes:
+        doubtful = np.zeros(len(self.done), dtype=bool)
+        doubtful[list(self.singles)] = True
+        rates = self.undamped / (2 * np.pi)
+        return BatchedModes(
+            drivetrain,
+            values,
+            self.eigenvalues,
+            self.shapes,
+            rates,
+            doubtful,
+            self.singles,
+            batch,
+            tuple(self.notes),
+        )
+
+
+def _widened(array: NDArray[Number], width: int) -> NDArray[Number]:
+    missing = max(0, width - array.shape[-1])
+    return np.concatenate([array, np.full((*array.shape[:-1], missing), np.nan, dtype=array.dtype)], axis=-1)

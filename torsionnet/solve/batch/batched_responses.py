@@ -1,0 +1,160 @@
+"""Transfer functions of a batch of variants."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.assembly.system import Assembly
+from torsionnet.core.errors import TorsionnetError
+from torsionnet.model.checks.structure import rigid_motions
+from torsionnet.solve.batch.batch import Batch
+from torsionnet.solve.quotient import transfer_functions
+from torsionnet.solve.starmesh import chosen_method
+from torsionnet.solve.transfer import Evaluated, evaluate_laws, responses
+from torsionnet.solve.transfer_request import TransferRequest, again
+from torsionnet.solve.zero import at_zero
+
+POINTS = 100_000
+"""Variants times frequencies that are solved together, which bounds the memory."""
+
+
+class SingleAssemblies(Sequence[Assembly]):
+    """The assembly of each variant, made when it is asked for."""
+
+    def __init__(self, batch: Batch) -> None:
+        self.batch = batch
+
+    def __len__(self) -> int:
+        return len(self.batch)
+
+    @overload
+    def __getitem__(self, index: int) -> Assembly: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Assembly]: ...
+    def __getitem__(self, index: int | slice) -> Assembly | Sequence[Assembly]:
+        if isinstance(index, slice):
+            return SingleAssemblies(self.batch.part(index))
+        return self.batch.model(index).assembly
+
+
+def _raised(error: TorsionnetError) -> None:
+    raise error
+
+
+def batched_responses(
+    batch: Batch,
+    request: TransferRequest,
+    frequencies: FloatArray,
+    method: str = "auto",
+    refused: Callable[[TorsionnetError], None] = _raised,
+) -> Evaluated:
+    """Transfer functions of all variants at frequencies >= 0.
+
+    Variants that are ``apart`` are solved by themselves; those that are impossible have NaN.
+
+    Parameters
+    ----------
+    batch : Batch
+    request : TransferRequest
+        Of ``batch.drivetrain``.
+    frequencies : (n_f,) array
+        Hz.
+    method : str
+    refused : callable
+        Told why a variant cannot be asked, which then has NaN, too; by default that is raised.
+
+    Raises
+    ------
+    UsageError
+        A variant cannot be asked.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> from torsionnet.solve.batch.batch_plan import batch_plan
+    >>> from torsionnet.solve.transfer_request import remembered
+    >>> rig = tn.load("dmf_rig")
+    >>> batch = batch_plan(rig, ["k_2"]).batch({"k_2": np.array([400.0, 500.0, -1.0])})
+    >>> found = batched_responses(batch, remembered(rig, "theta_1", "T_M", None), np.array([8.0, 9.0]))
+    >>> found.values.shape, bool(np.isnan(found.values[2]).all())
+    ((3, 2, 1, 1), True)
+    """
+    shape = (len(batch), len(frequencies))
+    method = chosen_method(request.posed.problem, len(batch) * len(frequencies), method)
+    values = np.empty((*shape, len(request.outputs), len(request.measured)), dtype=complex)
+    found = Evaluated(values, np.empty(shape))
+    found.values[batch.impossible], found.conditioning[batch.impossible] = complex(np.nan, np.nan), np.nan
+    singly = [np.flatnonzero(batch.apart & ~batch.impossible)]
+    for places in _blocks(batch.together, len(frequencies)):
+        try:
+            block = _together(batch.part(places), request, frequencies, method)
+        except TorsionnetError:  # one of them is to blame
+            singly.append(places)
+            continue
+        follow = len(places) == 1 + places[-1] - places[0]
+        where = slice(int(places[0]), int(places[-1]) + 1) if follow else places
+        found.values[where], found.conditioning[where] = block
+    for index in np.concatenate(singly).tolist():
+        model = batch.model(index)
+        try:
+            one = responses([model], again(model, request), frequencies, method)
+        except TorsionnetError as error:
+            refused(error)
+            one = Evaluated(*(np.full((1, *part.shape[1:]), np.nan) for part in found))
+        found.values[index], found.conditioning[index] = one.values[0], one.conditioning[0]
+    return found
+
+
+def _blocks(places: NDArray[np.intp], n_frequencies: int) -> Iterator[NDArray[np.intp]]:
+    size = max(1, POINTS // max(1, n_frequencies))
+    return (places[start : start + size] for start in range(0, len(places), size))
+
+
+def _together(batch: Batch, request: TransferRequest, f: FloatArray, method: str) -> Evaluated:
+    """Of variants with the same rows."""
+    moving, shape = f > 0, (len(batch), len(f))
+    if moving.all():
+        found = evaluate_laws(batch.law_stiffness(2 * np.pi * f), SingleAssemblies(batch), request, f, method)
+        scale_stresses(found.values, batch, request)
+        return found
+    values = np.empty((*shape, len(request.outputs), len(request.measured)), dtype=complex)
+    found = Evaluated(values, np.ones(shape))
+    if moving.any():
+        kappa = batch.law_stiffness(2 * np.pi * f[moving])
+        part = evaluate_laws(kappa, SingleAssemblies(batch), request, f[moving], method)
+        found.values[:, moving], found.conditioning[:, moving] = part
+    if not moving.all():
+        found.values[:, ~moving] = _static(batch, request, method)[:, None]
+    scale_stresses(found.values, batch, request)
+    return found
+
+
+def _static(batch: Batch, request: TransferRequest, method: str) -> Any:
+    """Values at zero frequency (n, n_out, n_in), as :func:`torsionnet.solve.transfer.responses` has them."""
+    n_out, n_in = len(request.outputs), len(request.measured)
+    found = np.full((len(batch), n_out, n_in), np.inf + 0j)
+    single = np.ones(len(batch), dtype=bool)
+    if not rigid_motions(batch.drivetrain.assembly.kinematics):
+        points = transfer_functions(request, batch.law_stiffness(np.zeros(1)), method)
+        found, single = points.values, points.doubtful | ~np.isfinite(points.values).all(axis=(1, 2))
+    for index in np.flatnonzero(single):
+        found[index] = at_zero(batch.model(int(index)), request)
+    return found
+
+
+def scale_stresses(values: Any, batch: Batch, request: TransferRequest) -> None:
+    """Stresses by the sections of the variants, in place; the request has those of the drivetrain."""
+    for place, reading in enumerate((*request.outputs, *(request.measured if request.is_measured else ()))):
+        sensor = reading.sensor
+        if sensor is None or sensor.quantity != "stress" or sensor.of not in batch.moduli:
+            continue
+        ratio = batch.moduli[sensor.of][:, None, None]
+        if place < len(request.outputs):
+            values[:, :, place] /= ratio
+        else:
+            values[:, :, :, place - len(request.outputs)] *= ratio

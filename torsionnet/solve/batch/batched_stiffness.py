@@ -1,0 +1,63 @@
+"""A stiffness over frequency of many variants."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.model.elements.dynamic_stiffness import ComplexStiffness, DynamicStiffness, ScaledStiffness
+
+
+@dataclass(frozen=True, eq=False)
+class BatchedStiffness:
+    """The dynamic stiffness of one law in some variants.
+
+    Attributes
+    ----------
+    law : int
+        Number of the law.
+    places : (n,) array
+        Which variants.
+    of : DynamicStiffness
+        What they have in common.
+    coefficients : (n_coefficients, n) array
+        The numbers it is made from; none if all have the same ones.
+        Of a :class:`ComplexStiffness` real and imaginary part.
+    """
+
+    law: int
+    places: NDArray[np.intp]
+    of: DynamicStiffness
+    coefficients: FloatArray
+
+    def single(self, place: int) -> DynamicStiffness:
+        """Of one of the variants."""
+        values = self.coefficients[:, place].tolist()
+        if not values:
+            return self.of
+        if isinstance(self.of, ComplexStiffness):
+            return ComplexStiffness(complex(*values))
+        return self.of.with_coefficients(*values)
+
+    def kappa(self, omega: FloatArray) -> ComplexArray:
+        """Complex stiffness (n, n_f) in N m/rad at omega >= 0 in rad/s, (n_f,)."""
+        n = len(self.places)
+        if not len(self.coefficients):
+            return np.repeat(self.of.kappa(omega)[None], n, axis=0)
+        if isinstance(self.of, ComplexStiffness):
+            real, imag = self.coefficients
+            return np.repeat((real + 1j * imag)[:, None], len(omega), axis=1)
+        if isinstance(self.of, ScaledStiffness) and not self.of.base.coefficients:
+            return np.asarray(self.coefficients[0][:, None] * self.of.base.kappa(omega))
+        return np.array([self.single(place).kappa(omega) for place in range(n)]).reshape(n, len(omega))
+
+    def part(self, which: NDArray[np.intp], count: int) -> BatchedStiffness:
+        """Of the variants ``which`` out of ``count``, numbered anew."""
+        places = np.full(count, -1)
+        places[self.places] = np.arange(len(self.places))
+        mine = places[which]
+        there = np.flatnonzero(mine >= 0)
+        return replace(self, places=there, coefficients=self.coefficients[:, mine[there]])

@@ -1,0 +1,128 @@
+"""Which mode of a variant continues which mode of a variant next to it.
+
+Modes are followed along their eigenvalues: neighbours whose states have most of their energy in common are the same
+mode. Where two modes have changed places in between and could have met, a shorter step says whether they did.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.solve.batch.mode_states import common_energy
+from torsionnet.solve.repeated import EQUAL
+
+ALIKE = 0.8
+"""Energy in common from which on neighbours are the same mode."""
+LEAST = 0.5
+"""Energy in common below which a mode has no successor."""
+NONE = -1
+
+Columns = NDArray[np.intp]
+
+
+class Followed(NamedTuple):
+    """Modes of n variants in the order of those they continue: (n, m) rad/s, NaN for those lost, and their states."""
+
+    values: ComplexArray
+    states: ComplexArray
+
+    def of(self, some: NDArray[np.generic]) -> Followed:
+        return Followed(self.values[some], self.states[some])
+
+
+def taken(array: NDArray[Any], columns: Columns) -> NDArray[Any]:
+    """The columns along the last axis; NaN for those that are not there."""
+    if not array.shape[-1]:
+        return np.full((*array.shape[:-1], columns.shape[-1]), np.nan, dtype=array.dtype)
+    found = np.take_along_axis(array, np.maximum(columns, 0), axis=-1)
+    return np.asarray(np.where(columns == NONE, np.nan, found))
+
+
+class Successors(NamedTuple):
+    """Columns (n, m) of the modes that continue each mode, ``NONE`` for none, and where nothing else is possible."""
+
+    columns: Columns
+    clear: NDArray[np.bool_]
+
+
+def successors(known: Followed, found: Followed) -> Successors:
+    """The modes of some variants that continue those of variants next to them, where a look tells.
+
+    Parameters
+    ----------
+    known : Followed
+        m modes that are followed.
+    found : Followed
+        All modes there are; NaN after the last one of a variant.
+    """
+    alike = common_energy(known.states, found.states)
+    columns = _slower(known, found, alike)
+    followed = ~np.isnan(known.values)
+    best = np.take_along_axis(alike, columns[:, :, None], axis=2)[:, :, 0]
+    twice = (columns[:, :, None] == columns[:, None, :]) & followed[:, :, None] & followed[:, None, :]
+    values = np.take_along_axis(found.values, columns, axis=1)
+    clear = ((best >= ALIKE) | ~followed).all(axis=1) & (twice.sum(axis=(1, 2)) == followed.sum(axis=1))
+    clear &= ~_may_have_met(known.values, values).any(axis=(1, 2))
+    return Successors(np.where(followed, columns, NONE), clear)
+
+
+def _slower(known: Followed, found: Followed, alike: FloatArray) -> Columns:
+    """The most alike; of two real poles that a vibration falls into, when it is damped too much, the slower one."""
+    best = alike.max(axis=2, keepdims=True)
+    real = _is_real(found.values)[:, None, :]
+    chosen = np.argmax(alike, axis=2)
+    falls = (known.values.imag > 0) & (np.take_along_axis(found.values, chosen, axis=1).imag == 0)
+    slowest = np.argmax(real & (alike >= ALIKE * best), axis=2)
+    return np.asarray(np.where(falls, slowest, chosen))
+
+
+def _may_have_met(before: ComplexArray, after: ComplexArray) -> NDArray[np.bool_]:
+    """Pairs (n, m, m) of modes that have changed places and moved far enough to have met."""
+    order = [_order(np.abs(values)) for values in (before, after)]
+    kinds = [(values.imag > 0)[:, :, None] == (values.imag > 0)[:, None, :] for values in (before, after)]
+    moved = np.abs(after - before)
+    gap = np.maximum(np.abs(_differences(before)), np.abs(_differences(after)))
+    met = moved[:, :, None] + moved[:, None, :] >= gap  # False for NaN
+    return np.asarray((order[0] * order[1] < 0) & kinds[0] & kinds[1] & met)
+
+
+def _order(sizes: FloatArray) -> FloatArray:
+    """1 or -1 for pairs of which the first or the second is larger, 0 for equal ones."""
+    apart = _differences(sizes)
+    return np.where(np.abs(apart) > EQUAL * sizes[:, :, None], np.sign(apart), 0.0)
+
+
+def _differences(values: NDArray[Any]) -> NDArray[Any]:
+    return np.asarray(values[:, :, None] - values[:, None, :])
+
+
+def assigned(known: Followed, found: Followed) -> Columns:
+    """Of one variant (n = 1) the modes that continue each mode when no look tells: most energy in common in all.
+
+    Of two real poles that have become one vibration the slower one goes on.
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    alike = common_energy(known.states, found.states[:, :, ~np.isnan(found.values[0])])[0]
+    alike[(alike < LEAST) | np.isnan(known.values[0])[:, None]] = 0.0
+    columns = np.full(known.values.shape[1], NONE)
+    for mode, column in zip(*linear_sum_assignment(-alike), strict=True):
+        if alike[mode, column] > 0:
+            columns[mode] = column
+    real = np.flatnonzero(_is_real(known.values[0]))
+    for slower in real[columns[real] == NONE]:
+        for faster in real[columns[real] != NONE]:
+            column = columns[faster]
+            sizes = np.abs(known.values[0, [slower, faster]])
+            if found.values[0, column].imag > 0 and alike[slower, column] > 0 and sizes[0] < sizes[1]:
+                columns[slower], columns[faster] = column, NONE
+                break
+    return columns[None]
+
+
+def _is_real(values: ComplexArray) -> NDArray[np.bool_]:
+    return np.asarray((values.imag == 0) & (np.abs(values) > 0))

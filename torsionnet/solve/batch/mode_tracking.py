@@ -1,0 +1,189 @@
+"""Which mode of each variant is which mode of the drivetrain itself.
+
+A mode is followed along its eigenvalue from the drivetrain's own values to those of the variant. Where every mode is
+most like the one of the same rank among its kind, nothing has to be followed. Otherwise the values move in steps, each
+short enough that neighbouring modes are told by what their states have in common (``mode_states``):
+
+* modes that **cross** keep their shapes, so each is found where its shape went, and the order of frequencies changes;
+* modes that **veer** come near each other and turn away, exchanging their shapes on the way; each stays on its side,
+  so that its frequency moves smoothly, and the shape says how much of it belongs to the other by now.
+
+Frequencies and dampings of a tracked mode are therefore smooth functions of the values, which is what distributions,
+sensitivities and optima of them need. A name given for a shape ("the clutch's mode") passes from one mode to the other
+in a veering: variants in which a mode has a MAC of a fifth or more with another mode of the drivetrain are marked.
+Modes that change their order in less than about 1/1000 of the way, so that no step in between shows them together,
+count as crossing.
+
+A vibration that is damped beyond critical damping goes on as the slower one of its two real poles; two real poles that
+become a vibration go on as one mode, and the other one is lost.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.response import Modes
+from torsionnet.solve.batch.batched_modes import BatchedModes, frequencies_of, ratios_of
+from torsionnet.solve.batch.mode_states import inertia_mac, mode_states
+from torsionnet.solve.batch.mode_steps import ALIKE, NONE, Columns, Followed, taken
+from torsionnet.solve.batch.mode_walk import ModeWalk
+from torsionnet.solve.batch.tracking_notes import tracking_notes
+from torsionnet.solve.modes import natural_modes
+
+MIXED = 0.2
+"""MAC with another mode of the drivetrain from which on a mode is marked."""
+
+
+AT_ONCE = 500
+"""Variants whose states are held at a time."""
+
+
+@dataclass(frozen=True, eq=False)
+class TrackedModes:
+    """Modes of n variants in the order of the modes of the drivetrain.
+
+    Attributes
+    ----------
+    found : BatchedModes
+        All modes of the variants in the order of each.
+    reference : Modes
+        Of the drivetrain itself.
+    columns : (n, n_modes) integer array
+        Place in ``found`` of each of its modes; -1 where a variant lacks it.
+    mac : (n, n_modes) array
+        Modal assurance criterion of the shape and that of the drivetrain itself over all inertias, each motion weighted
+        with the root of the inertia of its own variant: 1 for the same shape, 0 for another mode of the same undamped
+        drivetrain. 1 of rigid bodies.
+    veering : (n, n_modes) boolean array
+        Vibrations whose MAC with another vibration of the drivetrain is a fifth or more.
+    partners : (n, n_modes) integer array
+        That other vibration: the one with the largest MAC.
+    """
+
+    found: BatchedModes
+    reference: Modes
+    columns: Columns
+    mac: FloatArray
+    veering: NDArray[np.bool_]
+    partners: Columns
+
+    def __len__(self) -> int:
+        return len(self.columns)
+
+    @cached_property
+    def eigenvalues(self) -> ComplexArray:
+        """(n, n_modes), rad/s; NaN where a variant lacks a mode."""
+        return taken(self.found.eigenvalues, self.columns)
+
+    @cached_property
+    def natural_frequencies(self) -> FloatArray:
+        """(n, n_modes), ``|lambda| / 2 pi`` in Hz; 0 for a rigid-body mode."""
+        return frequencies_of(self.eigenvalues)
+
+    @cached_property
+    def damping_ratios(self) -> FloatArray:
+        """(n, n_modes); 1 for a stable real pole, NaN for a rigid-body mode."""
+        return ratios_of(self.eigenvalues)
+
+    @cached_property
+    def shapes(self) -> ComplexArray:
+        """(n, n_nodes, n_modes)."""
+        return taken(self.found.shapes, self.columns[:, None, :])
+
+    @cached_property
+    def notes(self) -> tuple[str, ...]:
+        """What has happened to modes on the way to variants, in words."""
+        return tracking_notes(self.reference.eigenvalues, self.eigenvalues, self.veering, self.partners)
+
+
+def tracked(found: BatchedModes, reference: Modes | None = None) -> TrackedModes:
+    """The modes of variants in the order of the modes of their drivetrain.
+
+    Parameters
+    ----------
+    found : BatchedModes
+    reference : Modes, optional
+        Of the drivetrain itself, where they are known already.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> from torsionnet.solve.batch.batch_plan import batch_plan
+    >>> from torsionnet.solve.batch.batched_modes import batched_modes
+    >>> plan = batch_plan(tn.load("dmf_rig"), ["k_2"])
+    >>> variants = batched_modes(plan.batch({"k_2": np.array([300.0, 460.0, 900.0])}))
+    >>> tracked(variants).natural_frequencies[:, 0].round(2).tolist()
+    [5.74, 7.11, 9.92]
+    """
+    known = natural_modes(found.drivetrain)[0] if reference is None else reference
+    if not len(known):
+        none = np.zeros((len(found), 0))
+        return TrackedModes(found, known, none.astype(int), none, none.astype(bool), none.astype(int))
+    home = BatchedModes.of_drivetrain(found.drivetrain, known)
+    there = Followed(home.eigenvalues, mode_states(home, np.zeros(1, dtype=np.intp)))
+    columns = np.full((len(found), len(known)), NONE)
+    mac, mixed, partners = np.full(columns.shape, np.nan), np.full(columns.shape, np.nan), columns.copy()
+    unclear = np.zeros(len(found), dtype=bool)
+    for places, here in _parts(found, np.arange(len(found))):
+        columns[places] = _of_same_rank(there.values, here.values)
+        mac[places], mixed[places], partners[places] = _compared(there, here, columns[places])
+        gone = np.isnan(here.values).all(axis=1)
+        unclear[places] = ~((mac[places] >= ALIKE).all(axis=1) | gone)
+    if unclear.any():
+        moving = np.flatnonzero(~_rigid(there.values[0]))
+        walk = ModeWalk(found, Followed(there.values[:, moving], there.states[:, :, moving]))
+        for places, here in _parts(found, np.flatnonzero(unclear)):
+            columns[np.ix_(places, moving)] = walk.columns(places, here)
+            mac[places], mixed[places], partners[places] = _compared(there, here, columns[places])
+    return TrackedModes(found, known, columns, mac, mixed >= MIXED, partners)
+
+
+def _parts(found: BatchedModes, places: NDArray[np.intp]) -> Iterator[tuple[NDArray[np.intp], Followed]]:
+    """Some variants at a time, and all their modes."""
+    for start in range(0, len(places), AT_ONCE):
+        some = places[start : start + AT_ONCE]
+        yield some, Followed(found.eigenvalues[some], mode_states(found, some))
+
+
+def _of_same_rank(there: ComplexArray, here: ComplexArray) -> Columns:
+    """Columns (n, m) of the modes of the same kind and rank, ``NONE`` where a variant has fewer."""
+    columns = np.full((len(here), there.shape[1]), NONE)
+    for of_kind in (_rigid, _real, _vibrating):
+        wanted, have = np.flatnonzero(of_kind(there[0])), of_kind(here)
+        first = np.argsort(~have, axis=1, kind="stable")[:, : len(wanted)]
+        is_there = np.arange(first.shape[1]) < have.sum(axis=1)[:, None]
+        columns[:, wanted[: first.shape[1]]] = np.where(is_there, first, NONE)
+    return columns
+
+
+def _rigid(values: ComplexArray) -> NDArray[np.bool_]:
+    return np.asarray(values == 0)
+
+
+def _real(values: ComplexArray) -> NDArray[np.bool_]:
+    return np.asarray((values.imag == 0) & (np.abs(values) > 0))  # not those that are not there, NaN
+
+
+def _vibrating(values: ComplexArray) -> NDArray[np.bool_]:
+    return np.asarray(values.imag > 0)
+
+
+def _compared(there: Followed, here: Followed, columns: Columns) -> tuple[FloatArray, FloatArray, Columns]:
+    """MAC (n, m) with the mode of the drivetrain, the largest with another vibration of it, and with which.
+
+    NaN for lost modes.
+    """
+    values = taken(here.values, columns)
+    alike = inertia_mac(there.states, np.nan_to_num(taken(here.states, columns[:, None, :])))
+    own = np.diagonal(alike, axis1=1, axis2=2).copy()
+    own[:, _rigid(there.values[0])] = 1.0
+    vibrations = _vibrating(there.values)[:, :, None] & _vibrating(values)[:, None, :]
+    others = np.where(vibrations & ~np.eye(columns.shape[1], dtype=bool), alike, 0.0)
+    lost, partners = columns == NONE, np.argmax(others, axis=1)
+    return np.where(lost, np.nan, own), np.where(lost, np.nan, others.max(axis=1)), partners

@@ -1,0 +1,61 @@
+"""Transfer functions of a batch whose variants have frequencies of their own, as in a search for peaks."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from torsionnet.assembly.law_stiffness import LawStiffness
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.solve.batch.batch import Batch
+from torsionnet.solve.batch.batched_responses import POINTS, SingleAssemblies, scale_stresses
+from torsionnet.solve.batch.batched_stiffness import BatchedStiffness
+from torsionnet.solve.transfer import evaluate_laws, responses
+from torsionnet.solve.transfer_request import TransferRequest, again
+
+
+def responses_at_own_frequencies(
+    batch: Batch, request: TransferRequest, frequencies: FloatArray, method: str = "auto"
+) -> ComplexArray:
+    """Transfer functions (n, n_f, n_out, n_in); NaN where a variant is impossible.
+
+    Parameters
+    ----------
+    batch : Batch
+    request : TransferRequest
+        Of ``batch.drivetrain``.
+    frequencies : (n, n_f) array
+        Hz, above 0.
+    method : str
+    """
+    shape = (*frequencies.shape, len(request.outputs), len(request.measured))
+    found = np.full(shape, complex(np.nan, np.nan))
+    size = max(1, POINTS // max(1, frequencies.shape[1]))
+    for start in range(0, len(batch.together), size):
+        places = batch.together[start : start + size]
+        part, own = batch.part(places), frequencies[places]
+        values = evaluate_laws(
+            _law_stiffness(part, 2 * np.pi * own), SingleAssemblies(part), request, own, method
+        ).values
+        scale_stresses(values, part, request)
+        found[places] = values
+    for index in np.flatnonzero(batch.apart & ~batch.impossible):
+        model = batch.model(int(index))
+        found[index] = responses([model], again(model, request), frequencies[index], method).values[0]
+    return found
+
+
+def _law_stiffness(batch: Batch, omega: FloatArray) -> LawStiffness:
+    """Of all laws at omega (n, n_f) in rad/s."""
+    laws = dict.fromkeys(one.law for one in batch.dynamic)
+    sampled = {law: np.zeros(omega.shape, dtype=complex) for law in laws}
+    for one in batch.dynamic:
+        sampled[one.law][one.places] = _kappa(one, omega[one.places])
+    s = np.asarray(1j * omega.ravel(), dtype=np.complex128)
+    actions = tuple(one.kappa(s).reshape(omega.shape) for one in batch.drivetrain.assembly.system.actions)
+    return LawStiffness(batch.inertia, batch.damping, batch.stiffness, omega, tuple(sampled.items()), actions)
+
+
+def _kappa(one: BatchedStiffness, omega: FloatArray) -> ComplexArray:
+    if not len(one.coefficients):
+        return np.asarray(one.of.kappa(omega.ravel())).reshape(omega.shape)
+    return np.array([one.single(place).kappa(own) for place, own in enumerate(omega)]).reshape(omega.shape)

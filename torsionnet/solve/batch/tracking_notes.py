@@ -1,0 +1,67 @@
+"""Words on modes that are followed over variants: which come near each other, are damped too much, or get lost.
+
+>>> here, there = np.array([2j, 3j]), np.array([[2j, 3j], [2.9j, 3.1j]])
+>>> mixed = np.array([[False, False], [True, True]])
+>>> tracking_notes(here, there, mixed, np.array([[1, 0], [1, 0]]))
+('modes 1 and 2 share or exchange their shapes in 1 of 2 variants; they come within 6.5 % of each other',)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import ComplexArray
+
+
+def tracking_notes(
+    home: ComplexArray, followed: ComplexArray, veering: NDArray[np.bool_], partners: NDArray[np.intp]
+) -> tuple[str, ...]:
+    """Sentences about the modes of variants.
+
+    Parameters
+    ----------
+    home : (m,) complex array
+        Eigenvalues of the drivetrain itself.
+    followed : (n, m) complex array
+        Of the same modes of the variants; NaN where one lacks it.
+    veering : (n, m) boolean array
+        Modes that resemble another one of the drivetrain too.
+    partners : (n, m) integer array
+        That other one.
+    """
+    there = ~np.isnan(followed).all(axis=1)
+    return (*_near(followed, veering, partners), *_lost(home, followed[there]))
+
+
+def _near(followed: ComplexArray, veering: NDArray[np.bool_], partners: NDArray[np.intp]) -> Iterator[str]:
+    pairs: dict[tuple[int, int], set[int]] = {}
+    for variant, mode in zip(*(part.tolist() for part in np.nonzero(veering)), strict=True):
+        pair = sorted((mode, int(partners[variant, mode])))
+        pairs.setdefault((pair[0], pair[1]), set()).add(variant)
+    for (a, b), variants in sorted(pairs.items()):
+        some = sorted(variants)
+        distance = np.abs(followed[some, a] - followed[some, b]) / np.abs(followed[some, b])
+        near = distance[~np.isnan(distance)]
+        how = f"; they come within {100 * near.min():.2g} % of each other" if near.size else ""
+        yield f"modes {a + 1} and {b + 1} share or exchange their shapes in {_of(len(some), followed)}{how}"
+
+
+def _lost(home: ComplexArray, followed: ComplexArray) -> Iterator[str]:
+    for mode, value in enumerate(home):
+        column = followed[:, mode]
+        real = int(np.sum((column.imag == 0) & (np.abs(column) > 0) & (value.imag > 0)))
+        if real:
+            yield (
+                f"mode {mode + 1} is damped beyond critical damping in {_of(real, followed)}; "
+                "there it is the slower one of two real poles"
+            )
+        lost = int(np.sum(np.isnan(column)))
+        if lost:
+            yield f"mode {mode + 1} has no successor in {_of(lost, followed)}"
+
+
+def _of(count: int, followed: ComplexArray) -> str:
+    return f"{count} of {len(followed)} variants"

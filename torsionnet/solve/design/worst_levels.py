@@ -1,0 +1,83 @@
+"""Levels of several conditions of one drivetrain, of which the largest counts."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.response import Channel
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.solve.design.levels import Levels
+
+ROOM = 2.0
+"""Times the highest point: what lies between equal points of two conditions."""
+
+
+@dataclass(frozen=True, eq=False)
+class WorstLevels:
+    """Levels whose points are those of all conditions, one condition behind the other.
+
+    Attributes
+    ----------
+    parts : tuple of Levels
+        Of every condition, for the same values.
+    highest : float
+        No point is higher, of any condition.
+    """
+
+    parts: tuple[Levels, ...]
+    highest: float
+
+    @property
+    def precision(self) -> float:
+        """That of the least precise condition."""
+        return max(one.precision for one in self.parts)
+
+    @property
+    def of(self) -> tuple[str, str]:
+        return self.parts[0].of
+
+    @property
+    def channel(self) -> Channel:
+        return self.parts[0].channel
+
+    @property
+    def _room(self) -> float:
+        return ROOM * self.highest
+
+    def condition(self, points: FloatArray) -> NDArray[np.intp]:
+        """Place of the condition of each point."""
+        return np.asarray(np.floor_divide(points, self._room), dtype=np.intp)
+
+    def grid(self, values: FloatArray) -> FloatArray:
+        return np.concatenate([one.grid(values) + at * self._room for at, one in enumerate(self.parts)])
+
+    def at(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        found = np.empty(len(points))
+        for part, chosen, own in self._split(points):
+            found[chosen] = part.at(values, own)
+        return found
+
+    def slopes(self, values: FloatArray, points: FloatArray) -> FloatArray:
+        found = np.empty((len(points), len(values)))
+        for part, chosen, own in self._split(points):
+            found[chosen] = part.slopes(values, own)
+        return found
+
+    def maxima(self, values: FloatArray) -> FloatArray:
+        points = np.concatenate([one.maxima(values) + at * self._room for at, one in enumerate(self.parts)])
+        return points[np.argsort(-self.at(values, points), kind="stable")]
+
+    def shown(self, points: FloatArray) -> FloatArray:
+        return self.parts[0].shown(points - self._room * self.condition(points))
+
+    def _split(self, points: FloatArray) -> list[tuple[Levels, NDArray[np.bool_], FloatArray]]:
+        """Conditions that have some of the points, which these are, and the points as the condition has them."""
+        places = self.condition(points)
+        return [
+            (part, places == at, points[places == at] - at * self._room)
+            for at, part in enumerate(self.parts)
+            if (places == at).any()
+        ]
