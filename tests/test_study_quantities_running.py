@@ -1,0 +1,391 @@
+"""Quantities of running machinery, of motion over time, of other quantities and of a user's own."""
+
+import math
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from study_blocks import columns, singly, spread
+
+import torsionnet as tn
+from torsionnet.core.entries.nearby import files_beside
+from torsionnet.core.errors import ModelError, UsageError
+from torsionnet.model.excitations.speed_range import SpeedRange
+from torsionnet.study.counted_remarks import MOST_REMARKS, OTHERS
+from torsionnet.study.evaluator import Evaluator
+from torsionnet.study.quantity import QUANTITIES, QuantityForm
+from torsionnet.study.user_function import function
+from torsionnet.study.variant_block import VariantBlock
+
+PLANT = tn.load("marine_medium_speed")
+THREE = SpeedRange(of="fly", list=["400 rpm", "600 rpm", "750 rpm"], rated="750 rpm")
+SHORT = PLANT.with_definition(replace(PLANT.definition, speeds=THREE))
+DMF = tn.load("dmf_rig")
+
+
+def made(kind: str, **entries: object) -> object:
+    return QUANTITIES[kind](**entries)
+
+
+def fan(**changes: object) -> tn.Drivetrain:
+    """Two rotors on a shaft of diameter d, excited by blades."""
+    elements = [
+        tn.Inertia("rotor", node="a", inertia=2),
+        tn.Inertia("wheel", node="b", inertia="J"),
+        tn.Shaft("shaft", nodes=("a", "b"), outer_diameter="d", length=1, shear_modulus=8e10, inertia="none"),
+    ]
+    given = {
+        "speeds": {"of": "a", "list": ["600 rpm", "900 rpm"]},
+        "excitations": {"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}},
+        "limits": {"shaft": {"rule": "curve", "output": "stress(shaft)", "value": "40 MPa", "source": "maker"}},
+        "parameters": {"J": 1.0, "d": 0.02},
+    }
+    return tn.Drivetrain("fan", elements, **{**given, **changes})
+
+
+def half_ranges(model: tn.Drivetrain) -> np.ndarray:
+    return model.order_response("T_cpl").half_range[:, 0]
+
+
+def test_fewer_speeds_are_some_of_those_of_the_model() -> None:
+    every = np.array(PLANT.definition.speeds.values)
+    few = made("order_torque", output="T_cpl", speeds="400..500 rpm", every=10).at(PLANT)
+    rpm = few * 30 / math.pi
+    assert rpm == pytest.approx([400, 420, 440, 460, 480, 500])
+    assert np.isin(few, every).all()
+    assert made("utilisation", every=1000).at(PLANT) == pytest.approx(every[[0, -1]])
+    assert made("utilisation").at(PLANT) == pytest.approx(every)
+
+
+@pytest.mark.parametrize("firing", ["normal", "misfire", "gas_off"])
+def test_the_vibration_of_a_plant_is_that_of_every_variant(firing: str) -> None:
+    model = SHORT.configured(f"firing={firing}")
+    values = spread(model, ("k_cpl", "psi_cpl"), count=3)
+    plant = Evaluator(model, tuple(values), {"T": made("order_torque", output="T_cpl"),
+                                             "over speed": made("order_torque", output="T_cpl", curve=True)})  # fmt: skip
+    assert plant.plan is not None
+    found = plant(values)
+    assert plant.quantities["over speed"].measure(model).points.tolist() == pytest.approx(list(THREE.values))
+    for number, own in enumerate(columns(values)):
+        alone = half_ranges(model.configured(**own))
+        assert found["over speed"][number] == pytest.approx(alone, rel=1e-9)
+        assert found["T"][number] == pytest.approx(alone.max(), rel=1e-9)
+
+
+def test_one_order_of_an_engine_is_that_of_its_order_response() -> None:
+    values = spread(SHORT, ("k_cpl",), count=2)
+    found = Evaluator(
+        SHORT, ("k_cpl",), {"T": made("order_torque", output="T_cpl", order=3.0, excitations=["engine"])}
+    )(values)
+    for value, own in zip(found["T"], columns(values), strict=True):
+        run = SHORT.configured(**own).order_response("T_cpl", excitations=["engine"])
+        assert value == pytest.approx(np.abs(run.of_order(3.0)).max(), rel=1e-9)
+
+
+def test_one_order_in_the_worst_of_several_cases_is_the_largest_of_them() -> None:
+    model = SHORT.configured("firing=misfire")
+    found = Evaluator(model, ("k_cpl",), {"T": made("order_torque", output="T_cpl", order=0.5)})(
+        {"k_cpl": np.array([3e5])}
+    )
+    cases = model.configured(k_cpl=3e5).order_response("T_cpl").alternatives.values()
+    sizes = [np.abs(case.of_order(0.5)).max() for case in cases]
+    assert max(sizes) > 1.0001 * sizes[0]
+    assert found["T"][0] == pytest.approx(max(sizes), rel=1e-9)
+
+
+def test_parameters_that_follow_the_speed_are_solved_at_every_speed() -> None:
+    elements = [
+        tn.Inertia("rotor", node="a", inertia=2),
+        tn.Inertia("wheel", node="b", inertia="J"),
+        tn.Spring("shaft", nodes=("a", "b"), stiffness="k"),
+    ]
+    rows = {"500 rpm": "10 kN*m/rad", "1000 rpm": "20 kN*m/rad"}
+    model = tn.Drivetrain(
+        "fan",
+        elements,
+        parameters={"J": 1.0, "k": {"by": "speed", "of": "a", "table": rows}},
+        speeds={"of": "a", "list": ["600 rpm", "900 rpm"], "rated": "900 rpm"},
+        excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}},
+    )
+    asked = {"T": made("order_torque", output="torque(shaft)", curve=True)}
+    found = Evaluator(model, ("J",), asked)({"J": np.array([1.0, 1.2])})["T"]
+    for row, J in zip(found, (1.0, 1.2), strict=True):
+        for value, rpm, k in zip(row, (600, 900), (1.2e4, 1.8e4), strict=True):
+            w = 2 * rpm * math.pi / 30
+            assert value == pytest.approx(abs(10 / J / (1 / 2 + 1 / J - w**2 / k)), rel=1e-9)
+
+
+def test_a_stress_knows_the_diameter_of_every_variant() -> None:
+    model, d = fan(), np.array([0.018, 0.02, 0.024])
+    found = Evaluator(model, ("d",), {"tau": made("order_torque", output="stress(shaft)"),
+                                      "peak": made("peak", output="stress(shaft)", input="b", band="1..12 Hz")})({"d": d})  # fmt: skip
+    for value, own in zip(found["peak"], d, strict=True):
+        alone = made("peak", output="stress(shaft)", input="b", band="1..12 Hz")
+        assert value == pytest.approx(
+            alone.evaluate(singly(model.configured(d=own), {"J": np.array([1.0])}))[0, 0], rel=1e-9
+        )
+    for value, own in zip(found["tau"], d, strict=True):
+        w, k = np.array([600, 900]) * math.pi / 15, 8e10 * math.pi * own**4 / 32
+        torque = 10 * 1.0 / (1 / 2 + 1 - w**2 / k)
+        assert value == pytest.approx(np.abs(torque).max() * 16 / (math.pi * own**3), rel=1e-9)
+
+
+def of_tail_at_last(model: tn.Drivetrain) -> float:
+    check = model.check_limits("tail", speeds=[THREE.values[-1]])
+    return max(np.nanmax(one.utilisation) for one in check.verdicts)
+
+
+def test_utilisation_is_that_of_the_limits_of_every_variant() -> None:
+    values = spread(SHORT, ("k_cpl",), count=2)
+    asked = {"all": made("utilisation"), "tail": made("utilisation", limit="tail"),
+             "one": made("utilisation", limit="rubber", criterion="T_KW")}  # fmt: skip
+    names = {one.criterion for one in SHORT.check_limits("rubber").verdicts}
+    asked["last"] = made("utilisation", limit="tail", speeds="700..800 rpm")
+    asked["one"] = made("utilisation", limit="rubber", criterion=min(names))
+    found = Evaluator(SHORT, ("k_cpl",), asked)(values)
+    for number, own in enumerate(columns(values)):
+        check = SHORT.configured(**own).check_limits()
+        worst = [np.nanmax(one.utilisation) for one in check.verdicts]
+        assert found["all"][number] == pytest.approx(max(worst), rel=1e-9)
+        of_tail = [np.nanmax(one.utilisation) for one in check.verdicts if one.limit == "tail"]
+        assert found["tail"][number] == pytest.approx(max(of_tail), rel=1e-9)
+        assert found["last"][number] == pytest.approx(of_tail_at_last(SHORT.configured(**own)), rel=1e-9)
+        single = check.of("rubber", min(names))
+        assert found["one"][number] == pytest.approx(np.nanmax(single.utilisation), rel=1e-9)
+
+
+def moved(shape: str, w: float, rise: float) -> np.ndarray:
+    """Angle over the static one of a mass on a spring, from tables of Laplace transforms."""
+    t, p = np.linspace(0, 0.2, 400_001), math.pi / rise
+    later = np.maximum(t - rise, 0)
+    if shape == "step":
+        return 1 - np.cos(w * t)
+    if shape == "ramp":
+        return (t - np.sin(w * t) / w - later + np.sin(w * later) / w) / rise
+    waves = [(np.sin(p * one) - p / w * np.sin(w * one)) / (1 - (p / w) ** 2) for one in (t, later)]
+    return waves[0] + waves[1]
+
+
+@pytest.mark.parametrize("shape", ["step", "ramp", "half_sine"])
+def test_a_transient_of_one_mass_is_that_of_the_closed_form(shape: str) -> None:
+    elements = [tn.Inertia("m", node="a", inertia=2.0), tn.Spring("k", nodes=("a", "ground"), stiffness="k")]
+    rig = tn.Drivetrain("one mass", elements, parameters={"k": 8e4})
+    rise = {} if shape == "step" else {"rise": 0.02}
+    quantity = made("transient_peak", output="a", input="a", torque=10, shape=shape, duration=0.2, rate=2e4, **rise)
+    assert not list(quantity.unfit(rig, {}))
+    k = np.array([8e4, 1.6e5])
+    found = quantity.evaluate(singly(rig, {"k": k}))[:, 0]
+    for value, own in zip(found, k, strict=True):
+        assert value == pytest.approx(10 / own * np.abs(moved(shape, math.sqrt(own / 2), 0.02)).max(), rel=1e-4)
+
+
+def test_a_margin_is_taken_over_the_nearer_end_of_what_excites() -> None:
+    elements = [
+        tn.Inertia("rotor", node="a", inertia=2),
+        tn.Inertia("wheel", node="b", inertia=1),
+        tn.Spring("shaft", nodes=("a", "b"), stiffness="k"),
+    ]
+    blades = {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}, 7: {"amplitude": "1 N*m"}}}
+    fan = tn.Drivetrain(
+        "fan", elements, speeds={"of": "a", "list": [50, 60]}, parameters={"k": 1.5e4}, excitations={"blades": blades}
+    )
+    natural = np.array([60.0, 99.0, 110.0, 130.0, 200.0, 340.0])
+    asked = {"two": made("critical_speed_margin", orders=[2.0]), "all": made("critical_speed_margin")}
+    found = Evaluator(fan, ("k",), asked)({"k": natural**2 / 1.5})
+    assert found["two"] == pytest.approx([0.4, 0.01, 0, 130 / 120 - 1, 200 / 120 - 1, 340 / 120 - 1], abs=1e-9)
+    assert found["all"] == pytest.approx([0.4, 0.01, 0, 130 / 120 - 1, 1 - 200 / 350, 1 - 340 / 350], abs=1e-9)
+
+
+def test_a_half_sine_is_over_after_its_rise() -> None:
+    wave = {"torque": 10, "shape": "half_sine", "rise": 0.1, "duration": 0.2, "rate": 100}
+    found = made("transient_peak", output="T_T", input="T_M", **wave).torques(DMF).values
+    assert found == pytest.approx([*np.sin(np.pi * np.arange(11) / 10) * 10, *[0] * 10], abs=1e-12)
+
+
+def test_a_torque_over_time_comes_from_a_recording_or_a_list(tmp_path) -> None:
+    torque = [0.0, 5.0, 10.0, 5.0, 0.0, *[0.0] * 95]
+    rows = "\n".join(f"{number / 1000},{value / 1000}" for number, value in enumerate(torque))
+    (tmp_path / "shock.csv").write_text(f"time [s],T_M [kN*m]\n{rows}\n")
+    with files_beside(tmp_path):
+        recorded, faults = QUANTITIES["transient_peak"].read(
+            {"output": "T_T", "input": "T_M", "history": {"file": "shock.csv", "channel": "T_M"}}
+        )
+        _, unknown = QUANTITIES["transient_peak"].read(
+            {"output": "T_T", "input": "T_M", "history": {"file": "shock.csv", "channel": "T_N"}}
+        )
+    listed = made("transient_peak", output="T_T", input="T_M", history={"rate": "1 kHz", "values": torque})
+    assert not faults
+    assert unknown[0].path == ("history", "channel")
+    expected = np.abs(DMF.configured(k_2=400).simulate("T_T", {"T_M": torque}, 1000)["T_T"].values).max()
+    for one in (recorded, listed, QUANTITIES["transient_peak"].read(recorded.to_data())[0]):
+        assert one.evaluate(singly(DMF, {"k_2": np.array([400.0])}))[0, 0] == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    "entries",
+    [
+        {},
+        {"torque": 1},
+        {"torque": 1, "duration": 1, "history": {"rate": 1, "values": [0, 1]}},
+        {"torque": 0, "duration": 1},
+        {"torque": 1, "duration": 1, "rise": 1},
+        {"torque": 1, "duration": 1, "shape": "ramp"},
+        {"history": {"rate": 1, "values": [0, 1]}, "duration": 1},
+        {"history": {"rate": 1, "values": [0]}},
+        {"history": {"rate": 0, "values": [0, "x"]}},
+        {"history": [0, 1]},
+        {"history": {"file": "nowhere.csv", "channel": "T"}},
+    ],
+)
+def test_transients_that_cannot_be_are_refused(entries: dict[str, object]) -> None:
+    with pytest.raises(ModelError):
+        made("transient_peak", output="T_T", input="T_M", **entries)
+
+
+def test_margins_are_those_of_the_critical_speeds() -> None:
+    values = spread(SHORT, ("k_cpl",), count=3)
+    asked = {"third": made("critical_speed_margin", orders=[3.0], excitations=["engine"], speeds="600..650 rpm")}
+    found = Evaluator(SHORT, ("k_cpl",), asked)(values)["third"]
+    for value, own in zip(found, columns(values), strict=True):
+        listed = SHORT.configured(**own).critical_speeds(
+            speeds=np.array([600, 650]) * math.pi / 30, excitations=["engine"], reach=0.9
+        )
+        assert value == pytest.approx(
+            min(one.margin for one in listed.crossings if one.order == 3.0), rel=1e-9, abs=1e-15
+        )
+        assert value > 0
+
+
+def test_an_expression_calculates_from_others_curves_too() -> None:
+    H = made("response", output="theta_1", input="T_T", band="1..40 Hz", points=20)
+    asked = {"H": H, "H0": made("response", output="theta_1", input="T_T", at=0),
+             "amplification": made("expression", of="H/H0"), "root": made("expression", of="sqrt(amplification)^2*2")}  # fmt: skip
+    evaluator = Evaluator(DMF, ("k_2",), asked)
+    found = evaluator({"k_2": np.array([400.0, 500.0])})
+    assert found["amplification"] == pytest.approx(found["H"] / found["H0"][:, None], rel=1e-15)
+    assert found["root"] == pytest.approx(2 * found["amplification"], rel=1e-14)
+    assert not [fault for one in asked.values() for fault in one.unfit(DMF, asked)]
+    measures = {name: one.measured(DMF, asked) for name, one in asked.items()}
+    assert measures["amplification"].unit == ""
+    assert measures["amplification"].is_curve
+    assert made("expression", of="H0*H0").measured(DMF, asked).unit != ""
+    assert made("expression", of="1/H0", unit="N*m/rad").measured(DMF, asked).unit == "N*m/rad"
+
+
+def test_expressions_that_lead_nowhere_are_refused() -> None:
+    asked = {"a": made("expression", of="b + 1"), "b": made("expression", of="2*c"), "c": made("expression", of="a/b"),
+             "f": made("natural_frequency", mode=1), "z": made("damping_ratio", mode=1), "sum": made("expression", of="f + z"),
+             "lost": made("expression", of="f_1 + g_2"),
+             "one": made("response", output="theta_1", input="T_T", at=[1, 2]),
+             "two": made("response", output="theta_1", input="T_T", at=[1, 3]), "both": made("expression", of="one - two")}  # fmt: skip
+    said = {name: [fault.message for fault in one.unfit(DMF, asked)] for name, one in asked.items()}
+    assert "circle" in said["a"][0]
+    assert "circle" in said["c"][0]
+    assert "would add" in said["sum"][0]
+    assert len(said["lost"]) == 2
+    assert "different points" in said["both"][0]
+    with pytest.raises(UsageError, match="circle"):
+        VariantBlock(DMF, {"k_2": np.array([1.0])}, asked, None).of("a")
+    with pytest.raises(ModelError):
+        made("expression", of="__import__('os')")
+    with pytest.raises(ModelError):
+        made("expression", of="2*3")
+
+
+def module_level(model: tn.Drivetrain) -> float:
+    return model.parameters["k_2"] * 2
+
+
+def test_a_function_of_a_user_is_asked_of_every_variant() -> None:
+    curve = function(lambda model: [model.parameters["k_2"], 1.0], unit="N*m/rad", over="speed", points=[1.0, 2.0])
+    asked = {"twice": function(module_level, unit="N*m/rad"), "curve": curve}
+    found = Evaluator(DMF, ("k_2",), asked)({"k_2": np.array([400.0, 500.0])})
+    assert found["twice"].tolist() == [800.0, 1000.0]
+    assert found["curve"].tolist() == [[400.0, 1.0], [500.0, 1.0]]
+    assert curve.measure(DMF).over == "speed"
+    assert asked["twice"].measure(DMF).unit == "N*m/rad"
+
+
+def multiple(factor: float):
+    """Functions of one name and different code."""
+    return (lambda model: 2 * model.parameters["k_2"]) if factor == 2 else (lambda model: 3 * model.parameters["k_2"])
+
+
+def test_a_study_with_functions_runs_and_goes_on_only_with_the_same_code(tmp_path) -> None:
+    def study(of):
+        return tn.study.define(DMF, {"k_2": {"type": "list", "values": [400, 500]}}, {"twice": function(of)})
+
+    assert tn.study.run_study(study(multiple(2)), tmp_path).values("twice").tolist() == [800, 1000]
+    assert tn.study.run_study(study(multiple(2)), tmp_path).values("twice").tolist() == [800, 1000]
+    with pytest.raises(UsageError, match="another"):
+        tn.study.run_study(study(multiple(3)), tmp_path)
+    with pytest.raises(UsageError):
+        tn.study.run_study(study(lambda model: 2 * model.parameters["k_2"]), tmp_path)
+
+
+def test_a_function_that_other_processes_cannot_have_is_refused_in_words() -> None:
+    function(module_level).require_picklable()
+    with pytest.raises(UsageError, match="top level of a module"):
+        function(lambda _: 1.0).require_picklable()
+    with pytest.raises(UsageError):
+        function(3)
+    with pytest.raises(UsageError):
+        function(module_level, over="frequency")
+    assert list(function(lambda _: [1.0, 2.0]).unfit(DMF, {}))
+
+
+FAULTS = [
+    (DMF, "order_torque", {"output": "T_T"}, "speeds"),
+    (SHORT, "order_torque", {"output": "T_cpL"}, "did you mean"),
+    (SHORT, "order_torque", {"output": "T_cpl", "order": 3.1}, "no order 3.1"),
+    (SHORT, "order_torque", {"output": "T_cpl", "excitations": ["motor"]}, "no excitation"),
+    (SHORT, "order_torque", {"output": "T_cpl", "speeds": "1..2 rpm"}, "none of the model's speeds"),
+    (DMF, "utilisation", {}, "no limits"),
+    (SHORT, "utilisation", {"limit": "tale"}, "did you mean"),
+    (SHORT, "utilisation", {"limit": "rubber", "criterion": "x"}, "rubber"),
+    (DMF, "critical_speed_margin", {}, "speeds"),
+    (SHORT, "critical_speed_margin", {"orders": [3.1]}, "no order 3.1"),
+    (DMF, "transient_peak", {"output": "x", "input": "T_M", "torque": 1, "duration": 1}, "no sensor or node"),
+    (DMF, "transient_peak", {"output": "T_T", "input": "T_M", "torque": 1, "duration": 1, "rate": 1e8}, "samples"),
+]
+
+
+@pytest.mark.parametrize(("model", "kind", "entries", "words"), FAULTS)
+def test_what_a_model_lacks_is_said(model: tn.Drivetrain, kind: str, entries: dict[str, object], words: str) -> None:
+    said = " ".join(fault.message for fault in made(kind, **entries).unfit(model, {}))
+    assert words in said
+
+
+@pytest.mark.parametrize("kind", sorted(QUANTITIES))
+def test_every_quantity_goes_to_other_processes_and_into_a_file(kind: str) -> None:
+    entries = {
+        "band_mean": {"output": "T_cpl", "input": "T_prop", "band": "1..40 Hz"},
+        "critical_speed_margin": {"orders": [3.0], "speeds": "700..788 rpm"},
+        "damping_ratio": {"mode": 2, "order": "ascending"},
+        "expression": {"of": "f/2", "unit": "Hz"},
+        "natural_frequency": {"mode": 1, "which": "damped"},
+        "order_torque": {"output": "T_cpl", "curve": True},
+        "peak": {"output": "T_cpl", "input": "T_prop", "band": "1..40 Hz"},
+        "peak_frequency": {"output": "T_cpl", "input": "T_prop", "band": "1..40 Hz"},
+        "response": {"output": "T_cpl", "input": "T_prop", "at": 5},
+        "transient_peak": {"output": "T_cpl", "input": "T_prop", "torque": "1 kN*m", "duration": "1 s"},
+        "utilisation": {"limit": "tail"},
+    }[kind]
+    quantity, faults = QUANTITIES[kind].read(entries)
+    assert not faults
+    asked = {"f": made("natural_frequency", mode=1), "own": quantity}
+    assert not list(quantity.unfit(SHORT, asked))
+    assert pickle.loads(pickle.dumps(quantity)) == quantity
+    again, faults = QUANTITIES[kind].read(quantity.to_data())
+    assert (again, faults) == (quantity, [])
+    assert isinstance(quantity.measured(SHORT, asked), QuantityForm)
+    assert quantity.schema(told_by="type")["properties"]["type"]["const"] == kind
+
+
+def test_a_block_keeps_few_remarks() -> None:
+    block = singly(DMF, {"k_2": np.array([1.0])})
+    for number in range(3 * MOST_REMARKS):
+        block.remark(f"of {number}")
+    assert len(block.remarks) == MOST_REMARKS + 1
+    assert block.remarks[OTHERS] == 2 * MOST_REMARKS

@@ -1,0 +1,142 @@
+"""Small probabilities against closed forms: linear, curved and joined limit states in standard normal space."""
+
+import campaigns
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.stats import chi2, norm
+
+from torsionnet.core.errors import UsageError
+from torsionnet.study.answers.design_points import design_points
+from torsionnet.study.answers.importance_sampling import importance_sampling
+from torsionnet.study.answers.subset_sampling import subset_sampling
+
+BETA = -norm.ppf(1e-6)
+
+
+def linear(d):
+    direction = np.arange(1, d + 1) / np.linalg.norm(np.arange(1, d + 1))
+    return lambda u: BETA - u @ direction
+
+
+def opposite(u):
+    """Two half spaces on opposite sides."""
+    return np.minimum(BETA - u[:, 0], BETA + u[:, 0])
+
+
+def bent(curvature):
+    probability = quad(lambda y: norm.sf(4 + curvature * y**2) * norm.pdf(y), -9, 9, epsabs=1e-16)[0]
+    return lambda u: 4 + curvature * u[:, 1] ** 2 - u[:, 0], probability
+
+
+@pytest.mark.parametrize("d", [1, 2, 10, 30])
+def test_one_in_a_million_within_five_percent(d):
+    found = importance_sampling(linear(d), d, count=100_000, seed=d)
+    assert found.probability == pytest.approx(1e-6, rel=0.05)
+    assert found.index == pytest.approx(BETA, abs=0.01)
+    assert found.evaluations <= 100_000
+    assert not found.doubts
+
+
+@pytest.mark.parametrize(("margin", "d", "truth"), [
+    (opposite, 4, 2e-6),
+    (*bent(0.15)[:1], 2, bent(0.15)[1]),
+    (*bent(-0.15)[:1], 2, bent(-0.15)[1]),
+])  # fmt: skip
+def test_importance_sampling_of_other_shapes(margin, d, truth):
+    found = importance_sampling(margin, d, count=100_000, seed=1)
+    assert found.probability == pytest.approx(truth, rel=0.05)
+    assert not found.doubts
+
+
+def test_design_points_are_the_nearest_ones():
+    found = design_points(opposite, np.array([[0.1, 0.5, 0.0], [-0.3, 0.0, 1.0], [0.2, -2.0, 0.0]]))
+    assert sorted(found.points[:, 0]) == pytest.approx([-BETA, BETA], abs=1e-4)
+    assert np.abs(found.points[:, 1:]).max() < 1e-3
+    assert found.distances == pytest.approx([BETA, BETA], abs=1e-4)
+
+
+@pytest.mark.parametrize("d", [6, 20])
+def test_six_design_points_in_directions_of_their_own(d):
+    """One run of subset simulation may lose a kind of failure; the searches must not."""
+    directions = np.linalg.qr(np.random.default_rng(5).standard_normal((d, 6)))[0].T
+    for seed in range(2, 2 + campaigns.examples(2, 20)):
+        found = importance_sampling(lambda u: BETA - (u @ directions.T).max(axis=1), d, count=100_000, seed=seed)
+        assert found.probability == pytest.approx(6e-6, rel=0.05)
+        assert not found.doubts
+
+
+def test_a_limit_state_all_around_is_not_trusted():
+    found = importance_sampling(lambda u: 36 - (u**2).sum(axis=1), 12, count=20_000, seed=1)
+    assert found.doubts
+
+
+def test_no_failure_anywhere():
+    found = importance_sampling(lambda u: 50 - u[:, 0], 2, count=5000, seed=1)
+    assert found.probability == 0
+    assert np.isnan(found.high)
+    assert found.doubts == ("no failure was met",)
+    flat = subset_sampling(lambda u: np.ones(len(u)), 2, count=200, seed=1)
+    assert flat.probability == 0
+    assert flat.doubts
+
+
+def test_frequent_failures_need_no_design_points():
+    found = importance_sampling(lambda u: 1 - u[:, 0], 2, count=50_000, seed=1)
+    assert found.probability == pytest.approx(norm.sf(1), rel=0.05)
+    assert not found.doubts
+
+
+def test_what_has_no_value_has_failed():
+    def lacking(u):
+        return np.where(u[:, 0] > 3, np.nan, 5 - u[:, 0])
+
+    for found in (
+        importance_sampling(lacking, 2, count=50_000, seed=1),
+        subset_sampling(lacking, 2, count=1000, seed=1),
+    ):
+        assert found.probability == pytest.approx(norm.sf(3), rel=0.2)
+
+
+def test_same_seed_same_number():
+    for method in (importance_sampling, subset_sampling):
+        one, same, other = (method(linear(3), 3, count=5000, seed=seed) for seed in (1, 1, 2))
+        assert one == same
+        assert one.probability != other.probability
+
+
+@pytest.mark.parametrize("d", [2, 10])
+def test_subset_sampling_near_the_truth(d):
+    found = subset_sampling(linear(d), d, count=1000, seed=1)
+    assert found.probability == pytest.approx(1e-6, rel=0.4)
+    assert found.low < found.probability < found.high
+    assert not found.doubts
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("margin", "d", "truth"), [
+    (linear(2), 2, 1e-6),
+    (linear(10), 10, 1e-6),
+    (opposite, 3, 2e-6),
+    (*bent(0.15)[:1], 2, bent(0.15)[1]),
+    (*bent(-0.15)[:1], 2, bent(-0.15)[1]),
+    (lambda u: 36 - (u**2).sum(axis=1), 6, chi2.sf(36, 6)),
+])  # fmt: skip
+def test_intervals_of_subset_sampling_hold_what_they_say(margin, d, truth):
+    found = [subset_sampling(margin, d, count=1000, seed=seed) for seed in range(100)]
+    assert 90 <= sum(one.low <= truth <= one.high for one in found) <= 99
+    # Unbiased: the mean of 100 runs with a variation of about 0.09 each.
+    assert np.mean([one.probability for one in found]) == pytest.approx(truth, rel=0.03)
+
+
+def test_intervals_of_importance_sampling_hold_what_they_say():
+    seeds = campaigns.examples(40, 400)
+    found = [importance_sampling(linear(3), 3, count=20_000, accuracy=0.02, seed=seed) for seed in range(seeds)]
+    assert np.mean([one.low <= 1e-6 <= one.high for one in found]) >= 0.9
+
+
+def test_too_few_variants():
+    with pytest.raises(UsageError, match="needs 4000 variants or more"):
+        importance_sampling(linear(2), 2, count=100, seed=1)
+    with pytest.raises(UsageError, match="a multiple of 10, 200 or more; got 105"):
+        subset_sampling(linear(2), 2, count=105, seed=1)

@@ -1,0 +1,151 @@
+"""Studies that cannot be: what is said of them, the exit code, and that nothing in a folder is touched."""
+
+import errno
+
+import pytest
+from click.testing import CliRunner
+from study_runs import contents, small_study
+
+import torsionnet as tn
+from torsionnet.cli.app import app
+from torsionnet.core.errors import SolveError
+from torsionnet.study.run import study_folder
+from torsionnet.study.run.run_chunks import run_study
+from torsionnet.study.user_function import function
+
+PLAN = """\
+torsionnet: 1
+model: amt_rig
+configurations: [II, V]
+vary:
+  k_1: {type: normal, deviation: 4 %}
+  k_2: {type: normal, deviation: 4 %}
+  c_1: {type: normal, deviation: 4 %}
+sampling: {count: 16}
+quantities:
+  f_1: {type: natural_frequency, mode: 1}
+  z: {type: damping_ratio, mode: 1}
+"""
+
+
+@pytest.fixture
+def said(tmp_path):
+    """What the command says of a plan, with the exit code that is expected."""
+
+    def of(text, *words, code=1, command="study"):
+        file = tmp_path / "plan.yaml"
+        file.write_text(text)
+        found = CliRunner().invoke(app, [command, str(file), *words])
+        assert found.exit_code == code, found.output
+        assert "Traceback" not in found.output
+        return found.output
+
+    return of
+
+
+FAULTY = {
+    "parameter": (PLAN.replace("k_1:", "k_l:"), 'no parameter is named "k_l"; did you mean'),
+    "variation": (PLAN.replace("normal", "gaussian", 1), 'no variation type is named "gaussian"; known: list'),
+    "correlation": (
+        PLAN + "correlation:\n" + "".join(
+            f"  - {{between: [{pair}], coefficient: {value}}}\n"
+            for pair, value in (("k_1, k_2", 0.9), ("k_1, c_1", 0.9), ("c_1, k_2", -0.9))
+        ),
+        "contradict each other: the smallest eigenvalue is -0.8",
+    ),
+    "below zero": (PLAN.replace("4 %", "60 %", 1), "4.8 % of k_1 would be below 0"),
+    "unit of a value": (PLAN.replace("normal, deviation: 4 %", "uniform, low: 5 Hz, high: 9", 1), "such as N*m/rad"),
+    "count": (PLAN.replace("16", "0"), "a whole number from 1"),
+    "mode": (PLAN.replace("mode: 1", "mode: 99", 1), "there is no mode 99; the model has 2 modes"),
+    "limit in Hz": (PLAN + "limits: {z: {below: 8 Hz}}\n", "z is a number without unit, not in Hz"),
+    "answer": (PLAN + "answers: {y: {type: yeild}}\n", 'did you mean "yield"?'),
+    "asked of nothing": (PLAN + "answers: {y: {type: scatter, quantities: [q]}}\n", 'no quantity is named "q"'),
+    "configuration": (PLAN.replace("[II, V]", "[II, X]"), 'no configuration is named "X"'),
+    "nameless quantity": (PLAN + "  '': {type: damping_ratio}\n", "a quantity needs a name"),
+    "damper without speeds": (
+        PLAN + "answers: {d: {type: best_damper, output: theta_1, design: {c_1: [0.3, 6]}}}\n",
+        "excitations act over speeds, and the model has none",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", FAULTY)
+def test_is_said_with_its_place(said, name):
+    text, words = FAULTY[name]
+    found = said(text)
+    assert words in found
+    assert "plan.yaml:" in found
+    assert "Nothing was calculated" in found
+
+
+def test_all_faults_at_once(said):
+    text = PLAN.replace("k_1:", "k_l:").replace("natural_frequency", "frequency").replace("16", "-1")
+    found = said(text + "limits: {nix: {below: 1}}\nanswers: {y: {type: yeild}}\n")
+    for words in ('"k_l"', '"frequency"', "got -1", 'no quantity is named "nix"', '"yeild"'):
+        assert words in found
+
+
+def test_a_warning_is_said_once(said):
+    found = said(PLAN.replace("count: 16", "method: sobol, count: 5"), code=0)
+    assert found.count("powers of two") == 1
+
+
+def test_study_given_for_a_model(said):
+    found = said(PLAN, command="modes")
+    assert "this is a study, no model; torsionnet study plan.yaml calculates it" in found
+    assert "1 error" in found
+
+
+def test_model_given_for_a_study(said):
+    found = said((tn.library_models()["amt_rig"]).read_text())
+    assert "this is a model, no study" in found
+    assert "1 error" in found
+
+
+@pytest.mark.parametrize(
+    ("command", "name", "words"),
+    [("modes", "amt_tolerances", "torsionnet study amt_tolerances"), ("study", "amt_rig", "model: amt_rig")],
+)
+def test_names_of_the_library_taken_for_another_kind(command, name, words):
+    found = CliRunner().invoke(app, [command, name])
+    assert found.exit_code == 2
+    assert words in found.output
+
+
+def test_another_study_touches_nothing(said, tmp_path):
+    folder = tmp_path / "results"
+    said(PLAN, "-o", str(folder), code=0)
+    before = contents(folder)
+    assert "sampling: count 16 -> 17" in said(PLAN.replace("16", "17"), "-o", str(folder), code=2).replace(
+        "; the size of chunks is another", ""
+    )
+    assert contents(folder) == before
+
+
+def test_disk_that_is_full_from_the_first_byte(tmp_path, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(study_folder, "write_text", full)
+    with pytest.raises(SolveError, match="the disk is full"):
+        run_study(small_study(10), tmp_path / "results")
+
+
+def _times(factor):
+    return lambda rig: factor * rig.modes().natural_frequencies[0]
+
+
+def test_function_made_with_another_value_is_another():
+    data = [function(_times(factor)).to_data() for factor in (2.0, 2.0, 3.0)]
+    assert data[0] == data[1]
+    assert data[0] != data[2]
+
+
+def test_function_with_another_default_is_another():
+    def made(factor):
+        def scaled(rig, by=factor):
+            return by * rig.modes().natural_frequencies[0]
+
+        return function(scaled)
+
+    assert made(2.0).to_data() == made(2.0).to_data() != made(3.0).to_data()

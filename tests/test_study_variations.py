@@ -1,0 +1,284 @@
+"""Distributions of parameters against scipy.stats, and what is said of values that make none."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy import stats
+
+import torsionnet as tn
+from torsionnet.core.errors import ModelError
+from torsionnet.core.units import DIMENSIONS
+from torsionnet.study.variations.grid_axis import GridAxis
+from torsionnet.study.variations.lognormal import Lognormal
+from torsionnet.study.variations.nominal import Nominal, NominalReader, nominals
+from torsionnet.study.variations.normal import Normal, NormalMarginal
+from torsionnet.study.variations.triangle import Triangular
+from torsionnet.study.variations.truncated import TruncatedMarginal
+from torsionnet.study.variations.uniform import Uniform
+from torsionnet.study.variations.value_list import ListOfValues
+from torsionnet.study.variations.value_range import ValueRange
+from torsionnet.study.variations.variation import VARIATIONS
+
+STIFFNESS = Nominal("k", 500.0, DIMENSIONS["stiffness"], "N*m/rad")
+SHARES = np.array([1e-12, 1e-6, 0.01, 0.2, 0.5, 0.7, 0.99, 1 - 1e-6])
+
+
+def bound(variation, nominal=STIFFNESS):
+    reader = NominalReader(nominal)
+    found = variation.bound(reader)
+    assert reader.faults == []
+    return found
+
+
+def faults(variation, nominal=STIFFNESS):
+    reader = NominalReader(nominal)
+    assert variation.bound(reader) is None
+    return [(".".join(map(str, fault.path)), fault.message) for fault in reader.faults]
+
+
+def scipy_lognormal(mean, deviation):
+    spread = math.log(1 + (deviation / mean) ** 2)
+    return stats.lognorm(math.sqrt(spread), scale=mean * math.exp(-spread / 2))
+
+
+def truncated_by_scipy(whole, low, high):
+    """Shares of a scipy distribution between two limits, as scipy has none for any but the normal one."""
+
+    class Part:
+        mass = whole.cdf(high) - whole.cdf(low)
+
+        def ppf(self, p):
+            return whole.ppf(whole.cdf(low) + p * self.mass)
+
+        def cdf(self, x):
+            return (whole.cdf(np.clip(x, low, high)) - whole.cdf(low)) / self.mass
+
+        def logpdf(self, x):
+            return np.where((x >= low) & (x <= high), whole.logpdf(x) - np.log(self.mass), -np.inf)
+
+    return Part()
+
+
+CASES = {
+    "normal": (Normal(mean="460 N*m/rad", deviation="5 %"), stats.norm(460, 23)),
+    "normal of the model's mean": (Normal(deviation="10 N*m/rad"), stats.norm(500, 10)),
+    "truncated normal": (
+        Normal(deviation="20 %", low="-30 %", high="0.52 kN*m/rad"),
+        stats.truncnorm(-1.5, 0.2, 500, 100),
+    ),
+    "one side of a normal": (Normal(deviation="20 %", low=650), stats.truncnorm(1.5, math.inf, 500, 100)),
+    "lognormal": (Lognormal(deviation="30 %"), scipy_lognormal(500, 150)),
+    "truncated lognormal": (
+        Lognormal(deviation="30 %", low=400, high=900),
+        truncated_by_scipy(scipy_lognormal(500, 150), 400, 900),
+    ),
+    "uniform": (Uniform(low="-10 %", high="+20 %"), stats.uniform(450, 150)),
+    "triangular": (Triangular(low="-10 %", high="+30 %"), stats.triang(0.25, 450, 200)),
+    "only rising": (Triangular(low=400, mode=500, high=500), stats.triang(1, 400, 100)),
+    "only falling": (Triangular(low=500, mode=500, high=600), stats.triang(0, 500, 100)),
+}
+
+
+@pytest.fixture(params=CASES, name="case")
+def a_case(request):
+    variation, expected = CASES[request.param]
+    return bound(variation), expected
+
+
+def test_shares_and_values_are_those_of_scipy(case):
+    ours, expected = case
+    values = expected.ppf(SHARES)
+    assert ours.ppf(SHARES) == pytest.approx(values, rel=1e-9)
+    assert ours.isf(1 - SHARES[2:]) == pytest.approx(values[2:], rel=1e-9)
+    assert ours.cdf(values) == pytest.approx(SHARES, rel=2e-6)
+    assert ours.sf(values) == pytest.approx(1 - SHARES, rel=2e-6)
+    assert ours.log_density(values) == pytest.approx(expected.logpdf(values), rel=1e-7)
+
+
+def test_density_is_the_slope_of_the_share(case):
+    ours, _ = case
+    values = ours.ppf(np.array([0.1, 0.35, 0.6, 0.9]))
+    step = 1e-4
+    slope = (ours.cdf(values + step) - ours.cdf(values - step)) / (2 * step)
+    assert np.exp(ours.log_density(values)) == pytest.approx(slope, rel=1e-6)
+
+
+def test_nothing_is_outside_the_limits(case):
+    ours, _ = case
+    for end, beyond in ((ours.low, -1.0), (ours.high, 1.0)):
+        if np.isfinite(end):
+            assert ours.log_density(end + beyond) == -np.inf
+            assert (ours.cdf(end + beyond), ours.sf(end + beyond)) == ((0, 1) if beyond < 0 else (1, 0))
+    tails = ours.from_normal(np.array([-35.0, 35.0]))
+    assert np.isfinite(tails).all()
+    assert ours.low <= tails[0] < tails[1] <= ours.high
+
+
+@given(st.floats(-7, 7))
+def test_normal_variables_lead_there_and_back(u):
+    for variation, _ in CASES.values():
+        marginal = bound(variation)
+        # A value near a limit has only so many digits from it.
+        there = marginal.from_normal(u)
+        assert marginal.from_normal(marginal.to_normal(there)) == pytest.approx(float(there), rel=1e-12)
+    for variation in (CASES["normal"][0], CASES["lognormal"][0]):
+        marginal = bound(variation)
+        assert float(marginal.to_normal(marginal.from_normal(u))) == pytest.approx(u, abs=1e-12)
+
+
+def test_a_far_tail_of_a_normal_keeps_its_digits():
+    marginal = TruncatedMarginal(NormalMarginal(500, 10), 580, math.inf)
+    expected = stats.truncnorm(8, math.inf, 500, 10)
+    assert marginal.share == pytest.approx(stats.norm.sf(8), rel=1e-12)
+    assert marginal.ppf(SHARES) == pytest.approx(expected.ppf(SHARES), rel=1e-10)
+    assert marginal.cdf(595.0) == pytest.approx(float(expected.cdf(595.0)), rel=1e-9)
+
+
+def test_lognormal_mean_and_deviation_are_those_of_the_values():
+    marginal = bound(Lognormal(mean=460, deviation=92))
+    values = marginal.ppf((np.arange(400_000) + 0.5) / 400_000)
+    assert (values.mean(), values.std()) == (pytest.approx(460, rel=1e-5), pytest.approx(92, rel=1e-3))
+
+
+def test_a_list_has_its_values():
+    axis = bound(ListOfValues(values=["-10 %", "0 %", "0.6 kN*m/rad", 700]))
+    assert isinstance(axis, GridAxis)
+    assert axis.values.tolist() == [450, 500, 600, 700]
+    assert (axis.count, axis.low, axis.high) == (4, 450, 700)
+
+
+def test_a_range_is_numpys():
+    assert bound(ValueRange(low="-10 %", high=600, count=7)).values == pytest.approx(
+        np.linspace(450, 600, 7), rel=1e-15
+    )
+    logs = bound(ValueRange(low=1, high=1000, count=4, spacing="log")).values
+    assert logs == pytest.approx(np.geomspace(1, 1000, 4), rel=1e-15)
+    assert (logs[0], logs[-1]) == (1, 1000)
+
+
+@given(st.floats(1e-6, 1), st.floats(1.01, 1e6), st.integers(2, 50), st.sampled_from(["linear", "log"]))
+def test_both_ends_of_a_range_are_exact(low, high, count, spacing):
+    values = bound(ValueRange(low=low, high=high, count=count, spacing=spacing)).values
+    assert (values[0], values[-1]) == (low, high)
+    assert (np.diff(values) > 0).all()
+
+
+def test_the_end_of_a_long_range_costs_nothing():
+    axis = bound(ValueRange(low=1, high=3, count=1e9))
+    assert axis.at(np.array([0, 999_999_999])).tolist() == [1, 3]
+
+
+def test_percent_of_a_negative_value_is_below_and_above_it():
+    torque = Nominal("T", -200.0, DIMENSIONS["torque"])
+    marginal = bound(Uniform(low="-10 %", high="+5 %"), torque)
+    assert (marginal.low, marginal.high) == (-220, -190)
+    assert bound(Normal(deviation="10 %"), torque).deviation == 20
+
+
+@pytest.mark.parametrize(
+    ("variation", "where", "words"),
+    [
+        (
+            Normal(deviation="5 kg"),
+            "deviation",
+            '"5 kg" is not a value of k; expected a unit such as N*m/rad, or percent',
+        ),
+        (Normal(mean="5 kg", deviation="5 %"), "mean", '"5 kg" is not a value of k'),
+        (Normal(deviation="-5 %"), "deviation", "must be greater than 0, got -5 %"),
+        (Normal(deviation=0), "deviation", "must be greater than 0, got 0"),
+        (Normal(deviation=0.05), "deviation", 'is only 0.0001 of k; write "5 %" for a share, or "0.05 N*m/rad"'),
+        (Normal(mean=0, deviation="5 %"), "deviation", 'the mean is 0, and so is "5 %" of it'),
+        (Normal(deviation="5 %", low=600, high=550), "low", "low (600) must be below high (550)"),
+        (Normal(deviation="1 %", low=600), "low", "hardly any value of k is left from 600 to inf"),
+        (Lognormal(mean=-5, deviation=1), "mean", "lognormal values are above 0, but the mean of k is -5"),
+        (Uniform(low="-10 %", high="10 %"), "high", '"10 %" leaves open what is meant; write "+10 %" for a change'),
+        (Uniform(low="+10 %", high="-10 %"), "low", "low (550) must be below high (450)"),
+        (Triangular(low=550, high=600), "", "the most frequent value (500) must lie between low (550) and high (600)"),
+        (Triangular(low=550, mode=700, high=600), "mode", "must lie between"),
+        (ListOfValues(values=[500, "0 %"]), "values.1", "500 stands twice in the list"),
+        (ListOfValues(values=[500, "1 kg"]), "values.1", '"1 kg" is not a value of k'),
+        (ValueRange(low=3, high=2, count=5), "low", "low (3) must be below high (2)"),
+        (ValueRange(low=0, high=2, count=5, spacing="log"), "low", "equal ratios need values above 0, got 0"),
+    ],
+)
+def test_values_that_make_no_distribution(variation, where, words):
+    [(path, message)] = [fault for fault in faults(variation) if "NaN" not in fault[1]]
+    assert path == where
+    assert words in message
+
+
+@pytest.mark.parametrize(
+    ("nominal", "words"),
+    [
+        (Nominal("k", None, DIMENSIONS["stiffness"]), "k follows the operating point and has no value of its own"),
+        (Nominal("k", 0.0, DIMENSIONS["stiffness"]), 'k is 0 in the model, and so is "-10 %" of it; give a value'),
+        (
+            Nominal("k", 0.05, None, in_percent=True),
+            'k is itself in percent: "-10 %" could be its value or a share of it',
+        ),
+    ],
+)
+def test_shares_of_nothing(nominal, words):
+    (where, message), _ = faults(Uniform(low="-10 %", high="+10 %"), nominal)
+    assert where == "low"
+    assert words in message
+
+
+def test_all_faults_of_a_variation_are_told():
+    assert len(faults(Normal(mean="3 s", deviation="-4 %", low="5 %", high="2 kg"))) == 4
+
+
+def test_the_model_says_value_and_unit():
+    rig = tn.load("amt_rig")
+    assert nominals(rig, ["k_2"])["k_2"] == Nominal("k_2", 12300.0, DIMENSIONS["stiffness"], "N*m/rad")
+    shaft = tn.Drivetrain(
+        "shaft",
+        [
+            tn.Inertia("disc", node="a", inertia=1),
+            tn.Spring("s", nodes=("a", "ground"), stiffness="k", damping={"zeta": "z", "at": "10 Hz"}),
+        ],
+        parameters={"k": 100, "z": "2 %"},
+    )
+    found = nominals(shaft, ["k", "z"])
+    assert (found["k"].dimension, found["k"].unit) == (DIMENSIONS["stiffness"], "N*m/rad")
+    assert (found["z"].in_percent, found["z"].value) == (True, 0.02)
+
+
+@pytest.mark.parametrize(
+    ("kind", "raw", "words"),
+    [
+        (Normal, {"deviaton": 3}, 'unknown key "deviaton"; did you mean "deviation"?'),
+        (Normal, {}, "a variation needs deviation: standard deviation"),
+        (Normal, {"deviation": "k_1/2"}, '"k_1/2" is an expression of parameters'),
+        (Normal, {"deviation": 1e300}, "1e+300 is no size that anything in a drivetrain has"),
+        (ListOfValues, {"values": []}, "the list holds no value"),
+        (ListOfValues, {"values": 3}, "expected a list of values, got 3"),
+        (ValueRange, {"low": 1, "high": 2, "count": 1}, "expected a whole number from 2 to 1000000000, got 1"),
+        (ValueRange, {"from": 1, "high": 2, "count": 3}, 'unknown key "from"; the ends of a range are low and high'),
+        (ValueRange, {"low": 1, "high": 2, "count": 3, "spacing": "lin"}, "expected linear or log, got 'lin'"),
+    ],
+)
+def test_entries_that_cannot_be_read(kind, raw, words):
+    found, wrong = kind.read(raw)
+    assert found is None
+    assert any(words in fault.message for fault in wrong)
+
+
+def test_python_refuses_the_same():
+    with pytest.raises(ModelError, match="is an expression of parameters"):
+        Normal(deviation="k_1/2")
+
+
+@pytest.mark.parametrize("variation", [variation for variation, _ in CASES.values()])
+def test_round_trip(variation):
+    again, wrong = type(variation).read(variation.to_data())
+    assert wrong == []
+    assert again == variation
+
+
+def test_every_type_is_found_by_its_word():
+    assert list(VARIATIONS) == ["list", "lognormal", "normal", "range", "triangular", "uniform"]
+    assert VARIATIONS["range"] is ValueRange

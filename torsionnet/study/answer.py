@@ -1,0 +1,105 @@
+"""What is concluded from a study: how likely a limit is met, what matters most, what would be best."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar
+
+from numpy.typing import ArrayLike
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.errors import Fault
+from torsionnet.core.type_register import TypeRegister
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.response.table import Table
+from torsionnet.study.evaluator import Evaluator
+from torsionnet.study.quantity import StudyQuantity
+from torsionnet.study.quantity_limit import QuantityLimit
+from torsionnet.study.space import Space
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+A = TypeVar("A", bound="type[StudyAnswer]")
+
+
+class AskedStudy(Protocol):
+    """What an answer knows of its study, :class:`torsionnet.study.study.Study`."""
+
+    @property
+    def model(self) -> Drivetrain: ...
+    @property
+    def space(self) -> Space: ...
+    @property
+    def quantities(self) -> Mapping[str, StudyQuantity]: ...
+    @property
+    def configurations(self) -> tuple[str, ...]: ...
+    @property
+    def limits(self) -> Mapping[str, QuantityLimit]: ...
+    @property
+    def title(self) -> str: ...
+    def model_in(self, configuration: str) -> Drivetrain: ...
+    def evaluator(self, configuration: str = "") -> Evaluator: ...
+
+
+class VariantValues(Protocol):
+    """What an answer knows of the results, :class:`torsionnet.study.study_result.StudyResult`."""
+
+    def values(self, quantity: str, configuration: str | None = None) -> FloatArray: ...
+    def parameters(self, configuration: str | None = None) -> dict[str, FloatArray]: ...
+    def percentiles(self, quantity: str, shares: ArrayLike, configuration: str | None = None) -> FloatArray: ...
+
+
+class Conclusion(Protocol):
+    """What every answer comes to."""
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """In words, each a sentence an engineer can hand in."""
+        ...
+
+    def table(self) -> Table:
+        """In numbers."""
+        ...
+
+    def to_data(self) -> Any:
+        """In full precision, for JSON."""
+        ...
+
+    def figure(self, plot: ModuleType) -> Figure:
+        """As a picture, by :mod:`torsionnet.plot`."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyAnswer(Declared):
+    """Base of the answers; a class of its own for each ``type:``, registered by :func:`register_answer`."""
+
+    article: ClassVar[str] = "an answer"
+    of_variants: ClassVar[bool] = True
+    """Whether it rests on the variants that the study has calculated, rather than choosing its own."""
+
+    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+        """What does not fit the study: unknown quantities, correlated parameters where none may be, ..."""
+        del study
+        yield from ()
+
+    def found(self, study: AskedStudy, result: VariantValues) -> Conclusion:
+        """The answer; ``result`` has the values of all variants of the study, case by case."""
+        raise NotImplementedError
+
+
+ANSWERS: TypeRegister[type[StudyAnswer]] = TypeRegister("torsionnet.study.answers")
+"""By the word in ``type:``."""
+
+
+def register_answer(cls: A) -> A:
+    """Make an answer known by its ``kind``."""
+    ANSWERS[cls.kind] = cls
+    return cls
+
+
+Conclusions = Mapping[str, Conclusion]

@@ -1,0 +1,63 @@
+"""One configuration of a study as functions of points, for answers that choose their variants themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.errors import UsageError
+from torsionnet.study.answer import AskedStudy
+from torsionnet.study.answers.asking import case_label
+from torsionnet.study.evaluator import Evaluator
+from torsionnet.study.space import Space
+from torsionnet.study.variant_block import VariantBlock
+
+
+@dataclass(frozen=True, eq=False)
+class AnswerCase:
+    """A configuration, what calculates its variants, and its space.
+
+    Parameters that take the values of a list or range keep that of the model where an answer draws at random.
+    """
+
+    configuration: str
+    evaluator: Evaluator
+    space: Space
+
+    @property
+    def label(self) -> str:
+        """As it is told in tables."""
+        return case_label(self.configuration)
+
+    def calculated(self, values: Mapping[str, FloatArray], names: tuple[str, ...]) -> dict[str, FloatArray]:
+        """Quantities (n,) of variants, whose other parameters are those of the model."""
+        return self.evaluator(self._whole(values), names)
+
+    def singly(self, values: Mapping[str, float], quantity: str) -> float:
+        """The quantity of one variant, made and solved as a model of its own."""
+        whole = self._whole({name: np.array([value]) for name, value in values.items()})
+        block = VariantBlock(self.evaluator.model, whole, self.evaluator.quantities, None)
+        return float(block.of(quantity)[0, 0])
+
+    def nominal(self, name: str) -> float:
+        """The value of a parameter in the model, in SI."""
+        value = self.space.nominal[name]
+        if np.isnan(value):
+            raise UsageError(f"{name} has no value in the model {self.label}; give it a distribution or a value")
+        return value
+
+    def _whole(self, values: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+        count = len(next(iter(values.values())))
+        return {
+            name: values[name] if name in values else np.full(count, self.nominal(name)) for name in self.space.names
+        }
+
+
+def answer_cases(study: AskedStudy) -> Iterator[AnswerCase]:
+    """All configurations of a study."""
+    for configuration in study.configurations:
+        evaluator = study.evaluator(configuration)
+        yield AnswerCase(configuration, evaluator, study.space.at(evaluator.model))

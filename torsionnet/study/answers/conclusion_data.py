@@ -1,0 +1,39 @@
+"""Conclusions as data for JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+from torsionnet.core.number_text import finite
+
+
+class PlainConclusion:
+    """Base of frozen dataclasses that say all they found in their fields."""
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """In words."""
+        raise NotImplementedError
+
+    def to_data(self) -> Any:
+        """Sentences and every field; null for numbers that JSON lacks."""
+        return finite({"sentences": list(self.sentences), **plain_data(self)})
+
+
+def plain_data(value: Any) -> Any:
+    """Dataclasses and mappings as dictionaries, arrays and tuples as lists."""
+    if is_dataclass(value):
+        return {one.name: plain_data(getattr(value, one.name)) for one in fields(value)}
+    if isinstance(value, Mapping):
+        return {_key(key): plain_data(one) for key, one in value.items()}
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    return [plain_data(one) for one in value] if isinstance(value, tuple | list) else value
+
+
+def _key(key: Any) -> str:
+    return ", ".join(map(str, key)) if isinstance(key, tuple) else str(key)

@@ -1,0 +1,114 @@
+"""The answer ``type: failure_probability``: how rarely a limit is not kept."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import ModuleType
+from typing import TYPE_CHECKING, ClassVar
+
+from torsionnet.core.entries.composite import Listed
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count, OneOf, Text
+from torsionnet.core.errors import Fault
+from torsionnet.response.table import Column, Table
+from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answers.answer_case import answer_cases
+from torsionnet.study.answers.asking import distribution_faults, limit_faults, limit_words
+from torsionnet.study.answers.conclusion_data import PlainConclusion
+from torsionnet.study.answers.failure_margin import failure_margin
+from torsionnet.study.answers.importance_sampling import importance_sampling
+from torsionnet.study.answers.point_functions import OfPoints
+from torsionnet.study.answers.rare_event import RareEvent
+from torsionnet.study.answers.subset_sampling import subset_sampling
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+IMPORTANCE, SUBSET = "importance", "subset"
+DEFAULT_COUNT = {IMPORTANCE: 100_000, SUBSET: 1000}
+
+
+@register_answer
+@dataclass(frozen=True, kw_only=True)
+class FailureProbability(StudyAnswer):
+    """Probability that any of the limits is not kept, however small, in each configuration.
+
+    Importance sampling draws around the points where failures are most likely, and suits up to some tens of parameters
+    and limits that are crossed in few places; it says when it finds itself wrong there. Subset sampling assumes nothing
+    but takes more variants, about 20 times ``count`` for every power of ten.
+    """
+
+    kind: ClassVar[str] = "failure_probability"
+    of_variants: ClassVar[bool] = False
+
+    limits: tuple[str, ...] = entry(Listed("quantities whose limits count; default: all", Text("quantity")), None)
+    method: str = entry(OneOf("how variants are chosen", (IMPORTANCE, SUBSET)), IMPORTANCE)
+    count: int | None = entry(
+        Count("most variants (importance; default: 100000), or those of a level in each of 20 runs (subset; 1000)",
+              lower=200, upper=10**9), None,
+    )  # fmt: skip
+    accuracy: float = entry(
+        Value("standard error over the probability at which importance sampling stops", "1", exclusive=True, below=1),
+        0.01,
+    )
+    seed: int = entry(Count("another seed draws other variants", lower=0, upper=2**32 - 1), 1)
+    confidence: float = entry(Value("of the interval", "1", exclusive=True, below=1), 0.95)
+
+    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+        yield from limit_faults(study, self.limits)
+        yield from distribution_faults(study)
+
+    def found(self, study: AskedStudy, result: VariantValues | None = None) -> FailureFound:
+        del result
+        names = self.limits or tuple(study.limits)
+        found = {}
+        for case in answer_cases(study):
+            margin = failure_margin(case, {name: study.limits[name] for name in names})
+            found[case.label] = self._sampled(margin, len(case.space.random_names))
+        return FailureFound(
+            study.title, " or ".join(limit_words(study, name) for name in names), found, self.confidence
+        )
+
+    def _sampled(self, margin: OfPoints, n_parameters: int) -> RareEvent:
+        count = self.count or DEFAULT_COUNT[self.method]
+        if self.method == SUBSET:
+            return subset_sampling(margin, n_parameters, count=count, seed=self.seed, confidence=self.confidence)
+        return importance_sampling(
+            margin, n_parameters, count=count, seed=self.seed, accuracy=self.accuracy, confidence=self.confidence
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class FailureFound(PlainConclusion):
+    """Probabilities by configuration."""
+
+    title: str
+    beyond: str
+    events: Mapping[str, RareEvent]
+    confidence: float
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        said = []
+        for case, one in self.events.items():
+            said.append(f"{self.beyond}, {case}: probability {one.words}")
+            said += [f"{case}: not to be trusted: {doubt}" for doubt in one.doubts]
+        return tuple(said)
+
+    def table(self) -> Table:
+        columns = (
+            Column("configuration"), Column("probability", digits=4), Column("from", digits=4), Column("to", digits=4),
+            Column("reliability index", digits=4), Column("variants"), Column("method"), Column("trusted"),
+        )  # fmt: skip
+        rows = tuple(
+            (case, one.probability, one.low, one.high, one.index if one.probability else None, one.evaluations,
+             one.method, "no" if one.doubts else "yes")
+            for case, one in self.events.items()
+        )  # fmt: skip
+        note = f"that {self.beyond}; intervals {100 * self.confidence:g} %"
+        return Table(f"{self.title}: failure probability", columns, rows, (note, *self.sentences))
+
+    def figure(self, plot: ModuleType) -> Figure:
+        return plot.failure_probabilities(self)  # type: ignore[no-any-return]

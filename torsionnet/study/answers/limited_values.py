@@ -1,0 +1,42 @@
+"""How the values of a quantity lie about its limits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.study.answer import AskedStudy
+from torsionnet.study.answers.asking import measure_of
+
+MOST_BINS, FEWEST_BINS = 60, 10
+ALIKE = 1e-9
+"""Of themselves: values that spread less are one value, and rounding."""
+
+
+@dataclass(frozen=True, eq=False)
+class LimitedValues:
+    """Histogram of a quantity in one configuration: ``edges`` (n + 1,) in SI, ``counts`` (n,), and the limits."""
+
+    configuration: str
+    quantity: str
+    unit: str
+    edges: FloatArray
+    counts: FloatArray
+    below: float | None
+    above: float | None
+
+
+def limited_values(study: AskedStudy, label: str, name: str, values: FloatArray) -> LimitedValues:
+    """Of the values that are there; without those beyond the 0.01st and 99.99th percentile, and with the limits."""
+    limit = study.limits[name]
+    known = values[np.isfinite(values)]
+    ends = np.percentile(known, [0.01, 99.99]) if len(known) else np.array([0.0, 1.0])
+    size = float(np.abs(ends).max()) or 1.0
+    if ends[1] - ends[0] < ALIKE * size:
+        ends = ends + np.array([-1, 1]) * size * 1e-3
+    bins = int(np.clip(2 * np.cbrt(len(known)), FEWEST_BINS, MOST_BINS))
+    counts, edges = np.histogram(known, bins, range=(float(ends[0]), float(ends[1])))
+    unit = measure_of(study, name).unit
+    return LimitedValues(label, name, unit, edges, counts.astype(float), limit.below, limit.above)

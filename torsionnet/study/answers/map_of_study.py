@@ -1,0 +1,141 @@
+"""The answer ``type: map``: a quantity over two parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import ModuleType
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count, OneOf, Text
+from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.response.table import Column, Table
+from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answers.answer_case import AnswerCase, answer_cases
+from torsionnet.study.answers.asking import measure_of, quantity_faults, units_of
+from torsionnet.study.answers.conclusion_data import PlainConclusion
+from torsionnet.study.answers.parameter_map import AGGREGATES, ParameterMap, parameter_map
+from torsionnet.study.quantity_limit import QuantityLimit
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+FIXED = "fixed"
+
+
+@register_answer
+@dataclass(frozen=True, kw_only=True)
+class Map(StudyAnswer):
+    """Values of a quantity over a grid of two parameters, in each configuration.
+
+    A parameter that takes values of a list or range has these on its axis, others ``points`` over their tolerance. The
+    rest is as in the model, or drawn: then one number is shown of ``draws`` values, the same draws at every point.
+    """
+
+    kind: ClassVar[str] = "map"
+    of_variants: ClassVar[bool] = False
+
+    x: str = entry(Text("parameter"))
+    y: str = entry(Text("parameter"))
+    quantity: str = entry(Text("quantity"))
+    points: int = entry(Count("on the axis of a parameter with a distribution", lower=2, upper=1000), 41)
+    others: str = entry(
+        OneOf("the other parameters: fixed, or which of the values that they make", (FIXED, *AGGREGATES)), FIXED
+    )
+    draws: int = entry(Count("of the other parameters", upper=100_000), 64)
+    seed: int = entry(Count("another seed draws other values", lower=0, upper=2**32 - 1), 1)
+
+    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+        yield from quantity_faults(study, (self.quantity,), "quantity")
+        for key in ("x", "y"):
+            if getattr(self, key) not in study.space.names:
+                yield unknown_name("varied parameter", getattr(self, key), study.space.names, (key,))
+        if self.x == self.y:
+            yield Fault(f"{self.x} is on both axes", ("y",))
+        for one in study.space.entries.correlation:
+            if self.others != FIXED and {self.x, self.y} & set(one.between):
+                text = (
+                    f"{' and '.join(one.between)} are correlated: over an axis with one of them the others are no draws"
+                )
+                yield Fault(f"{text}; take others: {FIXED}", ("others",))
+
+    def found(self, study: AskedStudy, result: VariantValues | None = None) -> MapFound:
+        del result
+        maps = {case.label: self._of_case(case) for case in answer_cases(study)}
+        units = units_of(study)
+        return MapFound(
+            study.title, (self.x, units[self.x]), (self.y, units[self.y]),
+            (self.quantity, measure_of(study, self.quantity).unit), self.others, maps, study.limits.get(self.quantity),
+        )  # fmt: skip
+
+    def _of_case(self, case: AnswerCase) -> ParameterMap:
+        def values(variants: Mapping[str, FloatArray]) -> FloatArray:
+            return case.calculated(variants, (self.quantity,))[self.quantity]
+
+        aggregate = "mean" if self.others == FIXED else self.others
+        axes = [(name, self._axis(case, name)) for name in (self.x, self.y)]
+        return parameter_map(values, axes[0], axes[1], self._others(case), aggregate)
+
+    def _axis(self, case: AnswerCase, name: str) -> FloatArray:
+        if name in case.space.grid:
+            axis = case.space.grid[name]
+            return np.unique(axis.at(np.arange(axis.count)))
+        return np.linspace(*case.space.box()[name], self.points)
+
+    def _others(self, case: AnswerCase) -> dict[str, FloatArray]:
+        random = [name for name in case.space.random_names if name not in (self.x, self.y)]
+        if self.others == FIXED or not random:
+            return {}
+        from scipy.stats import qmc
+
+        shares = qmc.LatinHypercube(len(case.space.random_names), rng=np.random.default_rng(self.seed)).random(
+            self.draws
+        )
+        drawn = case.space.from_unit(shares)
+        return {name: drawn[name] for name in random}
+
+
+@dataclass(frozen=True, eq=False)
+class MapFound(PlainConclusion):
+    """Maps by configuration; ``x``, ``y`` and ``quantity`` are names with units."""
+
+    title: str
+    x: tuple[str, str]
+    y: tuple[str, str]
+    quantity: tuple[str, str]
+    others: str
+    maps: Mapping[str, ParameterMap]
+    limit: QuantityLimit | None
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        said = []
+        for case, one in self.maps.items():
+            if not np.isfinite(one.values).any():
+                said.append(f"{self.quantity[0]}, {case}: no point has a value")
+                continue
+            for word, largest in (("smallest", False), ("largest", True)):
+                x, y, value = one.where(largest=largest)
+                at = f"{self.x[0]} = {x:.4g} {self.x[1]}, {self.y[0]} = {y:.4g} {self.y[1]}"
+                said.append(f"{word} {self.quantity[0]}, {case}: {value:.4g} {self.quantity[1]} at {at}")
+        return tuple(said)
+
+    def table(self) -> Table:
+        columns = (Column("configuration"), Column(*self.x), Column(*self.y), Column(*self.quantity))
+        rows = tuple(
+            (case, float(x), float(y), float(one.values[i, j]))
+            for case, one in self.maps.items()
+            for i, x in enumerate(one.x)
+            for j, y in enumerate(one.y)
+        )
+        note = (
+            "other parameters as in the model" if self.others == FIXED else f"{self.others} over the other parameters"
+        )
+        return Table(f"{self.title}: map of {self.quantity[0]}", columns, rows, (note, *self.sentences))
+
+    def figure(self, plot: ModuleType) -> Figure:
+        return plot.contour_map(self)  # type: ignore[no-any-return]

@@ -1,0 +1,92 @@
+"""The answer ``type: parallel_coordinates``: every variant a line across parameters and quantities."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import ModuleType
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.entries.composite import Listed
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count, Text
+from torsionnet.core.errors import Fault
+from torsionnet.response.table import Column, Table
+from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answers.asking import chosen_quantities, measure_of, quantity_faults, units_of
+from torsionnet.study.answers.case_values import case_values
+from torsionnet.study.answers.conclusion_data import PlainConclusion
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@register_answer
+@dataclass(frozen=True, kw_only=True)
+class ParallelCoordinates(StudyAnswer):
+    """Variants as lines across axes of parameters and quantities; those beyond a limit in red.
+
+    The table compares the medians of the variants that keep all limits with those of the others.
+    """
+
+    kind: ClassVar[str] = "parallel_coordinates"
+
+    quantities: tuple[str, ...] = entry(Listed("default: all that are single numbers", Text("quantity")), None)
+    lines: int = entry(Count("most variants that are drawn of a configuration", upper=10_000), 400)
+
+    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+        yield from quantity_faults(study, self.quantities, "quantities")
+
+    def found(self, study: AskedStudy, result: VariantValues) -> ParallelFound:
+        names = chosen_quantities(study, self.quantities)
+        limits = {name: one for name, one in study.limits.items() if not measure_of(study, name).is_curve}
+        variants, beyond, medians = {}, {}, {}
+        for case in case_values(study, result, tuple(dict.fromkeys((*names, *limits)))):
+            columns = {**case.parameters, **{name: case.quantities[name] for name in names}}
+            exceeded = [limit.exceeded(case.quantities[name]) for name, limit in limits.items()]
+            outside = np.any(exceeded, axis=0) if exceeded else np.zeros(len(columns[names[0]]), dtype=bool)
+            for name, column in columns.items():
+                medians[case.label, name] = (_median(column[~outside]), _median(column[outside]))
+            every = slice(None, None, max(1, -(-len(outside) // self.lines)))
+            variants[case.label] = {name: column[every] for name, column in columns.items()}
+            beyond[case.label] = outside[every]
+        units = units_of(study) | {name: measure_of(study, name).unit for name in names}
+        return ParallelFound(study.title, units, variants, beyond, medians)
+
+
+def _median(values: FloatArray) -> float:
+    known = values[np.isfinite(values)]
+    return float(np.median(known)) if len(known) else float("nan")
+
+
+@dataclass(frozen=True, eq=False)
+class ParallelFound(PlainConclusion):
+    """Values by configuration and axis, which variants are beyond a limit, and medians of both kinds."""
+
+    title: str
+    units: Mapping[str, str]
+    variants: Mapping[str, Mapping[str, FloatArray]]
+    beyond: Mapping[str, NDArray[np.bool_]]
+    medians: Mapping[tuple[str, str], tuple[float, float]]
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        return tuple(
+            f"{case}: {int(outside.sum())} of {len(outside)} variants shown are beyond a limit"
+            for case, outside in self.beyond.items()
+        )
+
+    def table(self) -> Table:
+        columns = (
+            Column("configuration"), Column("axis"), Column("median within limits"), Column("median beyond"),
+            Column("unit"),
+        )  # fmt: skip
+        rows = tuple((*key, *pair, self.units[key[1]]) for key, pair in self.medians.items())
+        return Table(f"{self.title}: variants within and beyond limits", columns, rows, self.sentences)
+
+    def figure(self, plot: ModuleType) -> Figure:
+        return plot.parallel_coordinates(self)  # type: ignore[no-any-return]

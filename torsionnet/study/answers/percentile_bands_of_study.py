@@ -1,0 +1,93 @@
+"""The answer ``type: percentile_bands``: how far a curve over frequency or speed spreads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import ModuleType
+from typing import TYPE_CHECKING, ClassVar
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.entries.composite import Listed
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Text
+from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.response.table import Column, Table
+from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answers.asking import case_label, measure_of
+from torsionnet.study.answers.conclusion_data import PlainConclusion
+from torsionnet.study.quantity import QuantityForm
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+USUAL = (2.5, 25.0, 50.0, 75.0, 97.5)
+
+
+@register_answer
+@dataclass(frozen=True, kw_only=True)
+class PercentileBands(StudyAnswer):
+    """Percentiles of a curve at each of its frequencies or speeds, in each configuration."""
+
+    kind: ClassVar[str] = "percentile_bands"
+
+    quantity: str = entry(Text("quantity that is a curve"))
+    percentiles: tuple[float, ...] = entry(
+        Listed("per cent of the variants that are not above a line; default: 2.5, 25, 50, 75, 97.5",
+               Value("per cent", "1", below=100.001)), None,
+    )  # fmt: skip
+
+    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+        if self.quantity not in study.quantities:
+            yield unknown_name("quantity", self.quantity, study.quantities, ("quantity",))
+        elif not measure_of(study, self.quantity).is_curve:
+            yield Fault(f"{self.quantity} is a single number and no curve", ("quantity",))
+
+    def found(self, study: AskedStudy, result: VariantValues) -> BandsFound:
+        shares = tuple(sorted(self.percentiles or USUAL))
+        lines = {case_label(one): result.percentiles(self.quantity, shares, one) for one in study.configurations}
+        return BandsFound(study.title, self.quantity, measure_of(study, self.quantity), shares, lines)
+
+
+@dataclass(frozen=True, eq=False)
+class BandsFound(PlainConclusion):
+    """Percentiles (n_percentiles, n_points) by configuration, rising."""
+
+    title: str
+    quantity: str
+    measure: QuantityForm
+    percentiles: tuple[float, ...]
+    lines: Mapping[str, FloatArray]
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        return tuple(self._widest(case, lines) for case, lines in self.lines.items())
+
+    def _widest(self, case: str, lines: FloatArray) -> str:
+        width = lines[-1] - lines[0]
+        place = int(width.argmax())
+        span = f"{lines[0, place]:.4g} to {lines[-1, place]:.4g} {self.measure.unit}".rstrip()
+        at = f"{self.measure.points[place]:.4g} {self.points_unit}"
+        shares = f"{self.percentiles[0]:g} to {self.percentiles[-1]:g} %"
+        return f"{self.quantity}, {case}: spreads most at {at}, {span} ({shares})"
+
+    @property
+    def points_unit(self) -> str:
+        """Of the points: Hz, or rad/s of speeds."""
+        return "Hz" if self.measure.over == "frequency" else "rad/s"
+
+    def table(self) -> Table:
+        columns = (
+            Column("configuration"), Column(self.measure.over, self.points_unit),
+            *(Column(f"{share:g} %", self.measure.unit) for share in self.percentiles),
+        )  # fmt: skip
+        rows = tuple(
+            (case, float(point), *map(float, lines[:, place]))
+            for case, lines in self.lines.items()
+            for place, point in enumerate(self.measure.points)
+        )
+        return Table(f"{self.title}: percentiles of {self.quantity}", columns, rows, self.sentences)
+
+    def figure(self, plot: ModuleType) -> Figure:
+        return plot.percentile_bands(self)  # type: ignore[no-any-return]

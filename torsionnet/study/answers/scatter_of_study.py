@@ -1,0 +1,97 @@
+"""The answer ``type: scatter``: quantities against parameters, variant by variant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import ModuleType
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.entries.composite import Listed
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Text
+from torsionnet.core.errors import Fault
+from torsionnet.response.table import Column, Table
+from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answers.asking import chosen_quantities, measure_of, quantity_faults, units_of
+from torsionnet.study.answers.case_values import case_values
+from torsionnet.study.answers.conclusion_data import PlainConclusion
+from torsionnet.study.answers.rank_correlations import RankCorrelations, rank_correlations
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SHOWN = 100_000
+"""Variants in a picture."""
+
+
+@register_answer
+@dataclass(frozen=True, kw_only=True)
+class Scatter(StudyAnswer):
+    """Values of quantities over those of parameters, and Spearman's rank correlations with their intervals.
+
+    A rank correlation is 1 where a quantity always rises with a parameter, -1 where it always falls; correlated
+    parameters share theirs.
+    """
+
+    kind: ClassVar[str] = "scatter"
+
+    quantities: tuple[str, ...] = entry(Listed("default: all that are single numbers", Text("quantity")), None)
+
+    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+        yield from quantity_faults(study, self.quantities, "quantities")
+
+    def found(self, study: AskedStudy, result: VariantValues) -> ScatterFound:
+        names = chosen_quantities(study, self.quantities)
+        points, correlations = {}, {}
+        for case in case_values(study, result, names):
+            parameters = np.column_stack(list(case.parameters.values()))
+            for name in names:
+                correlations[case.label, name] = rank_correlations(parameters, case.quantities[name])
+            every = slice(None, None, max(1, len(parameters) // SHOWN))
+            columns = {**case.parameters, **case.quantities}
+            points[case.label] = {name: column[every] for name, column in columns.items()}
+        units = {name: measure_of(study, name).unit for name in names}
+        return ScatterFound(study.title, units_of(study), units, correlations, points)
+
+
+@dataclass(frozen=True, eq=False)
+class ScatterFound(PlainConclusion):
+    """Rank correlations by configuration and quantity, and the values of variants by configuration and name."""
+
+    title: str
+    parameter_units: Mapping[str, str]
+    units: Mapping[str, str]
+    correlations: Mapping[tuple[str, str], RankCorrelations]
+    points: Mapping[str, Mapping[str, FloatArray]]
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        said = []
+        for (case, name), one in self.correlations.items():
+            size = np.nan_to_num(np.abs(one.coefficients))
+            place = int(size.argmax())
+            how = "rises" if one.coefficients[place] > 0 else "falls"
+            text = (
+                f"{how} most with {list(self.parameter_units)[place]} (rank correlation {one.coefficients[place]:.2f})"
+            )
+            said.append(f"{name}, {case}: {text if size[place] else 'goes with none of the parameters'}")
+        return tuple(said)
+
+    def table(self) -> Table:
+        columns = (
+            Column("configuration"), Column("quantity"), Column("parameter"), Column("rank correlation", digits=4),
+            Column("from", digits=4), Column("to", digits=4), Column("variants"),
+        )  # fmt: skip
+        rows = tuple(
+            (case, name, parameter, float(one.coefficients[n]), float(one.low[n]), float(one.high[n]), one.count)
+            for (case, name), one in self.correlations.items()
+            for n, parameter in enumerate(self.parameter_units)
+        )
+        return Table(f"{self.title}: rank correlations", columns, rows, ("intervals 95 %", *self.sentences))
+
+    def figure(self, plot: ModuleType) -> Figure:
+        return plot.scatter_matrix(self)  # type: ignore[no-any-return]

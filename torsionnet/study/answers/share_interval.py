@@ -1,0 +1,60 @@
+"""How certain a share is that was counted: Clopper and Pearson's interval."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from torsionnet.core.errors import UsageError
+
+
+@dataclass(frozen=True)
+class Share:
+    """A share between 0 and 1 with its interval, and the number of draws that it rests on."""
+
+    value: float
+    low: float
+    high: float
+    count: int
+
+    @property
+    def percent(self) -> str:
+        """In percent with its interval, no more digits than that allows.
+
+        >>> counted_share(31, 1000).percent
+        '3.1 % (2.1 to 4.4 %)'
+        """
+        width = max(self.high - self.value, self.value - self.low) * 100
+        decimals = next((digits for digits in range(9) if 2 * 10.0**-digits <= width), 9)
+        value, low, high = (f"{100 * number:.{decimals}f}" for number in (self.value, self.low, self.high))
+        return f"{value} % ({low} to {high} %)"
+
+
+def counted_share(hits: float, count: int, confidence: float = 0.95) -> Share:
+    """Share of independent draws for which something holds, with the interval of Clopper and Pearson.
+
+    It holds the truth at least as often as ``confidence`` says, whatever the truth is, also where nothing was
+    hit. Draws of a Latin hypercube or a Sobol sequence spread more evenly, which makes it wider than needed.
+
+    Parameters
+    ----------
+    hits : float
+        Sum over the draws of 1 where it holds and 0 where not; a mean over several conditions of a draw lies
+        between, and varies less than a count of the same mean, so that the interval is on the safe side.
+    count : int
+        Number of draws.
+    confidence : float
+
+    Examples
+    --------
+    >>> none = counted_share(0, 100)
+    >>> round(none.high, 5) == round(1 - 0.025 ** (1 / 100), 5)
+    True
+    """
+    from scipy.special import betaincinv
+
+    if not 0 <= hits <= count or count < 1:
+        raise UsageError(f"{hits} of {count} is no share")
+    tail = (1 - confidence) / 2
+    low = float(betaincinv(hits, count - hits + 1, tail)) if hits else 0.0
+    high = float(betaincinv(hits + 1, count - hits, 1 - tail)) if hits < count else 1.0
+    return Share(hits / count, low, high, count)

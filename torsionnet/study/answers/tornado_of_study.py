@@ -1,0 +1,123 @@
+"""The answer ``type: tornado``: what each parameter alone does to quantities."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from types import ModuleType
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.entries.composite import Listed
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import OneOf, Text
+from torsionnet.core.errors import Fault
+from torsionnet.response.table import Column, Table
+from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answers.answer_case import AnswerCase, answer_cases
+from torsionnet.study.answers.asking import chosen_quantities, measure_of, quantity_faults, units_of
+from torsionnet.study.answers.conclusion_data import PlainConclusion
+from torsionnet.study.answers.one_at_a_time import Swings, one_at_a_time
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+TOLERANCE, DEVIATION = "tolerance", "standard deviation"
+SHARE_OF_DEVIATION = 0.6826894921370859
+"""Of a normal distribution, within one standard deviation of its mean."""
+
+
+@register_answer
+@dataclass(frozen=True, kw_only=True)
+class Tornado(StudyAnswer):
+    """Values of quantities with one parameter at either end of its span, all others in the middle of theirs.
+
+    The span is the whole tolerance, or where a parameter has a distribution the middle 68.27 % of its values, one
+    standard deviation of a normal one to both sides. Twice the number of parameters, and one variant.
+    """
+
+    kind: ClassVar[str] = "tornado"
+    of_variants: ClassVar[bool] = False
+
+    quantities: tuple[str, ...] = entry(Listed("default: all that are single numbers", Text("quantity")), None)
+    span: str = entry(OneOf("how far each parameter is moved", (TOLERANCE, DEVIATION)), TOLERANCE)
+
+    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+        yield from quantity_faults(study, self.quantities, "quantities")
+
+    def found(self, study: AskedStudy, result: VariantValues | None = None) -> TornadoFound:
+        del result
+        names = chosen_quantities(study, self.quantities)
+        swings, spans = {}, {}
+        for case in answer_cases(study):
+            spans[case.label] = self._spans(case)
+            for name in names:
+                swings[case.label, name] = self._swings(case, name, spans[case.label])
+        units = {name: measure_of(study, name).unit for name in names}
+        return TornadoFound(study.title, units_of(study), units, spans, swings)
+
+    def _spans(self, case: AnswerCase) -> dict[str, tuple[float, float, float]]:
+        """Low end, middle and high end of every parameter."""
+        space = case.space
+        found = {name: (low, (low + high) / 2, high) for name, (low, high) in space.box().items()}
+        tail = (1 - SHARE_OF_DEVIATION) / 2
+        for name, one in space.marginals.items():
+            middle = float(one.ppf(0.5))
+            ends = (
+                (found[name][0], found[name][2])
+                if self.span == TOLERANCE
+                else (float(one.ppf(tail)), float(one.isf(tail)))
+            )
+            found[name] = (ends[0], middle, ends[1])
+        for name in space.grid:
+            if not np.isnan(space.nominal[name]):
+                found[name] = (found[name][0], space.nominal[name], found[name][2])
+        return found
+
+    def _swings(self, case: AnswerCase, quantity: str, spans: Mapping[str, tuple[float, float, float]]) -> Swings:
+        low, middle, high = np.array(list(spans.values())).T
+
+        def values(points: FloatArray) -> FloatArray:
+            return case.calculated(dict(zip(spans, points.T, strict=True)), (quantity,))[quantity]
+
+        return one_at_a_time(values, middle, low, high)
+
+
+@dataclass(frozen=True, eq=False)
+class TornadoFound(PlainConclusion):
+    """Swings by configuration and quantity; ``spans``: low end, middle, high end by configuration and parameter."""
+
+    title: str
+    parameter_units: Mapping[str, str]
+    units: Mapping[str, str]
+    spans: Mapping[str, Mapping[str, tuple[float, float, float]]]
+    swings: Mapping[tuple[str, str], Swings]
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        said = []
+        for (case, name), one in self.swings.items():
+            place = one.order[0]
+            parameter = list(self.spans[case])[place]
+            ends = f"{one.at_low[place]:.4g} to {one.at_high[place]:.4g} {self.units[name]}".rstrip()
+            said.append(f"{name}, {case}: {parameter} moves it most, {ends}")
+        return tuple(said)
+
+    def table(self) -> Table:
+        columns = (
+            Column("configuration"), Column("quantity"), Column("parameter"), Column("low end"), Column("high end"),
+            Column("unit"), Column("at low end"), Column("in the middle"), Column("at high end"), Column("unit"),
+        )  # fmt: skip
+        rows = tuple(
+            (case, name, parameter, spans[parameter][0], spans[parameter][2], self.parameter_units[parameter],
+             float(one.at_low[place]), one.middle, float(one.at_high[place]), self.units[name])
+            for (case, name), one in self.swings.items()
+            for spans in [self.spans[case]]
+            for place, parameter in ((place, list(spans)[place]) for place in one.order)
+        )  # fmt: skip
+        return Table(f"{self.title}: one parameter at a time", columns, rows, self.sentences)
+
+    def figure(self, plot: ModuleType) -> Figure:
+        return plot.study_tornado(self)  # type: ignore[no-any-return]

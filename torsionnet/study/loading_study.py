@@ -1,0 +1,118 @@
+"""Studies from files."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from torsionnet.core.entries.format_version import version_faults
+from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.loading import load
+from torsionnet.model.files.decoding import decode
+from torsionnet.model.files.library import library_models, library_studies
+from torsionnet.model.files.located import LocatedDocument, compose
+from torsionnet.model.files.placing import placed, presentable
+from torsionnet.study.space import Space
+from torsionnet.study.space_entries import SpaceEntries
+from torsionnet.study.study import Study, study_of
+from torsionnet.study.study_file import StudyEntries, chosen_configurations
+from torsionnet.study.study_fit import lacking, unknown_limits
+
+
+def load_study(path: str | os.PathLike[str]) -> Study:
+    """The study in a file, or in the library under a name.
+
+    Parameters
+    ----------
+    path : str or path
+        A file with ``model:``, ``vary:`` and ``quantities:``, or a name out of
+        :func:`~torsionnet.model.files.library_studies`.
+
+    Raises
+    ------
+    ModelError
+        With every fault of the file and its place.
+    UsageError
+        There is no such file or study.
+
+    Examples
+    --------
+    >>> load_study("amt_tolerances").count
+    16384
+    """
+    file = _find(path)
+    document = _document(file)
+    if not isinstance(document.data, dict):
+        raise ModelError(placed([*document.faults, Fault("the file describes no study")], document), file.name)
+    if "elements" in document.data and "vary" not in document.data:
+        text = f"this is a model, no study; a study names it and what varies: model: {file.name}, vary: ..."
+        raise ModelError(placed([*document.faults, Fault(text, ("elements",), on_key=True)], document), file.name)
+    faults = [*document.faults, *version_faults(document.data, "study")]
+    entries, found = StudyEntries.read(document.data)
+    faults += found
+    name = document.data.get("model")
+    model, found = _model(str(name), file.parent) if isinstance(name, str) else (None, [])
+    faults += found
+    study = None
+    if entries is not None and model is not None:
+        study, found = study_of(model, entries)
+        faults += found
+    elif model is not None:
+        faults += _further_faults(document.data, model)
+    errors = [fault for fault in faults if fault.severity == "error"]
+    if errors or study is None:
+        raise ModelError(placed(errors, document), file.name)
+    return replace(study, findings=tuple(placed(faults, document)))
+
+
+def _further_faults(data: Mapping[str, Any], model: Drivetrain) -> list[Fault]:
+    """What does not fit the model in a file that has other faults: configurations, what varies, what is asked.
+
+    Names are compared with those that the file gives, sound or not.
+    """
+    read = ("vary", "configurations", "quantities")
+    entries, _ = StudyEntries.read_entries({key: data[key] for key in read if key in data})
+    configurations, faults = chosen_configurations(entries.get("configurations") or (), model)
+    faults += lacking(model, configurations, entries.get("quantities") or {})
+    if entries.get("vary"):
+        faults += Space.of(SpaceEntries(vary=entries["vary"]), model)[1]
+    limits, quantities = data.get("limits"), data.get("quantities")
+    if isinstance(limits, dict) and isinstance(quantities, dict):
+        faults += unknown_limits(limits, quantities)
+    return [fault for fault in faults if fault.severity == "error"]
+
+
+def _find(study: str | os.PathLike[str]) -> Path:
+    known = library_studies()
+    if isinstance(study, str):
+        if study in known:
+            return known[study]
+        if not Path(study).suffix and not Path(study).exists():
+            if study in library_models():
+                raise UsageError(f'"{study}" is a model, no study; name it in a study file: model: {study}')
+            hint = did_you_mean(study, known) or f"; the library has {', '.join(known)}"
+            raise UsageError(f'no study is named "{study}"{hint}')
+    return Path(study)
+
+
+def _document(file: Path) -> LocatedDocument:
+    try:
+        return compose(decode(file.read_bytes(), str(file)).removeprefix("\ufeff"), str(file))
+    except ModelError as error:
+        raise ModelError(presentable(error.faults), file.name) from None
+    except OSError as error:
+        raise UsageError(f"{file} cannot be read: {error.strerror or error}") from None
+
+
+def _model(name: str, folder: Path) -> tuple[Drivetrain | None, list[Fault]]:
+    """The model named; what is wrong with its file keeps its own places."""
+    try:
+        return load(folder / name if Path(name).suffix else name), []
+    except UsageError as error:
+        return None, [Fault(str(error), ("model",))]
+    except ModelError as error:
+        return None, [Fault(f"{name} has {len(error.faults)} errors", ("model",)), *error.faults]

@@ -1,0 +1,16 @@
+"""A number of variants, which may be large."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.core.entries.words import Count
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Many(Count):
+    """A whole number in a range, which may be written as 1e6."""
+
+    def coerce(self, raw: Any) -> int:
+        return super().coerce(int(raw) if isinstance(raw, float) and raw.is_integer() else raw)

@@ -1,0 +1,213 @@
+"""The damper that serves all conditions: the largest level in the worst of them is smallest."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from types import ModuleType
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from torsionnet.core.errors import UsageError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.model.channels import Sensor
+from torsionnet.response import Channel, Column, Table
+from torsionnet.response.damper_optimum import EQUAL, DesignParameter, LevelPeak
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.solve.design.damper_design import Bounds, highest_peaks, levels_of, sought_box, sought_units
+from torsionnet.solve.design.levels import Levels, OrderLevels
+from torsionnet.solve.design.minimax import Box, smallest_maximum
+from torsionnet.solve.design.worst_levels import WorstLevels
+from torsionnet.solve.grid import vibration_range
+from torsionnet.solve.modes import modes
+from torsionnet.solve.sensitivity.unknowns import unknowns
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class DamperInCondition:
+    """Largest level in one condition: as given, with the damper for all, and with one for this condition alone."""
+
+    condition: str
+    before: LevelPeak
+    after: LevelPeak
+    alone: LevelPeak
+    alone_values: dict[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class DamperOverConditions:
+    """One damper for all conditions.
+
+    Attributes
+    ----------
+    channel : Channel
+        What is made small.
+    of : str
+        What points are, with their unit.
+    parameters : tuple of DesignParameter
+    conditions : tuple of DamperInCondition
+    title : str
+    """
+
+    channel: Channel
+    of: tuple[str, str]
+    parameters: tuple[DesignParameter, ...]
+    conditions: tuple[DamperInCondition, ...]
+    title: str = ""
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Value by parameter, SI."""
+        return {one.name: one.value for one in self.parameters}
+
+    @property
+    def worst_before(self) -> DamperInCondition:
+        return max(self.conditions, key=lambda one: one.before.level)
+
+    @property
+    def worst(self) -> DamperInCondition:
+        """The condition with the largest level with this damper."""
+        return max(self.conditions, key=lambda one: one.after.level)
+
+    @property
+    def holding(self) -> tuple[str, ...]:
+        """Conditions whose level is the largest, but for a thousandth."""
+        top = self.worst.after.level * (1 - EQUAL)
+        return tuple(one.condition for one in self.conditions if one.after.level >= top)
+
+    @property
+    def sentences(self) -> tuple[str, ...]:
+        """What was found."""
+        before, after = self.worst_before, self.worst
+        said = [
+            f"the largest {self.channel.name} of all conditions goes from {before.before.level:.5g} "
+            f"({before.condition}) to {after.after.level:.5g} {self.channel.unit} ({' and '.join(self.holding)})"
+        ]
+        said += [f"{one.name} is at its {one.bound} bound" for one in self.parameters if one.bound]
+        dear = max(self.conditions, key=lambda one: one.after.level / one.alone.level)
+        more = 100 * (dear.after.level / dear.alone.level - 1)
+        said.append(f"one damper for all costs at most {more:.3g} % against one for {dear.condition} alone")
+        return tuple(said)
+
+    def table(self) -> Table:
+        """A row for each condition, after one for each value."""
+        columns = (
+            Column("condition"),
+            Column("as given", self.channel.unit),
+            Column("optimum for all", self.channel.unit),
+            Column(f"at {self.of[0]}", self.of[1]),
+            Column("optimum alone", self.channel.unit),
+            *(Column(f"{one.name} alone", one.unit) for one in self.parameters),
+        )
+        rows = tuple(
+            (
+                one.condition,
+                one.before.level,
+                one.after.level,
+                one.after.point,
+                one.alone.level,
+                *one.alone_values.values(),
+            )
+            for one in self.conditions
+        )
+        best = [f"{one.name} = {one.value:.6g} {one.unit} (given: {one.start:.6g})" for one in self.parameters]
+        return Table(f"{self.title}: best damper for all conditions", columns, rows, (*best, *self.sentences))
+
+    def figure(self, plot: ModuleType) -> Figure:
+        """As a picture, by :mod:`torsionnet.plot`."""
+        return cast("Figure", plot.damper_over_conditions(self))
+
+    def to_data(self) -> dict[str, Any]:
+        """In full precision, for JSON."""
+        return {
+            "values": self.values,
+            "holding": list(self.holding),
+            "conditions": [
+                {
+                    "condition": one.condition,
+                    "before": one.before.level,
+                    "after": one.after.level,
+                    "at": one.after.point,
+                    "alone": one.alone.level,
+                    "alone_values": one.alone_values,
+                }
+                for one in self.conditions
+            ],
+            "sentences": list(self.sentences),
+        }
+
+
+def damper_over_conditions(
+    drivetrain: Drivetrain,
+    output: str | Sensor,
+    parameters: str | Sequence[str] | Bounds,
+    conditions: Sequence[str] | None = None,
+    *,
+    input: str | Sensor | None = None,
+    band: tuple[float, float] | None = None,
+    speeds: ArrayLike | None = None,
+    speed_of: str | None = None,
+    excitations: Iterable[str] | None = None,
+) -> DamperOverConditions:
+    """Search the damper with which the largest level in the worst of several conditions is smallest.
+
+    Parameters
+    ----------
+    conditions : sequence of str, optional
+        Configurations of the drivetrain; by default all.
+    drivetrain, output, parameters, input, band, speeds, speed_of, excitations
+        As for :meth:`torsionnet.Drivetrain.damper_design`.
+
+    Raises
+    ------
+    UsageError
+        No conditions, or what :meth:`torsionnet.Drivetrain.damper_design` refuses.
+    """
+    labels = tuple(drivetrain.configurations if conditions is None else conditions)
+    if not labels:
+        raise UsageError(f"{drivetrain.name} has no configurations; for one condition ask for its damper design")
+    names = [parameters] if isinstance(parameters, str) else list(parameters)
+    if not names:
+        raise UsageError("say which parameter is sought, such as the damping of a film")
+    rigs = [drivetrain.configured(label) if label else drivetrain for label in labels]
+    sought = [unknowns(rig, names) for rig in rigs]
+    units = sought_units(sought[0])
+    box = sought_box(sought[0], parameters if isinstance(parameters, Mapping) else {}, units)
+    start = np.array(sought[0].start)
+    chosen = None if excitations is None else [*excitations]
+    if input is not None and band is None:
+        ranges = [vibration_range(modes(rig)) for rig in rigs]
+        band = min(low for low, _ in ranges), max(high for _, high in ranges)
+    parts = tuple(
+        levels_of(rig, varied, output, input, band, speeds, speed_of, chosen)
+        for rig, varied in zip(rigs, sought, strict=True)
+    )
+    best = smallest_maximum(WorstLevels(parts, _highest(parts, band)), box, start)
+    return DamperOverConditions(
+        parts[0].channel,
+        parts[0].of,
+        tuple(
+            DesignParameter(name, unit, *map(float, numbers))
+            for name, unit, *numbers in zip(names, units, start, box.lower, box.upper, best, strict=True)
+        ),
+        tuple(_in_condition(*pair, box, names, start, best) for pair in zip(labels, parts, strict=True)),
+        drivetrain.name,
+    )
+
+
+def _highest(parts: Sequence[Levels], band: tuple[float, float] | None) -> float:
+    speeds = [float(one.run.speeds[-1]) for one in parts if isinstance(one, OrderLevels)]
+    return max(speeds) if band is None else band[1]
+
+
+def _in_condition(
+    label: str, levels: Levels, box: Box, names: Sequence[str], start: FloatArray, best: FloatArray
+) -> DamperInCondition:
+    alone = smallest_maximum(levels, box, start)
+    before, after, own = (highest_peaks(levels, values)[0] for values in (start, best, alone))
+    return DamperInCondition(label, before, after, own, dict(zip(names, map(float, alone), strict=True)))

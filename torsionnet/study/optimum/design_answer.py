@@ -1,0 +1,102 @@
+"""What all answers on designs have in common: parameters, limits, and the problem they make of a study."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
+from typing import ClassVar
+
+from torsionnet.core.entries.composite import Named, Nested
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count
+from torsionnet.core.errors import Fault, ModelError, Path, unknown_name
+from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.response.damper_optimum import DesignParameter
+from torsionnet.study.answer import AskedStudy, StudyAnswer
+from torsionnet.study.evaluator import Evaluator
+from torsionnet.study.optimum.design_entries import DESIGN, DesignBounds, bounded
+from torsionnet.study.optimum.design_goals import DesignGoals
+from torsionnet.study.optimum.design_problem import DesignProblem
+from torsionnet.study.optimum.design_quantities import DesignQuantities
+from torsionnet.study.optimum.smallest_peak import peak_polish
+from torsionnet.study.quantity_limit import QuantityLimit
+from torsionnet.study.quantity_value import wrong_unit
+
+
+@dataclass(frozen=True, kw_only=True)
+class DesignAnswer(StudyAnswer):
+    """Base of the answers on designs; every configuration of the study counts."""
+
+    of_variants: ClassVar[bool] = False
+
+    design: Mapping[str, DesignBounds | None] = entry(DESIGN, None)
+    limits: Mapping[str, QuantityLimit] = entry(
+        Named(
+            "limits of quantities, beside those of the study",
+            Nested("a limit", lambda: QuantityLimit, "quantity_limit"),
+        ),
+        None,
+    )
+    seed: int = entry(Count("of the search; the same seed gives the same answer", lower=0, upper=2**31 - 1), 0)
+
+    def goals(self, limits: Mapping[str, QuantityLimit]) -> DesignGoals:
+        """What is sought, within these limits."""
+        raise NotImplementedError
+
+    def named(self) -> Iterator[tuple[str, tuple[str | int, ...]]]:
+        """Quantities with the path of the entry that names them."""
+        for name in self.limits:
+            yield name, ("limits", name)
+
+    def unfit(self, study: AskedStudy) -> Iterator[Fault]:
+        known = study.quantities
+        unknown = [
+            unknown_name("quantity", name, known, path, rest=f"there are {', '.join(known)}")
+            for name, path in self.named()
+            if name not in known
+        ]
+        strange = [
+            unknown_name("parameter", name, study.model.parameters, ("design", name), on_key=True)
+            for name in self.design
+            if name not in study.model.parameters
+        ]
+        yield from [*unknown, *strange]
+        _, faults = bounded(study.model, self.design)
+        yield from (fault.under("design") for fault in faults)
+        for name, value, path in self.with_values():
+            if name in known:
+                unit = known[name].measured(study.model_in(study.configurations[0]), known).unit
+                yield from wrong_unit(value, name, unit, path)
+
+    def with_values(self) -> Iterator[tuple[str, float | None, Path]]:
+        """Quantity, value it is compared with, and where that stands."""
+        for name, limit in self.limits.items():
+            yield name, limit.below, ("limits", name, "below")
+            yield name, limit.above, ("limits", name, "above")
+
+    def parameters(self, study: AskedStudy) -> tuple[DesignParameter, ...]:
+        """What is chosen, with bounds in SI."""
+        if self.design:
+            found, faults = bounded(study.model, self.design)
+            if faults:
+                raise ModelError([fault.under("design") for fault in faults], "the design")
+            return tuple(found)
+        units, nominal = parameter_units(study.model.definition), study.space.nominal
+        return tuple(
+            DesignParameter(name, units[name], nominal[name], low, high, nominal[name])
+            for name, (low, high) in study.space.box().items()
+        )
+
+    def problem(self, study: AskedStudy, names: tuple[str, ...] = ()) -> tuple[DesignProblem, DesignQuantities]:
+        """The problem, and what calculates its quantities; ``names`` vary beside the parameters chosen."""
+        parameters = self.parameters(study)
+        goals = self.goals({**study.limits, **self.limits})
+        varied = tuple(dict.fromkeys([*(one.name for one in parameters), *names]))
+        method = "compiled" if find_spec("numba") else "graph"
+        evaluators = tuple(
+            Evaluator(study.model_in(one), varied, study.quantities, method) for one in study.configurations
+        )
+        quantities = DesignQuantities(evaluators, goals.quantities)
+        problem = DesignProblem(parameters, goals, quantities, None if names else quantities.slopes)
+        return replace(problem, polish=peak_polish(problem, evaluators)), quantities

@@ -1,0 +1,143 @@
+"""How the parameters of what is built lie around those of the design."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from scipy.special import ndtri
+from scipy.stats import qmc
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.errors import UsageError
+
+LAWS = ("normal", "uniform")
+FIRST = 1e-12
+"""Smallest share of a distribution that is drawn: normal ones have no end."""
+
+
+@dataclass(frozen=True)
+class DesignTolerance:
+    """Scatter of one parameter.
+
+    ``size`` is a standard deviation (``normal``) or half a width (``uniform``), of the design's value where
+    ``relative``, else SI. ``centre``: of a parameter that is not designed, its value, SI.
+    """
+
+    name: str
+    size: float
+    law: str = "normal"
+    relative: bool = True
+    centre: float | None = None
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.size) and self.size >= 0):
+            raise UsageError(f"the tolerance of {self.name} is a number from 0, got {self.size:g}")
+        if self.law not in LAWS:
+            raise UsageError(f"the tolerance of {self.name} is normal or uniform, got {self.law!r}")
+
+    def scattered(self, centre: FloatArray, shares: FloatArray) -> FloatArray:
+        """Values (n, count) around (n,) for shares (count,) of the probability."""
+        units = ndtri(shares) if self.law == "normal" else 2 * shares - 1
+        width = centre[:, None] if self.relative else np.ones_like(centre)[:, None]
+        return np.asarray(centre[:, None] + self.size * width * units)
+
+
+class DrawnTolerances(Protocol):
+    """The same draws around every design, so that designs are compared alike."""
+
+    @property
+    def count(self) -> int:
+        """Samples of each design."""
+        ...
+
+    def around(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+        """Values (n * count,) of all parameters around n designs, the samples of the first one first."""
+        ...
+
+
+class Tolerances(Protocol):
+    """How what is built lies around the design."""
+
+    def evenly(self, count: int, seed: int) -> DrawnTolerances:
+        """Draws that fill the space evenly; ``count`` may be rounded up."""
+        ...
+
+    def randomly(self, count: int, seed: int) -> DrawnTolerances:
+        """Independent draws, of which intervals of confidence can be told."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class IndependentDraws:
+    """Draws of independent tolerances.
+
+    Examples
+    --------
+    >>> around = IndependentDraws((DesignTolerance("k", 0.1, law="uniform"),), np.array([[0.5], [1.0]]))
+    >>> around.around({"k": np.array([10.0, 20.0])})["k"].tolist()
+    [10.0, 11.0, 20.0, 22.0]
+    """
+
+    each: tuple[DesignTolerance, ...]
+    shares: FloatArray
+    """(count, n_tolerances), between 0 and 1."""
+
+    @property
+    def count(self) -> int:
+        """Samples of each design."""
+        return len(self.shares)
+
+    def around(self, designs: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+        """Values (n * count,) of all parameters, the samples of the first of n designs first."""
+        size = len(next(iter(designs.values())))
+        found = {name: np.repeat(values, self.count) for name, values in designs.items()}
+        for one, shares in zip(self.each, self.shares.T, strict=True):
+            centre = designs[one.name] if one.name in designs else np.full(size, _centre(one))
+            found[one.name] = one.scattered(centre, shares).ravel()
+        return found
+
+
+def _centre(one: DesignTolerance) -> float:
+    if one.centre is None:
+        raise UsageError(f"{one.name} is not designed: say around which value it lies")
+    return one.centre
+
+
+@dataclass(frozen=True)
+class DesignTolerances:
+    """Tolerances of several parameters, independent of each other."""
+
+    each: tuple[DesignTolerance, ...]
+
+    def __post_init__(self) -> None:
+        if not self.each:
+            raise UsageError("a robust design needs the tolerance of a parameter")
+
+    def evenly(self, count: int, seed: int) -> IndependentDraws:
+        """Draws of a scrambled Sobol sequence; ``count`` is rounded up to a power of two."""
+        return IndependentDraws(self.each, even_shares(len(self.each), count, seed))
+
+    def randomly(self, count: int, seed: int) -> IndependentDraws:
+        """Independent draws."""
+        return IndependentDraws(self.each, random_shares(len(self.each), count, seed))
+
+
+def even_shares(size: int, count: int, seed: int) -> FloatArray:
+    """Points (n, size) of a scrambled Sobol sequence, n the next power of two."""
+    _enough(count)
+    shares = qmc.Sobol(size, scramble=True, seed=seed).random_base2(int(np.ceil(np.log2(count))))
+    return np.asarray(np.clip(shares, FIRST, 1 - FIRST))
+
+
+def random_shares(size: int, count: int, seed: int) -> FloatArray:
+    """Independent points (count, size) of the unit cube."""
+    _enough(count)
+    return np.asarray(np.clip(np.random.default_rng(seed).random((count, size)), FIRST, 1 - FIRST))
+
+
+def _enough(count: int) -> None:
+    if count < 2:
+        raise UsageError(f"a robust design needs two samples or more of the tolerances, got {count}")

@@ -1,0 +1,48 @@
+"""Responses of running machinery of many variants: the orders' transfer functions together, their sums one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.model.operating_values import following
+from torsionnet.response.order_response import OrderResponse
+from torsionnet.solve.order_response import OrderQuestion
+from torsionnet.solve.transfer_request import remembered
+from torsionnet.study.variant_block import VariantBlock
+
+
+def order_responses(
+    block: VariantBlock, output: str, speeds: FloatArray, excitations: Sequence[str] | None = None
+) -> Iterator[tuple[int, OrderResponse]]:
+    """Number and response of every variant that has one.
+
+    Variants whose parameters follow the operating point are solved one by one, at every speed with its own values.
+    """
+    question = _shared(block, speeds, excitations)
+    if question is None:
+        for index in range(len(block)):
+            run = block.asked(index, lambda model: model.order_response(output, speeds=speeds, excitations=excitations))
+            if run is not None:
+                yield index, run
+        return
+    loads = question.loads(speeds)
+    channels = tuple(one.channel for one in remembered(block.model, output, list(loads.inputs), None).outputs)
+    frequencies = loads.frequencies
+    moving = frequencies[frequencies > 0]
+    for which, part in block.parts(len(moving) * len(loads.inputs)):
+        solved = part.responses(output, loads.inputs, moving)
+        for index, values in zip(range(which.start, which.stop), solved, strict=False):
+            gains = np.zeros((len(frequencies), *values.shape[1:]), dtype=complex)
+            gains[frequencies > 0] = values
+            yield index, loads.response(loads.at_lines(frequencies, gains), channels)
+
+
+def _shared(block: VariantBlock, speeds: FloatArray, excitations: Sequence[str] | None) -> OrderQuestion | None:
+    """What acts on all variants alike; None where they have rows or operating points of their own."""
+    if block.batch is None or following(block.model.definition):
+        return None
+    question = OrderQuestion.of(block.model, speeds, excitations=excitations)
+    return question if question.held is block.model else None

@@ -1,0 +1,1 @@
+"""What a study asks of every variant, each kind in a file of its own that is imported where the kind is asked for."""

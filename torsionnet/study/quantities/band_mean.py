@@ -1,0 +1,41 @@
+"""The mean of a transfer function's magnitude over a band."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.entries.band import Band
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count, OneOf
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.study.quantity import QuantityForm, register_quantity
+from torsionnet.study.transfer_quantity import TransferQuantity
+from torsionnet.study.variant_block import VariantBlock
+
+
+@register_quantity
+@dataclass(frozen=True, kw_only=True)
+class BandMean(TransferQuantity):
+    """Mean or root mean square of the magnitude at evenly spaced frequencies of a band."""
+
+    kind: ClassVar[str] = "band_mean"
+
+    band: Any = entry(Band("the frequencies", from_zero=True))
+    points: int = entry(Count("evenly spaced, both ends among them", lower=2, upper=100_000), 200)
+    mean: str = entry(OneOf("root mean square, or mean of the magnitudes", ("rms", "arithmetic")), "rms")
+
+    def measure(self, model: Drivetrain) -> QuantityForm:
+        return QuantityForm(self.unit(model))
+
+    def evaluate(self, block: VariantBlock) -> FloatArray:
+        low, high = self.band
+        frequencies = np.linspace(low, high, self.points)
+        found = np.empty((len(block), 1))
+        for which, part in block.parts(self.points):
+            sizes = np.abs(self.values(part, frequencies))
+            found[which, 0] = sizes.mean(axis=1) if self.mean == "arithmetic" else np.sqrt((sizes**2).mean(axis=1))
+        return found

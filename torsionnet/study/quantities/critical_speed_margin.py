@@ -1,0 +1,111 @@
+"""How far natural frequencies are from what excites them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.entries.composite import Listed
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Text
+from torsionnet.core.errors import Fault, UsageError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.model.excitations.order_excitation import ORDER
+from torsionnet.model.excitations.speed_range import SpeedBand
+from torsionnet.model.operating_values import following
+from torsionnet.solve.critical_speeds import excited_frequencies, excited_lines, order_margins
+from torsionnet.solve.order_response import with_motions_held
+from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity
+from torsionnet.study.transfer_quantity import refusal
+from torsionnet.study.variant_block import VariantBlock
+
+
+@register_quantity
+@dataclass(frozen=True, kw_only=True)
+class CriticalSpeedMargin(StudyQuantity):
+    """Smallest distance of a natural frequency from the excitation frequencies of orders, over the nearer of these.
+
+    Natural frequencies with damping, ``|lambda|/2pi``, and without count, as in ``critical_speeds``;
+    0 where one of them lies within the range that an order passes through.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+    ...     tn.Spring("shaft", nodes=("a", "b"), stiffness="k")]
+    >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": [50, 60]}, parameters={"k": 15000},
+    ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
+    >>> block = VariantBlock(fan, {"k": np.array([15000.0, 7500.0])}, {}, None)
+    >>> CriticalSpeedMargin().evaluate(block).round(6).tolist()  # natural frequencies of 150 and 106 rad/s
+    [[0.25], [0.0]]
+    """
+
+    kind: ClassVar[str] = "critical_speed_margin"
+
+    orders: Any = entry(Listed("orders that count; default: all that act", ORDER), None)
+    excitations: Any = entry(Listed("excitations that count; default: all", Text("an excitation")), None)
+    speeds: Any = entry(SpeedBand("range of speeds; default: that of the model"), None)
+
+    def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
+        del quantities
+        found = list(refusal(lambda: self._asked(model)))
+        yield from found or refusal(lambda: self._ranges(model), *(("orders",) if self.orders else ()))
+
+    def measure(self, model: Drivetrain) -> QuantityForm:
+        del model
+        return QuantityForm()
+
+    def evaluate(self, block: VariantBlock) -> FloatArray:
+        if not self._shared(block):
+            return block.one_by_one(self._of)
+        ranges = self._ranges(block.model)
+        modes = block.every_mode
+        vibrations = np.where(modes.eigenvalues.imag > 0, np.abs(modes.eigenvalues) / (2 * np.pi), np.nan)
+        resting = modes.undamped_natural_frequencies
+        natural = np.hstack([vibrations, np.where(resting > 0, resting, np.nan)])
+        margins = np.array([_distances(natural, low, high) for low, high in ranges])
+        smallest = np.fmin.reduce(np.fmin.reduce(margins, axis=2), axis=0)
+        return np.asarray(smallest[:, None])
+
+    def _of(self, model: Drivetrain) -> float:
+        found = [one.margin for one in order_margins(model, **self._question) if self._counts(one.order)]
+        return min(found, default=float("nan"))
+
+    @property
+    def _question(self) -> dict[str, Any]:
+        return {"speeds": self.speeds, "excitations": self.excitations or None}
+
+    def _asked(self, model: Drivetrain) -> tuple[dict[str, Any], tuple[float, float]]:
+        lines, _, speed_range = excited_lines(model, self.speeds, None, self.excitations or None)
+        return dict(lines), speed_range
+
+    def _ranges(self, model: Drivetrain) -> Sequence[tuple[float, float]]:
+        """Frequencies that every order passes through, Hz."""
+        lines, speed_range = self._asked(model)
+        every = [line for group in lines.values() for line in group]
+        found = [excited_frequencies(line, speed_range) for line in every if self._counts(line.order)]
+        if not found:
+            orders = ", ".join(f"{order:g}" for order in self.orders)
+            raise UsageError(f"no order {orders} acts; there are {', '.join(map(str, every))}")
+        return found
+
+    def _counts(self, order: float) -> bool:
+        return not self.orders or any(abs(order - one) <= 1e-9 * one for one in self.orders)
+
+    def _shared(self, block: VariantBlock) -> bool:
+        """Whether modes are those of the drivetrain as it stands, at all speeds."""
+        if block.batch is None or following(block.model.definition):
+            return False
+        lines, _ = self._asked(block.model)
+        acting = {name: block.model.definition.excitations[name] for name in lines}
+        return with_motions_held(block.model, acting) is block.model
+
+
+def _distances(natural: FloatArray, low: float, high: float) -> FloatArray:
+    """From excitation frequencies between two, over the nearer of them; 0 inside."""
+    below = 1 - natural / low if low else np.zeros_like(natural)
+    return np.where(natural < low, below, np.where(natural > high, natural / high - 1, natural * 0.0))

@@ -1,0 +1,101 @@
+"""Vibration of running machinery: torques, twists, stresses over its speeds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from math import isclose
+from typing import ClassVar
+
+import numpy as np
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.entries.scalars import Value
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Flag, OneOf, Text
+from torsionnet.core.errors import Fault
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.response.order_response import OrderResponse
+from torsionnet.solve.transfer_request import named_output
+from torsionnet.study.order_responses import order_responses
+from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity
+from torsionnet.study.speed_quantity import SpeedQuantity
+from torsionnet.study.transfer_quantity import refusal
+from torsionnet.study.variant_block import VariantBlock
+
+SIZES: Mapping[str, Callable[[OrderResponse], FloatArray]] = {
+    "half_range": lambda run: run.half_range[:, 0],
+    "peak": lambda run: run.peak[:, 0],
+    "rms": lambda run: run.rms[:, 0],
+}
+
+
+@register_quantity
+@dataclass(frozen=True, kw_only=True)
+class OrderTorque(SpeedQuantity):
+    """Vibration of a sensor under the model's excitations, all orders summed with their phases, or one of them.
+
+    The largest over the model's speeds, or a curve over them. A stress is asked for as ``stress(shaft)``.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> elements = [tn.Inertia("rotor", node="a", inertia=2), tn.Inertia("wheel", node="b", inertia=1),
+    ...     tn.Spring("shaft", nodes=("a", "b"), stiffness="k")]
+    >>> fan = tn.Drivetrain("fan", elements, speeds={"of": "a", "list": ["600 rpm"]}, parameters={"k": 1e4},
+    ...     excitations={"blades": {"type": "harmonic", "node": "b", "orders": {2: {"amplitude": "10 N*m"}}}})
+    >>> block = VariantBlock(fan, {"k": np.array([1e4, 2e4])}, {}, None)
+    >>> found = OrderTorque(output="torque(shaft)").evaluate(block)
+    >>> w = 2 * fan.definition.speeds.values[0]
+    >>> bool(abs(found[1, 0] - abs(10 * 4e4 / (6e4 - 2 * w**2))) < 1e-9)
+    True
+    """
+
+    kind: ClassVar[str] = "order_torque"
+
+    output: str = entry(Text("sensor, torque(element), stress(shaft), ..."))
+    order: float | None = entry(Value("one order of its shaft instead of the sum", "1", exclusive=True), None)
+    size: str | None = entry(
+        OneOf("of the sum: half of its range, largest distance from the mean, root mean square", tuple(SIZES)), None
+    )
+    curve: bool = entry(Flag("whether every speed is asked for, not the largest over them"), False)
+
+    def contradictions(self) -> list[Fault]:
+        if self.order is not None and self.size is not None:
+            return [Fault("one order has its amplitude; leave out size", ("size",), on_key=True)]
+        return []
+
+    def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
+        del quantities
+        found = [*refusal(lambda: named_output(model, self.output), "output"), *self.nowhere(model)]
+        yield from found or refusal(lambda: self._of(self._alone(model)), *(("order",) if self.order else ()))
+
+    def measure(self, model: Drivetrain) -> QuantityForm:
+        unit = named_output(model, self.output).unit
+        return QuantityForm(unit, "speed", self.at(model)) if self.curve else QuantityForm(unit)
+
+    def evaluate(self, block: VariantBlock) -> FloatArray:
+        found = np.full((len(block), len(self.at(block.model)) if self.curve else 1), np.nan)
+        for index, run in order_responses(block, self.output, self.at(block.model), self.excitations or None):
+            found[index] = self._of(run)
+        return found
+
+    def _alone(self, model: Drivetrain) -> OrderResponse:
+        """Of the nominal model at one speed, which is refused where all would be."""
+        speeds = self.at(model)
+        return model.order_response(
+            self.output, speeds=speeds[:1] if len(speeds) else None, excitations=self.excitations or None
+        )
+
+    def _of(self, run: OrderResponse) -> FloatArray:
+        sizes = SIZES[self.size or "half_range"](run) if self.order is None else self._of_one(run)
+        return sizes if self.curve else sizes.max(keepdims=True)
+
+    def _of_one(self, run: OrderResponse) -> FloatArray:
+        """The largest amplitude of any case; of several excitations that have the order, of their sum in any case."""
+        assert self.order is not None
+        cases = [np.abs(case.of_order(self.order)) for case in run.coherent]
+        lines = [place for place, line in enumerate(run.lines) if not line.fixed and isclose(line.order, self.order)]
+        if len(lines) == 1:
+            cases.append(run.sizes[:, lines[0], 0])
+        return np.asarray(np.max(cases, axis=0))

@@ -1,0 +1,98 @@
+"""Values of a transfer function: at one frequency, or as a curve."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from torsionnet.assembly.rows import ComplexArray, FloatArray
+from torsionnet.core.entries.band import Band
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.entries.words import Count, OneOf
+from torsionnet.core.errors import Fault
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.study.frequency_list import FrequencyList
+from torsionnet.study.quantity import QuantityForm, register_quantity
+from torsionnet.study.transfer_quantity import TransferQuantity
+from torsionnet.study.variant_block import VariantBlock
+
+DEFAULT_POINTS = 200
+
+
+def _decibels(values: ComplexArray) -> FloatArray:
+    with np.errstate(divide="ignore"):
+        return np.asarray(20 * np.log10(np.abs(values)))
+
+
+PARTS: Mapping[str, Callable[[ComplexArray], FloatArray]] = {
+    "magnitude": np.abs,
+    "phase": np.angle,
+    "real": np.real,
+    "imaginary": np.imag,
+    "dB": _decibels,
+}
+"""Phases in rad from -pi to pi, dB over one SI unit."""
+_UNITS = {"phase": "rad", "dB": "dB"}
+
+
+@register_quantity
+@dataclass(frozen=True, kw_only=True)
+class ResponseQuantity(TransferQuantity):
+    """Magnitude, phase, real or imaginary part of a transfer function, at one frequency or over frequency.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> rig = tn.load("dmf_rig")
+    >>> static = ResponseQuantity(output="theta_1", input="T_T", at="0 Hz")
+    >>> block = VariantBlock(rig, {"k_2": np.array([400.0, 500.0])}, {}, None)
+    >>> static.evaluate(block).round(6).tolist(), static.measure(rig).unit
+    ([[0.002575], [0.002075]], 'rad/(N*m)')
+    """
+
+    kind: ClassVar[str] = "response"
+
+    at: Any = entry(FrequencyList("one frequency, or several in a list"), None)
+    band: Any = entry(Band("instead: frequencies of a curve", from_zero=True), None)
+    points: int | None = entry(Count(f"of the curve; default: {DEFAULT_POINTS}", lower=2, upper=100_000), None)
+    spacing: str | None = entry(
+        OneOf("of the points; default: by equal factors where the band is a decade or more", ("linear", "log")), None
+    )
+    part: str = entry(OneOf("what of the complex value; dB over one SI unit", tuple(PARTS)), "magnitude")
+
+    def contradictions(self) -> list[Fault]:
+        if (self.at is None) == (self.band is None):
+            return [Fault("a response is asked for at: a frequency, or as a curve over a band:", on_key=True)]
+        if self.band is None:
+            return [
+                Fault(f"{name} belongs to a band, not to single frequencies", (name,), on_key=True)
+                for name in ("points", "spacing")
+                if getattr(self, name) is not None
+            ]
+        if self.spacing == "log" and self.band[0] == 0:
+            return [Fault("a band from 0 Hz has no points by equal factors", ("spacing",))]
+        return []
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """Hz, (n_points,)."""
+        if self.at is not None:
+            return np.array(self.at)
+        low, high = self.band
+        is_log = self.spacing == "log" or (self.spacing is None and 0 < 10 * low <= high)
+        return np.asarray((np.geomspace if is_log else np.linspace)(low, high, self.points or DEFAULT_POINTS))
+
+    def measure(self, model: Drivetrain) -> QuantityForm:
+        unit = _UNITS.get(self.part) or self.unit(model)
+        frequencies = self.frequencies
+        return QuantityForm(unit) if len(frequencies) == 1 else QuantityForm(unit, "frequency", frequencies)
+
+    def evaluate(self, block: VariantBlock) -> FloatArray:
+        frequencies = self.frequencies
+        found = np.empty((len(block), len(frequencies)))
+        for which, part in block.parts(len(frequencies)):
+            found[which] = PARTS[self.part](self.values(part, frequencies))
+        return found

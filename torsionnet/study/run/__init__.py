@@ -1,0 +1,1 @@
+"""How a study is calculated: in chunks of fixed size, by whoever has time, each kept as soon as it is done."""

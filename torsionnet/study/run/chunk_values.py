@@ -1,0 +1,93 @@
+"""What a chunk of variants came to: values of numbers, sums and histograms of curves; as bytes and back."""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.study.reductions.histogram import Histogram
+from torsionnet.study.reductions.moments import Moments
+
+PARTS = ("count", "mean", "squares", "smallest", "largest", "smallest_at", "largest_at")
+CHECKSUM = hashlib.sha256().digest_size
+
+
+class DamagedChunk(Exception):  # noqa: N818  (it is no fault of anybody: the chunk is done again)
+    """Bytes that are not the whole chunk that is looked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class ChunkValues:
+    """Of a chunk of n variants.
+
+    Attributes
+    ----------
+    values : mapping
+        Quantity that is a number -> (n,) values, NaN where a variant has none; empty where values are not kept.
+    moments, histograms : mappings
+        By quantity.
+    impossible : int
+        Variants that no drivetrain can be.
+    remarks : mapping
+        What was warned of -> how often.
+    """
+
+    values: Mapping[str, FloatArray]
+    moments: Mapping[str, Moments]
+    histograms: Mapping[str, Histogram]
+    impossible: int
+    remarks: Mapping[str, int]
+
+    def to_bytes(self, number: int) -> bytes:
+        """The same bytes for the same values of chunk ``number``: a file of numpy, and a checksum behind its end."""
+        arrays: dict[str, NDArray[np.generic]] = {}
+        for place, name in enumerate(self.moments):
+            if name in self.values:
+                arrays[f"values_{place}"] = self.values[name]
+            for part in PARTS:
+                arrays[f"{part}_{place}"] = getattr(self.moments[name], part)
+            arrays[f"bins_{place}"] = self.histograms[name].bins
+            arrays[f"counts_{place}"] = self.histograms[name].counts
+        head = {
+            "chunk": number,
+            "quantities": list(self.moments),
+            "impossible": self.impossible,
+            "remarks": dict(sorted(self.remarks.items())),
+        }
+        arrays["head"] = np.frombuffer(json.dumps(head).encode(), dtype=np.uint8)
+        stream = io.BytesIO()
+        np.savez_compressed(stream, allow_pickle=False, **arrays)
+        return stream.getvalue() + hashlib.sha256(stream.getvalue()).digest()
+
+    @classmethod
+    def from_bytes(cls, data: bytes, number: int) -> ChunkValues:
+        """What :meth:`to_bytes` has made.
+
+        Raises
+        ------
+        DamagedChunk
+            Something is missing or changed, or it is another chunk.
+        """
+        whole, checksum = data[:-CHECKSUM], data[-CHECKSUM:]
+        if hashlib.sha256(whole).digest() != checksum:
+            raise DamagedChunk
+        with np.load(io.BytesIO(whole), allow_pickle=False) as arrays:
+            found = {name: arrays[name] for name in arrays.files}
+        head = json.loads(found["head"].tobytes())
+        if head["chunk"] != number:
+            raise DamagedChunk
+        places = dict(enumerate(head["quantities"]))
+        return cls(
+            {name: found[f"values_{place}"] for place, name in places.items() if f"values_{place}" in found},
+            {name: Moments(*(found[f"{part}_{place}"] for part in PARTS)) for place, name in places.items()},
+            {name: Histogram(found[f"bins_{place}"], found[f"counts_{place}"]) for place, name in places.items()},
+            int(head["impossible"]),
+            head["remarks"],
+        )

@@ -1,0 +1,133 @@
+"""A study, calculated from where it stands."""
+
+from __future__ import annotations
+
+import errno
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.study.run.calculating import ChunkWork
+from torsionnet.study.run.chunk_values import ChunkValues
+from torsionnet.study.run.chunks import Chunks
+from torsionnet.study.run.executor import Executor, SerialExecutor
+from torsionnet.study.run.folder_lock import locked
+from torsionnet.study.run.reducing import reduced
+from torsionnet.study.run.study_folder import StudyFolder
+from torsionnet.study.run.study_record import study_record
+from torsionnet.study.run.workload import Workload
+from torsionnet.study.study import Study
+from torsionnet.study.study_result import StudyResult
+
+KEPT_VALUES = 10_000_000
+"""Values of numbers up to which all are kept; of more only sums and histograms."""
+LONGEST = 7 * 86400.0
+"""Seconds on one core beyond which a study has to be asked for with that limit."""
+
+Progress = Callable[[int, int], None]
+"""Called with the number of chunks done and that of all."""
+
+
+def run_study(
+    study: Study,
+    folder: str | os.PathLike[str] | None = None,
+    *,
+    executor: Executor | None = None,
+    progress: Progress = lambda _done, _all: None,
+    announce: Callable[[Workload], None] = lambda _: None,
+    longest: float = LONGEST,
+) -> StudyResult:
+    """Calculate all variants of a study that are not in the folder yet.
+
+    The result is the same, to the last bit, whoever calculates and however often it was broken off.
+
+    Parameters
+    ----------
+    study : Study
+    folder : path, optional
+        Where chunks are kept as soon as they are done; without one, in memory.
+    executor : Executor, optional
+        Who calculates; default: this process.
+    progress : callable, optional
+        Called with the number of chunks done and that of all.
+    announce : callable, optional
+        Called with how much work it is, which is measured before it begins.
+    longest : float
+        Seconds of calculation on one core that are not too many.
+
+    Raises
+    ------
+    UsageError
+        No variants, more than can be calculated in that time, or a folder that holds something else.
+    SolveError
+        The folder cannot be written any more; what is in it stays valid.
+    """
+    if not study.count:
+        raise UsageError("the study has no variants: give sampling: {count: 1000}, or lists or ranges of values")
+    workload = Workload.of(study)
+    workload.bearable(longest)
+    announce(workload)
+    keep = study.count * len(study.quantities) <= KEPT_VALUES
+    chunks = Chunks(len(study.configurations), study.space.count, workload.chunk_size)
+    if folder is None:
+        work = ChunkWork(study, chunks, keep, None)
+        return _in_memory(study, work, executor or SerialExecutor(), progress)
+    place = StudyFolder(Path(folder).resolve())
+    with _writing(place.path):
+        place.opened(study_record(study, chunks, keep=keep))
+    work = ChunkWork(study, chunks, keep, place.path)
+    with _writing(place.path), locked(place.path):
+        done = {number for number in place.done(chunks.total) if place.chunk(number) is not None}
+        left = (number for number in range(chunks.total) if number not in done)
+        progress(len(done), chunks.total)
+        count = len(done)
+        for _ in (executor or SerialExecutor()).map(work, left):
+            count += 1
+            progress(count, chunks.total)
+        return reduced(study, chunks, _stored(place, work), folder=place.path)
+
+
+def _stored(place: StudyFolder, work: ChunkWork) -> Callable[[int], ChunkValues]:
+    """A chunk from the folder; one that was damaged after it was written is calculated again."""
+
+    def chunk(number: int) -> ChunkValues:
+        found = place.chunk(number)
+        if found is None:
+            work(number)
+            found = place.chunk(number)
+        if found is None:
+            raise SolveError(f"chunk {number} in {place.path} cannot be read back after it was written")
+        return found
+
+    return chunk
+
+
+@contextmanager
+def _writing(folder: Path) -> Iterator[None]:
+    """Say what is left where a folder cannot be written, be it its record, its lock or a chunk."""
+    try:
+        yield
+    except OSError as error:
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+        why = "the disk is full" if full else f"it cannot be written: {error.strerror or error}"
+        raise SolveError(
+            f"{folder}: {why}; the chunks in it are whole, and the study goes on from there when it is run again"
+        ) from error
+
+
+def _in_memory(study: Study, work: ChunkWork, executor: Executor, progress: Progress) -> StudyResult:
+    """Only chunks that were done before their turn wait: all histograms of a large study are too much to hold."""
+    waiting: dict[int, ChunkValues] = {}
+    done = enumerate(executor.map(work, iter(range(work.chunks.total))), start=1)
+
+    def chunk(number: int) -> ChunkValues:
+        while number not in waiting:
+            count, (other, values) = next(done)
+            if values is not None:
+                waiting[other] = values
+            progress(count, work.chunks.total)
+        return waiting.pop(number)
+
+    return reduced(study, work.chunks, chunk)

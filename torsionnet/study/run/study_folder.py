@@ -1,0 +1,70 @@
+"""The folder of a study: what it is of, the chunks that are done, and a lock."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from torsionnet.core.atomic import write_text
+from torsionnet.core.errors import UsageError
+from torsionnet.study.run.calculating import chunk_file
+from torsionnet.study.run.chunk_values import ChunkValues, DamagedChunk
+from torsionnet.study.run.study_record import record_text, unlike
+
+RECORD = "study.json"
+
+
+@dataclass(frozen=True)
+class StudyFolder:
+    """A folder with ``study.json`` and ``chunks/``; it can be copied and moved as a whole."""
+
+    path: Path
+
+    def opened(self, record: dict[str, Any]) -> None:
+        """Make the folder, or see that it belongs to the same study.
+
+        Raises
+        ------
+        UsageError
+            It holds results of something else, or cannot be written.
+        """
+        try:
+            (self.path / "chunks").mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise UsageError(f"{self.path} cannot be a folder of results: {error.strerror}") from None
+        file = self.path / RECORD
+        if not file.exists():
+            if any((self.path / "chunks").iterdir()):
+                raise UsageError(f"{self.path} holds chunks but no {RECORD}; nothing says what they are of")
+            write_text(file, record_text(record))
+            return
+        differing = unlike(self.record(), json.loads(record_text(record)))
+        if differing:
+            raise UsageError(
+                f"{self.path} holds results of something else; " + "; ".join(differing) + ". "
+                "Nothing in it was changed: choose another folder, or go back to what it was calculated with"
+            )
+
+    def record(self) -> dict[str, Any]:
+        """What the chunks are of."""
+        try:
+            found: dict[str, Any] = json.loads((self.path / RECORD).read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise UsageError(f"{self.path / RECORD} cannot be read: {error}") from None
+        return found
+
+    def chunk(self, number: int) -> ChunkValues | None:
+        """A chunk that is whole, else None."""
+        try:
+            return ChunkValues.from_bytes(chunk_file(self.path, number).read_bytes(), number)
+        except (OSError, DamagedChunk):
+            return None
+
+    def done(self, total: int) -> list[int]:
+        """Numbers of chunks there are files of, whole or not."""
+        names = [entry.name for entry in os.scandir(self.path / "chunks")]
+        numbers = (int(name[:-4]) for name in names if name.endswith(".npz") and name[:-4].isdigit())
+        return sorted(number for number in numbers if number < total)

@@ -1,0 +1,75 @@
+"""What a folder of results belongs to: model, study, versions, method; told when it is not what is asked for now."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import platform
+from importlib import metadata
+from typing import Any
+
+from torsionnet.core.version import __version__
+from torsionnet.study.run.chunks import Chunks
+from torsionnet.study.study import Study
+
+FORMAT = 1
+LIBRARIES = ("numpy", "scipy", "numba")
+AFTERWARDS = ("name", "limits", "answers")
+"""Entries that no value of a variant depends on: they may change between runs in one folder."""
+WORDS = {
+    "format": "the form of the files",
+    "version": "the version of torsionnet",
+    "libraries": "the versions of libraries",
+    "machine": "the kind of machine",
+    "method": "the method of the solver",
+    "model": "the model",
+    "study": "the study",
+    "chunks": "the size of chunks",
+    "keep": "what is kept",
+}
+
+
+def study_record(study: Study, chunks: Chunks, *, keep: bool) -> dict[str, Any]:
+    """All that the numbers of a study depend on, as plain data."""
+    text = study.model_text
+    return {
+        "format": FORMAT,
+        "version": __version__,
+        "libraries": {name: _version(name) for name in LIBRARIES},
+        "machine": f"{platform.system()} {platform.machine()}",
+        "method": study.method,
+        "seed": study.seed,
+        "model": {"title": study.model.title, "sha256": hashlib.sha256(text.encode()).hexdigest(), "text": text},
+        "study": {key: entry for key, entry in study.to_data().items() if key not in AFTERWARDS},
+        "chunks": {"cases": chunks.cases, "count": chunks.count, "size": chunks.size},
+        "keep": keep,
+    }
+
+
+def record_text(record: dict[str, Any]) -> str:
+    """The same text for the same record."""
+    return json.dumps(record, indent=1, ensure_ascii=False) + "\n"
+
+
+def unlike(kept: dict[str, Any], wanted: dict[str, Any]) -> list[str]:
+    """In words, what a folder has that is not what is wanted now."""
+    return [_said(key, kept.get(key), wanted[key]) for key in WORDS if kept.get(key) != wanted[key]]
+
+
+def _said(key: str, kept: Any, wanted: Any) -> str:
+    if key in ("version", "machine", "method", "format"):
+        return f"{WORDS[key]} was {kept}, now it is {wanted}"
+    if isinstance(kept, dict) and isinstance(wanted, dict):
+        names = [name for name in {**kept, **wanted} if kept.get(name) != wanted.get(name) and name != "text"]
+        plain = [name for name in names if not isinstance(kept.get(name), dict | list)]
+        shown = [f"{name} {kept.get(name)} -> {wanted.get(name)}" for name in plain if name != "sha256"]
+        parts = shown if len(shown) == len(names) else [name for name in names if name != "sha256"]
+        return f"{WORDS[key]} is another: {', '.join(parts)}" if parts else f"{WORDS[key]} is another"
+    return f"{WORDS[key]} is another"
+
+
+def _version(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:
+        return ""

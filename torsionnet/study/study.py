@@ -1,0 +1,194 @@
+"""A study: what varies, in which configurations, and what is asked of every variant."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from importlib.util import find_spec
+from typing import Any
+
+from torsionnet.core.errors import Fault, ModelError
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.study.answer import StudyAnswer
+from torsionnet.study.evaluator import Evaluator
+from torsionnet.study.quantity import StudyQuantity
+from torsionnet.study.quantity_limit import QuantityLimit
+from torsionnet.study.space import Space
+from torsionnet.study.space_in_configurations import faults_in
+from torsionnet.study.study_file import StudyEntries
+from torsionnet.study.study_fit import fitted
+
+COMPILED = 2000
+"""Variants from which on the compiled solver is worth its start."""
+
+
+@dataclass(frozen=True, eq=False)
+class Study:
+    """Variants of a drivetrain and what is asked of them; :func:`define` makes one.
+
+    Attributes
+    ----------
+    model : Drivetrain
+    space : Space
+        What varies, and how; the same in every configuration.
+    quantities : mapping
+        By name.
+    configurations : tuple of str
+        Of the model; ``""`` is the model as it stands.
+    limits : mapping
+        By quantity.
+    answers : mapping
+        By name.
+    name : str
+        Title.
+    findings : tuple of Fault
+        What is worth knowing though nothing is wrong.
+    """
+
+    model: Drivetrain
+    space: Space
+    quantities: Mapping[str, StudyQuantity]
+    configurations: tuple[str, ...] = ("",)
+    limits: Mapping[str, QuantityLimit] = field(default_factory=dict)
+    answers: Mapping[str, StudyAnswer] = field(default_factory=dict)
+    name: str = ""
+    findings: tuple[Fault, ...] = ()
+
+    @property
+    def title(self) -> str:
+        return self.name or f"study of {self.model.name}"
+
+    @property
+    def count(self) -> int:
+        """Number of variants."""
+        return len(self.configurations) * self.space.count
+
+    @property
+    def seed(self) -> int | None:
+        """What the draws follow from; None where nothing is drawn."""
+        return self.space.sampling.seed if self.space.sampling and self.space.random_names else None
+
+    @property
+    def method(self) -> str:
+        """How responses are solved, the same for all variants: compiled where numba is installed and there are many."""
+        return "compiled" if self.count >= COMPILED and find_spec("numba") else "graph"
+
+    @cached_property
+    def model_text(self) -> str:
+        """All that the model says, as text that changes whenever a number does."""
+        return json.dumps(self.model.definition.flat_data(), default=str, ensure_ascii=False)
+
+    def to_data(self) -> dict[str, Any]:
+        """The entries of the study file, without the model."""
+        data: dict[str, Any] = self.entries.to_data()
+        return {key: value for key, value in data.items() if key != "model"}
+
+    @property
+    def entries(self) -> StudyEntries:
+        space = self.space.entries
+        return StudyEntries(
+            name=self.name,
+            model="",
+            configurations=self.configurations,
+            vary=space.vary,
+            correlation=space.correlation,
+            sampling=space.sampling,
+            quantities=self.quantities,
+            limits=self.limits,
+            answers=self.answers,
+        )
+
+    def model_in(self, configuration: str) -> Drivetrain:
+        """The model in one of its configurations."""
+        return self.model.configured(configuration) if configuration else self.model
+
+    def evaluator(self, configuration: str = "") -> Evaluator:
+        """What calculates the quantities of any variants in a configuration."""
+        return Evaluator(self.model_in(configuration), self.space.names, self.quantities, self.method)
+
+
+def define(
+    model: Drivetrain,
+    vary: Mapping[str, Any],
+    quantities: Mapping[str, Any],
+    *,
+    configurations: str | Sequence[str] = (),
+    sampling: Any = None,
+    correlation: Sequence[Any] = (),
+    limits: Mapping[str, Any] | None = None,
+    answers: Mapping[str, Any] | None = None,
+    name: str = "",
+) -> Study:
+    """Define a study of a drivetrain.
+
+    Parameters
+    ----------
+    model : Drivetrain
+    vary : mapping
+        Parameter -> how it varies: ``Normal(deviation="5 %")``, or as in a file ``{"type": "normal", ...}``.
+    quantities : mapping
+        Name -> what is asked: ``{"type": "natural_frequency", "mode": 1}``.
+    configurations : str or sequence of str
+        Of the model, or ``"all"``; default: the model as it stands.
+    sampling : Samples or mapping, optional
+        How values are drawn: ``{"method": "sobol", "count": 1024}``.
+    correlation : sequence, optional
+        ``{"between": ["k_1", "k_2"], "coefficient": 0.6}``.
+    limits : mapping, optional
+        Quantity -> ``{"below": value}``, ``{"above": value}``, SI.
+    answers : mapping, optional
+        Name -> ``{"type": "yield"}``.
+    name : str
+        Title.
+
+    Raises
+    ------
+    ModelError
+        With everything that is wrong.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> from torsionnet.study.run.run_chunks import run_study
+    >>> study = define(tn.load("dmf_rig"), {"k_2": {"type": "list", "values": [400, 460]}},
+    ...     {"f_1": {"type": "natural_frequency", "mode": 1}})
+    >>> run_study(study).values("f_1").round(3).tolist()
+    [6.627, 7.105]
+    """
+    given = {
+        "name": name,
+        "vary": vary,
+        "quantities": quantities,
+        "configurations": configurations,
+        "sampling": sampling,
+        "correlation": correlation,
+        "limits": limits,
+        "answers": answers,
+    }
+    entries, faults = StudyEntries.read({"model": model.name, **{key: one for key, one in given.items() if one}})
+    if entries is None:
+        raise ModelError(faults, name or "the study")
+    study, faults = study_of(model, entries)
+    if study is None:
+        raise ModelError([fault for fault in faults if fault.severity == "error"], name or "the study")
+    return study
+
+
+def study_of(model: Drivetrain, entries: StudyEntries) -> tuple[Study | None, list[Fault]]:
+    """The study that entries describe, None if anything does not fit the model, and all findings."""
+    configurations, faults = entries.chosen(model)
+    space, found = Space.of(entries.space, model)
+    faults += found
+    faults += fitted(model, configurations, entries)
+    if space is not None:
+        faults += faults_in(space, {name: model.configured(name) for name in configurations if name})
+    if space is None or any(fault.severity == "error" for fault in faults):
+        return None, faults
+    study = Study(model, space, entries.quantities, configurations, entries.limits, entries.answers, entries.name)
+    for name, answer in entries.answers.items():
+        faults += [fault.under("answers", name) for fault in answer.unfit(study)]
+    if any(fault.severity == "error" for fault in faults):
+        return None, faults
+    return replace(study, findings=tuple(faults)), faults

@@ -1,0 +1,140 @@
+"""The entries of a study file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.composite import Composite, Listed, Named, Nested, Typed
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.format_version import KEY
+from torsionnet.core.entries.spec import Schema, entry
+from torsionnet.core.entries.words import MODEL_NAME, Text
+from torsionnet.core.errors import Fault, TorsionnetError
+from torsionnet.model.model import Model
+from torsionnet.model.report.report_plan import ConfigurationName
+from torsionnet.study.answer import ANSWERS, StudyAnswer
+from torsionnet.study.correlation import Correlation
+from torsionnet.study.quantity import QUANTITIES, StudyQuantity
+from torsionnet.study.quantity_limit import QuantityLimit
+from torsionnet.study.samples import Samples
+from torsionnet.study.space_entries import CORRELATION, SAMPLING, VARY, SpaceEntries
+from torsionnet.study.variations.variation import Variation
+
+ALL = "all"
+_NAMES = Listed("configurations of the model", ConfigurationName(""), form="all, or a list of names")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SomeConfigurations(Composite):
+    """``all``, the name of one, or a list of names."""
+
+    @property
+    def absent(self) -> tuple[str, ...]:
+        return ()
+
+    def read(self, raw: Any) -> tuple[tuple[str, ...], list[Fault]]:
+        found: tuple[tuple[str, ...], list[Fault]] = _NAMES.read(raw if isinstance(raw, list | tuple) else [raw])
+        return found
+
+    def plain(self, value: Any) -> Any:
+        return list(value)
+
+    def schema(self) -> Schema:
+        names = _NAMES.schema()
+        return {"description": self.description, "anyOf": [{"type": ["string", "number"]}, names]}
+
+
+class QuantityOfFileOrPython(Typed):
+    """A quantity of a file, or any that Python made, functions of a user among them."""
+
+    def read(self, raw: Any) -> tuple[Any, list[Fault]]:
+        return (raw, []) if isinstance(raw, StudyQuantity) else super().read(raw)
+
+
+_QUANTITY = QuantityOfFileOrPython("what is asked of every variant", lambda: QUANTITIES, "quantity", "quantity")
+_ANSWER = Typed("what is concluded", lambda: ANSWERS, "answer", "answer")
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyEntries(Declared):
+    """A study of how a drivetrain behaves over tolerances, conditions and choices of its parameters."""
+
+    kind: ClassVar[str] = "study"
+    article: ClassVar[str] = "a study"
+    head: ClassVar[tuple[str, ...]] = (KEY,)
+
+    name: str = entry(Text("title of the study"), "")
+    model: str = entry(
+        Text("name of a library model, or path of a model file from the folder of this file", MODEL_NAME)
+    )
+    configurations: tuple[str, ...] = entry(
+        SomeConfigurations(
+            "in which all is calculated: names, all, or firing=all for an axis; default: the model as it stands"
+        ),
+        (),
+    )
+    vary: Mapping[str, Variation] = entry(VARY)
+    correlation: tuple[Correlation, ...] = entry(CORRELATION, ())
+    sampling: Samples | None = entry(SAMPLING, None)
+    quantities: Mapping[str, StudyQuantity] = entry(
+        Named(
+            "what is asked of every variant, by name",
+            _QUANTITY,
+            refused=lambda name: None if name.strip() else "a quantity needs a name",
+            names={"pattern": r"\S"},
+            form="quantities, f_1: {type: natural_frequency}",
+            fewest=1,
+        )
+    )
+    limits: Mapping[str, QuantityLimit] = entry(
+        Named(
+            "what quantities must stay below or above, by quantity",
+            Nested("a limit", lambda: QuantityLimit, "quantity_limit"),
+        ),
+        None,
+    )
+    answers: Mapping[str, StudyAnswer] = entry(Named("what is concluded, by name", _ANSWER), None)
+
+    @property
+    def space(self) -> SpaceEntries:
+        """What varies."""
+        return SpaceEntries(vary=self.vary, correlation=self.correlation, sampling=self.sampling)
+
+    def chosen(self, model: Model) -> tuple[tuple[str, ...], list[Fault]]:
+        """The configurations of a model that are meant, and faults of those it does not have."""
+        return chosen_configurations(self.configurations, model)
+
+
+def chosen_configurations(asked: Sequence[str], model: Model) -> tuple[tuple[str, ...], list[Fault]]:
+    """The configurations of a model that are meant by names, and faults of those it does not have."""
+    if not asked:
+        return ("",), []
+    if tuple(asked) == (ALL,):
+        return model.configurations or ("",), []
+    faults: list[Fault] = []
+    found: list[str] = []
+    for place, written in enumerate(asked):
+        for name in _expanded(written, model.axes):
+            try:
+                if name:
+                    model.configured(name)
+                found.append(name)
+            except TorsionnetError as error:
+                faults.append(Fault(str(error), ("configurations", place)))
+                break
+    return tuple(dict.fromkeys(found)), faults
+
+
+def _expanded(written: str, axes: Mapping[str, Sequence[str]]) -> Iterator[str]:
+    """Names of the configurations that ``gear=all,clutch=open`` stands for."""
+    parts = [part.partition("=") for part in written.split(",")]
+    choices = [
+        [f"{axis.strip()}={name}" for name in axes[axis.strip()]]
+        if value.strip() == ALL and axis.strip() in axes
+        else [axis + equals + value]
+        for axis, equals, value in parts
+    ]
+    yield from map(",".join, product(*choices))

@@ -1,0 +1,63 @@
+"""Whether what a study asks can be answered by its model in every configuration."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+from torsionnet.core.errors import Fault, did_you_mean
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.study.quantity import StudyQuantity
+from torsionnet.study.quantity_value import wrong_unit
+from torsionnet.study.study_file import StudyEntries
+
+
+def fitted(model: Drivetrain, configurations: Sequence[str], entries: StudyEntries) -> list[Fault]:
+    """Faults of quantities that a configuration lacks, and of limits of quantities that are none."""
+    faults = lacking(model, configurations, entries.quantities)
+    faults += unknown_limits(entries.limits, entries.quantities)
+    return faults or _wrong_units(model, configurations, entries)
+
+
+def unknown_limits(limits: Iterable[Any], quantities: Iterable[Any]) -> list[Fault]:
+    """Faults of limits of quantities that are none."""
+    known = [str(name) for name in quantities]
+    return [
+        Fault(
+            f'no quantity is named "{name}"{did_you_mean(str(name), known)}; known: {", ".join(known)}',
+            ("limits", name),
+            on_key=True,
+        )
+        for name in limits
+        if str(name) not in known
+    ]
+
+
+def lacking(model: Drivetrain, configurations: Sequence[str], quantities: Mapping[str, StudyQuantity]) -> list[Fault]:
+    """Faults of quantities that a configuration lacks."""
+    found: dict[tuple[object, str], list[tuple[str, Fault]]] = {}
+    for configuration in configurations:
+        here = model.configured(configuration) if configuration else model
+        for name, quantity in quantities.items():
+            for fault in quantity.unfit(here, quantities):
+                placed = fault.under("quantities", name)
+                found.setdefault((placed.path, placed.message), []).append((configuration, placed))
+    return [_said(same, len(configurations)) for same in found.values()]
+
+
+def _wrong_units(model: Drivetrain, configurations: Sequence[str], entries: StudyEntries) -> list[Fault]:
+    """Limits in units in which their quantity is not."""
+    here = model.configured(configurations[0]) if configurations and configurations[0] else model
+    faults: list[Fault] = []
+    for name, limit in entries.limits.items():
+        unit = entries.quantities[name].measured(here, entries.quantities).unit
+        for key in ("below", "above"):
+            faults += wrong_unit(getattr(limit, key), name, unit, ("limits", name, key))
+    return faults
+
+
+def _said(same: Sequence[tuple[str, Fault]], count: int) -> Fault:
+    """A fault once, with the configurations that have it where others have not."""
+    names, fault = [name for name, _ in same if name], same[0][1]
+    return fault if len(same) == count or not names else replace(fault, configuration=", ".join(names))

@@ -1,0 +1,212 @@
+"""What a study came to: values, sums and percentiles of every quantity in every configuration."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from torsionnet.assembly.rows import FloatArray
+from torsionnet.core.atomic import replacing
+from torsionnet.core.errors import MissingExtraError, UsageError, did_you_mean
+from torsionnet.core.version import __version__
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.response.table import Column, Table
+from torsionnet.study.labelled_variants import labelled_variants
+from torsionnet.study.quantity_summary import Summary
+from torsionnet.study.reductions.histogram import ACCURACY
+from torsionnet.study.study import Study
+
+SHOWN = (2.5, 50.0, 97.5)
+"""Percentiles in tables."""
+
+
+@dataclass(frozen=True, eq=False)
+class StudyResult:
+    """Results of a study.
+
+    Attributes
+    ----------
+    study : Study
+    summaries : mapping
+        (configuration, quantity) -> Summary.
+    kept : mapping
+        (configuration, quantity) -> (n,) values of all variants, where they are kept.
+    impossible : mapping
+        Configuration -> variants that no drivetrain can be.
+    remarks : mapping
+        Configuration -> {what was warned of: how often}.
+    folder : Path or None
+    """
+
+    study: Study
+    summaries: Mapping[tuple[str, str], Summary]
+    kept: Mapping[tuple[str, str], FloatArray]
+    impossible: Mapping[str, int]
+    remarks: Mapping[str, Mapping[str, int]]
+    folder: Path | None = None
+
+    def _key(self, quantity: str, configuration: str | None) -> tuple[str, str]:
+        known = self.study.quantities
+        if quantity not in known:
+            raise UsageError(
+                f'no quantity is named "{quantity}"{did_you_mean(quantity, known)}; known: {", ".join(known)}'
+            )
+        cases = self.study.configurations
+        case = cases[0] if configuration is None and len(cases) == 1 else configuration
+        if case not in cases:
+            raise UsageError(f"the study is of the configurations {', '.join(cases)}; name one of them")
+        return case, quantity
+
+    def summary(self, quantity: str, configuration: str | None = None) -> Summary:
+        """Sums and percentiles of a quantity."""
+        return self.summaries[self._key(quantity, configuration)]
+
+    def values(self, quantity: str, configuration: str | None = None) -> FloatArray:
+        """Values (n,) of all variants in SI; NaN where one has none.
+
+        Raises
+        ------
+        UsageError
+            The quantity is a curve, or the values of so many variants are not kept.
+        """
+        key = self._key(quantity, configuration)
+        if key not in self.kept:
+            reason = "is a curve" if self.summaries[key].measure.is_curve else "has too many values to be kept"
+            raise UsageError(f"{quantity} {reason}; summary() has its mean, extremes and percentiles")
+        return self.kept[key]
+
+    def parameters(self, configuration: str | None = None) -> dict[str, FloatArray]:
+        """Values (n,) of the parameters of all variants in SI."""
+        case, _ = self._key(next(iter(self.study.quantities)), configuration)
+        space = self.study.space.at(self.study.model_in(case))
+        return space.values(0, space.count)
+
+    def percentiles(self, quantity: str, shares: ArrayLike, configuration: str | None = None) -> FloatArray:
+        """Values (n_shares, n_points) that so many per cent do not exceed; exact where all values are kept."""
+        key = self._key(quantity, configuration)
+        if key in self.kept and np.isfinite(values := self.kept[key]).any():
+            return np.asarray(np.percentile(values[np.isfinite(values)], np.asarray(shares), method="inverted_cdf"))[
+                :, None
+            ]
+        return self.summaries[key].percentiles(shares)
+
+    def model(self, index: int, configuration: str | None = None) -> Drivetrain:
+        """One variant as a model."""
+        case, _ = self._key(next(iter(self.study.quantities)), configuration)
+        model = self.study.model_in(case)
+        values = self.study.space.at(model).values(index, index + 1)
+        return model.configured(**{name: float(column[0]) for name, column in values.items()})
+
+    def table(self) -> Table:
+        """A line for each number in each configuration."""
+        columns = [Column("quantity"), Column("configuration"), Column("unit"), Column("variants"), Column("mean")]
+        columns += [Column("standard deviation"), Column("smallest")]
+        columns += [Column(f"{share:g} %") for share in SHOWN] + [Column("largest"), Column("largest at variant")]
+        rows = []
+        for (case, name), one in self.summaries.items():
+            if one.measure.is_curve:
+                continue
+            m = one.moments
+            shares = self.percentiles(name, SHOWN, case)[:, 0]
+            numbers = [
+                float(m.mean[0]),
+                float(m.deviation[0]),
+                float(m.smallest[0]),
+                *map(float, shares),
+                float(m.largest[0]),
+            ]
+            known = [number if np.isfinite(number) else None for number in numbers]
+            rows.append((name, case, one.measure.unit, int(m.count[0]), *known, int(m.largest_at[0])))
+        chosen = [n for n in range(len(columns)) if n != 1 or any(row[1] for row in rows)]
+        return Table(self.study.title, tuple(columns), tuple(rows), self.notes).chosen(chosen)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is worth knowing about all of them."""
+        texts = [f"{self.study.count} variants; seed {self.study.seed}"] if self.study.seed is not None else []
+        count = sum(self.impossible.values())
+        if count:
+            texts.append(f"{count} of {self.study.count} variants are no drivetrains and have no values")
+        if not self.kept:
+            texts.append(f"percentiles are within {ACCURACY:.1%} of themselves")
+        total: Counter[str] = Counter()
+        for one in self.remarks.values():
+            total.update(one)
+        return (*texts, *(f"{text} ({count} variants)" for text, count in total.most_common()))
+
+    def to_data(self) -> dict[str, Any]:
+        """Everything but the values of single variants, in full precision."""
+        quantities = [
+            {"quantity": name, "configuration": case, **one.to_data(self.percentiles(name, SHOWN, case))}
+            for (case, name), one in self.summaries.items()
+        ]
+        return {
+            "count": self.study.count,
+            "seed": self.study.seed,
+            "model": self.study.model.title,
+            "version": __version__,
+            "percentiles": list(SHOWN),
+            "quantities": quantities,
+            "notes": list(self.notes),
+        }
+
+    def columns(self) -> dict[str, NDArray[Any]]:
+        """Configuration, parameters and numbers of all variants, case by case, each (n,) in SI."""
+        cases = self.study.configurations
+        count = self.study.space.count
+        found: dict[str, NDArray[Any]] = {"configuration": np.repeat(np.array(cases), count)} if any(cases) else {}
+        drawn = [self.parameters(case) for case in cases]
+        found |= {name: np.concatenate([one[name] for one in drawn]) for name in self.study.space.names}
+        numbers = [name for name in self.study.quantities if not self.summaries[cases[0], name].measure.is_curve]
+        return found | {name: np.concatenate([self.values(name, case) for case in cases]) for name in numbers}
+
+    def to_csv(self, path: str | os.PathLike[str]) -> None:
+        """Write a line for every variant, in full precision."""
+        columns = self.columns()
+        headings = tuple(Column(name, self._unit(name)) for name in columns)
+        rows = tuple(zip(*(column.tolist() for column in columns.values()), strict=True))
+        Table(self.study.title, headings, rows, self.notes).to_csv(Path(path))
+
+    def to_parquet(self, path: str | os.PathLike[str]) -> None:
+        """Write a line for every variant as Parquet, with model, seed and version in its metadata."""
+        try:
+            import pyarrow as pa
+            import pyarrow.parquet as pq
+        except ImportError as error:
+            raise MissingExtraError('Parquet needs pyarrow: pip install "torsionnet[parquet]"') from error
+        table = pa.table(self.columns()).replace_schema_metadata(
+            {"torsionnet": json.dumps(self._about, ensure_ascii=False)}
+        )
+        with replacing(path) as file:
+            pq.write_table(table, file)
+
+    def to_xarray(self) -> Any:
+        """An ``xarray.Dataset``: numbers over configuration and variant, curves over configuration and percentile."""
+        curves = [key for key, one in self.summaries.items() if one.measure.is_curve]
+        bands = {(case, name): self.percentiles(name, SHOWN, case) for case, name in curves}
+        parameters = {case: self.parameters(case) for case in self.study.configurations}
+        return labelled_variants(self.summaries, self.kept, bands, SHOWN, parameters, self._about)
+
+    @property
+    def _about(self) -> dict[str, Any]:
+        """Where the numbers come from."""
+        seed, study = self.study.seed, json.dumps(self.study.to_data(), ensure_ascii=False)
+        about: dict[str, Any] = {"title": self.study.title, "seed": -1 if seed is None else seed}
+        return about | {
+            "version": __version__,
+            "study": study,
+            "model": self.study.model_text,
+            "notes": list(self.notes),
+        }
+
+    def _unit(self, name: str) -> str:
+        key = (self.study.configurations[0], name)
+        return self.summaries[key].measure.unit if key in self.summaries else ""
