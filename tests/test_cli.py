@@ -109,7 +109,7 @@ def test_version():
 def test_library_lists_every_model_with_its_source():
     listed = json.loads(run("library", "--json").stdout)
     assert {entry["name"] for entry in listed if entry["kind"] == "model"} == set(tn.library_models())
-    for kind, folder in [("part", "parts/*.yaml"), ("catalogue", "catalogues/*.csv")]:
+    for kind, folder in [("study", "studies/*.yaml"), ("part", "parts/*.yaml"), ("catalogue", "catalogues/*.csv")]:
         shipped = {path.stem for path in (ROOT / "library").glob(folder)}
         assert {entry["name"] for entry in listed if entry["kind"] == kind} == shipped
     assert all(entry["what"] and entry["source"] and Path(entry["file"]).is_file() for entry in listed)
@@ -808,7 +808,7 @@ def test_files_are_written_before_anything_is_printed(words, tmp_path, monkeypat
 
 OUTPUT_OPTIONS = {("-o", "--output-file"), ("--csv",), ("--plot",), ("--json",)}
 OUTPUT_WORDS = {word for words in OUTPUT_OPTIONS for word in words}
-OWN_FILES = {("fit", ("--model",))}
+OWN_FILES = {("fit", ("--model",)), ("study", ("-o", "--output-folder")), ("study", ("--variants",))}
 
 
 def test_one_vocabulary_of_output():

@@ -19,11 +19,14 @@ from torsionnet.core.entries.nearby import files_beside
 from torsionnet.core.units import _BASE
 from torsionnet.model.elements import ELEMENT_TYPES, make_element
 from torsionnet.model.files.located import compose
+from torsionnet.study.answer import ANSWERS
+from torsionnet.study.quantity import QUANTITIES
+from torsionnet.study.variations.variation import VARIATIONS
 
 os.environ["MPLBACKEND"] = "Agg"
 DOCS = Path(__file__).parents[1] / "docs"
 EXAMPLES = sorted((DOCS.parent / "examples").glob("plot_*.py"))
-OWN = ["index", "concepts", "sign_conventions", "model_file", "get_started", "test_bench", "validation"]
+OWN = ["index", "concepts", "sign_conventions", "model_file", "study_file", "get_started", "test_bench", "validation"]
 PAGES = [DOCS / f"{name}.md" for name in OWN] + sorted((DOCS / "how_to").glob("*.md"))
 PRINTED = ["fit_speed", "trust_a_fit"]
 """Pages whose blocks of text are what their programs print."""
@@ -40,6 +43,8 @@ LONG = {
     "plot_marine_turbine",
     "plot_modes_without_a_model",
     "plot_ratio_sweep",
+    "plot_study_damper",
+    "plot_study_yield",
     "plot_tdms_to_response",
 }
 """Pages and examples with long records, reports or sweeps: their programs and commands run where slow tests do."""
@@ -110,7 +115,18 @@ class TestGeneratedPages:
 
     @pytest.mark.parametrize(
         "name",
-        ["elements", "element_classes", "units", "damping", "traps", "bench", "file_entries", "report", "report_texts"],
+        [
+            "elements",
+            "element_classes",
+            "units",
+            "damping",
+            "traps",
+            "bench",
+            "file_entries",
+            "report",
+            "report_texts",
+            "study_file",
+        ],
     )
     def test_pages_in_the_repository_are_current(self, generate, name):
         """They are read on the web without a build; `python docs/generate.py` writes them."""
@@ -192,6 +208,22 @@ def test_snippets_of_the_model_file_page_fit_into_its_first_model(text):
     model = tn.loads(json.dumps(base))
     for name in model.configurations:
         assert model.configured(name).configuration == name
+
+
+def test_file_on_the_page_of_studies_is_one(tmp_path):
+    (text,) = blocks(DOCS / "study_file.md", "yaml")
+    (tmp_path / "study.yaml").write_text(text, encoding="utf-8")
+    study = tn.load_study(tmp_path / "study.yaml")
+    assert study.count == 600
+    assert not study.findings
+
+
+def test_page_of_the_study_file_has_every_type(generate):
+    page = generate.study_file_page()
+    for register in (VARIATIONS, QUANTITIES, ANSWERS):
+        for kind, cls in register.items():
+            section = page.partition(f"### {kind}\n")[2].partition("\n##")[0]
+            assert all(f"| `{name}` |" in section for name, _ in cls.specs()), kind
 
 
 def test_axes_of_the_model_file_page_combine():
@@ -292,7 +324,7 @@ def test_broken_links_are_found(tmp_path):
     ]
 
 
-PUBLIC = ("", "bench", "identification", "io", "modal", "plot", "report", "signals", "solve.sensitivity")
+PUBLIC = ("", "bench", "identification", "io", "modal", "plot", "report", "signals", "solve.sensitivity", "study")
 ELSEWHERE = {"document", "interchange", "sensitivity", "units"}  # other names of packages
 CURRENT_MODULE = re.compile(r"currentmodule:: (\S+)|auto(?:class|function|data|module):: (\S+)|:members: (.+)")
 

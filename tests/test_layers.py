@@ -16,7 +16,7 @@ LAYERS = (  # top to bottom: first name below torsionnet
     {"explore"},
     {"report"},
     {"plot"},
-    {"bench", "identification"},
+    {"bench", "identification", "study"},
     {"io"},
     {"loading", "drivetrain", "running_machinery"},
     {"symbolic"},
@@ -64,6 +64,7 @@ SAME_THING = {
         "spectrogram",
         "stabilisation",
         "static_state",
+        "study",
     },
 }
 

@@ -30,6 +30,7 @@ def folder(tmp_path_factory):
         Path("driven.yaml").write_text(PLANT + DRIVEN)
         Path("governed.yaml").write_text(GOVERNED)
         Path("fit.yaml").write_text(FIT)
+        Path("spread.yaml").write_text(SPREAD)
         test = FIT.replace("record: run_soft.npz", "response: test.csv").replace(
             "input: T_set, model_input: T", "input: T"
         )
@@ -47,6 +48,17 @@ torsionnet: 1
 elements:
   rotor: {type: inertia, node: a, inertia: 2}
   governor: {type: controller, sense: {velocity: a}, act: a, law: -30, delay: 50 ms}
+"""
+SPREAD = """
+torsionnet: 1
+model: dmf_rig
+vary: {k_2: {type: normal, deviation: 5 %}}
+sampling: {count: 20}
+quantities:
+  f_1: {type: natural_frequency, mode: 1}
+  H: {type: response, output: theta_1, input: T_M, band: 1..20 Hz, points: 3}
+limits: {f_1: {below: 7.2}}
+answers: {yield: {type: yield}}
 """
 DRIVEN = "load: {absorbed_at: f, torque: 100 N*m, torque_exponent: 2, rated: 900 rpm, driven_by: {m: 1}}"
 CALLS = {
@@ -77,6 +89,7 @@ CALLS = {
     "compare": ["compare run_soft.npz rig.yaml -c soft --output phi --input M"],
     "spectrogram": ["spectrogram run_soft.npz --channel phi"],
     "bench": ["bench rig.yaml -o again.npz"],
+    "study": ["study spread.yaml"],
     "fit": ["fit fit.yaml", "fit short_fit.yaml --profile --rank"],
     "identify-modes": [
         "identify-modes run_soft.npz --output phi --input M",

@@ -47,6 +47,7 @@ _HOMES = {
     "library_benches": "torsionnet.model.files",
     "load": "torsionnet.loading",
     "load_bench": "torsionnet.bench",
+    "load_study": "torsionnet.study",
     "loads": "torsionnet.loading",
     "write_report": "torsionnet.report",
 }
@@ -60,12 +61,13 @@ _PACKAGES = {
     "report": "torsionnet.report",
     "sensitivity": "torsionnet.solve.sensitivity",
     "signals": "torsionnet.signals",
+    "study": "torsionnet.study",
     "units": "torsionnet.core.units",
 }
 _RENAMED = {"document": "report", "interchange": "io"}
 
 if TYPE_CHECKING:
-    from torsionnet import bench, identification, io, modal, plot, report, signals
+    from torsionnet import bench, identification, io, modal, plot, report, signals, study
     from torsionnet import io as interchange
     from torsionnet import report as document
     from torsionnet.bench import Bench, load_bench
@@ -93,6 +95,7 @@ if TYPE_CHECKING:
     from torsionnet.response import Channel, Conventions, FrequencyResponse, FrequencyResponses, Modes
     from torsionnet.solve import sensitivity
     from torsionnet.solve.grid import Adaptive
+    from torsionnet.study.loading_study import load_study
 
 
 _offered = names_on_demand(__name__, {**_HOMES, **_PACKAGES})

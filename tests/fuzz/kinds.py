@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -15,17 +16,22 @@ from fuzz import drawing, reuse, running, sources
 from fuzz.mutating import Chance, mutated, mutated_bytes
 from torsionnet.core.expression_reading import scalar
 from torsionnet.core.expressions import ExpressionError
+from torsionnet.core.number_text import finite
 from torsionnet.identification.fit_file import load_fit_plan
 from torsionnet.io import read_frequency_response, read_tors
 from torsionnet.model.files import dump
 from torsionnet.model.files.writer import flat_text
 from torsionnet.report import make_report
 from torsionnet.signals import check_recording, read_recording
+from torsionnet.study.loading_study import load_study
+from torsionnet.study.run.run_chunks import run_study
 
 LIBRARIES = {".tdms": "nptdms", ".uff": "pyuff", ".h5": "h5py", ".parquet": "pyarrow", ".mf4": "asammdf"}
 FREQUENCIES = np.geomspace(0.1, 1000.0, 12)
 MOST_SAMPLES = 2000
 """Of a bench that is run: more are sound, and take their time."""
+MOST_VARIANTS = 32
+"""Of a study that is calculated."""
 MOST_COORDINATES = 150
 """Of a model of which everything is calculated."""
 
@@ -86,6 +92,11 @@ def _bench(chance: Chance, folder: Path) -> bytes:
 def _fit(chance: Chance, folder: Path) -> bytes:
     del folder
     return _encoded(mutated(sources.FIT, chance))
+
+
+def _study(chance: Chance, folder: Path) -> bytes:
+    del folder
+    return _encoded(mutated(sources.STUDY, chance))
 
 
 def _report(chance: Chance, folder: Path) -> bytes:
@@ -184,6 +195,17 @@ def use_fit(path: Path) -> None:
     tn.identify(plan.model, plan.measurements, dict(plan.parameters), **{**plan.options, "starts": 1})
 
 
+def use_study(path: Path) -> None:
+    study = load_study(path)
+    if not 0 < study.count <= MOST_VARIANTS:
+        return
+    result = run_study(study)
+    json.dumps(finite(result.to_data()), allow_nan=False)
+    for answer in study.answers.values():
+        if answer.of_variants:
+            json.dumps(finite(answer.found(study, result).to_data()), allow_nan=False)
+
+
 def use_report(path: Path) -> None:
     make_report(path, date=None)
 
@@ -255,6 +277,7 @@ KINDS = {
         ),
         Kind("bench", ".yaml", _bench, use_bench, lambda _: sources.BENCH.encode()),
         Kind("fit", ".yaml", _fit, use_fit, lambda _: sources.FIT.encode(), seconds=10.0),
+        Kind("study", ".yaml", _study, use_study, lambda _: sources.STUDY.encode(), seconds=6.0),
         Kind("report", ".yaml", _report, use_report, lambda _: sources.WHOLE_REPORT.encode()),
         Kind("tors", ".json", partial(_text, sources.tors), use_tors, lambda _: sources.tors()[0].encode()),
         *(

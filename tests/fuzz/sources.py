@@ -65,6 +65,30 @@ residual: log
 loss: huber
 starts: 1
 """
+STUDY = """\
+torsionnet: 1
+name: spread
+model: rig.yaml
+configurations: [soft, hard]
+vary:
+  k: {type: normal, deviation: 4 %, low: 0}
+  J: {type: lognormal, deviation: 10 %}
+  c: {type: list, values: [0.5, 2 N*m*s/rad]}
+correlation:
+  - {between: [k, J], coefficient: 0.4}
+sampling: {method: latin_hypercube, count: 5, seed: 3}
+quantities:
+  f_1: {type: natural_frequency, mode: 1}
+  z: {type: damping_ratio, mode: 1}
+  H: {type: response, output: phi, input: T, band: 1..20 Hz, points: 5}
+  top: {type: peak, output: phi, input: T, band: 1..40 Hz}
+  e: {type: expression, of: 2*f_1/z}
+limits: {z: {above: 1 %}, f_1: {below: 9 Hz, above: 2 Hz}}
+answers:
+  share: {type: yield}
+  most: {type: scatter, quantities: [f_1, z]}
+  bands: {type: percentile_bands, quantity: H}
+"""
 REPORT = """\
 report:
   title: A disc

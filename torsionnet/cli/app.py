@@ -30,6 +30,7 @@ COMMANDS = {  # in the order of use; the texts stand here so that the list of co
     "static": "Mean torque, twist, stress and power of every element under the load.",
     "limits": "Do shafts, couplings and gears bear it? Which speeds are barred?",
     "damper": "The film or tuning of a damper with which the largest vibration is smallest.",
+    "study": "Tolerances, conditions and choices: what varies, what is asked, what follows.",
     "bench": "Run a test on a model instead of a rig, and write the record.",
     "estimate": "Frequency responses and coherence from a record of signals.",
     "compare": "A record against a model.",

@@ -116,6 +116,20 @@ class OutputFile(FileType):
         return str(value)
 
 
+class OutputFolder(FileType):
+    """A folder that is there or could be made."""
+
+    name = "FOLDER"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        path = Path(value)
+        if path.exists() and not path.is_dir():
+            self.fail(f'"{value}" is a file, and a folder is needed', param, ctx)
+        if not path.parent.is_dir():
+            self.fail(f'"{value}": there is no folder {path.parent}', param, ctx)
+        return str(value)
+
+
 def file_option(text: str, endings: tuple[str, ...] = ()) -> Any:
     """``-o``, ``--output-file``: what a command makes, if that is a file."""
     return option("-o", "--output-file", type=OutputFile(endings), help=text)

@@ -53,6 +53,21 @@ ESTIMATE = record(
     frequencies_Hz=NUMBERS,
     responses=listed(record(**CURVE, coherence=or_null(NUMBERS))),
 )
+OVER_POINTS: Schema = {"anyOf": [NUMBER, NUMBERS], "description": "of a curve one for each point"}
+OVER_VARIANTS = record(
+    {"over": {"enum": ["frequency", "speed"]}, "points": NUMBERS},
+    quantity=TEXT,
+    configuration=TEXT,
+    unit=TEXT,
+    variants=OVER_POINTS,
+    mean=OVER_POINTS,
+    standard_deviation=OVER_POINTS,
+    smallest=OVER_POINTS,
+    smallest_at=OVER_POINTS,
+    largest=OVER_POINTS,
+    largest_at=OVER_POINTS,
+    percentiles={"anyOf": [NUMBERS, ROWS]},
+)
 POSITION = record(file=TEXT, line=COUNT, column=COUNT, end_column=COUNT, source=TEXT)
 FAULT = record(
     severity={"enum": ["error", "warning", "note"]},
@@ -165,7 +180,7 @@ AT_LEVEL = record(at=NUMBER, level=NUMBER)
 OUTPUTS: dict[str, Schema] = {
     "check": listed(record(model=TEXT, errors=COUNT, faults=listed(FAULT))),
     "library": listed(
-        record(name=TEXT, kind={"enum": ["model", "part", "catalogue"]}, what=TEXT, source=TEXT, file=TEXT)
+        record(name=TEXT, kind={"enum": ["model", "part", "catalogue", "study"]}, what=TEXT, source=TEXT, file=TEXT)
     ),
     "modes": listed(
         record(
@@ -395,6 +410,19 @@ OUTPUTS: dict[str, Schema] = {
             notes=TEXTS,
             channels=listed(record(name=TEXT, unit=TEXT, smallest=NUMBER, largest=NUMBER, RMS=NUMBER, notes=TEXTS)),
         )
+    ),
+    "study": record(
+        {
+            "count": COUNT,
+            "seed": or_null(COUNT),
+            "model": TEXT,
+            "version": TEXT,
+            "percentiles": NUMBERS,
+            "quantities": listed(OVER_VARIANTS),
+            "notes": TEXTS,
+        },
+        title=TEXT,
+        answers=by_name(record(sentences=TEXTS, numbers={"description": "as the type of the answer has them"})),
     ),
     "fit": record(
         {"ranking": listed(RANKED)},

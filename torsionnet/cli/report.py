@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from torsionnet.identification import Fit
     from torsionnet.report.request import Measured
     from torsionnet.response import FrequencyResponse
+    from torsionnet.study.study_result import StudyResult
 
     Band = tuple[float, float] | None
 
@@ -31,7 +32,8 @@ class ReportCommand(ModelCommand):
 
     What is in it says the report: section of the model file; options say it for this time. Sections: summary,
     schematic, elements, parameters, kinematics, equations, modes, formulas, simplified, responses, excitations,
-    mean_torques, critical_speeds, orders, limits, test, fit, checks, validity.
+    mean_torques, critical_speeds, orders, limits, test, fit, study, checks,
+    validity.
 
     \b
     torsionnet report amt_rig
@@ -59,6 +61,11 @@ class ReportCommand(ModelCommand):
         "--template", metavar="FOLDER", help="Letterhead, style and wording.  [default: that of the model]"
     )
     fits: tuple[str, ...] = option("--fit", metavar="FIT.yaml", help="Result of torsionnet fit -o. Repeatable.")
+    studies: tuple[str, ...] = option(
+        "--study",
+        metavar="STUDY[=FOLDER]",
+        help="Study of this model, from its folder (torsionnet study -o) as far as it is calculated. Repeatable.",
+    )
     records: tuple[str, ...] = option(
         "--record",
         metavar="[CONFIGURATION=]FILE",
@@ -95,6 +102,7 @@ class ReportCommand(ModelCommand):
         averaging = Averaging(preset=self.preset, seconds=self.seconds)
         named = () if EVERY in self.configurations and EVERY not in rig.configurations else self.configurations
         fits = [_fit(name) for name in self.fits]
+        studies = [_study(name) for name in self.studies]
         tests = [_measured(name, rig, self.sensor, self.into, averaging, compared) for name in self.records]
         report = make_report(
             rig if piped else self.model,
@@ -105,6 +113,7 @@ class ReportCommand(ModelCommand):
             settings=dict(self.settings),
             tests=tests,
             fits=fits,
+            studies=studies,
             angle=self.angle,
             simplify=self.simplify,
             title=self.title,
@@ -121,6 +130,13 @@ def _fit(name: str) -> Fit:
     from torsionnet.identification import load_fit  # loads scipy.optimize
 
     return load_fit(name)
+
+
+def _study(name: str) -> StudyResult:
+    from torsionnet.study import load_study, run_study
+
+    file, _, folder = name.partition("=")
+    return run_study(load_study(file), folder or None)
 
 
 def _band(option: str, band: tuple[float, float] | None) -> tuple[float, float] | None:

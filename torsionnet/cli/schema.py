@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from typing import TYPE_CHECKING
 
 import click
 
@@ -11,16 +12,19 @@ from torsionnet.cli.declarations import option
 from torsionnet.cli.options import file_option
 from torsionnet.cli.output_schema import OUTPUTS, output_schema_text
 
+if TYPE_CHECKING:
+    from torsionnet.core.entries.declared import Declared
+
 
 class SchemaCommand(Command):
-    """Print the JSON Schema of model, bench or fit files, with which editors complete, explain and check them.
+    """Print the JSON Schema of model, bench, fit or study files, with which editors complete, explain and check them.
 
     First line of a model file: # yaml-language-server: $schema=torsionnet.schema.json
     """
 
     kind: str = option(
         "--file",
-        type=click.Choice(["model", "fit"]),
+        type=click.Choice(["model", "fit", "study"]),
         default="model",
         show_default=True,
         help="Which kind of file; a bench is part of a model, or a file that names one.",
@@ -43,9 +47,17 @@ def _of_file(kind: str) -> str:
 
     if kind == "model":
         return schema_text()
-    from torsionnet.model.fit import FitFile
+    return json.dumps(file_schema(_entries(kind)), indent=1, ensure_ascii=False) + "\n"
 
-    return json.dumps(file_schema(FitFile), indent=1, ensure_ascii=False) + "\n"
+
+def _entries(kind: str) -> type[Declared]:
+    if kind == "fit":
+        from torsionnet.model.fit import FitFile
+
+        return FitFile
+    from torsionnet.study.study_file import StudyEntries
+
+    return StudyEntries
 
 
 command = click_command("schema", SchemaCommand)

@@ -28,6 +28,7 @@ from torsionnet.report.sections.parameters import parameters_section
 from torsionnet.report.sections.responses import responses_section
 from torsionnet.report.sections.schematic import schematic_section
 from torsionnet.report.sections.simplified import simplified_section
+from torsionnet.report.sections.studies import studies_section
 from torsionnet.report.sections.summary import summary_section
 from torsionnet.report.sections.validity import validity_section
 
@@ -49,6 +50,7 @@ BUILDERS: dict[str, Callable[[ReportData], Section | None]] = {
     "limits": limits_section,
     "test": comparison_section,
     "fit": fit_section,
+    "study": studies_section,
     "checks": checks_section,
     "validity": validity_section,
 }

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from torsionnet.drivetrain import Drivetrain
     from torsionnet.identification import Fit
     from torsionnet.report.template_folder import TemplateFolder
+    from torsionnet.study.study_result import StudyResult
 
 Model: TypeAlias = "str | os.PathLike[str] | Drivetrain"
 WRITERS = {".html": "html", ".htm": "html", ".pdf": "pdf", ".tex": "latex", ".md": "markdown"}
@@ -42,7 +43,7 @@ def write_report(model: Model, path: str | os.PathLike[str], **options: Any) -> 
         it. PDF needs an installed Chromium, Chrome or Edge.
     **options
         As for :func:`torsionnet.report.make_report`: configurations, sections, transfer_functions, band, settings,
-        title, author, notes, angle, simplify, date, tests, fits, template.
+        title, author, notes, angle, simplify, date, tests, fits, studies, template.
 
     Returns
     -------
@@ -101,6 +102,7 @@ def make_report(
     date: str | dt.date | None = "today",
     tests: Iterable[Any] | Mapping[str, Any] = (),
     fits: Iterable[Fit] = (),
+    studies: Iterable[StudyResult] = (),
     template: str | os.PathLike[str] | None = None,
 ) -> Report:
     """The report on a model as a tree; what is not given is what the ``report:`` section of its file says.
@@ -127,6 +129,8 @@ def make_report(
     tests : mapping or iterable of FrequencyResponse
         Measured responses, by configuration if there are several.
     fits : iterable of Fit
+    studies : iterable of StudyResult
+        Of this model, with the answers that their files ask for.
     template : str or path
         Folder with a letterhead, style and wording; default: that of the file, a path from there.
 
@@ -161,7 +165,12 @@ def make_report(
     plan = replace(plan, **given)
     today = dt.datetime.now().astimezone().date() if date == "today" else read_date(date)
     request = Request(
-        plan, tuple((key, str(value)) for key, value in (settings or {}).items()), today, _tests(tests), tuple(fits)
+        plan,
+        tuple((key, str(value)) for key, value in (settings or {}).items()),
+        today,
+        _tests(tests),
+        tuple(fits),
+        tuple(studies),
     )
     cases = cases_of(drivetrain, plan.configurations)
     subject = ReportData(drivetrain, cases, request, file.name, digest_of(data))

@@ -12,6 +12,7 @@ from torsionnet.model.report import Pair, ReportPlan
 if TYPE_CHECKING:
     from torsionnet.identification import Fit
     from torsionnet.response import FrequencyResponse
+    from torsionnet.study.study_result import StudyResult
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +37,7 @@ class Request:
         None: without a date.
     tests : tuple of Measured
     fits : tuple of Fit
+    studies : tuple of StudyResult
     """
 
     plan: ReportPlan = field(default_factory=ReportPlan)
@@ -43,6 +45,7 @@ class Request:
     date: dt.date | None = None
     tests: tuple[Measured, ...] = ()
     fits: tuple[Fit, ...] = ()
+    studies: tuple[StudyResult, ...] = ()
 
     def wants(self, section: str) -> bool:
         """Whether a section is in the report."""
@@ -50,6 +53,7 @@ class Request:
         if_given = {
             "test": bool(self.tests),
             "fit": bool(self.fits),
+            "study": bool(self.studies),
             "simplified": self.plan.simplify is not None or "simplified" in chosen,
         }
         return if_given.get(section, not chosen or section in chosen)

@@ -141,9 +141,7 @@ class FrequencyResponse:
     def unit(self, output: int = 0, input: int = 0, conventions: Conventions = SI) -> str:
         """Unit of one pair, such as ``rad/(N*m)``; ``1`` for a ratio of like signals."""
         above, below = conventions.unit(self.outputs[output].unit), conventions.unit(self.inputs[input].unit)
-        if above == below:
-            return "1"
-        return f"{above}/({below})" if "*" in below or "/" in below else f"{above}/{below}"
+        return quotient_unit(above, below)
 
     def kind(self, output: int = 0, input: int = 0) -> str:
         """The field's word for one pair: receptance, mobility, accelerance, dynamic stiffness, torque ratio, ..."""
@@ -325,3 +323,14 @@ def _indices(names: str | Sequence[str] | None, channels: tuple[Channel, ...], w
         if name not in known:
             raise UsageError(f'no {what} is named "{name}"{did_you_mean(name, known)}; there is {", ".join(known)}')
     return [known.index(name) for name in wanted]
+
+
+def quotient_unit(above: str, below: str) -> str:
+    """The unit of one quantity over another.
+
+    >>> quotient_unit("rad", "N*m"), quotient_unit("N*m", "N*m"), quotient_unit("N*m", "rad")
+    ('rad/(N*m)', '1', 'N*m/rad')
+    """
+    if above == below:
+        return "1"
+    return f"{above}/({below})" if "*" in below or "/" in below else f"{above}/{below}"

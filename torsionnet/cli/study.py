@@ -1,0 +1,177 @@
+"""``torsionnet study``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from torsionnet.cli.command import TABLE, Answer, Command, click_command
+from torsionnet.cli.declarations import argument, option
+from torsionnet.cli.options import OutputFile, OutputFolder
+from torsionnet.cli.terminal import message, tell
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from torsionnet.response import Table
+    from torsionnet.study.answer import Conclusion, Conclusions
+    from torsionnet.study.run.workers import Workers
+    from torsionnet.study.run.workload import Workload
+    from torsionnet.study.study import Study
+    from torsionnet.study.study_result import StudyResult
+
+NO_VARIANTS = "the study has no variants of its own: give sampling: {count: 1000}, or lists or ranges of values"
+
+WORTH_SAYING = 10.0
+"""Seconds from which on it is said beforehand how long a study takes."""
+
+
+SHOWN_LINES = 100
+"""More lines than that are no table for a screen."""
+
+
+class StudyCommand(Command):
+    """Calculate a drivetrain over tolerances, conditions and choices of its parameters.
+
+    STUDY is a YAML file, or one of the library: model, what varies, what is asked of every variant, limits, what is to
+    be concluded. What is in the folder of -o already is not calculated again, so that a study that was broken off goes
+    on.
+
+    \b
+    torsionnet study amt_tolerances --plot tolerances.png
+    torsionnet study tolerances.yaml -o results --workers 2
+    torsionnet study tolerances.yaml -o /shared/results --cluster tcp://node7:8786
+    """
+
+    forms = TABLE
+    picture = "the answers, or else the quantities over all variants"
+
+    file: str = argument("STUDY")
+    folder: str | None = option(
+        "-o", "--output-folder", type=OutputFolder(), help="Keep every part of the result as soon as it is done."
+    )
+    processes: int = option("--workers", type=click.IntRange(1), default=1, help="Processes; default: 1.")
+    threads: int = option("--threads", type=click.IntRange(1), default=1, help="Threads instead of processes.")
+    cluster: str = option(
+        "--cluster",
+        metavar="WHERE",
+        default="",
+        help="Workers of dask.distributed: tcp://host:port, a scheduler file, or local:N.",
+    )
+    anyway: bool = option("--yes", help="Begin even if it takes weeks.")
+    variants_file: str | None = option(
+        "--variants", type=OutputFile((".csv", ".parquet")), help="Write parameters and values of every variant."
+    )
+
+    def answer(self) -> Answer:
+        from torsionnet.core.errors import UsageError
+        from torsionnet.study.loading_study import load_study
+        from torsionnet.study.run.workers import Workers
+
+        study = load_study(self.file)
+        tell(study.findings)
+        workers = Workers(self.processes, self.threads, self.cluster, lambda link: message("dashboard", link))
+        if not study.count and (unanswered := [name for name, one in study.answers.items() if one.of_variants]):
+            raise UsageError(f"{', '.join(unanswered)}: {NO_VARIANTS}")
+        result = self._calculated(study, workers) if study.count or not study.answers else None
+        conclusions = {name: one.found(study, result) for name, one in study.answers.items()}  # type: ignore[arg-type]
+        return Answer(
+            screen=lambda: _screen(result, conclusions),
+            data=lambda: _as_data(study, result, conclusions),
+            csv=lambda: _tables(result, conclusions),
+            files=[(self.variants_file, lambda file: _write_variants(result, file))],
+            figures=lambda plot: _figures(plot, conclusions or _usual(study, result)),
+        )
+
+    def _calculated(self, study: Study, workers: Workers) -> StudyResult:
+        from torsionnet.cli.progress import progress
+        from torsionnet.study.run.run_chunks import LONGEST, run_study
+
+        longest = float("inf") if self.anyway else LONGEST * workers.count
+        with workers.executor(self._place) as executor, progress("calculating", 1.0) as advance:
+            done = 0
+
+            def told(now: int, total: int) -> None:
+                nonlocal done
+                advance((now - done) / total)
+                done = now
+
+            try:
+                return run_study(
+                    study, self._place, executor=executor, progress=told, announce=_announce, longest=longest
+                )
+            except KeyboardInterrupt:
+                if self._place:
+                    message(
+                        "note", f"stopped; what is done is in {self._place}, and the same command goes on from there"
+                    )
+                raise
+
+    @property
+    def _place(self) -> Path | None:
+        return Path(self.folder) if self.folder else None
+
+
+def _announce(workload: Workload) -> None:
+    if workload.total > WORTH_SAYING:
+        message("note", workload.words)
+
+
+def _screen(result: StudyResult | None, conclusions: Conclusions) -> Iterator[Table | str]:
+    if result is not None:
+        yield result.table()
+    for conclusion in conclusions.values():
+        yield ""
+        table = conclusion.table()
+        yield table
+        yield from (one for one in conclusion.sentences if one not in table.notes)
+
+
+def _tables(result: StudyResult | None, conclusions: Conclusions) -> list[tuple[str, Table]]:
+    found = [("summary", result.table())] if result is not None else []
+    return [*found, *((name, one.table()) for name, one in conclusions.items())]
+
+
+def _usual(study: Study, result: StudyResult | None) -> Conclusions:
+    """What is drawn where nothing is to be concluded: bands of curves, numbers over parameters."""
+    from contextlib import suppress
+
+    from torsionnet.core.errors import SolveError, UsageError
+    from torsionnet.study.answers.percentile_bands_of_study import PercentileBands
+    from torsionnet.study.answers.scatter_of_study import Scatter
+
+    if result is None:
+        return {}
+    curves = [name for (_, name), one in result.summaries.items() if one.measure.is_curve]
+    found: dict[str, Conclusion] = {}
+    for name in dict.fromkeys(curves):
+        found[name] = PercentileBands(quantity=name).found(study, result)
+    if result.kept:
+        with suppress(SolveError):  # too few variants for a correlation
+            found["scatter"] = Scatter().found(study, result)
+    if not found:
+        raise UsageError("there is nothing to draw: numbers of ten variants and more, curves, or answers are")
+    return found
+
+
+def _figures(plot: Any, conclusions: Conclusions) -> list[tuple[str, Figure]]:
+    return [(name, one.figure(plot)) for name, one in conclusions.items()]
+
+
+def _as_data(study: Study, result: StudyResult | None, conclusions: Conclusions) -> dict[str, Any]:
+    answers = {name: {"sentences": list(one.sentences), "numbers": one.to_data()} for name, one in conclusions.items()}
+    return {"title": study.title, **({} if result is None else result.to_data()), "answers": answers}
+
+
+def _write_variants(result: StudyResult | None, file: str) -> None:
+    from torsionnet.core.errors import UsageError
+
+    if result is None:
+        raise UsageError(NO_VARIANTS)
+    (result.to_parquet if file.endswith(".parquet") else result.to_csv)(file)
+
+
+command = click_command("study", StudyCommand)
