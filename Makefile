@@ -68,6 +68,7 @@ types: $(VENV)/.group-lint  ## mypy, strict
 generate: $(VENV)/.group-docs  ## pages, names for type checkers and the JSON Schema made from the code
 	$(RUN) docs/generate.py
 	$(RUN) -m torsionnet schema -o library/torsionnet.schema.json
+	$(RUN) -m torsionnet schema --file study -o library/study.schema.json
 
 docs: $(VENV)/.group-docs  ## HTML pages in docs/_build/html; a warning or a broken link is an error
 	$(RUN) -m sphinx -W --keep-going -b html docs docs/_build/html

@@ -18,6 +18,7 @@ from typing import Any
 import sympy
 from page_parts import code, prose, table
 from schema_pages import file_entries_page
+from study_pages import study_file_page
 from validation_pages import bench_numbers_page, cases_page, paper_page
 
 import torsionnet as tn
@@ -524,6 +525,7 @@ PAGES = {
     "damping.md": damping_page,
     "traps.md": traps_page,
     "file_entries.md": file_entries_page,
+    "study_file.md": study_file_page,
     "paper.md": paper_page,
     "cases.md": cases_page,
     "bench.md": bench_page,

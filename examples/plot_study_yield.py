@@ -1,0 +1,29 @@
+"""
+How many ships keep their limits
+================================
+
+A ship's plant is examined with the values in its drawings. Rubber, damper and propeller scatter around these; how many
+plants keep the limits of tail shaft, teeth and crankshaft with 5 % in reserve, with all cylinders firing, with one of
+them not firing, and without gas? The study is a file of the library, ``torsionnet study marine_yield``; every variant
+is a synthesis of all orders over all speeds.
+"""
+
+import torsionnet as tn
+from torsionnet import plot
+
+study = tn.load_study("marine_yield")
+result = tn.study.run_study(study)
+share = study.answers["yield"].found(study, result)
+figure = share.figure(plot)
+print("\n".join(share.sentences))
+
+# %%
+# Forty draws are few: the interval says so. What belongs to the largest value is a variant like any other, and a model.
+
+names = list(study.space.names)
+worst = result.summary("crankshaft", "firing=misfire")
+index = int(worst.moments.largest_at[0])
+values = result.parameters("firing=misfire")
+print(f"crankshaft used to {worst.moments.largest[0]:.1%} in variant {index}:")
+for name in names:
+    print(f"  {name} = {values[name][index]:.4g}, in the drawing {study.model.parameters[name]:.4g}")
