@@ -54,6 +54,9 @@ class SobolIndices(StudyAnswer):
             text = "Sobol indices share out a variance among independent parameters, and these are correlated"
             yield Fault(f"{text}; rank correlations (type: tornado) take any", on_key=True)
 
+    def variants(self, study: AskedStudy) -> int:
+        return len(study.configurations) * self.count * (len(study.space.random_names) + 2)
+
     def found(self, study: AskedStudy, result: VariantValues | None = None) -> SobolFound:
         del result
         names = chosen_quantities(study, self.quantities)

@@ -50,7 +50,8 @@ class Workers:
             with self._of_cluster(folder) as found:
                 yield found
         elif self.processes > 1:
-            yield ProcessExecutor(self.processes)
+            with ProcessExecutor(self.processes) as pool:
+                yield pool
         else:
             yield ThreadExecutor(self.threads) if self.threads > 1 else SerialExecutor()
 
