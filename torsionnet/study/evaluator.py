@@ -37,7 +37,7 @@ class BlockDesk(Protocol):
     def once(
         self, evaluator: Evaluator, what: str, values: Mapping[str, float], work: Callable[[], FloatArray]
     ) -> FloatArray:
-        """What work on one variant came to, of what else a search may ask."""
+        """Numbers (n,) that work on one variant comes to, or came to before: what else a search may ask."""
         ...
 
 
@@ -114,7 +114,7 @@ class Evaluator:
         }
 
     def once(self, what: str, values: Mapping[str, float], work: Callable[[], FloatArray]) -> FloatArray:
-        """What ``work`` on one variant comes to, or came to when it was asked before."""
+        """Numbers (n,) that ``work`` on one variant comes to, or came to when ``what`` was asked before."""
         return work() if self.desk is None else self.desk.once(self, what, values, work)
 
     def _is_singly(self, name: str) -> bool:

@@ -63,6 +63,10 @@ class Map(StudyAnswer):
                 )
                 yield Fault(f"{text}; take others: {FIXED}", ("others",))
 
+    def variants(self, study: AskedStudy) -> int:
+        sizes = (len(self._axis(case, self.x)) * len(self._axis(case, self.y)) for case in answer_cases(study))
+        return sum(sizes) * (1 if self.others == FIXED else self.draws)
+
     def found(self, study: AskedStudy, result: VariantValues | None = None) -> MapFound:
         del result
         maps = {case.label: self._of_case(case) for case in answer_cases(study)}

@@ -6,7 +6,7 @@ import hashlib
 import json
 import pickle
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from pathlib import Path
 
@@ -49,7 +49,7 @@ class BlockWork:
     evaluator: Evaluator
     names: tuple[str, ...]
     logs: Path | None
-    _log: list[EvaluationLog] = field(default_factory=list)
+    _log: EvaluationLog | None = None
 
     def __reduce__(self) -> tuple[Callable[[bytes], BlockWork], tuple[bytes]]:
         return _unpacked, (self._packed,)
@@ -65,7 +65,7 @@ class BlockWork:
     def __call__(self, block: AskedBlock) -> FloatArray | LogPlace:
         """Rows of the block, or where another process has written them."""
         rows = self.evaluator.rows(block.values, self.names)
-        return self._log[0].append(block.key, array_bytes(rows), shared=True) if self._log else rows
+        return rows if self._log is None else self._log.append(block.key, array_bytes(rows), shared=True)
 
     def block(self, place: int, values: Values) -> AskedBlock:
         """Variants to be calculated."""
@@ -85,4 +85,10 @@ def key_of(evaluator: Evaluator, what: tuple[str, ...], values: Mapping[str, Flo
 def _unpacked(packed: bytes) -> BlockWork:
     """The work in another process, which knows its plans from one block to the next."""
     evaluator, names, logs = pickle.loads(packed)  # noqa: S301  (packed by the process that asks)
-    return BlockWork(evaluator, names, logs, [] if logs is None else [EvaluationLog(logs)])
+    return BlockWork(evaluator, names, logs, None if logs is None else _own_log(logs))
+
+
+@lru_cache(maxsize=16)
+def _own_log(folder: Path) -> EvaluationLog:
+    """One for all that this process does in a folder."""
+    return EvaluationLog(folder)

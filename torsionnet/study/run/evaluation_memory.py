@@ -49,19 +49,19 @@ class EvaluationMemory:
     def is_full(self) -> bool:
         return self.size >= LARGEST
 
-    def get(self, key: bytes, rows: int) -> FloatArray | None:
-        """The array (rows, columns) of a key; None where it is not known, or damaged."""
+    def get(self, key: bytes) -> FloatArray | None:
+        """The numbers (n,) of a key; None where it is not known, or damaged."""
         place = self._places.get(key)
-        return None if place is None else self.at(place, key, rows)
+        return None if place is None else self.at(place, key)
 
-    def at(self, place: LogPlace, key: bytes, rows: int) -> FloatArray | None:
-        """An array that another process has just written, or this one before."""
+    def at(self, place: LogPlace, key: bytes) -> FloatArray | None:
+        """Numbers (n,) that another process has just written, or this one before."""
         found = record_at(self.folder, place)
         if found is None or found[0] != key:
             self._places.pop(key, None)
             return None
         self._know(key, place)
-        return np.frombuffer(found[1]).reshape(rows, -1).copy()
+        return np.frombuffer(found[1]).copy()
 
     def put(self, key: bytes, values: FloatArray) -> None:
         """Keep an array, unless there is too much already."""

@@ -51,11 +51,11 @@ class SharedBlocks:
         left: deque[AskedBlock] = deque()
         for place, values in enumerate(blocks):
             block = work.block(place, values)
-            known = None if self.memory is None else self.memory.get(block.key, len(block))
+            known = None if self.memory is None else self.memory.get(block.key)
             if known is None:
                 left.append(block)
             else:
-                found[place] = known
+                found[place] = known.reshape(len(block), -1)
                 self.told(len(block))
         for block, rows in self._calculated(work, left):
             found[block.place] = rows
@@ -65,7 +65,7 @@ class SharedBlocks:
     def once(
         self, evaluator: Evaluator, what: str, values: Mapping[str, float], work: Callable[[], FloatArray]
     ) -> FloatArray:
-        """Rows that ``work`` comes to, or came to before."""
+        """Numbers (n,) that ``work`` comes to, or came to before."""
         if self.memory is None:
             return work()
         key = key_of(evaluator, (what,), {name: np.array([value]) for name, value in values.items()})
@@ -95,8 +95,8 @@ class SharedBlocks:
                 self._keep(block, told)
                 yield block, told
             else:
-                known = None if self.memory is None else self.memory.at(told, block.key, len(block))
-                yield block, self._here(work, block) if known is None else known
+                known = None if self.memory is None else self.memory.at(told, block.key)
+                yield block, self._here(work, block) if known is None else known.reshape(len(block), -1)
 
     def _is_worth_sharing(self, pace: _Pace, left: Sequence[AskedBlock]) -> bool:
         expected = pace.seconds * sum(map(len, left))
