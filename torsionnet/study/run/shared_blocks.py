@@ -90,7 +90,7 @@ class SharedBlocks:
             pace.learn((perf_counter() - began) / len(block))
             self._seconds += perf_counter() - began
             yield block, rows
-        for block, told in self.executor.map(work, left):
+        for block, told in self.executor.map(work, left) if left else ():
             if isinstance(told, np.ndarray):
                 self._keep(block, told)
                 yield block, told
