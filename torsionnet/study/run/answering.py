@@ -87,7 +87,7 @@ def answer_study(
     >>> study = tn.study.define(tn.load("dmf_rig"), {"k_2": {"type": "normal", "deviation": "5 %"}},
     ...     {"f_1": {"type": "natural_frequency", "mode": 1}}, answers={"moves": {"type": "tornado"}})
     >>> print(*answer_study(study).conclusions["moves"].sentences)
-    f_1, as given: k_2 moves it most, 6.513 to 7.648 Hz
+    f_1, as given: k_2 moves it most, 6.553 to 7.617 Hz
     """
     place = None if folder is None else Path(folder)
     unanswered = [name for name, one in study.answers.items() if one.of_variants]
