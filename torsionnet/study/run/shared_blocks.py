@@ -17,8 +17,8 @@ from torsionnet.study.run.executor import Executor
 
 BEGIN = 2.0
 """Seconds of work from which on others are asked: less than it takes them to start is done here."""
-WORTH = 0.2
-"""Seconds of one call that are worth handing out."""
+WORTH = 0.05
+"""Seconds of one call that are worth handing out, which takes milliseconds where workers run already."""
 TRIED = 2
 """Blocks of a kind that are calculated here, to see how long they take; the first one prepares what all need."""
 
@@ -114,10 +114,10 @@ class SharedBlocks:
 
 @dataclass
 class _Pace:
-    """Of so many blocks the fewest seconds that a variant took."""
+    """Blocks calculated here, and the seconds that a variant took in the last of them."""
 
     count: int = 0
-    seconds: float = np.inf
+    seconds: float = 0.0
 
     def learn(self, seconds: float) -> None:
-        self.count, self.seconds = self.count + 1, min(self.seconds, seconds)
+        self.count, self.seconds = self.count + 1, seconds
