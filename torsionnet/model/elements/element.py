@@ -12,7 +12,7 @@ from copy import copy
 from dataclasses import Field, dataclass, replace
 from functools import cache
 from pathlib import PurePath
-from typing import Any, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.declared import Declared
@@ -34,11 +34,13 @@ from torsionnet.model.catalogues.catalogue_entries import (
 )
 from torsionnet.model.elements.laws import Constraint, Law, Part, Row, Values
 from torsionnet.model.elements.nodes import NodeName, NodePair, ReferenceNode
-from torsionnet.model.elements.quantity_table import Several
-from torsionnet.model.elements.speed_path import SpeedPath
+from torsionnet.model.elements.several import Several
 
-ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister("torsionnet.model.elements")
-"""Kind -> type, in the order of the kinds; a file is imported when the kind of its name is first asked for."""
+if TYPE_CHECKING:
+    from torsionnet.model.elements.speed_path import SpeedPath
+
+ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister("torsionnet.model.elements", ("springs", "rigid", "gears"))
+"""Kind -> type, in the order of the kinds; a file is imported when a kind that it has is first asked for."""
 
 REFERRED = ("stiffness", "damping", "inertia")
 """Dimensions of values that may be quoted at the speed of another shaft."""

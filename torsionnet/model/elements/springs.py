@@ -14,7 +14,6 @@ from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.laws import Law, Part, Values, difference
 from torsionnet.model.elements.nodes import NodePair
 from torsionnet.model.elements.round_section import section_faults
-from torsionnet.model.elements.stiffness_rows import TableEntry
 
 PAIR = "the two nodes it connects, one may be ground; twist is the angle of the first minus the second"
 SECTION = PhysicalQuantity(
@@ -115,26 +114,3 @@ class HystereticSpring(Element):
         eta = loss_factor(self.loss_factor, value.parameters, value.algebra)
         damping = viscous(self.damping, stiffness, value)
         return (Law(difference(*self.nodes), damping=damping, stiffness=stiffness, loss_factor=eta),)
-
-
-@register
-@dataclass(frozen=True, eq=False, repr=False)
-class TabulatedSpring(Element):
-    """A coupling known by its measured dynamic stiffness k(f) + j omega c(f), interpolated linearly between the rows.
-
-    Examples
-    --------
-    >>> bush = TabulatedSpring("bush", nodes=("a", "b"), table=[[1, 400, 2], ["20 Hz", "0.5 kN*m/rad", 1.2]])
-    >>> bush.table.stiffness
-    (400.0, 500.0)
-    """
-
-    kind: ClassVar[str] = "tabulated_spring"
-    glyph: ClassVar[str] = "spring"
-
-    nodes: Any = entry(NodePair(PAIR))
-    table: Any = entry(TableEntry("rows [frequency in Hz, stiffness in N*m/rad, damping in N*m*s/rad]"))
-
-    def parts(self, value: Values) -> tuple[Part, ...]:
-        del value
-        return (Law(difference(*self.nodes), table=self.table),)
