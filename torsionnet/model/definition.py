@@ -19,7 +19,6 @@ from torsionnet.model.elements import GROUND, Element
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
 from torsionnet.model.parameters import Parameter, resolve
 from torsionnet.model.parts.part import INCLUDE, PARTS, PORTS, USE, Part, Use
-from torsionnet.model.referral import at_own_speeds
 
 if TYPE_CHECKING:
     from torsionnet.model.bench import Plan
@@ -91,7 +90,14 @@ class Definition(Declared):
         on = tuple(element for element in self.elements.values() if element.enabled)
         if all(element.referred_to is None for element in on):
             return on
+        from torsionnet.model.referral import at_own_speeds
+
         return at_own_speeds(on, resolve(self.parameters)[0])
+
+    @property
+    def following(self) -> dict[str, Parameter]:
+        """The parameters that follow the operating point."""
+        return {name: parameter for name, parameter in self.parameters.items() if parameter.by is not None}
 
     def overlaid(self, overlay: Overlay) -> Definition:
         """The definition with one alternative laid over it."""
