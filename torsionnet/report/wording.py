@@ -125,7 +125,6 @@ def _unknown(text: str) -> str | None:
     return f'no text of a report is "{text}"{meant_or(text, known, LISTED)}'
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Language(Text):
     """A language by its code."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,6 @@ CATALOGUE = "catalogue"
 PACKAGE = Path(__file__).resolve().parents[2]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class CatalogueEntry(Spec):
     """The name of a catalogue: a file beside the model, or one that comes with the package."""
 
@@ -33,7 +31,6 @@ class CatalogueEntry(Spec):
         return {"type": "string", "description": self.description}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class SizeName(Spec):
     """The size of a catalogue, which may look like a number."""
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from torsionnet.core.entries.composite import Named
@@ -16,7 +16,6 @@ from torsionnet.model.elements.element import ELEMENT_TYPES, Element
 FORM = "{name: {type: inertia, node: ..., inertia: ...}, ...}"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class ElementTable(Named):
     """Elements know their names, which are part of what is said about them."""
 

@@ -29,7 +29,6 @@ MOST_DIGITS = 10**6
 """A ratio of speeds with whole numbers up to this is written as they are, any other as a decimal number."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Stations(Spec):
     """Which masses of a sheet are on which nodes of the model: ``{flywheel: fly}``."""
 

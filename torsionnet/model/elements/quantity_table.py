@@ -61,7 +61,6 @@ class TableByName(Several):
         )
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class TableByNode(TableByName):
     """``{crank: 80 mm, pump: 60 mm}``, the names being nodes."""
 
@@ -69,7 +68,6 @@ class TableByNode(TableByName):
         return tuple((names.node(node), names.within(one)) for node, one in value)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class ListOf(Several):
     """``[3 MN/m, 2 MN/m]``."""
 

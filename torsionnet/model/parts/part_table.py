@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from torsionnet.core.entries.composite import Listed, Named, Nested
@@ -19,7 +18,6 @@ def _part() -> type[Declared]:
     return Part
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class PartTable(Named):
     """Parts that could be read in part stay: what uses them is checked all the same."""
 
