@@ -16,6 +16,8 @@ from torsionnet.core.type_register import TypeRegister
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.table import Table
 from torsionnet.study.evaluator import Evaluator
+from torsionnet.study.kept_values import KeptValues
+from torsionnet.study.limit_totals import LimitTotals
 from torsionnet.study.quantity import StudyQuantity
 from torsionnet.study.quantity_limit import QuantityLimit
 from torsionnet.study.space import Space
@@ -48,8 +50,12 @@ class AskedStudy(Protocol):
 class VariantValues(Protocol):
     """What an answer knows of the results, :class:`torsionnet.study.study_result.StudyResult`."""
 
-    def values(self, quantity: str, configuration: str | None = None) -> FloatArray: ...
-    def parameters(self, configuration: str | None = None) -> dict[str, FloatArray]: ...
+    @property
+    def kept(self) -> KeptValues: ...
+    @property
+    def beyond(self) -> LimitTotals | None: ...
+    def kept_values(self, quantity: str, configuration: str | None = None) -> FloatArray: ...
+    def kept_parameters(self, configuration: str | None = None) -> dict[str, FloatArray]: ...
     def percentiles(self, quantity: str, shares: ArrayLike, configuration: str | None = None) -> FloatArray: ...
 
 
