@@ -54,4 +54,4 @@ class QuantityLimit(Declared):
         [True, False]
         """
         outside = self.exceeded(values)
-        return outside if outside.ndim == 1 else outside.any(axis=1)
+        return outside if outside.ndim == 1 else np.asarray(outside.any(axis=1))

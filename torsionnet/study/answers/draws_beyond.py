@@ -1,4 +1,4 @@
-"""How many draws are beyond limits: by the values of all variants, or as they were counted where there are very many."""
+"""How many draws are beyond limits: by the values of all variants, or as counted where there are very many."""
 
 from __future__ import annotations
 
