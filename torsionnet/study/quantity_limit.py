@@ -19,6 +19,9 @@ from torsionnet.study.quantity_value import QuantityValue
 class QuantityLimit(Declared):
     """Largest and smallest value of a quantity that is allowed.
 
+    Of a curve over frequency or speed it is the largest of its values that must stay below, and the smallest that must
+    stay above.
+
     Examples
     --------
     >>> import numpy as np
