@@ -6,10 +6,12 @@ import shutil
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from scipy.stats import norm
 from study_runs import contents
 
 import torsionnet as tn
+from torsionnet.cli.app import app
 from torsionnet.core.errors import ModelError, UsageError
 from torsionnet.study import define, run_study, study_result
 from torsionnet.study.reductions.limit_counts import MOST_LIMITS, LimitBits, LimitCounts
@@ -349,6 +351,23 @@ class TestPart:
         arrays = part.to_xarray()
         assert arrays["variant"].values.tolist() == list(range(0, 3 * DRAWS, part.kept.every))
         assert arrays["f"].dims == arrays["k"].dims == ("configuration", "variant")
+
+
+@pytest.mark.usefixtures("few_kept")
+def test_the_command_says_what_it_writes_and_draws(tmp_path):
+    file, variants = tmp_path / "plan.yaml", tmp_path / "part.csv"
+    file.write_text(
+        "torsionnet: 1\nmodel: dmf_rig\nvary: {k_2: {type: normal, deviation: 5 %}}\nsampling: {count: 2100}\n"
+        "quantities: {H: {type: response, output: theta_1, input: T_M, at: 5 Hz}}\n"
+    )
+    shown = CliRunner().invoke(
+        app, ["study", str(file), "--variants", str(variants), "--plot", str(tmp_path / "picture.png")]
+    )
+    assert shown.exit_code == 0, shown.output
+    assert "part.csv has one in 11 of 2100 variants" in " ".join(shown.stderr.split())
+    assert "values of single variants are kept of one in 11 of 2100 variants" in " ".join(shown.stdout.split())
+    assert (tmp_path / "picture.png").exists()
+    assert sum(not line.startswith("#") for line in variants.read_text().splitlines()) == 1 + 191
 
 
 class TestLimitsOnCurves:
