@@ -76,6 +76,7 @@ def _further_faults(data: Mapping[str, Any], model: Drivetrain) -> list[Fault]:
     """
     read = ("vary", "configurations", "quantities")
     entries, _ = StudyEntries.read_entries({key: data[key] for key in read if key in data})
+    model = model.with_entries_named(entries.get("vary") or ())
     configurations, faults = chosen_configurations(entries.get("configurations") or (), model)
     faults += lacking(model, configurations, entries.get("quantities") or {})
     if entries.get("vary"):

@@ -131,7 +131,8 @@ def define(
     ----------
     model : Drivetrain
     vary : mapping
-        Parameter -> how it varies: ``Normal(deviation="5 %")``, or as in a file ``{"type": "normal", ...}``.
+        Parameter, or value of an element (``"dmf.stiffness"``) -> how it varies: ``Normal(deviation="5 %")``, or as
+        in a file ``{"type": "normal", ...}``.
     quantities : mapping
         Name -> what is asked: ``{"type": "natural_frequency", "mode": 1}``.
     configurations : str or sequence of str
@@ -182,6 +183,7 @@ def define(
 
 def study_of(model: Drivetrain, entries: StudyEntries) -> tuple[Study | None, list[Fault]]:
     """The study that entries describe, None if anything does not fit the model, and all findings."""
+    model = model.with_entries_named(entries.vary)
     configurations, faults = entries.chosen(model)
     space, found = Space.of(entries.space, model)
     faults += found

@@ -32,10 +32,13 @@ def chosen_quantities(study: AskedStudy, names: tuple[str, ...]) -> tuple[str, .
 
 
 def limit_words(study: AskedStudy, name: str) -> str:
-    """What the limit of a quantity does not allow, ``peak above 20 N*m``."""
-    limit, unit = study.limits[name], measure_of(study, name).unit
-    sides = (("above", limit.below), ("below", limit.above))
-    return f"{name} " + " or ".join(f"{word} {value:g} {unit}".rstrip() for word, value in sides if value is not None)
+    """What the limit of a quantity does not allow, ``peak above 20 N*m``; of a curve ``largest H above 2 rad``."""
+    limit, form = study.limits[name], measure_of(study, name)
+    sides = (("above", "largest", limit.below), ("below", "smallest", limit.above))
+    said = [(word, f"{which} {name}", value) for word, which, value in sides if value is not None]
+    if form.is_curve:
+        return " or ".join(f"{what} {word} {value:g} {form.unit}".rstrip() for word, what, value in said)
+    return f"{name} " + " or ".join(f"{word} {value:g} {form.unit}".rstrip() for word, _, value in said)
 
 
 def quantity_faults(study: AskedStudy, names: tuple[str, ...], key: str) -> Iterator[Fault]:
@@ -51,15 +54,12 @@ def quantity_faults(study: AskedStudy, names: tuple[str, ...], key: str) -> Iter
 
 
 def limit_faults(study: AskedStudy, names: tuple[str, ...]) -> Iterator[Fault]:
-    """Limits that are not there, or are on curves."""
+    """Limits that are not there."""
     if not study.limits:
         yield Fault("no quantity has a limit; give the study limits: {QUANTITY: {below: VALUE}}", on_key=True)
     for place, name in enumerate(names):
         if name not in study.limits:
             yield unknown_name("limit", name, study.limits, ("limits", place))
-    for name in study.limits:
-        if name in (names or study.limits) and name in study.quantities and measure_of(study, name).is_curve:
-            yield Fault(f"{name} is a curve; limit a quantity that is a single number, as its peak", on_key=True)
 
 
 def distribution_faults(study: AskedStudy) -> Iterator[Fault]:

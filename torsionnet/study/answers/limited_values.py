@@ -28,9 +28,21 @@ class LimitedValues:
     above: float | None
 
 
-def limited_values(study: AskedStudy, label: str, name: str, values: FloatArray) -> LimitedValues:
-    """Of the values that are there; without those beyond the 0.01st and 99.99th percentile, and with the limits."""
-    limit = study.limits[name]
+def limited_values(study: AskedStudy, label: str, name: str, values: FloatArray) -> tuple[LimitedValues, ...]:
+    """Of values (n,), or for each limit of a curve of its smallest or largest ones, which are given as (n, 2)."""
+    limit, unit = study.limits[name], measure_of(study, name).unit
+    if values.ndim == 1:
+        return (LimitedValues(label, name, unit, *_histogram(values), limit.below, limit.above),)
+    found = []
+    if limit.above is not None:
+        found.append(LimitedValues(label, f"smallest {name}", unit, *_histogram(values[:, 0]), None, limit.above))
+    if limit.below is not None:
+        found.append(LimitedValues(label, f"largest {name}", unit, *_histogram(values[:, 1]), limit.below, None))
+    return tuple(found)
+
+
+def _histogram(values: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Edges and counts of the values that are there, without those beyond the 0.01st and 99.99th percentile."""
     known = values[np.isfinite(values)]
     ends = np.percentile(known, [0.01, 99.99]) if len(known) else np.array([0.0, 1.0])
     size = float(np.abs(ends).max()) or 1.0
@@ -38,5 +50,4 @@ def limited_values(study: AskedStudy, label: str, name: str, values: FloatArray)
         ends = ends + np.array([-1, 1]) * size * 1e-3
     bins = int(np.clip(2 * np.cbrt(len(known)), FEWEST_BINS, MOST_BINS))
     counts, edges = np.histogram(known, bins, range=(float(ends[0]), float(ends[1])))
-    unit = measure_of(study, name).unit
-    return LimitedValues(label, name, unit, edges, counts.astype(float), limit.below, limit.above)
+    return edges, counts.astype(float)

@@ -18,7 +18,6 @@ from torsionnet.study.variations.nominal import NominalReader
 V = TypeVar("V", bound="type[Variation]")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class ParameterValue(Spec):
     """A value of a parameter: with unit, in SI, or in percent of the value in the model."""
 
