@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.core.errors import Fault
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.study.answer import AskedStudy
 from torsionnet.study.quantity import QuantityForm
@@ -39,12 +39,10 @@ def limit_words(study: AskedStudy, name: str) -> str:
 
 
 def quantity_faults(study: AskedStudy, names: tuple[str, ...], key: str) -> Iterator[Fault]:
-    """Names of no quantity, and of curves, which are not single numbers."""
+    """Names of curves, which are not single numbers."""
     for place, name in enumerate(names):
         path = (key, place) if key == "quantities" else (key,)
-        if name not in study.quantities:
-            yield unknown_name("quantity", name, study.quantities, path)
-        elif measure_of(study, name).is_curve:
+        if name in study.quantities and measure_of(study, name).is_curve:
             yield Fault(f"{name} is a curve; name a quantity that is a single number, as its peak", path)
     if not names and not chosen_quantities(study, ()):
         yield Fault("none of the quantities is a single number, as a frequency or a peak", on_key=True)
@@ -54,9 +52,6 @@ def limit_faults(study: AskedStudy, names: tuple[str, ...]) -> Iterator[Fault]:
     """Limits that are not there, or are on curves."""
     if not study.limits:
         yield Fault("no quantity has a limit; give the study limits: {QUANTITY: {below: VALUE}}", on_key=True)
-    for place, name in enumerate(names):
-        if name not in study.limits:
-            yield unknown_name("limit", name, study.limits, ("limits", place))
     for name in study.limits:
         if name in (names or study.limits) and name in study.quantities and measure_of(study, name).is_curve:
             yield Fault(f"{name} is a curve; limit a quantity that is a single number, as its peak", on_key=True)

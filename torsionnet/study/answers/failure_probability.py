@@ -14,6 +14,7 @@ from torsionnet.core.entries.words import Count, OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answer_names import LIMIT
 from torsionnet.study.answers.answer_case import answer_cases
 from torsionnet.study.answers.asking import distribution_faults, limit_faults, limit_words
 from torsionnet.study.answers.conclusion_data import PlainConclusion
@@ -42,6 +43,7 @@ class FailureProbability(StudyAnswer):
 
     kind: ClassVar[str] = "failure_probability"
     of_variants: ClassVar[bool] = False
+    naming: ClassVar[Mapping[str, str]] = {"limits": LIMIT}
 
     limits: tuple[str, ...] = entry(Listed("quantities whose limits count; default: all", Text("quantity")), None)
     method: str = entry(OneOf("how variants are chosen", (IMPORTANCE, SUBSET)), IMPORTANCE)

@@ -17,6 +17,7 @@ from torsionnet.core.entries.words import Count, Text
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answer_names import QUANTITY
 from torsionnet.study.answers.asking import chosen_quantities, measure_of, quantity_faults, units_of
 from torsionnet.study.answers.case_values import case_values
 from torsionnet.study.answers.conclusion_data import PlainConclusion
@@ -34,6 +35,7 @@ class ParallelCoordinates(StudyAnswer):
     """
 
     kind: ClassVar[str] = "parallel_coordinates"
+    naming: ClassVar[Mapping[str, str]] = {"quantities": QUANTITY}
 
     quantities: tuple[str, ...] = entry(Listed("default: all that are single numbers", Text("quantity")), None)
     lines: int = entry(Count("most variants that are drawn of a configuration", upper=10_000), 400)

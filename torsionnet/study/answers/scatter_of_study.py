@@ -16,6 +16,7 @@ from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answer_names import QUANTITY
 from torsionnet.study.answers.asking import chosen_quantities, measure_of, quantity_faults, units_of
 from torsionnet.study.answers.case_values import case_values
 from torsionnet.study.answers.conclusion_data import PlainConclusion
@@ -38,6 +39,7 @@ class Scatter(StudyAnswer):
     """
 
     kind: ClassVar[str] = "scatter"
+    naming: ClassVar[Mapping[str, str]] = {"quantities": QUANTITY}
 
     quantities: tuple[str, ...] = entry(Listed("default: all that are single numbers", Text("quantity")), None)
 

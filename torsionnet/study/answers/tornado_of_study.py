@@ -16,6 +16,7 @@ from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answer_names import QUANTITY
 from torsionnet.study.answers.answer_case import AnswerCase, answer_cases
 from torsionnet.study.answers.asking import chosen_quantities, measure_of, quantity_faults, units_of
 from torsionnet.study.answers.conclusion_data import PlainConclusion
@@ -40,6 +41,7 @@ class Tornado(StudyAnswer):
 
     kind: ClassVar[str] = "tornado"
     of_variants: ClassVar[bool] = False
+    naming: ClassVar[Mapping[str, str]] = {"quantities": QUANTITY}
 
     quantities: tuple[str, ...] = entry(Listed("default: all that are single numbers", Text("quantity")), None)
     span: str = entry(OneOf("how far each parameter is moved", (TOLERANCE, DEVIATION)), TOLERANCE)

@@ -13,8 +13,9 @@ from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
-from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.core.errors import Fault
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answer_names import CONFIGURATION, LIMIT
 from torsionnet.study.answers.asking import limit_faults, limit_words
 from torsionnet.study.answers.case_values import case_values
 from torsionnet.study.answers.limited_values import LimitedValues, limited_values
@@ -35,6 +36,7 @@ class Yield(StudyAnswer):
     """
 
     kind: ClassVar[str] = "yield"
+    naming: ClassVar[Mapping[str, str]] = {"limits": LIMIT, "weights": CONFIGURATION}
 
     limits: tuple[str, ...] = entry(Listed("quantities whose limits count; default: all", Text("quantity")), None)
     weights: Mapping[str, float] = entry(
@@ -47,9 +49,6 @@ class Yield(StudyAnswer):
 
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
         yield from limit_faults(study, self.limits)
-        for name in self.weights:
-            if name not in study.configurations:
-                yield unknown_name("configuration of the study", name, study.configurations, ("weights", name))
 
     def found(self, study: AskedStudy, result: VariantValues) -> YieldFound:
         names = self.limits or tuple(study.limits)
