@@ -69,8 +69,8 @@ class Conclusion(Protocol):
         """In full precision, for JSON."""
         ...
 
-    def figure(self, plot: ModuleType) -> Figure:
-        """As a picture, by :mod:`torsionnet.plot`."""
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        """As a picture, by :mod:`torsionnet.plot`; ``look`` are its ``units`` (:func:`shown_units`) and ``title``."""
         ...
 
 

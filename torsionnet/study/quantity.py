@@ -52,6 +52,11 @@ class StudyQuantity(Declared):
     """Whether every variant is a model of its own, as nothing solves many of them together."""
 
     @property
+    def asked(self) -> str:
+        """What it is, in words with names of the model in them."""
+        raise NotImplementedError
+
+    @property
     def made_of(self) -> frozenset[str]:
         """Names of the other quantities that it is calculated from."""
         return frozenset()

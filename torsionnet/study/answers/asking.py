@@ -8,6 +8,7 @@ from torsionnet.core.errors import Fault
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.study.answer import AskedStudy
 from torsionnet.study.quantity import QuantityForm
+from torsionnet.study.quantity_value import as_written
 
 
 def case_label(configuration: str) -> str:
@@ -32,10 +33,10 @@ def chosen_quantities(study: AskedStudy, names: tuple[str, ...]) -> tuple[str, .
 
 
 def limit_words(study: AskedStudy, name: str) -> str:
-    """What the limit of a quantity does not allow, ``peak above 20 N*m``."""
+    """What the limit of a quantity does not allow, ``peak above 20 N*m``, in the units in which it was written."""
     limit, unit = study.limits[name], measure_of(study, name).unit
-    sides = (("above", limit.below), ("below", limit.above))
-    return f"{name} " + " or ".join(f"{word} {value:g} {unit}".rstrip() for word, value in sides if value is not None)
+    sides = [(word, value) for word, value in (("above", limit.below), ("below", limit.above)) if value is not None]
+    return f"{name} " + " or ".join(f"{word} {as_written(value, unit)}" for word, value in sides)
 
 
 def quantity_faults(study: AskedStudy, names: tuple[str, ...], key: str) -> Iterator[Fault]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.scalars import Value
@@ -112,5 +112,5 @@ class FailureFound(PlainConclusion):
         note = f"that {self.beyond}; intervals {100 * self.confidence:g} %"
         return Table(f"{self.title}: failure probability", columns, rows, (note, *self.sentences))
 
-    def figure(self, plot: ModuleType) -> Figure:
-        return plot.failure_probabilities(self)  # type: ignore[no-any-return]
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        return plot.failure_probabilities(self, **look)  # type: ignore[no-any-return]

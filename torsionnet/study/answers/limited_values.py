@@ -27,12 +27,19 @@ class LimitedValues:
     below: float | None
     above: float | None
 
+    @property
+    def constant(self) -> float | None:
+        """The one value that all variants have; None where they differ, or have none."""
+        return float(self.edges[[0, -1]].mean()) if np.count_nonzero(self.counts) == 1 else None
+
 
 def limited_values(study: AskedStudy, label: str, name: str, values: FloatArray) -> LimitedValues:
-    """Of the values that are there; without those beyond the 0.01st and 99.99th percentile, and with the limits."""
+    """Of the values that are there; of many without those beyond the 0.01st and 99.99th percentile."""
     limit = study.limits[name]
     known = values[np.isfinite(values)]
-    ends = np.percentile(known, [0.01, 99.99]) if len(known) else np.array([0.0, 1.0])
+    ends = np.array([0.0, 1.0])
+    if len(known):
+        ends = np.array([np.percentile(known, 0.01, method="lower"), np.percentile(known, 99.99, method="higher")])
     size = float(np.abs(ends).max()) or 1.0
     if ends[1] - ends[0] < ALIKE * size:
         ends = ends + np.array([-1, 1]) * size * 1e-3

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -136,5 +136,5 @@ class MapFound(PlainConclusion):
         )
         return Table(f"{self.title}: map of {self.quantity[0]}", columns, rows, (note, *self.sentences))
 
-    def figure(self, plot: ModuleType) -> Figure:
-        return plot.contour_map(self)  # type: ignore[no-any-return]
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        return plot.contour_map(self, **look)  # type: ignore[no-any-return]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -90,5 +90,5 @@ class ParallelFound(PlainConclusion):
         rows = tuple((*key, *pair, self.units[key[1]]) for key, pair in self.medians.items())
         return Table(f"{self.title}: variants within and beyond limits", columns, rows, self.sentences)
 
-    def figure(self, plot: ModuleType) -> Figure:
-        return plot.parallel_coordinates(self)  # type: ignore[no-any-return]
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        return plot.parallel_coordinates(self, **look)  # type: ignore[no-any-return]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.composite import Listed
@@ -89,5 +89,5 @@ class BandsFound(PlainConclusion):
         )
         return Table(f"{self.title}: percentiles of {self.quantity}", columns, rows, self.sentences)
 
-    def figure(self, plot: ModuleType) -> Figure:
-        return plot.percentile_bands(self)  # type: ignore[no-any-return]
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        return plot.percentile_bands(self, **look)  # type: ignore[no-any-return]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -95,5 +95,5 @@ class ScatterFound(PlainConclusion):
         )
         return Table(f"{self.title}: rank correlations", columns, rows, ("intervals 95 %", *self.sentences))
 
-    def figure(self, plot: ModuleType) -> Figure:
-        return plot.scatter_matrix(self)  # type: ignore[no-any-return]
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        return plot.scatter_matrix(self, **look)  # type: ignore[no-any-return]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.composite import Listed
@@ -109,8 +109,8 @@ class SobolFound(PlainConclusion):
         note = f"estimators of Saltelli and Jansen, bootstrap intervals {100 * self.confidence:g} %"
         return Table(f"{self.title}: Sobol indices", columns, rows, (note, *self.sentences))
 
-    def figure(self, plot: ModuleType) -> Figure:
-        return plot.sobol_indices(self)  # type: ignore[no-any-return]
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        return plot.sobol_indices(self, **look)  # type: ignore[no-any-return]
 
 
 def _columns(one: SobolEstimates) -> tuple[FloatArray, ...]:

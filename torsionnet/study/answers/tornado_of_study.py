@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -121,5 +121,5 @@ class TornadoFound(PlainConclusion):
         )  # fmt: skip
         return Table(f"{self.title}: one parameter at a time", columns, rows, self.sentences)
 
-    def figure(self, plot: ModuleType) -> Figure:
-        return plot.study_tornado(self)  # type: ignore[no-any-return]
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        return plot.study_tornado(self, **look)  # type: ignore[no-any-return]

@@ -103,6 +103,10 @@ class QuantityExpression(StudyQuantity):
         below = [quantities[name] for name in self.of.names]
         return all(one.has_all(quantities) for one in below if isinstance(one, QuantityExpression))
 
+    @property
+    def asked(self) -> str:
+        return str(self.of)
+
     def measure(self, model: Drivetrain) -> QuantityForm:
         del model
         return QuantityForm(self.unit or "")
