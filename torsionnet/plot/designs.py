@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 import torsionnet.plot.style as style
 from torsionnet.core.number_text import typeset_unit
-from torsionnet.plot.study_axes import axis_label, key_below, named_rows, told_rows
+from torsionnet.plot.study_axes import axis_label, by_factors, is_wide, key_below, named_rows, told_rows
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.study.optimum.conditions_damper import DamperOverConditions
 from torsionnet.study.optimum.design_goals import DesignObjective
@@ -23,6 +23,8 @@ WIDE = 3.0
 """Bounds whose ratio is larger are shown by equal factors."""
 ROOM = 2.6
 """Inches of a label."""
+NEAR = 0.2
+"""Distance from a bound at which a value stands beside its place and not above it."""
 LABELLED: dict[str, Any] = {"fontsize": style.SMALL, "color": style.INK}
 
 
@@ -51,8 +53,8 @@ def design_optimum(found: DesignOptimum, *, units: ShownUnits = IN_SI, title: st
     course.step(calculated, sign * scale * merits, where="post", **style.line_style(0))
     course.set_xlabel("designs calculated")
     course.set_ylabel(label)
-    if found.goals.targets and (merits > 0).all():
-        course.set_yscale("log")
+    if found.goals.targets and is_wide(merits[np.isfinite(merits)]):
+        by_factors(course, "y", merits.min(), merits.max())
     style.heading(figure, f"{found.title}: optimum".removeprefix(": ") if title is None else title)
     return figure
 
@@ -66,7 +68,8 @@ def _draw_places(axes: Axes, parameters: tuple[DesignParameter, ...], units: Sho
         axes.plot([_place(one, one.start)], [row], "o", color=style.MUTED, mfc=style.PAPER, label=given, zorder=2)
         axes.plot([_place(one, one.value)], [row], "o", color=style.PALETTE[1], label=best, zorder=3)
         text = _value(one, units)
-        axes.annotate(text, (_place(one, one.value), row), (0, 6), textcoords="offset points", ha="center", **LABELLED)
+        side = "left" if _place(one, one.value) < NEAR else "right" if _place(one, one.value) > 1 - NEAR else "center"
+        axes.annotate(text, (_place(one, one.value), row), (0, 6), textcoords="offset points", ha=side, **LABELLED)
     named_rows(axes, [one.name for one in parameters], style.WIDTH / 3)
     axes.set_ylim(len(parameters) - 0.4, -0.8)
     axes.set_xticks([0, 1], ["lower bound", "upper bound"])

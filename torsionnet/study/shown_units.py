@@ -43,13 +43,14 @@ class ShownUnits:
     def unit(self, name: str, si: str | None = None) -> str:
         """The unit shown of what is in ``si``."""
         si = self.si.get(name, "") if si is None else si
-        return self.written.get(name) or (self.conventions.unit(si) if _factor(si) else si)
+        return self.written.get(name) or (self.conventions.unit(si) if si and _factor(si) else si)
 
     def scale(self, name: str, si: str | None = None) -> float:
         """Factor from SI to the unit shown."""
         si = self.si.get(name, "") if si is None else si
-        own, shown = _factor(si), _factor(self.unit(name, si))
-        return own / shown if own and shown else 1.0
+        shown = self.unit(name, si)
+        factors = [_factor(one) if one else 1.0 for one in (si, shown)]
+        return factors[0] / factors[1] if factors[0] and factors[1] else 1.0
 
 
 IN_SI = ShownUnits()
@@ -58,7 +59,7 @@ IN_SI = ShownUnits()
 def _factor(unit: str) -> float | None:
     """To SI; None of what is no unit of the field's, as dB."""
     try:
-        return float(parse_unit(unit).factor) if unit else None
+        return float(parse_unit(unit).factor)
     except UnitError:
         return None
 
