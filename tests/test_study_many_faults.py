@@ -116,3 +116,9 @@ def test_in_python():
             answers={"m": {"type": "map", "x": "k_1", "y": "k_9", "quantity": "f"}},
         )
     assert [fault.path for fault in caught.value.faults] == [("quantities", "f", "mode"), ("answers", "m", "y")]
+
+
+@pytest.mark.parametrize(("method", "count"), [("importance", 3999), ("subset", 205)])
+def test_counts_that_a_method_refuses_are_told_before_anything_is_calculated(tmp_path, method, count):
+    rare = f"answers:\n  rare: {{type: failure_probability, method: {method}, count: {count}}}"
+    assert faults(tmp_path, ("answers:", rare)) == [(16, str(count))]

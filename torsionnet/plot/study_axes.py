@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterable, Sequence
 
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
@@ -93,7 +94,7 @@ def key_beside(axes: Axes) -> None:
     axes.legend(fontsize=style.SMALL, frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
 
 
-def key_below(figure: Figure, handles: Sequence[object], labels: Sequence[str], *, larger: float = 1.0) -> None:
+def key_below(figure: Figure, handles: Sequence[Artist], labels: Sequence[str], *, larger: float = 1.0) -> None:
     """A legend below all panels, in as many columns as its labels leave room for."""
     widest = max(map(_width, labels)) + KEY
     columns = max(1, min(len(labels), int(figure.get_figwidth() / widest)))
@@ -113,7 +114,7 @@ def say(axes: Axes, text: str) -> None:
 def known(values: Iterable[ArrayLike]) -> NDArray[np.float64]:
     """All finite values of several arrays, (n,)."""
     every = np.concatenate([np.ravel(np.asarray(one, dtype=float)) for one in values])
-    return every[np.isfinite(every)]
+    return np.asarray(every[np.isfinite(every)])
 
 
 def ends_of(values: NDArray[np.float64]) -> tuple[float, float]:

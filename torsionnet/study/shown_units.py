@@ -92,8 +92,8 @@ def shown_units(study: AskedStudy, conventions: Conventions | None = None) -> Sh
         if units and _is_of(units[0], si[name]):
             written[name] = units[0]
     limited = " ".join(written.get(name, "") for name in study.limits)
-    own = Conventions(angle="deg") if "deg" in limited and "rad" not in limited else SI
-    return ShownUnits(written, si, conventions or own)
+    usual = Conventions(angle="deg") if "deg" in limited and "rad" not in limited else SI
+    return ShownUnits(written, si, conventions or usual)
 
 
 def _units(variation: Variation) -> Iterator[str]:

@@ -19,9 +19,10 @@ from torsionnet.study.answers.answer_case import answer_cases
 from torsionnet.study.answers.asking import distribution_faults, limit_faults, limit_words
 from torsionnet.study.answers.conclusion_data import PlainConclusion
 from torsionnet.study.answers.failure_margin import failure_margin
-from torsionnet.study.answers.importance_sampling import importance_sampling
+from torsionnet.study.answers.importance_sampling import FEWEST, importance_sampling
 from torsionnet.study.answers.point_functions import OfPoints
 from torsionnet.study.answers.rare_event import RareEvent
+from torsionnet.study.answers.subset_levels import LENGTH
 from torsionnet.study.answers.subset_sampling import subset_sampling
 
 if TYPE_CHECKING:
@@ -57,6 +58,15 @@ class FailureProbability(StudyAnswer):
     )
     seed: int = entry(Count("another seed draws other variants", lower=0, upper=2**32 - 1), 1)
     confidence: float = entry(Value("of the interval", "1", exclusive=True, below=1), 0.95)
+
+    def contradictions(self) -> list[Fault]:
+        if self.count is None:
+            return []
+        if self.method == IMPORTANCE and self.count < FEWEST:
+            return [Fault(f"importance sampling needs {FEWEST} variants or more, got {self.count}", ("count",))]
+        if self.method == SUBSET and self.count % LENGTH:
+            return [Fault(f"the variants of a level are a multiple of {LENGTH}, got {self.count}", ("count",))]
+        return []
 
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
         yield from limit_faults(study, self.limits)
