@@ -45,7 +45,7 @@ def work_in(folder: Path) -> ChunkWork:
     space = Space(rig, vary, sampling=Samples(count=CHUNKS * SIZE))
     curve = ResponseQuantity(output="theta_1", input="T_T", band="0.5..30 Hz", points=400, spacing="linear")
     (folder / "chunks").mkdir()
-    return ChunkWork(Study(rig, space, {"curve": curve}), Chunks(1, space.count, SIZE), True, folder)
+    return ChunkWork(Study(rig, space, {"curve": curve}), Chunks(1, space.count, SIZE), 1, folder)
 
 
 @contextmanager

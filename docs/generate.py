@@ -47,7 +47,7 @@ from torsionnet.model.elements import (
 )  # fmt: skip
 from torsionnet.model.elements.damping_entries import LossFactor
 from torsionnet.model.elements.nodes import NodeName, NodePair
-from torsionnet.model.elements.quantity_table import Several
+from torsionnet.model.elements.several import Several
 from torsionnet.model.elements.shaft_stiffness import ShaftStiffness
 from torsionnet.model.elements.teeth import Teeth
 from torsionnet.model.report import SECTIONS

@@ -144,7 +144,7 @@ class TestTitle:
 class TestSections:
     def test_all_that_apply_in_order(self, amt):
         assert [section.name for section in amt.sections] == [
-            name for name in SECTIONS if name not in ("simplified", "test", "fit", *RUNNING)
+            name for name in SECTIONS if name not in ("simplified", "test", "fit", "study", *RUNNING)
         ]
 
     def test_chosen(self):

@@ -14,7 +14,7 @@ from torsionnet.model.defining import put_together
 from torsionnet.model.definition import Definition
 from torsionnet.model.files.reader import read_text
 from torsionnet.model.files.writer import dump, flat_text
-from torsionnet.model.parts.part import Use
+from torsionnet.model.parts.use import Use
 from torsionnet.model.parts.using import part_of
 
 LIBRARY = list(tn.library_models())

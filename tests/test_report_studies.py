@@ -192,6 +192,14 @@ def test_another_element_under_the_same_name_is_refused(result):
         make_report(tn.Drivetrain("one mass", parts, parameters={"k": K}), studies=[result])
 
 
+def test_values_of_elements_that_vary_make_no_other_model():
+    vary = {"rotor.inertia": {"type": "list", "values": ["-5 %", "0 %"]}}
+    study = tn.study.define(model(), vary, {"f": {"type": "natural_frequency", "mode": 1}})
+    report = make_report(model(), sections=["study"], studies=[tn.study.run_study(study)], date=None)
+    [row] = rows(table(blocks(report, "study"), "What varies"))
+    assert row[:4] == ("rotor.inertia", "kg·m²", "2", "2 values")
+
+
 def test_words_that_no_result_depends_on_may_differ(result):
     parts = [
         tn.Inertia("rotor", node="a", inertia=J),

@@ -102,5 +102,5 @@ def test_too_many_variants_are_refused_with_count_and_time():
     many = {"type": "range", "low": 400, "high": 500, "count": 1_000_000}
     wide = {"type": "range", "low": 10000, "high": 12000, "count": 1_000_000}
     study = tn.study.define(tn.load("amt_rig"), {"k_1": many, "k_2": wide}, {"z": {"type": "damping_ratio", "mode": 1}})
-    with pytest.raises(UsageError, match=r"1e\+12 variants, about .* years"):
+    with pytest.raises(UsageError, match=r"1e\+12 variants, about .* (days|years)"):
         tn.study.run_study(study)

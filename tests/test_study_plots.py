@@ -84,8 +84,8 @@ class _Asked:
 
 
 def histogram(values, limit=QuantityLimit(below=3.0)):  # noqa: B008 - frozen
-    one = limited_values(_Asked(limit), "as given", "f_1", np.asarray(values, dtype=float))
-    return YieldFound("yield", (), 0.95, 0, "", exhaustive=False, distributions=(one,))
+    found = limited_values(_Asked(limit), "as given", "f_1", np.asarray(values, dtype=float))
+    return YieldFound("yield", (), 0.95, 0, "", exhaustive=False, distributions=found)
 
 
 class TestLimitShares:
@@ -109,6 +109,11 @@ class TestLimitShares:
         axes = plot.limit_shares(histogram([2.0, 2.5, 3.5]), units=ShownUnits({"f_1": "deg"})).axes[0]
         assert axes.lines[0].get_xdata()[0] == pytest.approx(np.degrees(3.0))
         assert "deg" in axes.get_xlabel()
+
+    def test_the_largest_values_of_a_curve_have_its_unit(self):
+        axes = plot.limit_shares(histogram([[1.0, 2.0], [1.5, 2.5]]), units=ShownUnits({"f_1": "deg"})).axes[0]
+        assert axes.get_xlabel() == "largest f_1 [deg]"
+        assert axes.lines[0].get_xdata()[0] == pytest.approx(np.degrees(3.0))
 
     def test_no_values(self, tmp_path):
         axes = drawn(plot.limit_shares(histogram([np.nan, np.nan])), tmp_path).axes[0]

@@ -408,7 +408,7 @@ FAULTS = [
     (
         {"vary": {"half_shaft.stiffness": RAW["vary"]["k_2"]}},
         "vary.half_shaft.stiffness",
-        'its stiffness is "k_2"; vary k_2',
+        'it is "k_2"; vary k_2',
     ),
     (
         {"vary": {"k_2": {"type": "norml"}}},

@@ -63,7 +63,9 @@ class StudyCommand(Command):
     )
     anyway: bool = option("--yes", help="Begin even if it takes weeks.")
     variants_file: str | None = option(
-        "--variants", type=OutputFile((".csv", ".parquet")), help="Write parameters and values of every variant."
+        "--variants",
+        type=OutputFile((".csv", ".parquet")),
+        help="Write parameters and values of every variant; of very many, of an even part.",
     )
 
     def answer(self) -> Answer:
@@ -149,7 +151,7 @@ def _usual(study: Study, result: StudyResult | None) -> Conclusions:
     found: dict[str, Conclusion] = {}
     for name in dict.fromkeys(curves):
         found[name] = PercentileBands(quantity=name).found(study, result)
-    if result.kept:
+    if result.kept.numbers:
         with suppress(SolveError):  # too few variants for a correlation
             found["scatter"] = Scatter().found(study, result)
     if not found:
@@ -174,6 +176,8 @@ def _write_variants(result: StudyResult | None, file: str) -> None:
 
     if result is None:
         raise UsageError(NO_VARIANTS)
+    if result.kept.every > 1:
+        message("note", f"{file} has {result.kept.words(result.study.count)}; beyond so many not all are kept")
     (result.to_parquet if file.endswith(".parquet") else result.to_csv)(file)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import pkgutil
-from collections.abc import Iterator, MutableMapping
+from collections.abc import Iterator, MutableMapping, Sequence
 from functools import cached_property
 from typing import Generic, TypeVar
 
@@ -14,22 +14,29 @@ T = TypeVar("T")
 class TypeRegister(MutableMapping[str, T], Generic[T]):
     """Kind -> type, in the order of the kinds, whatever the order in which files were imported.
 
-    A type puts itself in when its file is imported. A kind that is asked for comes out of the file of that name; only
-    where there is none, and when all kinds are listed, every file of the package is imported.
+    A type puts itself in when its file is imported. A kind that is asked for comes out of the file of that name; where
+    there is none, out of the first family that has it. Only if no family has, and when all kinds are listed, every file
+    of the package is imported.
 
     Parameters
     ----------
     package : str
         Full name of the package.
+    families : sequence of str
+        Files with several types, those first that are asked for most.
     """
 
-    def __init__(self, package: str) -> None:
+    def __init__(self, package: str, families: Sequence[str] = ()) -> None:
         self.package = package
+        self.families = families
         self._types: dict[str, T] = {}
 
     def __getitem__(self, kind: str) -> T:
-        if kind not in self._types and kind in self._files:
-            self._import(kind)
+        if kind not in self._types:
+            for file in (kind,) if kind in self._files else self.families:
+                self._import(file)
+                if kind in self._types:
+                    break
         if kind not in self._types:
             self._import_all()
         return self._types[kind]

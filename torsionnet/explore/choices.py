@@ -11,7 +11,7 @@ from torsionnet.drivetrain import Drivetrain
 from torsionnet.explore.over_speed import runs
 from torsionnet.model.channels import UNITS, Sensor
 from torsionnet.model.elements import GROUND
-from torsionnet.model.readings import section_fault
+from torsionnet.model.elements.round_section import section_fault
 from torsionnet.response import FrequencyResponse
 from torsionnet.solve.transfer_request import usable
 

@@ -269,7 +269,6 @@ EXTRA = {
 }
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class ChannelName(Text):
     """A sensor or an input by name or as a text, or a node."""
 

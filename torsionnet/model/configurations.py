@@ -52,7 +52,6 @@ class Overlay:
         return data | ({"operating_point": self.operating_point.to_data()} if self.operating_point else {})
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class AlternativeEntry(Spec):
     """``{parameter: value, on: [element], off: [element], operating_point: {...}, box.engaged: II}``."""
 
@@ -120,7 +119,6 @@ def _name_fault(name: str) -> str | None:
     return None
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class AxesEntry(Spec):
     """``{gear: {II: {tau: 7.96}}}``; without axes, ``{II: {tau: 7.96}}``, there is one."""
 

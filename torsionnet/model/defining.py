@@ -12,8 +12,6 @@ from torsionnet.core.errors import Fault
 from torsionnet.model.configurations import VALUE, Overlay
 from torsionnet.model.definition import Definition, section_of
 from torsionnet.model.elements import Element
-from torsionnet.model.parts.authored import AuthoredModel
-from torsionnet.model.parts.flattening import flattened
 
 
 def collect_elements(elements: Iterable[Element]) -> tuple[dict[str, Element], list[Fault]]:
@@ -62,9 +60,12 @@ def put_together(authored: Definition, *, whole: bool = True) -> tuple[Definitio
     Without ``whole`` something of the parts could not be read: that they lack what is named is no fault of its own.
     """
     authored = _with_files_read(_with_dotted_parameters(authored))
+    if authored.is_flat:
+        return authored, []
+    from torsionnet.model.parts.authored import AuthoredModel
+    from torsionnet.model.parts.flattening import flattened
+
     flat, found = flattened(authored, whole=whole)
-    if flat is authored:
-        return flat, found
     flat = _with_files_read(_with_dotted_parameters(flat))
     return replace(flat, authored=AuthoredModel(authored, flat)), found
 

@@ -18,8 +18,8 @@ from torsionnet.model.configurations import Overlay
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.model.operating_point import OPERATING_POINT, OperatingPoint
 from torsionnet.model.parameters import Parameter, resolve
-from torsionnet.model.parts.part import INCLUDE, PARTS, PORTS, USE, Part, Use
-from torsionnet.model.referral import at_own_speeds
+from torsionnet.model.parts.part_entries import PORTS, USE
+from torsionnet.model.parts.part_table import INCLUDE, PARTS
 
 if TYPE_CHECKING:
     from torsionnet.model.bench import Plan
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from torsionnet.model.excitations.speed_range import SpeedRange
     from torsionnet.model.limits import Limit
     from torsionnet.model.load.load_section import Load
+    from torsionnet.model.parts.part import Part
+    from torsionnet.model.parts.use import Use
     from torsionnet.model.report import ReportPlan
 
 LOAD = "load"
@@ -85,13 +87,27 @@ class Definition(Declared):
             fitted = {name: one.fitted(self.elements) for name, one in self.excitations.items()}
             object.__setattr__(self, "excitations", fitted)
 
+    @property
+    def is_flat(self) -> bool:
+        """Whether it has no parts, and no element that stands for several."""
+        if self.use or self.parts:
+            return False
+        return all(element.expanded() == (element,) for element in self.elements.values())
+
     @cached_property
     def active(self) -> tuple[Element, ...]:
         """The elements that are switched on, with the values of their own shafts where they are quoted at another."""
         on = tuple(element for element in self.elements.values() if element.enabled)
         if all(element.referred_to is None for element in on):
             return on
+        from torsionnet.model.referral import at_own_speeds
+
         return at_own_speeds(on, resolve(self.parameters)[0])
+
+    @property
+    def following(self) -> dict[str, Parameter]:
+        """The parameters that follow the operating point."""
+        return {name: parameter for name, parameter in self.parameters.items() if parameter.by is not None}
 
     def overlaid(self, overlay: Overlay) -> Definition:
         """The definition with one alternative laid over it."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -15,7 +14,6 @@ from torsionnet.core.piecewise_linear import Rows
 from torsionnet.core.units import Dimension
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class LookupTable(Spec):
     """``{100 rpm: 25 kN*m*s/rad, 150 rpm: 37 kN*m*s/rad}``, stored as pairs by rising first value."""
 

@@ -16,6 +16,7 @@ from torsionnet.model.defining import collect_elements, define, put_together
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Element
 from torsionnet.model.load.external_torques import ExternalTorques, mean_torques
+from torsionnet.model.named_entries import can_be_named, with_named_entries
 from torsionnet.model.operating_point import OperatingPoint
 from torsionnet.model.operating_values import at_operating_point, operated
 from torsionnet.model.parameters import Parameter, resolve
@@ -211,6 +212,27 @@ class Model:
         values = read_overrides(overrides, self._base.parameters, self._base.configurations)
         return self._changed(choice, replace(self._changes, parameters={**self._changes.parameters, **values}))
 
+    def with_entries_named(self, names: Iterable[str]) -> Self:
+        """A copy in which values of elements are parameters, so that they can vary as these do.
+
+        Parameters
+        ----------
+        names : iterable of str
+            ``"dmf.stiffness"`` and so on; names that are no plain values of elements are left out.
+
+        Examples
+        --------
+        >>> import torsionnet as tn
+        >>> chain = tn.Drivetrain("chain", [tn.Inertia("disc", node="end", inertia=0.2),
+        ...     tn.Spring("shaft", nodes=("end", "ground"), stiffness="1.2 kN*m/rad")])
+        >>> chain.with_entries_named(["shaft.stiffness"]).configured(**{"shaft.stiffness": 900}).parameters
+        mappingproxy({'shaft.stiffness': 900.0})
+        """
+        fitting = [name for name in names if can_be_named(self._base, name)]
+        if not fitting:
+            return self
+        return self._as_chosen(self.with_definition(with_named_entries(self._base, fitting)))
+
     def with_part(
         self,
         name: str,
@@ -263,6 +285,10 @@ class Model:
         _refuse(faults := [*faults, *found], self.name)
         _refuse(faults := [*faults, *check_definition(definition)], self.name)
         whole = self._variant(at_operating_point(definition), definition, {}, Overlay(), faults)
+        return self._as_chosen(whole)
+
+    def _as_chosen(self, whole: Self) -> Self:
+        """Another model in the configuration of this one, and with the changes that were made to it."""
         if not self._choice and self._changes == Overlay():
             return whole
         choice = ",".join(f"{axis}={alternative}" for axis, alternative in self._choice.items())

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from typing import Any
 
-from torsionnet.core.errors import Fault, UsageError, unknown_name
+from torsionnet.core.errors import Fault, UsageError
 from torsionnet.core.piecewise_linear import interpolated
 from torsionnet.core.units import RPM
 from torsionnet.model.definition import Definition, all_nodes
@@ -20,35 +20,21 @@ from torsionnet.model.parameters import AMPLITUDE, Parameter, resolve
 from torsionnet.model.readings import port_of
 
 
-def following(definition: Definition) -> dict[str, Parameter]:
-    """The parameters that follow the operating point."""
-    return {name: parameter for name, parameter in definition.parameters.items() if parameter.by is not None}
-
-
-def unknown_in_parameters(definition: Definition) -> Iterator[Fault]:
-    """Nodes and elements that parameters follow and the model does not have."""
-    nodes = all_nodes(definition.elements.values())
-    for name, parameter in following(definition).items():
-        what, known = ("node", nodes) if parameter.by in ("speed", "load") else ("element", definition.elements)
-        if parameter.of not in known:
-            yield unknown_name(what, parameter.of, known, ("parameters", name, "of"))
-
-
 def unfit_parameters(external: ExternalTorques) -> list[Fault]:
     """Parameters for which nothing says the operating point, or whose table ends within the range of speeds."""
     definition = external.definition
-    if not following(definition):
+    if not definition.following:
         return []
     points = OperatingPoints(external)
     try:
         speeds = [external.operating_speed]
     except UsageError as error:
-        return [Fault(str(error), ("parameters", name, "by")) for name in following(definition)]
+        return [Fault(str(error), ("parameters", name, "by")) for name in definition.following]
     if definition.speeds is not None and (definition.load or not definition.operating_point.torque):
         speeds += [definition.speeds.values[0], definition.speeds.values[-1]]
     faults: dict[str, Fault] = {}
     for speed in speeds:
-        for name, parameter in following(definition).items():
+        for name, parameter in definition.following.items():
             try:
                 points.value(parameter, speed)
             except UsageError as error:
@@ -74,7 +60,7 @@ class OperatingPoints:
             Nothing says the torques, a torque is statically indeterminate, or a table ends before.
         """
         found = {}
-        for name, parameter in following(self.external.definition).items():
+        for name, parameter in self.external.definition.following.items():
             try:
                 found[name] = self.value(parameter, speed)
             except UsageError as error:
@@ -126,7 +112,7 @@ def operated(definition: Definition, values: Mapping[str, float]) -> Definition:
 
 def at_operating_point(definition: Definition) -> Definition:
     """The definition with the values at its own operating point; as it is where nothing says that."""
-    if not following(definition):
+    if not definition.following:
         return definition
     points = OperatingPoints(ExternalTorques(definition, resolve(definition.parameters)[0]))
     try:

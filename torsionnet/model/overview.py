@@ -18,7 +18,8 @@ from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.model.elements import Element, Values
 from torsionnet.model.elements.characteristic import Characteristic
 from torsionnet.model.elements.laws import Law
-from torsionnet.model.elements.quantity_table import Several, TableByName
+from torsionnet.model.elements.quantity_table import TableByName
+from torsionnet.model.elements.several import Several
 from torsionnet.model.given_values import given, in_words
 from torsionnet.response.table import Column, Table
 

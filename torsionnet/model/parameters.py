@@ -39,7 +39,6 @@ class Bounds(tuple[float, float]):
     dimensions: tuple[Dimension | None, ...] = ()
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class BoundsEntry(Spec):
     """Two numbers, the lower one first."""
 
@@ -68,7 +67,6 @@ class BoundsEntry(Spec):
         }
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Bound(Spec):
     """A number with or without unit."""
 

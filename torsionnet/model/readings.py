@@ -16,6 +16,7 @@ from typing import Any
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor, port_fault
 from torsionnet.model.elements import GROUND, Element, Row, Values
+from torsionnet.model.elements.round_section import section_modulus
 from torsionnet.model.elements.speed_path import SpeedPaths, own_node
 from torsionnet.model.elimination import exact
 from torsionnet.model.kinematics import Kinematics, virtual_motion
@@ -111,27 +112,6 @@ def _at_own_shaft(
         for rows in tables
     )
     return Reading(laws=own, constraints=rigid, actions={number: -factor for number, factor in driving.items()})
-
-
-def section_fault(element: Element) -> str | None:
-    """Why an element has no shear stress, or None."""
-    if element.diameters is not None:
-        return None
-    return f"{element.name}, a {element.kind}, has no diameter, and so no stress; a shaft has, or measure its torque"
-
-
-def section_modulus(element: Element, value: Values) -> Any:
-    """Polar section modulus in m^3 of a shaft, solid or hollow.
-
-    Raises
-    ------
-    UsageError
-        The element has no diameter.
-    """
-    if element.diameters is None:
-        raise UsageError(str(section_fault(element)))
-    outer, inner = map(value, element.diameters)
-    return value.algebra.pi * (outer**4 - inner**4) / (16 * outer)
 
 
 @dataclass(frozen=True)

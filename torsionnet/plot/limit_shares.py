@@ -52,7 +52,7 @@ def limit_shares(found: YieldFound, *, units: ShownUnits = IN_SI, title: str | N
 
 def _panel(axes: Axes, found: YieldFound, distributions: list[LimitedValues], units: ShownUnits) -> None:
     first = distributions[0]
-    scale = units.scale(first.quantity, first.unit)
+    scale = units.scale(first.curve or first.quantity, first.unit)
     for number, one in enumerate(distributions):
         _drawn(axes, one, scale, number, _label(found, one))
     style.dress(axes)
@@ -64,14 +64,14 @@ def _panel(axes: Axes, found: YieldFound, distributions: list[LimitedValues], un
         say(axes, "no variant has a value")
         axes.set(xticks=[], yticks=[])
     axes.set_ylabel("variants [% per bin]")
-    axes.set_xlabel(axis_label(first.quantity, units.unit(first.quantity, first.unit)))
+    axes.set_xlabel(axis_label(first.quantity, units.unit(first.curve or first.quantity, first.unit)))
     (key if len(distributions) <= FEW else key_beside)(axes)
 
 
 def _label(found: YieldFound, one: LimitedValues) -> str:
     share = next(
         (each.share for each in found.shares
-         if each.configuration == one.configuration and each.limit.startswith(f"{one.quantity} ")), None,
+         if each.configuration == one.configuration and f" {one.quantity} " in f" {each.limit} "), None,
     )  # fmt: skip
     return one.configuration if share is None else f"{one.configuration}: {share.percent} beyond"
 
@@ -104,7 +104,9 @@ def _ends(axes: Axes, first: LimitedValues, scale: float, drawn: list[LimitedVal
             axes.axvline(side, color=BEYOND, linewidth=1.4)
             axes.axvspan(*np.sort([side, axes.get_xlim()[end]]), color=BEYOND, alpha=0.08, linewidth=0)
             continue
-        text = f"limit {on_screen(side, 4)} {typeset_unit(units.unit(first.quantity, first.unit))}".rstrip()
+        text = (
+            f"limit {on_screen(side, 4)} {typeset_unit(units.unit(first.curve or first.quantity, first.unit))}".rstrip()
+        )
         is_left = side < low
         axes.annotate(
             f"\N{LEFTWARDS ARROW} {text}" if is_left else f"{text} \N{RIGHTWARDS ARROW}",

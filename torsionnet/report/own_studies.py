@@ -35,7 +35,7 @@ def _refusal(model: Drivetrain, study: Study) -> str:
     own = study.model
     if model.configuration and model.configuration in own.configurations:
         own = own.configured(model.configuration)
-    differing = _differing(model, own)
+    differing = _differing(model.with_entries_named(study.space.names), own)
     if not differing:
         return ""
     if own.name != model.name:

@@ -23,7 +23,7 @@ from torsionnet.model.elements import ELEMENT_TYPES
 from torsionnet.model.elements.characteristic import Characteristic
 from torsionnet.model.elements.control_entries import ControlLawEntry
 from torsionnet.model.elements.curves import LookupCurve
-from torsionnet.model.elements.quantity_table import Several
+from torsionnet.model.elements.several import Several
 from torsionnet.model.elements.spring_stages import SpringStages
 from torsionnet.model.elements.stiffness_rows import TableEntry
 from torsionnet.model.elements.teeth import Teeth
@@ -125,7 +125,6 @@ def _unknown(text: str) -> str | None:
     return f'no text of a report is "{text}"{meant_or(text, known, LISTED)}'
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Language(Text):
     """A language by its code."""
 

@@ -11,7 +11,6 @@ import numpy as np
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import SolveError
 from torsionnet.core.units import RPM
-from torsionnet.model.operating_values import following
 from torsionnet.response.vibration_mode import VibrationMode
 from torsionnet.solve.mode_pairs import vibration_modes
 from torsionnet.solve.modes import modes
@@ -37,7 +36,7 @@ class ModesOverSpeed:
     @cached_property
     def follow(self) -> bool:
         """Whether modes differ from speed to speed."""
-        return bool(following(self.drivetrain.definition))
+        return bool(self.drivetrain.definition.following)
 
     def at(self, speed: float) -> tuple[VibrationMode, ...]:
         """Rising with their undamped frequencies."""

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.model.load.external_torques import reference_node
-from torsionnet.model.operating_values import OperatingPoints, following
+from torsionnet.model.operating_values import OperatingPoints
 from torsionnet.solve.total_ratios import remembered_ratio
 
 Settled: TypeAlias = Mapping[str, FloatArray]
@@ -43,7 +43,7 @@ def at_speeds(
     UsageError
         A speed outside a table.
     """
-    if not following(drivetrain.definition):
+    if not drivetrain.definition.following:
         yield drivetrain, np.arange(len(speeds))
         return
     points = OperatingPoints(drivetrain.external_torques)

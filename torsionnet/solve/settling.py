@@ -11,7 +11,6 @@ from torsionnet.core.errors import UsageError
 from torsionnet.core.piecewise_linear import Rows
 from torsionnet.core.units import RPM
 from torsionnet.model.definition import Definition
-from torsionnet.model.operating_values import following
 from torsionnet.model.parameters import AMPLITUDE
 from torsionnet.solve.operating_groups import Settled
 
@@ -44,7 +43,7 @@ def settled_by_vibration(
     UsageError
         A speed does not settle, or settles beyond the table.
     """
-    tables = {name: one for name, one in following(definition).items() if one.by == AMPLITUDE}
+    tables = {name: one for name, one in definition.following.items() if one.by == AMPLITUDE}
     if not tables:
         return {}
     elements = list(dict.fromkeys(one.of for one in tables.values()))

@@ -16,7 +16,6 @@ import numpy as np
 
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import UsageError
-from torsionnet.model.operating_values import following
 from torsionnet.model.parameters import AMPLITUDE
 from torsionnet.response.critical_speeds import CriticalSpeed, SpeedPeak
 from torsionnet.response.frequency_response import Channel, FloatArray
@@ -46,7 +45,7 @@ def with_peaks(
     UsageError
         A parameter follows a vibration: what one excitation alone would make of it says nothing.
     """
-    swayed = [name for name, one in following(drivetrain.definition).items() if one.by == AMPLITUDE]
+    swayed = [name for name, one in drivetrain.definition.following.items() if one.by == AMPLITUDE]
     if swayed:
         text = f"{' and '.join(swayed)} follows the vibration of all excitations together"
         raise UsageError(f"{text}: no order has a peak of its own; leave out the outputs and see torsionnet orders")

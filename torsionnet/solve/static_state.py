@@ -10,7 +10,7 @@ from torsionnet.assembly.functionals import functional
 from torsionnet.core.errors import UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import GROUND, Constraint, Element, Law, Values
-from torsionnet.model.readings import section_fault
+from torsionnet.model.elements.round_section import section_fault
 from torsionnet.response.static_state import ElementLoad, StaticState
 from torsionnet.solve.mean_response import external_torques, mean_response, undetermined
 

@@ -13,8 +13,8 @@ from torsionnet.assembly.system import Assembly
 from torsionnet.core.errors import UsageError, did_you_mean
 from torsionnet.model.channels import UNITS, Input, Sensor, named_nodes, named_sensor, parse_pair, still_words
 from torsionnet.model.elements import GROUND, Values
+from torsionnet.model.elements.round_section import section_modulus
 from torsionnet.model.imposed_twist import twist_fault
-from torsionnet.model.readings import section_modulus
 from torsionnet.solve.posed import PosedProblem, pose
 
 NOTHING = "name at least one output and one input"

@@ -65,6 +65,7 @@ def names_in(given: Mapping[str, Any], key: str) -> list[str]:
 def examined(model: Drivetrain, given: Mapping[str, Any]) -> ExaminedStudy:
     """Read the entries of a study and compare them with its model, each as far as it is sound."""
     values, faults = StudyEntries.read_entries(given)
+    model = model.with_entries_named(values.get("vary") or ())
     configurations, found = chosen_configurations(values.get("configurations") or (), model)
     faults += found
     space, found = _space(model, given, values)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -12,7 +11,6 @@ from torsionnet.core.entries.spec import EntryError, Schema, Spec, under
 _FREQUENCY = Value("a frequency", "frequency", below=1e9)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class FrequencyList(Spec):
     """A frequency, or a list of them that rises; stored in Hz."""
 

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 from torsionnet.core.entries.words import Count
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Many(Count):
     """A whole number in a range, which may be written as 1e6."""
 

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.model.operating_values import following
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.solve.order_response import OrderQuestion
 from torsionnet.solve.transfer_request import remembered
@@ -42,7 +41,7 @@ def order_responses(
 
 def _shared(block: VariantBlock, speeds: FloatArray, excitations: Sequence[str] | None) -> OrderQuestion | None:
     """What acts on all variants alike; None where they have rows or operating points of their own."""
-    if block.batch is None or following(block.model.definition):
+    if block.batch is None or block.model.definition.following:
         return None
     question = OrderQuestion.of(block.model, speeds, excitations=excitations)
     return question if question.held is block.model else None

@@ -19,6 +19,9 @@ from torsionnet.study.quantity_value import QuantityValue
 class QuantityLimit(Declared):
     """Largest and smallest value of a quantity that is allowed.
 
+    Of a curve over frequency or speed it is the largest of its values that must stay below, and the smallest that must
+    stay above.
+
     Examples
     --------
     >>> import numpy as np
@@ -45,3 +48,13 @@ class QuantityLimit(Declared):
         low = -np.inf if self.above is None else self.above
         high = np.inf if self.below is None else self.below
         return np.asarray(~((values >= low) & (values <= high)))
+
+    def beyond(self, values: FloatArray) -> NDArray[np.bool_]:
+        """Which of n variants are outside, by values (n,), or anywhere on a curve (n, n_points).
+
+        >>> import numpy as np
+        >>> QuantityLimit(below=2.0).beyond(np.array([[1.0, 3.0], [1.0, 1.5]])).tolist()
+        [True, False]
+        """
+        outside = self.exceeded(values)
+        return outside if outside.ndim == 1 else np.asarray(outside.any(axis=1))

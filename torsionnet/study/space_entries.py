@@ -14,7 +14,7 @@ from torsionnet.study.samples import Samples
 from torsionnet.study.variations.variation import VARIATIONS, Variation
 
 VARY = Named(
-    "the parameters that vary, by name",
+    "what varies, by name: parameters, and values of elements (shaft.stiffness)",
     Typed(
         "how a parameter varies", lambda: VARIATIONS, "variation", "variation", shown="{type: normal, deviation: 5 %}"
     ),

@@ -7,9 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from torsionnet.core.errors import Fault, unknown_name
-from torsionnet.core.expressions import Expression
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.errors import Fault, Path, unknown_name
+from torsionnet.model.elements import Element
 from torsionnet.model.model import Model
+from torsionnet.model.named_entries import value_of_entry
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.correlation import Correlation, name_faults
 from torsionnet.study.correlation_matrix import normal_correlation
@@ -73,15 +75,24 @@ def _unknown(name: str, model: Model) -> Fault:
         alternatives = ", ".join(model.axes[name])
         text = f'"{name}" is no parameter but an axis of configurations; a study takes these as configurations:'
         return Fault(f"{text} {alternatives}", path, on_key=True, kind="unknown name", about=name)
+    value = value_of_entry(model.definition, name)
+    if value is not None and value.names:
+        used = ", ".join(sorted(value.names))
+        text = f'"{name}" follows from parameters, it is "{value}"; vary {used}'
+        return Fault(text, path, on_key=True, kind="unknown name", about=name, meant=used)
     element, _, key = name.rpartition(".")
     if element in model.definition.elements:
-        value = dict(model.definition.elements[element].scalars()).get(key, (None, None))[1]
-        if isinstance(value, Expression):
-            used = ", ".join(sorted(value.names))
-            rest = f'its {key} is "{value}"; vary {used}' if used else f"name its {key} under parameters: to vary it"
-            text = f'"{name}" is an entry of an element, and only parameters vary; {rest}'
-            return Fault(text, path, on_key=True, kind="unknown name", about=name, meant=used)
+        return _no_entry(model.definition.elements[element], key, path)
     return unknown_name("parameter", name, model.parameters, path, on_key=True)
+
+
+def _no_entry(element: Element, key: str, path: Path) -> Fault:
+    """What was meant by an entry that has no value to vary."""
+    varying = [name for name, spec in element.specs() if isinstance(spec, PhysicalQuantity)]
+    if key in varying:
+        text = f"{element.name} has no {key} in the model; give it a value there, then it can vary"
+        return Fault(text, path, on_key=True)
+    return unknown_name(f"value of {element.name}", key, varying, path, on_key=True)
 
 
 def _sampling_faults(vary: Mapping[str, Variation], sampling: Samples | None) -> list[Fault]:

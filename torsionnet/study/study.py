@@ -127,7 +127,8 @@ def define(
     ----------
     model : Drivetrain
     vary : mapping
-        Parameter -> how it varies: ``Normal(deviation="5 %")``, or as in a file ``{"type": "normal", ...}``.
+        Parameter, or value of an element (``"dmf.stiffness"``) -> how it varies: ``Normal(deviation="5 %")``, or as
+        in a file ``{"type": "normal", ...}``.
     quantities : mapping
         Name -> what is asked: ``{"type": "natural_frequency", "mode": 1}``.
     configurations : str or sequence of str

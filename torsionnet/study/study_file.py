@@ -27,7 +27,6 @@ ALL = "all"
 _NAMES = Listed("configurations of the model", ConfigurationName(""), form="all, or a list of names")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class SomeConfigurations(Composite):
     """``all``, the name of one, or a list of names."""
 

@@ -19,13 +19,17 @@ from torsionnet.core.errors import MissingExtraError, UsageError, did_you_mean
 from torsionnet.core.version import __version__
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.table import Column, Table
+from torsionnet.study.kept_values import KeptValues
 from torsionnet.study.labelled_variants import labelled_variants
+from torsionnet.study.limit_totals import LimitTotals
 from torsionnet.study.quantity_summary import Summary
 from torsionnet.study.reductions.histogram import ACCURACY
 from torsionnet.study.study import Study
 
 SHOWN = (2.5, 50.0, 97.5)
 """Percentiles in tables."""
+AT_ONCE = 20_000
+"""Lines that are made into text together, which takes a hundred times the memory of their numbers."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,21 +41,24 @@ class StudyResult:
     study : Study
     summaries : mapping
         (configuration, quantity) -> Summary.
-    kept : mapping
-        (configuration, quantity) -> (n,) values of all variants, where they are kept.
+    kept : KeptValues
+        Values of all variants, or of an even part of very many.
     impossible : mapping
         Configuration -> variants that no drivetrain can be.
     remarks : mapping
         Configuration -> {what was warned of: how often}.
     folder : Path or None
+    beyond : LimitTotals or None
+        Variants beyond limits, where the values of a part only are kept.
     """
 
     study: Study
     summaries: Mapping[tuple[str, str], Summary]
-    kept: Mapping[tuple[str, str], FloatArray]
+    kept: KeptValues
     impossible: Mapping[str, int]
     remarks: Mapping[str, Mapping[str, int]]
     folder: Path | None = None
+    beyond: LimitTotals | None = None
 
     def _key(self, quantity: str, configuration: str | None) -> tuple[str, str]:
         known = self.study.quantities
@@ -75,13 +82,25 @@ class StudyResult:
         Raises
         ------
         UsageError
-            The quantity is a curve, or the values of so many variants are not kept.
+            The quantity is a curve, or of so many variants only a part is kept.
         """
         key = self._key(quantity, configuration)
-        if key not in self.kept:
-            reason = "is a curve" if self.summaries[key].measure.is_curve else "has too many values to be kept"
-            raise UsageError(f"{quantity} {reason}; summary() has its mean, extremes and percentiles")
-        return self.kept[key]
+        if key not in self.kept.numbers:
+            raise UsageError(f"{quantity} is a curve; summary() has its mean, extremes and percentiles")
+        if self.kept.every > 1:
+            raise UsageError(
+                f"{quantity} has too many values: those of one in {self.kept.every} variants are kept, which are in "
+                "kept_values(); summary() has mean, extremes and percentiles of all"
+            )
+        return self.kept.numbers[key]
+
+    def kept_values(self, quantity: str, configuration: str | None = None) -> FloatArray:
+        """Values (n,) in SI of the variants that are kept; of a curve (n, 2), its smallest and its largest value.
+
+        The variants are those with the indices 0, m, 2 m, ..., where m is ``kept.every``; all where that is 1.
+        """
+        key = self._key(quantity, configuration)
+        return self.kept.numbers[key] if key in self.kept.numbers else self.kept.extremes[key]
 
     def parameters(self, configuration: str | None = None) -> dict[str, FloatArray]:
         """Values (n,) of the parameters of all variants in SI."""
@@ -89,10 +108,18 @@ class StudyResult:
         space = self.study.space.at(self.study.model_in(case))
         return space.values(0, space.count)
 
+    def kept_parameters(self, configuration: str | None = None) -> dict[str, FloatArray]:
+        """Values (n,) in SI of the parameters of the variants that are kept."""
+        if self.kept.every == 1:
+            return self.parameters(configuration)
+        case, _ = self._key(next(iter(self.study.quantities)), configuration)
+        return {name: self.kept.parameters[case, name] for name in self.study.space.names}
+
     def percentiles(self, quantity: str, shares: ArrayLike, configuration: str | None = None) -> FloatArray:
         """Values (n_shares, n_points) that so many per cent do not exceed; exact where all values are kept."""
         key = self._key(quantity, configuration)
-        if key in self.kept and np.isfinite(values := self.kept[key]).any():
+        values = self.kept.numbers.get(key, np.empty(0))
+        if self.kept.every == 1 and np.isfinite(values).any():
             return np.asarray(np.percentile(values[np.isfinite(values)], np.asarray(shares), method="inverted_cdf"))[
                 :, None
             ]
@@ -135,8 +162,10 @@ class StudyResult:
         count = sum(self.impossible.values())
         if count:
             texts.append(f"{count} of {self.study.count} variants are no drivetrains and have no values")
-        if not self.kept:
+        if self.kept.every > 1 or not self.kept.numbers:
             texts.append(f"percentiles are within {ACCURACY:.1%} of themselves")
+        if self.kept.every > 1:
+            texts.append(f"values of single variants are kept of {self.kept.words(self.study.count)}")
         total: Counter[str] = Counter()
         for one in self.remarks.values():
             total.update(one)
@@ -156,27 +185,39 @@ class StudyResult:
             "percentiles": list(SHOWN),
             "quantities": quantities,
             "notes": list(self.notes),
+            **({} if self.kept.every == 1 else {"kept_every": self.kept.every}),
         }
 
     def columns(self) -> dict[str, NDArray[Any]]:
-        """Configuration, parameters and numbers of all variants, case by case, each (n,) in SI."""
-        cases = self.study.configurations
-        count = self.study.space.count
-        found: dict[str, NDArray[Any]] = {"configuration": np.repeat(np.array(cases), count)} if any(cases) else {}
-        drawn = [self.parameters(case) for case in cases]
+        """Configuration, parameters and numbers of the variants that are kept, case by case, each (n,) in SI.
+
+        Where these are not all, ``variant`` has the index of each in its configuration.
+        """
+        cases, every = self.study.configurations, self.kept.every
+        indices = np.arange(0, self.study.space.count, every)
+        found: dict[str, NDArray[Any]] = {}
+        if any(cases):
+            found["configuration"] = np.repeat(np.array(cases), len(indices))
+        if every > 1:
+            found["variant"] = np.tile(indices, len(cases))
+        drawn = [self.kept_parameters(case) for case in cases]
         found |= {name: np.concatenate([one[name] for one in drawn]) for name in self.study.space.names}
         numbers = [name for name in self.study.quantities if not self.summaries[cases[0], name].measure.is_curve]
-        return found | {name: np.concatenate([self.values(name, case) for case in cases]) for name in numbers}
+        return found | {name: np.concatenate([self.kept_values(name, case) for case in cases]) for name in numbers}
 
     def to_csv(self, path: str | os.PathLike[str]) -> None:
-        """Write a line for every variant, in full precision."""
+        """Write a line for every variant that is kept, in full precision."""
         columns = self.columns()
         headings = tuple(Column(name, self._unit(name)) for name in columns)
-        rows = tuple(zip(*(column.tolist() for column in columns.values()), strict=True))
-        Table(self.study.title, headings, rows, self.notes).to_csv(Path(path))
+        above = len(self.notes) + 2  # lines: the title, and the headings
+        with replacing(path) as file, file.open("w", encoding="utf-8", newline="") as stream:
+            for start in range(0, len(next(iter(columns.values()))), AT_ONCE):
+                block = (column[start : start + AT_ONCE].tolist() for column in columns.values())
+                text = Table(self.study.title, headings, tuple(zip(*block, strict=True)), self.notes).to_csv()
+                stream.write(text if start == 0 else text.split("\n", above)[above])
 
     def to_parquet(self, path: str | os.PathLike[str]) -> None:
-        """Write a line for every variant as Parquet, with model, seed and version in its metadata."""
+        """Write a line for every variant that is kept as Parquet, with model, seed and version in its metadata."""
         try:
             import pyarrow as pa
             import pyarrow.parquet as pq
@@ -192,8 +233,10 @@ class StudyResult:
         """An ``xarray.Dataset``: numbers over configuration and variant, curves over configuration and percentile."""
         curves = [key for key, one in self.summaries.items() if one.measure.is_curve]
         bands = {(case, name): self.percentiles(name, SHOWN, case) for case, name in curves}
-        parameters = {case: self.parameters(case) for case in self.study.configurations}
-        return labelled_variants(self.summaries, self.kept, bands, SHOWN, parameters, self._about)
+        parameters = {case: self.kept_parameters(case) for case in self.study.configurations}
+        found = labelled_variants(self.summaries, self.kept.numbers, bands, SHOWN, parameters, self._about)
+        indices = np.arange(0, self.study.space.count, self.kept.every)
+        return found if self.kept.every == 1 else found.assign_coords(variant=indices)
 
     @property
     def _about(self) -> dict[str, Any]:

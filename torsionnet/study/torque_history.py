@@ -28,7 +28,6 @@ class TorqueHistory:
     values: tuple[float, ...]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class TorqueHistoryEntry(Composite):
     """A channel of a recording beside the file of the study, or a list of torques with their rate."""
 

@@ -62,7 +62,6 @@ def _edges(raw: Any) -> tuple[Any, Any]:
     return f"{match[1]} {match[2] or unit}", f"{match[3]} {unit}"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Bands(Spec):
     """Bands in a list, or one alone."""
 

@@ -14,7 +14,6 @@ from torsionnet.core.errors import Fault, did_you_mean
 Kinds = Callable[[], Mapping[str, type[Declared]]]
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Composite(Spec):
     """Base of entries that are made of others."""
 

@@ -83,7 +83,6 @@ def plain_number(value: Fraction | float) -> int | float | str:
     return float(value)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class AnyQuantity(Spec):
     """A scalar whose dimension follows from where it is used."""
 
@@ -191,7 +190,6 @@ class ValueInUnitOfUse(Spec):
         return {**SCALAR_SCHEMA, "description": f"{self.description} [unit of what is measured]"}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class AnyNumber(Spec):
     """A number with the unit of what it is a value of; stored in SI."""
 

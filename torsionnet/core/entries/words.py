@@ -78,7 +78,6 @@ class Count(Spec):
         return {"type": "integer", "minimum": self.lower, "maximum": self.upper, "description": self.description}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Flag(Spec):
     """true or false."""
 

@@ -7,10 +7,6 @@ from pathlib import Path
 
 from torsionnet.core.errors import Position
 
-SIZE = "size"
-REMARKS = frozenset({SIZE, "description", "remark", "remarks", "note", "maker", "source"})
-"""Columns that no entry has to fit."""
-
 
 @dataclass(frozen=True)
 class CatalogueCell:

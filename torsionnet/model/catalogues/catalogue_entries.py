@@ -1,27 +1,23 @@
-"""The entries of an element that come from a row of a catalogue, and the fault of each that cannot."""
+"""What an element says of a catalogue: which one, and which of its rows."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from torsionnet.core.entries.nearby import nearby_file
 from torsionnet.core.entries.spec import EntryError, Schema, Spec
-from torsionnet.core.errors import Fault, ModelError, did_you_mean
-from torsionnet.core.units import expected_unit
-from torsionnet.model.catalogues.catalogue import SIZE, Catalogue, CatalogueCell, CatalogueRow
 
-CATALOGUE = "catalogue"
-PACKAGE = Path(__file__).resolve().parents[2]
+if TYPE_CHECKING:
+    from torsionnet.model.catalogues.catalogue import CatalogueRow
+
+CATALOGUE, SIZE = "catalogue", "size"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class CatalogueEntry(Spec):
     """The name of a catalogue: a file beside the model, or one that comes with the package."""
 
     def coerce(self, raw: Any) -> CatalogueRow:
+        from torsionnet.model.catalogues.catalogue import CatalogueRow
+
         if isinstance(raw, CatalogueRow):
             return raw
         raise EntryError(f"by its name a catalogue is found beside a model file; in Python give Path({raw!r})")
@@ -33,7 +29,6 @@ class CatalogueEntry(Spec):
         return {"type": "string", "description": self.description}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class SizeName(Spec):
     """The size of a catalogue, which may look like a number."""
 
@@ -44,109 +39,3 @@ class SizeName(Spec):
 
     def schema(self) -> Schema:
         return {"type": ["string", "number"], "description": self.description}
-
-
-def shipped_catalogues() -> dict[str, Path]:
-    """Name and file of every catalogue that comes with the package.
-
-    >>> "example_couplings" in shipped_catalogues()
-    True
-    """
-    installed = PACKAGE / "library"
-    folder = installed if installed.is_dir() else PACKAGE.parent / "library"
-    return {path.stem: path for path in sorted((folder / "catalogues").glob("*.csv"))}
-
-
-def row_of(entries: Mapping[str, Any]) -> tuple[CatalogueRow | None, list[Fault]]:
-    """The row that ``catalogue`` and ``size`` of an element name; None where they name none."""
-    file, size = entries.get(CATALOGUE), entries.get(SIZE)
-    if isinstance(file, CatalogueRow):
-        return file, []
-    if file is None:
-        lone = Fault("a size is looked up in a catalogue; add catalogue: couplings.csv", (SIZE,), on_key=True)
-        return None, [lone] if SIZE in entries else []
-    if isinstance(file, Catalogue):
-        return row_of({**entries, CATALOGUE: file.path})
-    if not isinstance(file, str | Path):
-        return None, [Fault(f"expected the name of a catalogue, as couplings.csv, got {file!r}", (CATALOGUE,))]
-    if size is None:
-        return None, [Fault("a catalogue needs the size that is meant, as size: A350", (CATALOGUE,), on_key=True)]
-    from torsionnet.model.catalogues.catalogue_reading import catalogue_row
-
-    try:
-        path = file if isinstance(file, Path) else _path(file)
-        return catalogue_row(path, path.name if path is file else str(file), str(size)), []
-    except EntryError as error:
-        return None, [fault.under(CATALOGUE) for fault in error.faults]
-    except OSError as error:
-        return None, [Fault(f"{file} cannot be read: {error.strerror or error}", (CATALOGUE,))]
-    except ModelError as error:
-        told = [] if any(fault.path for fault in error.faults) else [_useless(str(file), len(error.faults))]
-        return None, [*told, *error.faults]
-
-
-def _useless(file: str, count: int) -> Fault:
-    return Fault(f"{file} cannot be used; {count} fault{'s' if count > 1 else ''} in it", (CATALOGUE,))
-
-
-def _path(file: str) -> Path:
-    shipped = shipped_catalogues()
-    if file in shipped:
-        return shipped[file]
-    if not Path(file).suffix:
-        hint = did_you_mean(file, shipped) or f"; there are {', '.join(shipped)}"
-        raise EntryError(f'no catalogue that comes with the package is named "{file}"{hint} (a file ends in .csv)')
-    return nearby_file(file)
-
-
-def entries_of(
-    row: CatalogueRow, specs: Mapping[str, Spec], given: Mapping[str, Any]
-) -> tuple[dict[str, Any], list[Fault]]:
-    """What a row says of entries that are not given in the model; ``loss_factor.psi`` heads a part of an entry."""
-    found: dict[str, Any] = {}
-    faults: list[Fault] = []
-    for cell in row.cells:
-        name, _, part = cell.column.partition(".")
-        if name not in specs or name in (CATALOGUE, SIZE, "enabled") or name in given:
-            continue
-        if part:
-            found.setdefault(name, {})[part] = cell.raw
-        else:
-            found[name] = value_of(cell, specs[name], faults)
-    return found, [*([_useless(row.file, len(faults))] if faults else []), *faults]
-
-
-def resized(
-    row: CatalogueRow, size: str, specs: Mapping[str, Spec], stored: Mapping[str, Any]
-) -> tuple[dict[str, Any], list[Fault]]:
-    """What changes with another size: the row itself, and the entries that have the values of the row before."""
-    from torsionnet.model.catalogues.catalogue_reading import catalogue_row
-
-    try:
-        new = catalogue_row(row.path, row.file, size)
-    except ModelError as error:
-        return {}, list(error.faults)
-    before, _ = entries_of(row, specs, {})
-    after, faults = entries_of(new, specs, {})
-    kept = {name for name, raw in before.items() if specs[name].coerce(raw) != stored[name]}
-    lacking = [name for name in before if name not in after and name not in kept]
-    faults += [Fault(f"{row.file} has no {name} of size {size}, but of {row.size}", (SIZE,)) for name in lacking]
-    return {CATALOGUE: new, **{name: raw for name, raw in after.items() if name not in kept}}, faults
-
-
-def value_of(cell: CatalogueCell, spec: Spec, faults: list[Fault]) -> Any:
-    """A cell as an entry takes it; what is wrong with it is a fault in the catalogue."""
-    dimension = getattr(spec, "dimension", "1")
-    if dimension != "1" and cell.is_number and not cell.has_unit:
-        example = f"{cell.column} [{expected_unit(dimension)}]"
-        text = f'the column "{cell.column}" has no unit; write its heading as {example}, in the unit it has'
-        faults.append(Fault(text, position=cell.heading))
-        return None
-    raw: Any = cell.raw
-    if not hasattr(spec, "dimension"):
-        raw = {"true": True, "false": False}.get(raw.casefold(), int(raw) if raw.isdigit() else raw)
-    try:
-        spec.coerce(raw)
-    except EntryError as error:
-        faults.append(Fault(error.fault.message, position=cell.place))
-    return raw

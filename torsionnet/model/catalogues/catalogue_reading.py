@@ -13,7 +13,8 @@ from torsionnet.core.delimited.sheet_numbers import decimal_sign, is_like_number
 from torsionnet.core.delimited.sheet_units import named_unit, sheet_unit
 from torsionnet.core.errors import Fault, ModelError, UsageError, nearest
 from torsionnet.core.units import UnitError, numeral_of, parse_number
-from torsionnet.model.catalogues.catalogue import SIZE, Catalogue, CatalogueCell, CatalogueRow
+from torsionnet.model.catalogues.catalogue import Catalogue, CatalogueCell, CatalogueRow
+from torsionnet.model.catalogues.catalogue_entries import SIZE
 
 MOST_NAMED = 20
 """Sizes that a message names."""

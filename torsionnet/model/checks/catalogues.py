@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 from torsionnet.core.errors import Fault, did_you_mean
-from torsionnet.model.catalogues.catalogue import REMARKS
+from torsionnet.model.catalogues.catalogue_entries import SIZE
 from torsionnet.model.definition import Definition
+
+REMARKS = frozenset({SIZE, "description", "remark", "remarks", "note", "maker", "source"})
+"""Columns that no entry has to fit."""
 
 
 def unfit_columns(definition: Definition) -> list[Fault]:

@@ -11,7 +11,7 @@ from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Element
 from torsionnet.model.elements.curves import LookupCurve, OnCurve
 from torsionnet.model.load.external_torques import ExternalTorques
-from torsionnet.model.operating_values import OperatingPoints, following, operated
+from torsionnet.model.operating_values import OperatingPoints, operated
 from torsionnet.model.parameters import resolve
 
 
@@ -27,7 +27,7 @@ def beyond_curves(external: ExternalTorques) -> list[Fault]:
 def _working_points(external: ExternalTorques) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """In words where it is, and the values of the parameters there."""
     definition = external.definition
-    if not following(definition):
+    if not definition.following:
         yield "", external.values
         return
     points = OperatingPoints(external)

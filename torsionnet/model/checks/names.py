@@ -10,9 +10,8 @@ from torsionnet.model.channels import Input, Sensor, port_fault
 from torsionnet.model.checks.overrides import expressions_of_overrides, unfit_overrides
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND
+from torsionnet.model.elements.round_section import section_fault
 from torsionnet.model.operating_point import OperatingPoint
-from torsionnet.model.operating_values import unknown_in_parameters
-from torsionnet.model.readings import section_fault
 from torsionnet.model.torque_places import torque_place
 
 MOST_HINTS = 20
@@ -120,7 +119,13 @@ def unknown_references(definition: Definition) -> list[Fault]:
 
 def unknown_followed(definition: Definition) -> list[Fault]:
     """Nodes and elements that parameters follow."""
-    return list(unknown_in_parameters(definition))
+    nodes = _nodes(definition)
+    faults = []
+    for name, parameter in definition.following.items():
+        what, known = ("node", nodes) if parameter.by in ("speed", "load") else ("element", definition.elements)
+        if parameter.of not in known:
+            faults.append(unknown_name(what, parameter.of, known, ("parameters", name, "of")))
+    return faults
 
 
 def unknown_elements(definition: Definition) -> list[Fault]:

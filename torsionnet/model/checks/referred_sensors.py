@@ -9,16 +9,20 @@ from torsionnet.core.errors import Fault, UsageError
 from torsionnet.model.channels import Sensor
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import Values
-from torsionnet.model.readings import referring_factor
 
 
 def unreachable_shafts(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
     """An error for each declared sensor that cannot be referred to its shaft; those that are switched off say so."""
+    referred = {name: sensor for name, sensor in definition.sensors.items() if sensor.referred_to is not None}
+    if not referred:
+        return []
+    from torsionnet.model.readings import referring_factor
+
     elements = {element.name: element for element in definition.active}
     nodes = all_nodes(definition.active)
     faults = []
-    for name, sensor in definition.sensors.items():
-        if sensor.referred_to is not None and _is_on(sensor, elements, nodes):
+    for name, sensor in referred.items():
+        if _is_on(sensor, elements, nodes):
             try:
                 referring_factor(sensor, elements, Values(values))
             except UsageError as error:

@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from torsionnet.core.errors import USELESS, Fault, ModelError, UsageError, did_you_mean
+from torsionnet.core.errors import USELESS, Fault, UsageError, did_you_mean
 from torsionnet.core.groups import Groups
 from torsionnet.model.channels import Input, Sensor, named_nodes, still_words
-from torsionnet.model.checks.balance import unbalanced_torques
-from torsionnet.model.checks.curves_in_use import beyond_curves
-from torsionnet.model.checks.load_fits import unfit_load
 from torsionnet.model.checks.motions import left_free
 from torsionnet.model.checks.referred_sensors import unreachable_shafts
 from torsionnet.model.definition import Definition, all_nodes
-from torsionnet.model.elements import GROUND, Values
+from torsionnet.model.elements import GROUND, Element, Values
 from torsionnet.model.kinematics import (
     Kinematics,
     contradicting_loop,
@@ -22,9 +19,7 @@ from torsionnet.model.kinematics import (
     torques_are_determinate,
     virtual_motion,
 )
-from torsionnet.model.load.external_torques import ExternalTorques
-from torsionnet.model.operating_values import unfit_parameters
-from torsionnet.model.referral import unfit_references
+from torsionnet.model.lookup_table import LookupTable
 
 MOST_GROUPS = 10
 """Unconnected groups that are reported one by one."""
@@ -196,15 +191,6 @@ def rigid_motions(kinematics: Kinematics) -> list[str]:
     return [name for name in kinematics.coordinates if left.is_free(name)]
 
 
-def inconsistent_speeds(external: ExternalTorques) -> list[Fault]:
-    """Mean speeds that the gear ratios do not allow together."""
-    try:
-        _ = external.mean_speeds
-    except ModelError as error:
-        return list(error.faults)
-    return []
-
-
 CHECKS = (
     locked_channels,
     contradicting_inputs,
@@ -217,7 +203,7 @@ CHECKS = (
 
 def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
     """All structural checks of one configuration; contradicting gears make the rest meaningless."""
-    unfit = list(unfit_references([one for one in definition.elements.values() if one.enabled], values))
+    unfit = _unfit_references(definition, values)
     if unfit:
         return unfit
     kinematics = solve_kinematics(definition, Values(values))
@@ -226,10 +212,31 @@ def structure(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
         return faults
     faults = [fault for check in CHECKS for fault in check(definition, kinematics)]
     faults += unreachable_shafts(definition, values)
-    external = ExternalTorques(definition, values)
-    faults += inconsistent_speeds(external)
     sound = all(fault.severity != "error" for fault in faults)
-    if not sound:
-        return faults if definition.load else faults + unbalanced_torques(external, kinematics)
-    misfits = unfit_load(external) or unfit_parameters(external) or beyond_curves(external)
-    return faults + (misfits or unbalanced_torques(external, kinematics))
+    return faults + _unfit_operation(definition, values, kinematics, sound=sound)
+
+
+def _unfit_references(definition: Definition, values: Mapping[str, Any]) -> list[Fault]:
+    """Elements whose values are quoted at a shaft to which there is no ratio."""
+    on = [element for element in definition.elements.values() if element.enabled]
+    if all(element.referred_to is None for element in on):
+        return []
+    from torsionnet.model.referral import unfit_references
+
+    return list(unfit_references(on, values))
+
+
+def _unfit_operation(
+    definition: Definition, values: Mapping[str, Any], kinematics: Kinematics, *, sound: bool
+) -> list[Fault]:
+    """Faults of an operating point, where there is one or something follows it."""
+    operated = definition.load or definition.operating_point or definition.following
+    if not operated and not any(map(_has_tables, definition.active)):
+        return []
+    from torsionnet.model.checks.operation import unfit_operation
+
+    return unfit_operation(definition, values, kinematics, sound=sound)
+
+
+def _has_tables(element: Element) -> bool:
+    return any(isinstance(spec, LookupTable) for _, spec in element.specs())

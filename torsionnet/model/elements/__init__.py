@@ -1,20 +1,16 @@
 """The element types. One class is one place: ports, parameters, laws.
 
 A file of this package is imported when the type that it is named after is first asked for, and all of them when types
-are listed: a model then costs only the types that it has. Files with several types are imported here.
+are listed: a model then costs only the types that it has.
 """
 
 from typing import TYPE_CHECKING
 
-from torsionnet.model.elements import gears, rigid, springs
 from torsionnet.model.elements.element import ELEMENT_TYPES, Element, element_classes, make_element, register
 from torsionnet.model.elements.laws import GROUND, Action, Constraint, Law, Part, Row, Values
 
 if TYPE_CHECKING:
     from torsionnet.model.elements.element_types import *
-
-FAMILIES = (gears, rigid, springs)
-"""Files with several types."""
 
 __all__ = [
     "ELEMENT_TYPES",

@@ -42,7 +42,6 @@ class SensedMotion:
         return SENSED.index(self.quantity)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class SensedEntry(Spec):
     """``{velocity: node}``, or ``{velocity: [node, node]}`` for the motion of the first against the second."""
 
@@ -71,7 +70,6 @@ class SensedEntry(Spec):
         return {**found, "minProperties": 1, "maxProperties": 1, "description": self.description}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class OneOrTwoNodes(Spec):
     """A node, or two; the second may be ground."""
 
@@ -95,7 +93,6 @@ class OneOrTwoNodes(Spec):
         return {"anyOf": [name, pair], "description": self.description}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class ControlLawEntry(Spec):
     """A transfer function: a gain, PID, polynomials, zeros and poles, state space, or an object of python-control."""
 

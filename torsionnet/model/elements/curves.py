@@ -15,7 +15,6 @@ from torsionnet.core.units import DIMENSIONS, expected_unit
 from torsionnet.model.lookup_table import LookupTable
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Temperature(PhysicalQuantity):
     """A temperature, in degC or K: a number alone would leave open which."""
 

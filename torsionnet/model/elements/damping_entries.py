@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from torsionnet.core.damping import MEASURES, DampingMeasure
@@ -13,7 +12,6 @@ from torsionnet.core.errors import Fault, Path, did_you_mean
 from torsionnet.core.expressions import Algebra, Expression
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class DampingQuantity(PhysicalQuantity):
     """A viscous coefficient, or a damping measure at a stated frequency: ``{zeta: 0.02, at: 12 Hz}``."""
 
@@ -77,7 +75,6 @@ def _within(raw: Any, dimension: str, key: str) -> Expression:
         raise EntryError(error.fault.under(key)) from None
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class LossFactor(PhysicalQuantity):
     """A loss factor eta, or any frequency-free measure of damping: ``{zeta: 0.05}``, ``{psi: 0.6}``."""
 

@@ -12,7 +12,7 @@ from copy import copy
 from dataclasses import Field, dataclass, replace
 from functools import cache
 from pathlib import PurePath
-from typing import Any, ClassVar, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 from torsionnet.core.damping import DampingMeasure
 from torsionnet.core.entries.declared import Declared
@@ -23,22 +23,16 @@ from torsionnet.core.entries.words import Flag, Text, name_fault
 from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.core.expressions import Expression
 from torsionnet.core.type_register import TypeRegister
-from torsionnet.model.catalogues.catalogue import SIZE, Catalogue, CatalogueRow
-from torsionnet.model.catalogues.catalogue_entries import (
-    CATALOGUE,
-    CatalogueEntry,
-    SizeName,
-    entries_of,
-    resized,
-    row_of,
-)
+from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE, CatalogueEntry, SizeName
 from torsionnet.model.elements.laws import Constraint, Law, Part, Row, Values
 from torsionnet.model.elements.nodes import NodeName, NodePair, ReferenceNode
-from torsionnet.model.elements.quantity_table import Several
-from torsionnet.model.elements.speed_path import SpeedPath
+from torsionnet.model.elements.several import Several
 
-ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister("torsionnet.model.elements")
-"""Kind -> type, in the order of the kinds; a file is imported when the kind of its name is first asked for."""
+if TYPE_CHECKING:
+    from torsionnet.model.elements.speed_path import SpeedPath
+
+ELEMENT_TYPES: TypeRegister[type[Element]] = TypeRegister("torsionnet.model.elements", ("springs", "rigid", "gears"))
+"""Kind -> type, in the order of the kinds; a file is imported when a kind that it has is first asked for."""
 
 REFERRED = ("stiffness", "damping", "inertia")
 """Dimensions of values that may be quoted at the speed of another shaft."""
@@ -106,7 +100,7 @@ class Element(Declared):
     def __post_init__(self) -> None:
         reason = name_fault(self.name) if isinstance(self.name, str) else f"{self.name!r} is no name"
         faults = [Fault(reason)] if reason else []
-        faults += self._looked_up() or self._resized()
+        faults += [] if self.catalogue is None else self._looked_up() or self._resized()
         faults += self.coerced()
         faults = faults or self.contradictions()
         if faults:
@@ -114,6 +108,9 @@ class Element(Declared):
 
     def _looked_up(self) -> list[Fault]:
         """Take what is not given from a catalogue in a file; a required entry is not given if it is None."""
+        from torsionnet.model.catalogues.catalogue import Catalogue
+        from torsionnet.model.catalogues.taken_entries import entries_of, row_of
+
         if not isinstance(self.catalogue, Catalogue | PurePath):
             return []
         row, faults = row_of({CATALOGUE: self.catalogue, SIZE: self.size or None})
@@ -130,6 +127,9 @@ class Element(Declared):
 
     def _resized(self) -> list[Fault]:
         """Take the row of another size, where a configuration says one; the faults of what it cannot give."""
+        from torsionnet.model.catalogues.catalogue import CatalogueRow
+        from torsionnet.model.catalogues.taken_entries import resized
+
         row = self.catalogue
         if not isinstance(row, CatalogueRow) or str(self.size) in ("", row.size):
             return []
@@ -199,7 +199,7 @@ class Element(Declared):
     def at_own_speed(self, path: SpeedPath) -> Self:
         """A copy whose laws have the values of its own shaft, in place of those quoted at the end of ``path``."""
         found = copy(self)
-        found.__dict__.update(_speed_path=path, parts=_ActualParts(self, path))
+        found.__dict__.update(_speed_path=path, parts=path.of_own_shaft(self))
         return found
 
     @property
@@ -256,6 +256,8 @@ class Element(Declared):
         data = {"type": self.kind, **super().to_data()}
         if self.catalogue is None:
             return data
+        from torsionnet.model.catalogues.taken_entries import entries_of
+
         specs = dict(self.specs())
         taken, _ = entries_of(self.catalogue, specs, {})
         same = {name for name, raw in taken.items() if name in data and specs[name].coerce(raw) == getattr(self, name)}
@@ -268,17 +270,6 @@ class Element(Declared):
         from_row = [name for name in schema["required"] if name != told_by]
         lone = {"not": {"required": [CATALOGUE]}}
         return {**schema, "required": [told_by] if told_by else [], "if": lone, "then": {"required": from_row}}
-
-
-@dataclass(frozen=True)
-class _ActualParts:
-    """Laws of an element with the values of its own shaft; constraints as they are."""
-
-    quoted: Element
-    path: SpeedPath
-
-    def __call__(self, value: Values) -> tuple[Part, ...]:
-        return self.path.actual(self.quoted.parts(value), value)
 
 
 def make_element(kind: str, name: str, data: Mapping[str, Any]) -> Element:

@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from torsionnet.core.entries.composite import Named
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.words import name_fault
 from torsionnet.core.errors import Fault, ModelError, did_you_mean
-from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, entries_of, row_of
+from torsionnet.model.catalogues.catalogue_entries import CATALOGUE, SIZE
 from torsionnet.model.elements.element import ELEMENT_TYPES, Element
 
 FORM = "{name: {type: inertia, node: ..., inertia: ...}, ...}"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class ElementTable(Named):
     """Elements know their names, which are part of what is said about them."""
 
@@ -49,6 +48,10 @@ def _read_element(name: Any, raw: Any) -> tuple[Element | None, list[Fault]]:
     if not isinstance(kind, str) or kind not in ELEMENT_TYPES:
         return None, [_kind_fault(kind)]
     cls, entries = ELEMENT_TYPES[kind], {key: value for key, value in raw.items() if key != "type"}
+    if entries.keys().isdisjoint((CATALOGUE, SIZE)):
+        return _made(cls, name, entries)
+    from torsionnet.model.catalogues.taken_entries import entries_of, row_of
+
     row, faults = row_of(entries)
     if row is None:
         return (None, faults) if faults else _made(cls, name, entries)

@@ -14,6 +14,7 @@ from torsionnet.model.elements.gears import Differential as Differential
 from torsionnet.model.elements.gears import Gear as Gear
 from torsionnet.model.elements.gears import Planetary as Planetary
 from torsionnet.model.elements.grid_generator import GridGenerator as GridGenerator
+from torsionnet.model.elements.hysteretic_spring import HystereticSpring as HystereticSpring
 from torsionnet.model.elements.induction_machine import InductionMachine as InductionMachine
 from torsionnet.model.elements.inertia import Inertia as Inertia
 from torsionnet.model.elements.mass_elastic import MassElastic as MassElastic
@@ -24,10 +25,9 @@ from torsionnet.model.elements.rigid import RigidCoupling as RigidCoupling
 from torsionnet.model.elements.shaft import Shaft as Shaft
 from torsionnet.model.elements.spring_damper import SpringDamper as SpringDamper
 from torsionnet.model.elements.springs import Damper as Damper
-from torsionnet.model.elements.springs import HystereticSpring as HystereticSpring
 from torsionnet.model.elements.springs import Spring as Spring
-from torsionnet.model.elements.springs import TabulatedSpring as TabulatedSpring
 from torsionnet.model.elements.synchronous_machine import SynchronousMachine as SynchronousMachine
+from torsionnet.model.elements.tabulated_spring import TabulatedSpring as TabulatedSpring
 from torsionnet.model.elements.torque_converter import TorqueConverter as TorqueConverter
 from torsionnet.model.elements.tuned_damper import TunedDamper as TunedDamper
 from torsionnet.model.elements.tyre import Tyre as Tyre

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import ClassVar
 
 from torsionnet.model.elements.element import register
@@ -10,7 +9,6 @@ from torsionnet.model.elements.hydrodynamic import Hydrodynamic
 
 
 @register
-@dataclass(frozen=True, eq=False, repr=False)
 class FluidCoupling(Hydrodynamic):
     """A fluid (Foettinger) coupling: pump and turbine pass on one torque T = C(nu) omega_p^2, nu = omega_t / omega_p.
 

@@ -10,10 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from torsionnet.core.expressions import RATIONAL, Algebra, Expression
-from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
+
+if TYPE_CHECKING:
+    from torsionnet.model.elements.dynamic_stiffness import DynamicStiffness
 
 GROUND = "ground"
 """The node with no angle; a coefficient on it drops out of every row."""

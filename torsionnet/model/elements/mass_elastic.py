@@ -15,12 +15,13 @@ from torsionnet.core.expression_reading import scalar
 from torsionnet.core.plain_names import free_name
 from torsionnet.model.elements.element import Element, register
 from torsionnet.model.elements.gears import Gear
+from torsionnet.model.elements.hysteretic_spring import HystereticSpring
 from torsionnet.model.elements.inertia import Inertia
 from torsionnet.model.elements.laws import GROUND, Part, Row, Values, make_row
 from torsionnet.model.elements.nodes import read_node
 from torsionnet.model.elements.rigid import Lock, RigidCoupling
 from torsionnet.model.elements.shaft import Shaft
-from torsionnet.model.elements.springs import Damper, HystereticSpring, Spring
+from torsionnet.model.elements.springs import Damper, Spring
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet
 from torsionnet.model.sheets.sheet_entry import SheetEntry
 from torsionnet.model.sheets.sheet_rows import SheetLink, SheetMass
@@ -29,7 +30,6 @@ MOST_DIGITS = 10**6
 """A ratio of speeds with whole numbers up to this is written as they are, any other as a decimal number."""
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Stations(Spec):
     """Which masses of a sheet are on which nodes of the model: ``{flywheel: fly}``."""
 

@@ -56,7 +56,6 @@ class ReferenceNode(NodeName):
     allow_ground: bool = False
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class NodePair(Spec):
     """Two nodes; the first defines the sign of the element's twist and torque."""
 

@@ -7,34 +7,14 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from torsionnet.core.entries.renaming import Renaming
-from torsionnet.core.entries.spec import EntryError, Schema, Spec
+from torsionnet.core.entries.spec import EntryError, Schema
 from torsionnet.core.entries.words import name_fault
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Expression
+from torsionnet.model.elements.several import Several
 
 Named: TypeAlias = tuple[tuple[str, Any], ...]
 """Values by name, in the order in which they were given."""
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class Several(Spec):
-    """Base of entries that hold several values; what ``of`` is decides what each is."""
-
-    of: Spec
-    shown: str
-    """What to write, for messages."""
-    fewest: int = 2
-
-    @property
-    def absent(self) -> tuple[Any, ...]:
-        return ()
-
-    @property
-    def example(self) -> str:
-        return self.shown
-
-    def refusal(self, raw: Any) -> EntryError:
-        return EntryError(f"expected {self.shown}, got {'nothing' if raw is None else repr(raw)}")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -81,7 +61,6 @@ class TableByName(Several):
         )
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class TableByNode(TableByName):
     """``{crank: 80 mm, pump: 60 mm}``, the names being nodes."""
 
@@ -89,7 +68,6 @@ class TableByNode(TableByName):
         return tuple((names.node(node), names.within(one)) for node, one in value)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class ListOf(Several):
     """``[3 MN/m, 2 MN/m]``."""
 

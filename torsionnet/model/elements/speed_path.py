@@ -32,6 +32,8 @@ class Passing(Protocol):
 
     def holds(self, value: Values) -> tuple[Row, ...]: ...
 
+    def parts(self, value: Values) -> tuple[Part, ...]: ...
+
 
 @dataclass(frozen=True)
 class SpeedStep:
@@ -67,6 +69,21 @@ class SpeedPath:
             return tuple(parts)
         factor = self.ratio(value) ** 2
         return tuple(_scaled(part, factor) if isinstance(part, Law) else part for part in parts)
+
+    def of_own_shaft(self, quoted: Passing) -> _ActualParts:
+        """In place of the method ``parts`` of an element whose values are quoted at the end."""
+        return _ActualParts(quoted, self)
+
+
+@dataclass(frozen=True)
+class _ActualParts:
+    """Laws of an element with the values of its own shaft; constraints as they are."""
+
+    quoted: Passing
+    path: SpeedPath
+
+    def __call__(self, value: Values) -> tuple[Part, ...]:
+        return self.path.actual(self.quoted.parts(value), value)
 
 
 def _quotient(above: Any, below: Any) -> Any:

@@ -14,7 +14,6 @@ from torsionnet.core.expressions import Number
 from torsionnet.core.units import DIMENSIONS
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class StageEnd(Spec):
     """A torque or an angle, told by its unit."""
 
@@ -45,7 +44,6 @@ class SpringStage(Declared):
     to: Any = entry(StageEnd("torque or angle where the stage ends; none: the last stage"), None)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class SpringStages(Composite):
     """``[{stiffness: 6 N*m/deg, to: 120 N*m}, {stiffness: 14 N*m/deg}]``, from the unloaded position on."""
 

@@ -9,12 +9,11 @@ from torsionnet.core.entries.scalars import PhysicalQuantity
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.errors import Fault
 from torsionnet.core.expressions import Expression
-from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor, loss_factor
+from torsionnet.model.elements.damping_entries import DampingQuantity
 from torsionnet.model.elements.element import Element, register, viscous
 from torsionnet.model.elements.laws import Law, Part, Values, difference
 from torsionnet.model.elements.nodes import NodePair
 from torsionnet.model.elements.round_section import section_faults
-from torsionnet.model.elements.stiffness_rows import TableEntry
 
 PAIR = "the two nodes it connects, one may be ground; twist is the angle of the first minus the second"
 SECTION = PhysicalQuantity(
@@ -76,65 +75,3 @@ class Damper(Element):
 
     def parts(self, value: Values) -> tuple[Part, ...]:
         return (Law(difference(*self.nodes), damping=value(self.damping)),)
-
-
-@register
-@dataclass(frozen=True, eq=False, repr=False)
-class HystereticSpring(Element):
-    """A spring with rate-independent losses: torque k (1 + j eta) gamma at positive frequency.
-
-    The loss per cycle, pi eta k gamma^2, does not depend on frequency. The law holds in the frequency domain only; in
-    the limit of zero frequency its phase lag stays.
-
-    Examples
-    --------
-    >>> rubber = HystereticSpring("rubber", nodes=("a", "b"), stiffness=460, loss_factor=0.3)
-    >>> rubber.ports
-    {'first': 'a', 'second': 'b'}
-    """
-
-    kind: ClassVar[str] = "hysteretic_spring"
-    glyph: ClassVar[str] = "spring"
-
-    nodes: Any = entry(NodePair(PAIR))
-    stiffness: Any = entry(PhysicalQuantity("torsional stiffness, the real part", "stiffness", "k"))
-    loss_factor: Any = entry(LossFactor("loss factor, or another frequency-free damping measure", "1", "eta"))
-    damping: Any = entry(DampingQuantity("viscous damping in parallel", "damping", "c"), 0)
-    outer_diameter: Any = entry(SECTION, None)
-    inner_diameter: Any = entry(BORE, 0)
-
-    def contradictions(self) -> list[Fault]:
-        return section_faults(self)
-
-    @property
-    def diameters(self) -> tuple[Expression, Expression] | None:
-        return None if self.outer_diameter is None else (self.outer_diameter, self.inner_diameter)
-
-    def parts(self, value: Values) -> tuple[Part, ...]:
-        stiffness = value(self.stiffness)
-        eta = loss_factor(self.loss_factor, value.parameters, value.algebra)
-        damping = viscous(self.damping, stiffness, value)
-        return (Law(difference(*self.nodes), damping=damping, stiffness=stiffness, loss_factor=eta),)
-
-
-@register
-@dataclass(frozen=True, eq=False, repr=False)
-class TabulatedSpring(Element):
-    """A coupling known by its measured dynamic stiffness k(f) + j omega c(f), interpolated linearly between the rows.
-
-    Examples
-    --------
-    >>> bush = TabulatedSpring("bush", nodes=("a", "b"), table=[[1, 400, 2], ["20 Hz", "0.5 kN*m/rad", 1.2]])
-    >>> bush.table.stiffness
-    (400.0, 500.0)
-    """
-
-    kind: ClassVar[str] = "tabulated_spring"
-    glyph: ClassVar[str] = "spring"
-
-    nodes: Any = entry(NodePair(PAIR))
-    table: Any = entry(TableEntry("rows [frequency in Hz, stiffness in N*m/rad, damping in N*m*s/rad]"))
-
-    def parts(self, value: Values) -> tuple[Part, ...]:
-        del value
-        return (Law(difference(*self.nodes), table=self.table),)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from numbers import Integral
 from typing import Any
 
@@ -12,7 +11,6 @@ from torsionnet.core.entries.spec import EntryError, Schema, Spec
 MOST_TEETH = 1_000_000
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Teeth(Spec):
     """Two teeth counts; one negative count marks opposite senses of rotation (an external mesh)."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from typing import Any
 
 from torsionnet.core.entries.composite import Listed, Named
@@ -21,7 +20,6 @@ def number_fault(name: str) -> str | None:
     return None if name.isdecimal() and 0 < int(name) <= 99 else f'cylinders have numbers from 1 to 99, not "{name}"'
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class CylindersEntry(Listed):
     """A list of cylinders, or ``each``: one after the other, as conditions of their own."""
 

@@ -24,7 +24,6 @@ from torsionnet.model.excitations.trace_entry import TraceEntry
 FIRING_TDC = "firing_tdc"
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class ZeroEntry(Spec):
     """Where firing top dead centre is in the angles of a trace; stored in rad."""
 

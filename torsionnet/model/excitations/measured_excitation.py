@@ -66,7 +66,6 @@ class OrderTable(Declared):
         return measured_lines(self.columns, np.array(self.rows, dtype=float))
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class OrderTableEntry(Nested):
     """A table, or the name of a file that has it; what is written are the numbers."""
 

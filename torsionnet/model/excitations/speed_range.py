@@ -19,7 +19,6 @@ MOST_SPEEDS = 100_000
 _RANGE = re.compile(r"\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*\.\.\s*([\d.eE+]+)\s*([A-Za-z/]*)\s*")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class SpeedBand(Spec):
     """Two speeds, the lower one first; stored in rad/s."""
 

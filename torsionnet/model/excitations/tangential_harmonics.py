@@ -52,7 +52,6 @@ _BY_ORDER = ByOrder("order -> tangential pressure", Nested("", lambda: Tangentia
 _BY_PRESSURE = ByPressure("mean indicated pressure -> orders", _BY_ORDER)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class HarmonicTables(Composite):
     """One table by order, or several by mean indicated pressure; stored by Pa, None for one that stands alone."""
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +21,6 @@ PRESSURE = Value("a pressure", "pressure", lower=None)
 _ANGLE = Value("crank angle of the first pressure", "angle", lower=None)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class TraceEntry(Composite):
     """A list of pressures at even steps, the same with the angle where it begins, or the name of a file."""
 

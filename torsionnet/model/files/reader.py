@@ -20,7 +20,6 @@ from torsionnet.model.files.library import library_models
 from torsionnet.model.files.library_uses import other_use
 from torsionnet.model.files.located import LocatedDocument, compose
 from torsionnet.model.files.placing import placed, presentable
-from torsionnet.model.parts.places import at_written_places
 
 SUFFIXES = (".yaml", ".yml", ".json")
 
@@ -63,7 +62,10 @@ def read_text(
         faults = check_what_was_read(definition, document, faults)
         if further is not None and definition is not None and not has_errors([*document.faults, *faults]):
             faults = [*faults, *further(definition)]
-        faults = at_written_places(definition, faults)
+        if definition.authored is not None:
+            from torsionnet.model.parts.places import at_written_places
+
+            faults = at_written_places(definition.authored.authored, faults)
     found = placed([*document.faults, *faults], document)
     return (None if has_errors(found) else definition), found
 

@@ -17,12 +17,12 @@ from torsionnet.core.errors import Fault, Path, unknown_name
 from torsionnet.core.expressions import Number
 from torsionnet.core.units import RPM
 from torsionnet.model.channels import UNITS, ChannelName, Sensor, named_sensor
+from torsionnet.model.elements.round_section import section_fault
 from torsionnet.model.excitations.order_excitation import ORDER
 from torsionnet.model.limits.allowed_curve import ALLOWED, AllowedTable, allowed_at
 from torsionnet.model.limits.evidence import Evidence
 from torsionnet.model.limits.limit import Limit, LimitLine, register_rule
 from torsionnet.model.limits.subject import LimitSubject
-from torsionnet.model.readings import section_fault
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.response.limit_check import LimitVerdict, RuleText
 

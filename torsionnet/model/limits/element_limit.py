@@ -11,7 +11,7 @@ import numpy as np
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault, ModelError, Path
-from torsionnet.model.catalogues.catalogue_entries import value_of
+from torsionnet.model.catalogues.taken_entries import value_of
 from torsionnet.model.channels import Sensor
 from torsionnet.model.elements import Element
 from torsionnet.model.elements.nodes import ElementName

@@ -17,7 +17,6 @@ _SPEED = Value("a speed", "speed", below=1e6)
 _TORQUE = Value("a torque", "torque")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class TorqueOverSpeed(Spec):
     """A table ``{300 rpm: 30 kN*m, 750 rpm: 188 kN*m}``; stored as pairs in rad/s and N m, by rising speed."""
 

@@ -8,7 +8,7 @@ from typing import Any
 
 from torsionnet.model.definition import Definition
 from torsionnet.model.parts.flattening import SECTIONS, flattened
-from torsionnet.model.parts.part import Use
+from torsionnet.model.parts.use import Use
 
 
 @dataclass(frozen=True)

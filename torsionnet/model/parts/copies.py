@@ -9,7 +9,7 @@ from typing import Any
 
 from torsionnet.core.errors import Fault, Path, unknown_name
 from torsionnet.core.expressions import Expression
-from torsionnet.model.parts.part import Use
+from torsionnet.model.parts.use import Use
 
 MOST_LISTED = 12
 """Names of what there is, in a fault."""

@@ -13,7 +13,8 @@ from torsionnet.model.configurations import DEFAULT_AXIS, Overlay
 from torsionnet.model.definition import Definition, all_nodes
 from torsionnet.model.elements import GROUND, Element
 from torsionnet.model.parts.copies import Copy, copies, listing, use_faults
-from torsionnet.model.parts.part import Part, Use
+from torsionnet.model.parts.part import Part
+from torsionnet.model.parts.use import Use
 
 SECTIONS = ("parameters", "elements", "inputs", "sensors", "configurations", "excitations", "limits")
 """What a part may have and the whole gets from it."""
@@ -46,17 +47,13 @@ def flattened(definition: Definition, *, whole: bool = True) -> tuple[Definition
 
     Faults have the paths of the definition as it was written.
     """
-    if not definition.use and not definition.parts and not _abbreviates(definition):
+    if definition.is_flat:
         return definition, []
     reader = _Flattening(definition.parts, whole)
     content = reader.content(definition, (), ())
     reader.unused(definition.parts)
     flat = replace(definition, **{name: getattr(content, name) for name in SECTIONS}, parts={}, use={})
     return flat, reader.faults
-
-
-def _abbreviates(definition: Definition) -> bool:
-    return any(element.expanded() != (element,) for element in definition.elements.values())
 
 
 class _Flattening:

@@ -69,11 +69,8 @@ def _renamed_back(section: str, rest: Path, before: str) -> Path:
     return (rest[0], str(rest[1]).removeprefix(before), *rest[2:])
 
 
-def at_written_places(definition: Definition, faults: Iterable[Fault]) -> list[Fault]:
+def at_written_places(authored: Definition, faults: Iterable[Fault]) -> list[Fault]:
     """The faults where they are written; one that every use of a part has is told once, in the words of the part."""
-    if definition.authored is None:
-        return list(faults)
-    authored = definition.authored.authored
     found: dict[tuple[object, ...], Fault] = {}
     for fault in faults:
         told = _in_part(fault, place_in_part(authored, fault.path))

@@ -57,7 +57,6 @@ class Pair:
         return {"output": self.output, "input": self.input, "excitation": self.excitation}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class PairEntry(Spec):
     """``OUTPUT/INPUT``, or its parts by name."""
 
@@ -106,7 +105,6 @@ def section_fault(name: Any) -> str:
     return f'no section is named "{name}"{meant_or(str(name), SECTIONS, "known: " + ", ".join(SECTIONS))}'
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class SectionName(Spec):
     """A section of a report."""
 
@@ -120,7 +118,6 @@ class SectionName(Spec):
         return {"oneOf": [{"const": name, "description": text} for name, text in SECTIONS.items()]}
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class ConfigurationName(Spec):
     """A name, which in a file may look like a number."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,6 @@ from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.sheets.mass_elastic_sheet import MassElasticSheet, read_sheet
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class SheetEntry(Spec):
     """The name of a file in the folder of the model file, or below."""
 

@@ -16,7 +16,8 @@ from torsionnet.model.elements import Values
 from torsionnet.model.elements.characteristic import Characteristic
 from torsionnet.model.elements.curves import LookupCurve
 from torsionnet.model.elements.laws import Law
-from torsionnet.model.elements.quantity_table import Several, TableByName
+from torsionnet.model.elements.quantity_table import TableByName
+from torsionnet.model.elements.several import Several
 from torsionnet.model.elements.stiffness_rows import TableEntry
 from torsionnet.model.given_values import given, in_words
 from torsionnet.report.document_tree import Block, Cell, Heading, Inline, Math, NumberText, Section, TableBlock

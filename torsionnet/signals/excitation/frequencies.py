@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,6 @@ from torsionnet.core.errors import UsageError
 _FREQUENCY = Value("frequency", "frequency")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class Frequencies(Spec):
     """A list of frequencies, or ``{from: 1 Hz, to: 40 Hz, count: 60}`` at equal factors."""
 

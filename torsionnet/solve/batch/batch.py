@@ -13,7 +13,6 @@ from torsionnet.assembly.action_law import ActionLaw
 from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.assembly.law_stiffness import LawStiffness
 from torsionnet.assembly.rows import FloatArray
-from torsionnet.model.operating_values import following
 from torsionnet.solve.batch.batched_stiffness import BatchedStiffness
 
 
@@ -68,7 +67,7 @@ class Batch:
         """
         changes = {name: float(column[index]) for name, column in self.values.items()}
         single = self.drivetrain.configured(**changes)
-        follow = following(single.definition)
+        follow = single.definition.following
         return single.operated({name: self.drivetrain.parameters[name] for name in follow}) if follow else single
 
     def part(self, which: Any) -> Batch:

@@ -14,7 +14,7 @@ from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.errors import ModelError
 from torsionnet.model.elements import Law, Values
 from torsionnet.model.elements.dynamic_stiffness import ComplexStiffness, DynamicStiffness
-from torsionnet.model.readings import section_modulus
+from torsionnet.model.elements.round_section import section_modulus
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batched_stiffness import BatchedStiffness
 from torsionnet.solve.batch.variant_numbers import Decisions, column

@@ -17,8 +17,8 @@ from torsionnet.assembly.assembled import AssembledModel
 from torsionnet.core.errors import ModelError, TorsionnetError, UsageError
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements import Law, Part, Values
+from torsionnet.model.elements.round_section import section_modulus
 from torsionnet.model.parameters import evaluation_order
-from torsionnet.model.readings import section_modulus
 from torsionnet.solve.batch.batch import Batch
 from torsionnet.solve.batch.batch_filling import Filling
 from torsionnet.solve.batch.moved_parameters import derived_from, operating_point_moves

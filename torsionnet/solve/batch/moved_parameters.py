@@ -6,7 +6,6 @@ from collections.abc import Collection, Iterator
 
 from torsionnet.model.definition import Definition
 from torsionnet.model.elements.curves import OnCurve
-from torsionnet.model.operating_values import following
 
 
 def derived_from(definition: Definition, names: Collection[str], order: Collection[str]) -> Iterator[str]:
@@ -26,7 +25,7 @@ def operating_point_moves(definition: Definition, moved: Collection[str], names:
     point, moving = definition.operating_point, frozenset(moved)
     if any(value.names & moving for table in (point.speed, point.torque) for value in table.values()):
         return True
-    if following(definition).keys() <= set(names):
+    if definition.following.keys() <= set(names):
         return False
     return any(
         isinstance(spec, OnCurve) and expression.names & moving

@@ -17,7 +17,8 @@ from torsionnet.core.errors import SolveError, UsageError
 from torsionnet.core.expressions import ExpressionError
 from torsionnet.model.channels import Input, Sensor
 from torsionnet.model.elements import Values
-from torsionnet.model.readings import referring_factor, section_modulus
+from torsionnet.model.elements.round_section import section_modulus
+from torsionnet.model.readings import referring_factor
 from torsionnet.solve.sensitivity.arranged import Arranged, law_stiffness_of
 from torsionnet.solve.sensitivity.augmented import Augmented, augmented
 from torsionnet.solve.sensitivity.dual import DUALS, gradient_of

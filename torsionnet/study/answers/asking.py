@@ -33,10 +33,18 @@ def chosen_quantities(study: AskedStudy, names: tuple[str, ...]) -> tuple[str, .
 
 
 def limit_words(study: AskedStudy, name: str) -> str:
-    """What the limit of a quantity does not allow, ``peak above 20 N*m``, in the units in which it was written."""
-    limit, unit = study.limits[name], measure_of(study, name).unit
-    sides = [(word, value) for word, value in (("above", limit.below), ("below", limit.above)) if value is not None]
-    return f"{name} " + " or ".join(f"{word} {as_written(value, unit)}" for word, value in sides)
+    """What the limit of a quantity does not allow, ``peak above 20 N*m``; of a curve ``largest H above 2 rad``.
+
+    In the units in which the limit was written.
+    """
+    limit, form = study.limits[name], measure_of(study, name)
+    sides = (("above", "largest", limit.below), ("below", "smallest", limit.above))
+    said = [
+        (word, f"{which} {name}", as_written(value, form.unit)) for word, which, value in sides if value is not None
+    ]
+    if form.is_curve:
+        return " or ".join(f"{what} {word} {value}" for word, what, value in said)
+    return f"{name} " + " or ".join(f"{word} {value}" for word, _, value in said)
 
 
 def quantity_faults(study: AskedStudy, names: tuple[str, ...], key: str) -> Iterator[Fault]:
@@ -49,13 +57,10 @@ def quantity_faults(study: AskedStudy, names: tuple[str, ...], key: str) -> Iter
         yield Fault("none of the quantities is a single number, as a frequency or a peak", on_key=True)
 
 
-def limit_faults(study: AskedStudy, names: tuple[str, ...]) -> Iterator[Fault]:
-    """Limits that are not there, or are on curves."""
+def limit_faults(study: AskedStudy) -> Iterator[Fault]:
+    """Limits that are not there."""
     if not study.limits:
         yield Fault("no quantity has a limit; give the study limits: {QUANTITY: {below: VALUE}}", on_key=True)
-    for name in study.limits:
-        if name in (names or study.limits) and name in study.quantities and measure_of(study, name).is_curve:
-            yield Fault(f"{name} is a curve; limit a quantity that is a single number, as its peak", on_key=True)
 
 
 def distribution_faults(study: AskedStudy) -> Iterator[Fault]:

@@ -12,7 +12,10 @@ from torsionnet.study.answers.asking import case_label
 
 @dataclass(frozen=True, eq=False)
 class CaseValues:
-    """Parameters and quantities (n,) of all variants in one configuration."""
+    """Parameters and quantities (n,) of the variants in one configuration that are kept.
+
+    A curve is there by its smallest and largest value over its points, (n, 2).
+    """
 
     configuration: str
     parameters: Mapping[str, FloatArray]
@@ -25,7 +28,7 @@ class CaseValues:
 
 
 def case_values(study: AskedStudy, result: VariantValues, names: tuple[str, ...]) -> Iterator[CaseValues]:
-    """The quantities ``names`` of all variants."""
+    """The quantities ``names`` of all variants, or of very many a part; ``result.kept`` says which."""
     for configuration in study.configurations:
-        quantities = {name: result.values(name, configuration) for name in names}
-        yield CaseValues(configuration, result.parameters(configuration), quantities)
+        quantities = {name: result.kept_values(name, configuration) for name in names}
+        yield CaseValues(configuration, result.kept_parameters(configuration), quantities)

@@ -10,6 +10,9 @@ import numpy as np
 
 from torsionnet.core.number_text import finite
 
+IN_WORDS = {"in_words": True}
+"""Metadata of a field that is told in the sentences alone."""
+
 
 class PlainConclusion:
     """Base of frozen dataclasses that say all they found in their fields."""
@@ -27,7 +30,9 @@ class PlainConclusion:
 def plain_data(value: Any) -> Any:
     """Dataclasses and mappings as dictionaries, arrays and tuples as lists."""
     if is_dataclass(value):
-        return {one.name: plain_data(getattr(value, one.name)) for one in fields(value)}
+        return {
+            one.name: plain_data(getattr(value, one.name)) for one in fields(value) if not one.metadata.get("in_words")
+        }
     if isinstance(value, Mapping):
         return {_key(key): plain_data(one) for key, one in value.items()}
     if isinstance(value, np.ndarray | np.generic):

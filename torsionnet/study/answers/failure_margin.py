@@ -22,7 +22,9 @@ def failure_margin(case: AnswerCase, limits: dict[str, QuantityLimit]) -> OfPoin
 
 
 def distance(limit: QuantityLimit, values: FloatArray) -> FloatArray:
-    """Of values (n,) to the nearer side of their limit, over its size; NaN where there is no value.
+    """Of values (n,), or the worst of a curve (n, n_points), to the nearer side of their limit, over its size.
+
+    NaN where there is no value.
 
     Examples
     --------
@@ -32,4 +34,5 @@ def distance(limit: QuantityLimit, values: FloatArray) -> FloatArray:
     """
     sides = [(1, limit.above), (-1, limit.below)]
     size = max(abs(side) for _, side in sides if side is not None) or 1.0
-    return np.asarray(np.min([sign * (values - side) / size for sign, side in sides if side is not None], axis=0))
+    found = np.min([sign * (values - side) / size for sign, side in sides if side is not None], axis=0)
+    return np.asarray(found if found.ndim == 1 else found.min(axis=1))

@@ -69,7 +69,7 @@ class FailureProbability(StudyAnswer):
         return []
 
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
-        yield from limit_faults(study, self.limits)
+        yield from limit_faults(study)
         yield from distribution_faults(study)
 
     def found(self, study: AskedStudy, result: VariantValues | None = None) -> FailureFound:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -20,7 +20,7 @@ from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, regi
 from torsionnet.study.answer_names import QUANTITY
 from torsionnet.study.answers.asking import chosen_quantities, measure_of, quantity_faults, units_of
 from torsionnet.study.answers.case_values import case_values
-from torsionnet.study.answers.conclusion_data import PlainConclusion
+from torsionnet.study.answers.conclusion_data import IN_WORDS, PlainConclusion
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -45,11 +45,10 @@ class ParallelCoordinates(StudyAnswer):
 
     def found(self, study: AskedStudy, result: VariantValues) -> ParallelFound:
         names = chosen_quantities(study, self.quantities)
-        limits = {name: one for name, one in study.limits.items() if not measure_of(study, name).is_curve}
         variants, beyond, medians = {}, {}, {}
-        for case in case_values(study, result, tuple(dict.fromkeys((*names, *limits)))):
+        for case in case_values(study, result, tuple(dict.fromkeys((*names, *study.limits)))):
             columns = {**case.parameters, **{name: case.quantities[name] for name in names}}
-            exceeded = [limit.exceeded(case.quantities[name]) for name, limit in limits.items()]
+            exceeded = [limit.beyond(case.quantities[name]) for name, limit in study.limits.items()]
             outside = np.any(exceeded, axis=0) if exceeded else np.zeros(len(columns[names[0]]), dtype=bool)
             for name, column in columns.items():
                 medians[case.label, name] = (_median(column[~outside]), _median(column[outside]))
@@ -57,7 +56,7 @@ class ParallelCoordinates(StudyAnswer):
             variants[case.label] = {name: column[every] for name, column in columns.items()}
             beyond[case.label] = outside[every]
         units = units_of(study) | {name: measure_of(study, name).unit for name in names}
-        return ParallelFound(study.title, units, variants, beyond, medians)
+        return ParallelFound(study.title, units, variants, beyond, medians, result.kept.words(study.count))
 
 
 def _median(values: FloatArray) -> float:
@@ -67,20 +66,25 @@ def _median(values: FloatArray) -> float:
 
 @dataclass(frozen=True, eq=False)
 class ParallelFound(PlainConclusion):
-    """Values by configuration and axis, which variants are beyond a limit, and medians of both kinds."""
+    """Values by configuration and axis, which variants are beyond a limit, and medians of both kinds.
+
+    Where ``part`` says so, medians are of a part of all variants, and those shown were chosen from it.
+    """
 
     title: str
     units: Mapping[str, str]
     variants: Mapping[str, Mapping[str, FloatArray]]
     beyond: Mapping[str, NDArray[np.bool_]]
     medians: Mapping[tuple[str, str], tuple[float, float]]
+    part: str = field(default="", metadata=IN_WORDS)
 
     @property
     def sentences(self) -> tuple[str, ...]:
-        return tuple(
+        shown = (
             f"{case}: {int(outside.sum())} of {len(outside)} variants shown are beyond a limit"
             for case, outside in self.beyond.items()
         )
+        return (*shown, f"medians and lines are of {self.part}") if self.part else tuple(shown)
 
     def table(self) -> Table:
         columns = (

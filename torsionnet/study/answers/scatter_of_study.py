@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -19,7 +19,7 @@ from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, regi
 from torsionnet.study.answer_names import QUANTITY
 from torsionnet.study.answers.asking import chosen_quantities, measure_of, quantity_faults, units_of
 from torsionnet.study.answers.case_values import case_values
-from torsionnet.study.answers.conclusion_data import PlainConclusion
+from torsionnet.study.answers.conclusion_data import IN_WORDS, PlainConclusion
 from torsionnet.study.answers.rank_correlations import RankCorrelations, rank_correlations
 
 if TYPE_CHECKING:
@@ -57,18 +57,23 @@ class Scatter(StudyAnswer):
             columns = {**case.parameters, **case.quantities}
             points[case.label] = {name: column[every] for name, column in columns.items()}
         units = {name: measure_of(study, name).unit for name in names}
-        return ScatterFound(study.title, units_of(study), units, correlations, points)
+        part = result.kept.words(study.count)
+        return ScatterFound(study.title, units_of(study), units, correlations, points, part)
 
 
 @dataclass(frozen=True, eq=False)
 class ScatterFound(PlainConclusion):
-    """Rank correlations by configuration and quantity, and the values of variants by configuration and name."""
+    """Rank correlations by configuration and quantity, and the values of variants by configuration and name.
+
+    Where ``part`` says so, both are of a part of all variants.
+    """
 
     title: str
     parameter_units: Mapping[str, str]
     units: Mapping[str, str]
     correlations: Mapping[tuple[str, str], RankCorrelations]
     points: Mapping[str, Mapping[str, FloatArray]]
+    part: str = field(default="", metadata=IN_WORDS)
 
     @property
     def sentences(self) -> tuple[str, ...]:
@@ -81,6 +86,8 @@ class ScatterFound(PlainConclusion):
                 f"{how} most with {list(self.parameter_units)[place]} (rank correlation {one.coefficients[place]:.2f})"
             )
             said.append(f"{name}, {case}: {text if size[place] else 'goes with none of the parameters'}")
+        if self.part:
+            said.append(f"correlations and points are of {self.part}")
         return tuple(said)
 
     def table(self) -> Table:

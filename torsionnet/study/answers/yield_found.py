@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from torsionnet.response.table import Column, Table
-from torsionnet.study.answers.conclusion_data import PlainConclusion
+from torsionnet.study.answers.conclusion_data import IN_WORDS, PlainConclusion
 from torsionnet.study.answers.limited_values import LimitedValues
 from torsionnet.study.answers.share_interval import Share
 
@@ -32,7 +32,8 @@ class YieldFound(PlainConclusion):
     """Shares beyond each limit and beyond any.
 
     ``missing`` variants have no value and count as beyond; ``exhaustive``: all variants are known, there is no
-    interval to speak of. ``distributions`` has the values of each quantity in each configuration.
+    interval to speak of. ``distributions`` has the values of each quantity in each configuration, of ``part`` of the
+    variants where that says so; shares are always of all.
     """
 
     title: str
@@ -42,6 +43,7 @@ class YieldFound(PlainConclusion):
     method: str
     exhaustive: bool
     distributions: tuple[LimitedValues, ...]
+    part: str = field(default="", metadata=IN_WORDS)
 
     def of(self, configuration: str, limit: str = ANY_LIMIT) -> Share:
         """Share beyond a limit, by its words in the table."""
@@ -54,6 +56,8 @@ class YieldFound(PlainConclusion):
             said.append(f"{self.missing} variants have no value and count as beyond the limit")
         if self.method in ("sobol", "latin_hypercube"):
             said.append("draws of this kind spread more evenly than the interval supposes: it is wider than needed")
+        if self.part:
+            said.append(f"all variants are counted; the values of {self.part} are drawn")
         return tuple(said)
 
     @property

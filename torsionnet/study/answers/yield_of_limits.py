@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,14 +16,11 @@ from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
 from torsionnet.study.answer_names import CONFIGURATION, LIMIT
-from torsionnet.study.answers.asking import limit_faults, limit_words
-from torsionnet.study.answers.case_values import case_values
-from torsionnet.study.answers.limited_values import LimitedValues, limited_values
+from torsionnet.study.answers.asking import case_label, limit_faults, limit_words
+from torsionnet.study.answers.draws_beyond import CountedBeyond, DrawsBeyond, KeptBeyond
+from torsionnet.study.answers.limited_values import limited_values
 from torsionnet.study.answers.share_interval import counted_share
 from torsionnet.study.answers.yield_found import ALL_CASES, ANY_LIMIT, MEAN, LimitShare, YieldFound
-
-Beyond = NDArray[np.bool_]
-"""Which variants (n_grid, n_draws) are beyond a limit."""
 
 
 @register_answer
@@ -32,7 +29,8 @@ class Yield(StudyAnswer):
     """Share of the variants that are beyond a limit, in each configuration and in any, with its confidence interval.
 
     The interval is that of Clopper and Pearson for independent draws. What is counted is the draw: one that is beyond
-    a limit in two configurations counts once for all of them.
+    a limit in two configurations counts once for all of them. A curve is beyond its limit where its largest value is
+    above, or its smallest one below.
     """
 
     kind: ClassVar[str] = "yield"
@@ -48,46 +46,61 @@ class Yield(StudyAnswer):
     confidence: float = entry(Value("of the interval", "1", exclusive=True, below=1), 0.95)
 
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
-        yield from limit_faults(study, self.limits)
+        yield from limit_faults(study)
+
+        if self.weights and not sum(self.weights.values()) > 0:
+            yield Fault("weights are shares of configurations; at least one of them is above 0", ("weights",))
 
     def found(self, study: AskedStudy, result: VariantValues) -> YieldFound:
         names = self.limits or tuple(study.limits)
-        draws = study.space.draws
-        beyond: dict[tuple[str, str], Beyond] = {}
-        distributions: list[LimitedValues] = []
-        missing = 0
-        for case in case_values(study, result, names):
-            for name in names:
-                values = case.quantities[name]
-                missing += int(np.isnan(values).sum())
-                distributions.append(limited_values(study, case.label, name, values))
-                beyond[case.label, name] = study.limits[name].exceeded(values).reshape(-1, draws)
-            beyond[case.label, ANY_LIMIT] = np.any([beyond[case.label, name] for name in names], axis=0)
-        words = {name: limit_words(study, name) for name in names} | {ANY_LIMIT: ANY_LIMIT}
-        labels = list(dict.fromkeys(case for case, _ in beyond))
-        shares = [self._share(case, words[name], counts) for (case, name), counts in beyond.items()]
-        if len(labels) > 1:
-            for name in (*names, ANY_LIMIT):
-                each = np.array([beyond[case, name] for case in labels])
-                shares.append(self._share(ALL_CASES, words[name], each.any(axis=0)))
-                if self.weights:
-                    weights = np.array([self.weights.get(case, 0.0) for case in labels])
-                    mean = np.tensordot(weights / weights.sum(), each, axes=1)
-                    shares.append(self._share(MEAN, words[name], mean))
+        distributions = [
+            one
+            for case in study.configurations
+            for name in names
+            for one in limited_values(study, case_label(case), name, result.kept_values(name, case))
+        ]
+        beyond, missing = self._counted(study, result, names)
         method = study.space.sampling.method if study.space.sampling and study.space.random_names else ""
         return YieldFound(
             study.title,
-            tuple(shares),
+            tuple(self._shares(study, beyond, names)),
             self.confidence,
             missing,
             method,
             not study.space.random_names,
             tuple(distributions),
+            result.kept.words(study.count),
         )
 
-    def _share(self, case: str, limit: str, beyond: Any) -> LimitShare:
-        """Draws by the mean over the points of the grid."""
-        per_draw = np.asarray(beyond, dtype=float).mean(axis=0)
-        return LimitShare(
-            case, limit, counted_share(min(float(per_draw.sum()), len(per_draw)), len(per_draw), self.confidence)
-        )
+    def _counted(self, study: AskedStudy, result: VariantValues, names: tuple[str, ...]) -> tuple[DrawsBeyond, int]:
+        """What is beyond, and how many values there are none of."""
+        draws = study.space.draws
+        if result.beyond is not None:
+            result.beyond.agree_with(study.limits, names)
+            return CountedBeyond(result.beyond, study.space.count // draws), result.beyond.missing(names)
+        beyond: dict[str, dict[str, NDArray[np.bool_]]] = {}
+        missing = 0
+        for case in study.configurations:
+            beyond[case] = {}
+            for name in names:
+                values = result.kept_values(name, case)
+                beyond[case][name] = study.limits[name].beyond(values).reshape(-1, draws)
+                missing += int(np.isnan(values.reshape(len(values), -1)).any(axis=1).sum())
+        return KeptBeyond(beyond), missing
+
+    def _shares(self, study: AskedStudy, beyond: DrawsBeyond, names: tuple[str, ...]) -> Iterator[LimitShare]:
+        cases = study.configurations
+        asked = [(limit_words(study, name), (name,)) for name in names] + [(ANY_LIMIT, names)]
+        draws = study.space.draws
+        for case in cases:
+            for words, limits in asked:
+                yield self._share(case_label(case), words, beyond.in_case(limits, case), draws)
+        if len(cases) == 1:
+            return
+        for words, limits in asked:
+            yield self._share(ALL_CASES, words, beyond.in_any(limits), draws)
+            if self.weights:
+                yield self._share(MEAN, words, beyond.on_average(limits, self.weights), draws)
+
+    def _share(self, case: str, limit: str, hits: float, draws: int) -> LimitShare:
+        return LimitShare(case, limit, counted_share(min(hits, draws), draws, self.confidence))

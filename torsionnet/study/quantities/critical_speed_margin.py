@@ -16,7 +16,6 @@ from torsionnet.core.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.excitations.order_excitation import ORDER
 from torsionnet.model.excitations.speed_range import SpeedBand
-from torsionnet.model.operating_values import following
 from torsionnet.solve.critical_speeds import excited_frequencies, excited_lines, order_margins
 from torsionnet.solve.order_response import with_motions_held
 from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity
@@ -106,7 +105,7 @@ class CriticalSpeedMargin(StudyQuantity):
 
     def _shared(self, block: VariantBlock) -> bool:
         """Whether modes are those of the drivetrain as it stands, at all speeds."""
-        if block.batch is None or following(block.model.definition):
+        if block.batch is None or block.model.definition.following:
             return False
         lines, _ = self._asked(block.model)
         acting = {name: block.model.definition.excitations[name] for name in lines}

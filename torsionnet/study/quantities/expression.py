@@ -23,7 +23,6 @@ from torsionnet.study.variant_block import VariantBlock
 ARRAYS = Algebra(number=float, sqrt=np.sqrt, pi=math.pi)
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class QuantityFormula(Spec):
     """An expression of other quantities."""
 

@@ -91,16 +91,26 @@ class Histogram:
 
 @dataclass
 class GrowingHistogram:
-    """The histograms of any number of parts in the memory of some."""
+    """The histograms of any number of parts in the memory of some.
+
+    Attributes
+    ----------
+    waiting : list of Histogram
+    bins : int
+        Of all that wait.
+    sharing : int
+        How many histograms grow side by side, in the same memory.
+    """
 
     waiting: list[Histogram] = field(default_factory=list)
     bins: int = 0
+    sharing: int = 1
 
     def add(self, part: Histogram) -> None:
         """One more part."""
         self.waiting.append(part)
         self.bins += len(part.bins)
-        if self.bins > 2 * len(self.waiting[0].bins) + WAITING:
+        if self.bins > 2 * len(self.waiting[0].bins) + WAITING // self.sharing:
             self.waiting = [self.whole()]
             self.bins = len(self.waiting[0].bins)
 

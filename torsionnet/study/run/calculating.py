@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import pickle
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
 
-import numpy as np
-
-from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.atomic import write_bytes
 from torsionnet.core.errors import UsageError
-from torsionnet.study.counted_remarks import remark
 from torsionnet.study.evaluator import Evaluator
-from torsionnet.study.reductions.histogram import GrowingHistogram, Histogram
-from torsionnet.study.reductions.moments import Moments
 from torsionnet.study.run.chunk_values import ChunkValues
 from torsionnet.study.run.chunks import Chunk, Chunks
+from torsionnet.study.run.joined_blocks import JoinedBlocks
+from torsionnet.study.run.kept_part import counted_limits
 from torsionnet.study.space import Space
 from torsionnet.study.study import Study
 
@@ -40,21 +35,21 @@ class ChunkWork:
     ----------
     study : Study
     chunks : Chunks
-    keep : bool
-        Whether the values of numbers are kept beside their sums.
+    every : int
+        Of every so many variants the values are kept beside their sums; of all where it is 1.
     folder : Path or None
         None: the values themselves are the result.
     """
 
     study: Study
     chunks: Chunks
-    keep: bool
+    every: int
     folder: Path | None
     _cases: dict[int, tuple[Evaluator, Space]] = field(default_factory=dict)
 
     def __reduce__(self) -> tuple[Callable[[bytes], ChunkWork], tuple[bytes]]:
         try:
-            return _unpacked, (pickle.dumps((self.study, self.chunks, self.keep, self.folder)),)
+            return _unpacked, (pickle.dumps((self.study, self.chunks, self.every, self.folder)),)
         except (pickle.PicklingError, AttributeError, TypeError) as error:
             text = "define functions of quantities at the top level of a module, or run it in one process"
             raise UsageError(f"the study cannot be handed to other processes ({error}); {text}") from None
@@ -74,26 +69,11 @@ class ChunkWork:
             self._cases[chunk.case] = evaluator, self.study.space.at(evaluator.model)
         evaluator, space = self._cases[chunk.case]
         values = space.values(chunk.start, chunk.stop)
-        names = tuple(self.study.quantities)
-        numbers: dict[str, list[FloatArray]] = {name: [] for name in names}
-        moments: dict[str, Moments] = {}
-        histograms = {name: GrowingHistogram() for name in names}
-        impossible, remarks = 0, Counter[str]()
+        parts = JoinedBlocks(self.every, counted_limits(self.study, self.every))
         for start in range(0, len(chunk), AT_ONCE):
             block = evaluator.block({name: column[start : start + AT_ONCE] for name, column in values.items()})
-            impossible += int(block.impossible.sum())
-            for name in names:
-                found = block.of(name)
-                own = Moments.of(found, chunk.start + start)
-                moments[name] = moments[name].joined(own) if name in moments else own
-                histograms[name].add(Histogram.of(found))
-                if self.keep and found.shape[1] == 1:
-                    numbers[name].append(found[:, 0])
-            for text, count in block.remarks.items():
-                remark(remarks, text, count)
-        kept = {name: np.concatenate(parts) for name, parts in numbers.items() if parts}
-        joined = {name: parts.whole() for name, parts in histograms.items()}
-        return ChunkValues(kept, moments, joined, impossible, remarks)
+            parts.add(chunk.start + start, block, tuple(self.study.quantities))
+        return parts.whole()
 
 
 @lru_cache(maxsize=2)

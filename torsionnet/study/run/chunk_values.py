@@ -1,4 +1,4 @@
-"""What a chunk of variants came to: values of numbers, sums and histograms of curves; as bytes and back."""
+"""What a chunk of variants came to: values that are kept, sums, histograms, counts beyond limits; as bytes and back."""
 
 from __future__ import annotations
 
@@ -6,13 +6,14 @@ import hashlib
 import io
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.study.reductions.histogram import Histogram
+from torsionnet.study.reductions.limit_counts import LimitBits
 from torsionnet.study.reductions.moments import Moments
 
 PARTS = ("count", "mean", "squares", "smallest", "largest", "smallest_at", "largest_at")
@@ -30,13 +31,19 @@ class ChunkValues:
     Attributes
     ----------
     values : mapping
-        Quantity that is a number -> (n,) values, NaN where a variant has none; empty where values are not kept.
+        Quantity that is a number -> values of the variants that are kept, all n or fewer; NaN where one has none.
     moments, histograms : mappings
         By quantity.
     impossible : int
         Variants that no drivetrain can be.
     remarks : mapping
         What was warned of -> how often.
+    extremes : mapping
+        Quantity of several points -> (n, 2), its smallest and largest value over them, of the variants that are kept.
+    parameters : mapping
+        Parameter -> (n,) values, where only a part of the variants is kept; else empty.
+    beyond : LimitBits or None
+        Which variants are beyond the limits; where all values are kept, None.
     """
 
     values: Mapping[str, FloatArray]
@@ -44,6 +51,9 @@ class ChunkValues:
     histograms: Mapping[str, Histogram]
     impossible: int
     remarks: Mapping[str, int]
+    extremes: Mapping[str, FloatArray] = field(default_factory=dict)
+    parameters: Mapping[str, FloatArray] = field(default_factory=dict)
+    beyond: LimitBits | None = None
 
     def to_bytes(self, number: int) -> bytes:
         """The same bytes for the same values of chunk ``number``: a file of numpy, and a checksum behind its end."""
@@ -51,13 +61,20 @@ class ChunkValues:
         for place, name in enumerate(self.moments):
             if name in self.values:
                 arrays[f"values_{place}"] = self.values[name]
+            if name in self.extremes:
+                arrays[f"extremes_{place}"] = self.extremes[name]
             for part in PARTS:
                 arrays[f"{part}_{place}"] = getattr(self.moments[name], part)
             arrays[f"bins_{place}"] = self.histograms[name].bins
             arrays[f"counts_{place}"] = self.histograms[name].counts
+        for place, column in enumerate(self.parameters.values()):
+            arrays[f"parameter_{place}"] = column
+        if self.beyond is not None:
+            arrays |= {"beyond": self.beyond.bits, "missing": self.beyond.missing}
         head = {
             "chunk": number,
             "quantities": list(self.moments),
+            "parameters": list(self.parameters),
             "impossible": self.impossible,
             "remarks": dict(sorted(self.remarks.items())),
         }
@@ -90,4 +107,7 @@ class ChunkValues:
             {name: Histogram(found[f"bins_{place}"], found[f"counts_{place}"]) for place, name in places.items()},
             int(head["impossible"]),
             head["remarks"],
+            {name: found[f"extremes_{place}"] for place, name in places.items() if f"extremes_{place}" in found},
+            {name: found[f"parameter_{place}"] for place, name in enumerate(head["parameters"])},
+            LimitBits(found["beyond"], found["missing"]) if "beyond" in found else None,
         )

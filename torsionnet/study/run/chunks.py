@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import ceil
 
@@ -58,6 +59,10 @@ class Chunks:
         start = place * self.size
         return Chunk(number, case, start, min(start + self.size, self.count))
 
-    def of_case(self, case: int) -> range:
-        """Numbers of the chunks of a case."""
-        return range(case * self.each, (case + 1) * self.each)
+    def side_by_side(self) -> Iterator[range]:
+        """Numbers of all chunks, those of the same variants in all cases together.
+
+        >>> [list(numbers) for numbers in Chunks(cases=2, count=250, size=100).side_by_side()]
+        [[0, 3], [1, 4], [2, 5]]
+        """
+        return (range(place, self.total, self.each) for place in range(self.each))

@@ -6,14 +6,17 @@ import errno
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
 
 from torsionnet.core.errors import SolveError, UsageError
+from torsionnet.study.reductions.limit_counts import MOST_LIMITS
 from torsionnet.study.run.calculating import ChunkWork
 from torsionnet.study.run.chunk_values import ChunkValues
 from torsionnet.study.run.chunks import Chunks
 from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.run.folder_lock import locked
+from torsionnet.study.run.kept_part import kept_every
 from torsionnet.study.run.reducing import reduced
 from torsionnet.study.run.study_folder import StudyFolder
 from torsionnet.study.run.study_record import study_record
@@ -21,8 +24,6 @@ from torsionnet.study.run.workload import Workload
 from torsionnet.study.study import Study
 from torsionnet.study.study_result import StudyResult
 
-KEPT_VALUES = 10_000_000
-"""Values of numbers up to which all are kept; of more only sums and histograms."""
 LONGEST = 7 * 86400.0
 """Seconds on one core beyond which a study has to be asked for with that limit."""
 
@@ -69,15 +70,17 @@ def run_study(
     workload = Workload.of(study)
     workload.bearable(longest)
     announce(workload)
-    keep = study.count * len(study.quantities) <= KEPT_VALUES
+    every = kept_every(study)
+    if every > 1 and len(study.limits) > MOST_LIMITS:
+        raise UsageError(f"a study of so many variants has at most {MOST_LIMITS} limits, not {len(study.limits)}")
     chunks = Chunks(len(study.configurations), study.space.count, workload.chunk_size)
     if folder is None:
-        work = ChunkWork(study, chunks, keep, None)
+        work = ChunkWork(study, chunks, every, None)
         return _in_memory(study, work, executor or SerialExecutor(), progress)
     place = StudyFolder(Path(folder).resolve())
     with _writing(place.path):
-        place.opened(study_record(study, chunks, keep=keep))
-    work = ChunkWork(study, chunks, keep, place.path)
+        place.opened(study_record(study, chunks, every))
+    work = ChunkWork(study, chunks, every, place.path)
     with _writing(place.path), locked(place.path):
         done = {number for number in place.done(chunks.total) if place.chunk(number) is not None}
         left = (number for number in range(chunks.total) if number not in done)
@@ -86,7 +89,7 @@ def run_study(
         for _ in (executor or SerialExecutor()).map(work, left):
             count += 1
             progress(count, chunks.total)
-        return reduced(study, chunks, _stored(place, work), folder=place.path)
+        return reduced(study, chunks, _stored(place, work), every, place.path)
 
 
 def _stored(place: StudyFolder, work: ChunkWork) -> Callable[[int], ChunkValues]:
@@ -120,7 +123,7 @@ def _writing(folder: Path) -> Iterator[None]:
 def _in_memory(study: Study, work: ChunkWork, executor: Executor, progress: Progress) -> StudyResult:
     """Only chunks that were done before their turn wait: all histograms of a large study are too much to hold."""
     waiting: dict[int, ChunkValues] = {}
-    done = enumerate(executor.map(work, iter(range(work.chunks.total))), start=1)
+    done = enumerate(executor.map(work, chain.from_iterable(work.chunks.side_by_side())), start=1)
 
     def chunk(number: int) -> ChunkValues:
         while number not in waiting:
@@ -130,4 +133,4 @@ def _in_memory(study: Study, work: ChunkWork, executor: Executor, progress: Prog
             progress(count, work.chunks.total)
         return waiting.pop(number)
 
-    return reduced(study, work.chunks, chunk)
+    return reduced(study, work.chunks, chunk, work.every)

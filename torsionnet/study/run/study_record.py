@@ -10,12 +10,16 @@ from typing import Any
 
 from torsionnet.core.version import __version__
 from torsionnet.study.run.chunks import Chunks
+from torsionnet.study.run.kept_part import counted_limits
 from torsionnet.study.study import Study
 
-FORMAT = 1
+FORMAT = 2
 LIBRARIES = ("numpy", "scipy", "numba")
 AFTERWARDS = ("name", "limits", "answers")
-"""Entries that no value of a variant depends on: they may change between runs in one folder."""
+"""Entries that no value of a variant depends on: they may change between runs in one folder.
+
+Limits only where the values of all variants are kept; else variants beyond them are counted as they are calculated.
+"""
 WORDS = {
     "format": "the form of the files",
     "version": "the version of torsionnet",
@@ -26,12 +30,14 @@ WORDS = {
     "study": "the study",
     "chunks": "the size of chunks",
     "keep": "what is kept",
+    "limits": "the limits",
 }
 
 
-def study_record(study: Study, chunks: Chunks, *, keep: bool) -> dict[str, Any]:
-    """All that the numbers of a study depend on, as plain data."""
+def study_record(study: Study, chunks: Chunks, every: int) -> dict[str, Any]:
+    """All that the numbers of a study depend on, as plain data; of every so many variants the values are kept."""
     text = study.model_text
+    limits = {name: limit.to_data() for name, limit in counted_limits(study, every).items()}
     return {
         "format": FORMAT,
         "version": __version__,
@@ -42,7 +48,8 @@ def study_record(study: Study, chunks: Chunks, *, keep: bool) -> dict[str, Any]:
         "model": {"title": study.model.title, "sha256": hashlib.sha256(text.encode()).hexdigest(), "text": text},
         "study": {key: entry for key, entry in study.to_data().items() if key not in AFTERWARDS},
         "chunks": {"cases": chunks.cases, "count": chunks.count, "size": chunks.size},
-        "keep": keep,
+        "keep": every,
+        "limits": limits,
     }
 
 
@@ -53,12 +60,16 @@ def record_text(record: dict[str, Any]) -> str:
 
 def unlike(kept: dict[str, Any], wanted: dict[str, Any]) -> list[str]:
     """In words, what a folder has that is not what is wanted now."""
-    return [_said(key, kept.get(key), wanted[key]) for key in WORDS if kept.get(key) != wanted[key]]
+    return [_said(key, kept.get(key), wanted.get(key)) for key in WORDS if kept.get(key) != wanted.get(key)]
 
 
 def _said(key: str, kept: Any, wanted: Any) -> str:
     if key in ("version", "machine", "method", "format"):
         return f"{WORDS[key]} was {kept}, now it is {wanted}"
+    if key == "limits" and isinstance(kept, dict) and isinstance(wanted, dict):
+        names = [name for name in {**kept, **wanted} if kept.get(name) != wanted.get(name)]
+        why = "of so many variants those beyond the limits are counted as they are calculated"
+        return f"limits were others ({', '.join(names)}), and {why}"
     if isinstance(kept, dict) and isinstance(wanted, dict):
         names = [name for name in {**kept, **wanted} if kept.get(name) != wanted.get(name) and name != "text"]
         plain = [name for name in names if not isinstance(kept.get(name), dict | list)]

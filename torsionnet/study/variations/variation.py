@@ -22,7 +22,6 @@ MOST_FREQUENT = "most frequent"
 V = TypeVar("V", bound="type[Variation]")
 
 
-@dataclass(frozen=True, eq=False, repr=False)
 class ParameterValue(Spec):
     """A value of a parameter: with unit, in SI, or in percent of the value in the model."""
 

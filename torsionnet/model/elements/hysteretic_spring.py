@@ -1,0 +1,56 @@
+"""A spring whose losses do not depend on the frequency."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.entries.spec import entry
+from torsionnet.core.errors import Fault
+from torsionnet.core.expressions import Expression
+from torsionnet.model.elements.damping_entries import DampingQuantity, LossFactor, loss_factor
+from torsionnet.model.elements.element import Element, register, viscous
+from torsionnet.model.elements.laws import Law, Part, Values, difference
+from torsionnet.model.elements.nodes import NodePair
+from torsionnet.model.elements.round_section import section_faults
+from torsionnet.model.elements.springs import BORE, PAIR, SECTION
+
+
+@register
+@dataclass(frozen=True, eq=False, repr=False)
+class HystereticSpring(Element):
+    """A spring with rate-independent losses: torque k (1 + j eta) gamma at positive frequency.
+
+    The loss per cycle, pi eta k gamma^2, does not depend on frequency. The law holds in the frequency domain only; in
+    the limit of zero frequency its phase lag stays.
+
+    Examples
+    --------
+    >>> rubber = HystereticSpring("rubber", nodes=("a", "b"), stiffness=460, loss_factor=0.3)
+    >>> rubber.ports
+    {'first': 'a', 'second': 'b'}
+    """
+
+    kind: ClassVar[str] = "hysteretic_spring"
+    glyph: ClassVar[str] = "spring"
+
+    nodes: Any = entry(NodePair(PAIR))
+    stiffness: Any = entry(PhysicalQuantity("torsional stiffness, the real part", "stiffness", "k"))
+    loss_factor: Any = entry(LossFactor("loss factor, or another frequency-free damping measure", "1", "eta"))
+    damping: Any = entry(DampingQuantity("viscous damping in parallel", "damping", "c"), 0)
+    outer_diameter: Any = entry(SECTION, None)
+    inner_diameter: Any = entry(BORE, 0)
+
+    def contradictions(self) -> list[Fault]:
+        return section_faults(self)
+
+    @property
+    def diameters(self) -> tuple[Expression, Expression] | None:
+        return None if self.outer_diameter is None else (self.outer_diameter, self.inner_diameter)
+
+    def parts(self, value: Values) -> tuple[Part, ...]:
+        stiffness = value(self.stiffness)
+        eta = loss_factor(self.loss_factor, value.parameters, value.algebra)
+        damping = viscous(self.damping, stiffness, value)
+        return (Law(difference(*self.nodes), damping=damping, stiffness=stiffness, loss_factor=eta),)

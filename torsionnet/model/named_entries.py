@@ -1,0 +1,64 @@
+"""Values that a model gives to its elements as numbers, made parameters so that they can vary."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from typing import Any
+
+from torsionnet.core.entries.scalars import PhysicalQuantity
+from torsionnet.core.expressions import Expression, Name
+from torsionnet.model.configurations import Axes, Overlay
+from torsionnet.model.definition import ELEMENTS, Definition, section_of
+from torsionnet.model.parameters import Parameter
+
+
+def value_of_entry(definition: Definition, name: str) -> Expression | None:
+    """What ``dmf.stiffness`` is in the model; None if no element has such an entry, or it is no physical quantity."""
+    element, _, entry = name.rpartition(".")
+    if element not in definition.elements:
+        return None
+    spec, value = definition.elements[element].scalars().get(entry, (None, None))
+    return value if isinstance(spec, PhysicalQuantity) and isinstance(value, Expression) else None
+
+
+def can_be_named(definition: Definition, name: str) -> bool:
+    """Whether ``dmf.stiffness`` is a value by itself: no expression of parameters, and no parameter's name."""
+    value = value_of_entry(definition, name)
+    return name not in definition.parameters and value is not None and not value.names
+
+
+def with_named_entries(definition: Definition, names: Iterable[str]) -> Definition:
+    """The same model with parameters called ``dmf.stiffness`` that have the values of these entries.
+
+    An alternative that gives the entry another value gives it to the parameter.
+    """
+    parameters, elements = dict(definition.parameters), dict(definition.elements)
+    named = dict.fromkeys(names)
+    for name in named:
+        element, _, entry = name.rpartition(".")
+        text = f"{entry.replace('_', ' ')} of {element}"
+        parameters[name] = Parameter(value=value_of_entry(definition, name), description=text)
+        entries: dict[str, Any] = {entry: Name(name)}
+        elements[element] = replace(elements[element], **entries)
+    axes = _with_parameters(definition, named)
+    return replace(definition, parameters=parameters, elements=elements, configurations=axes)
+
+
+def _with_parameters(definition: Definition, named: Mapping[str, None]) -> Axes:
+    return {
+        axis: {label: _moved(definition, overlay, named) for label, overlay in alternatives.items()}
+        for axis, alternatives in definition.configurations.items()
+    }
+
+
+def _moved(definition: Definition, overlay: Overlay, named: Mapping[str, None]) -> Overlay:
+    """The alternative with its changes of entries that are parameters now among those of parameters."""
+    entries = dict(overlay.entries)
+    parameters = dict(overlay.parameters)
+    for name in named:
+        section = section_of(definition, name) if name in entries else None
+        if section is not None and section[0] == ELEMENTS:
+            key = name.rpartition(".")[2]
+            parameters[name] = dict(section[2].specs())[key].coerce(entries.pop(name))
+    return replace(overlay, parameters=parameters, entries=entries)

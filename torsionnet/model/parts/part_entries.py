@@ -1,0 +1,42 @@
+"""Entries of models and of parts: which parts they use, under which names, and where they are joined to others."""
+
+from __future__ import annotations
+
+from torsionnet.core.entries.composite import Listed, Named, Nested
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.spec import Schema
+from torsionnet.core.entries.words import is_plain
+from torsionnet.core.expression_reading import check_name
+from torsionnet.model.elements.nodes import NodeName
+
+PLAIN_NAME_SCHEMA: Schema = {"pattern": "^[A-Za-z][A-Za-z0-9_]*$"}
+
+
+def _use() -> type[Declared]:
+    from torsionnet.model.parts.use import Use
+
+    return Use
+
+
+def use_name_fault(name: str) -> str | None:
+    """Why nothing can be used, or defined as a part, under a name."""
+    if name.isascii() and is_plain(name):
+        return None
+    return f'"{name}" is no name; use letters, digits and _, beginning with a letter'
+
+
+def prefix_fault(name: str) -> str | None:
+    """Why nothing can be used under a name, which begins the names of parameters."""
+    return use_name_fault(name) or check_name(name)
+
+
+USE = Named(
+    "parts put into this model, by the name that stands before those of all they hold",
+    Nested("a part, the nodes it is joined to and its values", _use, "use"),
+    refused=prefix_fault,
+    names=PLAIN_NAME_SCHEMA,
+    form="{left: {part: half_shaft, at: {inner: dl, outer: hub}}}",
+)
+PORTS = Listed(
+    "nodes at which a model is joined to others that use it as a part", NodeName("a node", False), "a list of nodes"
+)

@@ -1,0 +1,52 @@
+"""The parts that a model brings along."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from torsionnet.core.entries.composite import Listed, Named, Nested
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.words import Text
+from torsionnet.core.errors import Fault
+from torsionnet.model.parts.part_entries import PLAIN_NAME_SCHEMA, use_name_fault
+
+
+def _part() -> type[Declared]:
+    from torsionnet.model.parts.part import Part
+
+    return Part
+
+
+class PartTable(Named):
+    """Parts that could be read in part stay: what uses them is checked all the same."""
+
+    def read(self, raw: Any) -> tuple[dict[str, Any], list[Fault]]:
+        if not isinstance(raw, Mapping):
+            return super().read(raw)
+        table, faults = {}, list(self._name_faults(raw))
+        for name, one in raw.items():
+            part, found = self.of.read(one)
+            faults += [fault.under(name) for fault in found]
+            if part is not None and not use_name_fault(str(name)):
+                table[str(name)] = part
+        return table, faults
+
+    def _name_faults(self, raw: Mapping[str, Any]) -> Iterator[Fault]:
+        for name in raw:
+            reason = use_name_fault(str(name))
+            if reason:
+                yield Fault(reason, (name,), on_key=True)
+
+
+PARTS = PartTable(
+    "models with ports, to be put in under use:, by name",
+    Nested("a model with ports", _part, "part"),
+    names=PLAIN_NAME_SCHEMA,
+    form="{half_shaft: {ports: [inner, outer], elements: {...}}}",
+)
+INCLUDE = Listed(
+    "files beside this one or below with parts:, or models with ports:, which are parts under the name of their file",
+    Text("the name of a file", "the name of a file"),
+    "a list of files",
+)

@@ -1,0 +1,87 @@
+"""The place where a model uses a part."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from torsionnet.core.entries.composite import Listed, Named, PairOf
+from torsionnet.core.entries.declared import Declared
+from torsionnet.core.entries.scalars import AnyQuantity
+from torsionnet.core.entries.spec import EntryError, Schema, Spec, entry
+from torsionnet.core.entries.words import Count, Text
+from torsionnet.core.errors import Fault
+from torsionnet.model.elements.nodes import NodeName
+
+MOST_COPIES = 1000
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class OneOrEach(Spec):
+    """One value for all copies of a part, or a list with one for each."""
+
+    of: Spec
+
+    def coerce(self, raw: Any) -> Any:
+        if not isinstance(raw, list | tuple):
+            return self.of.coerce(raw)
+        values, faults = Listed(self.description, self.of).read(raw)
+        if faults:
+            raise EntryError(faults)
+        return values
+
+    def plain(self, value: Any) -> Any:
+        return [self.of.plain(one) for one in value] if isinstance(value, tuple) else self.of.plain(value)
+
+    def schema(self) -> Schema:
+        one = {key: value for key, value in self.of.schema().items() if key != "description"}
+        return {"anyOf": [one, {"type": "array", "items": one}], "description": self.description}
+
+
+_PORT = Text("a port of the part", "the name of a port")
+_AT = Named(
+    "port -> the node of this model that it is; a list has one for each copy",
+    OneOrEach("a node, or one for each copy", NodeName("a node")),
+    form="{inner: dl, outer: hub}",
+)
+_VALUES = Named(
+    "parameter of the part -> value here, an expression of this model's parameters; a list has one for each copy",
+    OneOrEach("a value, or one for each copy", AnyQuantity("a value, a quantity or an expression")),
+    form="{k: 9 kN*m/rad}",
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Use(Declared):
+    """A part put into a model: which one, joined to which nodes, with which values, how often.
+
+    Examples
+    --------
+    >>> use = Use(part="throw", repeat=3, chain=("front", "rear"), at={"front": "nose", "rear": "fly"})
+    >>> use.prefixes("cyl")
+    ('cyl1', 'cyl2', 'cyl3')
+    """
+
+    kind: ClassVar[str] = "use"
+    article: ClassVar[str] = "a use of a part"
+    form: ClassVar[str] = "{part: half_shaft, at: {inner: dl, outer: hub}, parameters: {k: 9 kN*m/rad}}"
+
+    part: str = entry(Text("which part it is", "the name of a part"))
+    at: Mapping[str, str | tuple[str, ...]] = entry(_AT, None)
+    parameters: Mapping[str, Any] = entry(_VALUES, None)
+    repeat: int | None = entry(Count("how many copies; their names end in 1, 2, ...", 1, MOST_COPIES), None)
+    chain: tuple[str, str] | None = entry(
+        PairOf("ports [front, rear]: the rear of each copy is the front of the next", _PORT), None
+    )
+
+    def contradictions(self) -> list[Fault]:
+        if self.chain is not None and self.repeat is None:
+            return [Fault("a chain needs repeat: the number of copies in it", ("chain",), on_key=True)]
+        if self.chain is not None and self.chain[0] == self.chain[1]:
+            return [Fault("a chain leads from one port to another, [front, rear]", ("chain",))]
+        return []
+
+    def prefixes(self, name: str) -> tuple[str, ...]:
+        """What the names of each copy begin with, before the dot."""
+        return (name,) if self.repeat is None else tuple(f"{name}{index}" for index in range(1, self.repeat + 1))

@@ -1,0 +1,85 @@
+"""How many variants are beyond which limits together, counted in chunks.
+
+Of a chunk it is kept which variants are beyond which limit, a bit each, so that chunks of other configurations with the
+same draws can be laid over it. Of all chunks it is counted how often each set of limits was exceeded together; whole
+numbers add up to the same whatever the order, and any limits can be asked for together afterwards.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+MOST_LIMITS = 64
+"""Limits that a set of them, a number of 64 bits, has places for."""
+
+
+@dataclass(frozen=True, eq=False)
+class LimitBits:
+    """Which of the variants of a chunk are beyond which limit.
+
+    Attributes
+    ----------
+    bits : (n_limits, n_bytes) integers
+        A bit for each variant, those of a byte from its highest one.
+    missing : (n_limits,) integers
+        Variants whose quantity has no value; they are beyond.
+    """
+
+    bits: NDArray[np.uint8]
+    missing: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, beyond: NDArray[np.bool_], missing: NDArray[np.int64]) -> Self:
+        """Of what is beyond, (n_limits, n)."""
+        return cls(np.packbits(beyond, axis=1), missing)
+
+    @classmethod
+    def laid_over(cls, parts: Sequence[LimitBits]) -> Self:
+        """Beyond a limit in any of them, for the same draws in several configurations."""
+        return cls(
+            np.bitwise_or.reduce([part.bits for part in parts]), np.sum([part.missing for part in parts], axis=0)
+        )
+
+
+@dataclass
+class LimitCounts:
+    """How many variants are beyond each set of limits, and no others.
+
+    Attributes
+    ----------
+    sets : dict
+        Limits as a number with a bit for each, from the lowest -> variants.
+    missing : (n_limits,) integers or None
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> beyond = np.array([[True, True, False], [False, True, True]])
+    >>> counts = LimitCounts()
+    >>> counts.add(LimitBits.of(beyond, np.zeros(2, dtype=np.int64)))
+    >>> counts.beyond([0]), counts.beyond([1]), counts.beyond([0, 1])
+    (2, 2, 3)
+    """
+
+    sets: dict[int, int] = field(default_factory=dict)
+    missing: NDArray[np.int64] | None = None
+
+    def add(self, part: LimitBits) -> None:
+        """The variants of one more chunk."""
+        self.missing = part.missing if self.missing is None else self.missing + part.missing
+        every = np.unpackbits(part.bits, axis=1)
+        some = every[:, every.any(axis=0)]
+        places = np.arange(len(some), dtype=np.uint64)[:, None]
+        sets = np.bitwise_or.reduce(some.astype(np.uint64) << places, axis=0)
+        for one, count in zip(*np.unique(sets, return_counts=True), strict=True):
+            self.sets[int(one)] = self.sets.get(int(one), 0) + int(count)
+
+    def beyond(self, limits: Iterable[int]) -> int:
+        """Variants beyond any of the limits at these places."""
+        wanted = sum(1 << place for place in limits)
+        return sum(count for one, count in self.sets.items() if one & wanted)
