@@ -10,11 +10,12 @@ is a synthesis of all orders over all speeds.
 
 import torsionnet as tn
 from torsionnet import plot
+from torsionnet.study.shown_units import shown_units
 
 study = tn.load_study("marine_yield")
 result = tn.study.run_study(study)
 share = study.answers["yield"].found(study, result)
-figure = share.figure(plot)
+figure = share.figure(plot, units=shown_units(study))
 print("\n".join(share.sentences))
 
 # %%

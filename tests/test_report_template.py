@@ -317,9 +317,6 @@ NOT_REPLACED = {
     ("critical_speeds", " modes, "), ("critical_speeds", " crossings"), ("limits", " over speed with its limits"),
     ("orders", "Orders of "), ("orders", "Half range of "), ("excitations", "Hz"),
     ("excitations", "at "), ("excitations", " bar "),
-    # an error of whoever asks for the report
-    ("studies", "the study "), ("studies", " is of "), ("studies", ", and the report of "),
-    ("studies", "; a report shows studies of its own model"),
 }  # fmt: skip
 """Strings that look like a text of a report and cannot be replaced; the page about templates says so."""
 

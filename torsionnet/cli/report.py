@@ -102,7 +102,7 @@ class ReportCommand(ModelCommand):
         averaging = Averaging(preset=self.preset, seconds=self.seconds)
         named = () if EVERY in self.configurations and EVERY not in rig.configurations else self.configurations
         fits = [_fit(name) for name in self.fits]
-        studies = [_study(name) for name in self.studies]
+        studies = _studies(self.studies, rig.configured(**dict(self.settings)) if self.settings else rig)
         tests = [_measured(name, rig, self.sensor, self.into, averaging, compared) for name in self.records]
         report = make_report(
             rig if piped else self.model,
@@ -132,11 +132,17 @@ def _fit(name: str) -> Fit:
     return load_fit(name)
 
 
-def _study(name: str) -> StudyResult:
+def _studies(names: tuple[str, ...], rig: Drivetrain) -> list[StudyResult]:
+    """Studies of the model, calculated as far as they are not."""
+    if not names:
+        return []
+    from torsionnet.report.own_studies import require_own_studies
     from torsionnet.study import load_study, run_study
 
-    file, _, folder = name.partition("=")
-    return run_study(load_study(file), folder or None)
+    pairs = [name.partition("=") for name in names]
+    studies = [load_study(file) for file, _, _ in pairs]
+    require_own_studies(rig, studies)
+    return [run_study(study, folder or None) for study, (_, _, folder) in zip(studies, pairs, strict=True)]
 
 
 def _band(option: str, band: tuple[float, float] | None) -> tuple[float, float] | None:

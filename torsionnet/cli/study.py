@@ -78,7 +78,7 @@ class StudyCommand(Command):
             data=lambda: _as_data(study, result, conclusions),
             csv=lambda: _tables(result, conclusions),
             files=[(self.variants_file, lambda file: _write_variants(result, file))],
-            figures=lambda plot: _figures(plot, conclusions or _usual(study, result)),
+            figures=lambda plot: _figures(plot, study, conclusions or _usual(study, result)),
         )
 
     def _answered(self, study: Study) -> AnsweredStudy:
@@ -161,8 +161,11 @@ def _usual(study: Study, result: StudyResult | None) -> Conclusions:
     return found
 
 
-def _figures(plot: Any, conclusions: Conclusions) -> list[tuple[str, Figure]]:
-    return [(name, one.figure(plot)) for name, one in conclusions.items()]
+def _figures(plot: Any, study: Study, conclusions: Conclusions) -> list[tuple[str, Figure]]:
+    from torsionnet.study.shown_units import shown_units
+
+    units = shown_units(study)
+    return [(name, one.figure(plot, units=units)) for name, one in conclusions.items()]
 
 
 def _as_data(study: Study, result: StudyResult | None, conclusions: Conclusions) -> dict[str, Any]:

@@ -111,6 +111,17 @@ class Number(Expression):
     def __post_init__(self) -> None:
         object.__setattr__(self, "value", units.exact(self.value))
 
+    @property
+    def unit_written(self) -> str:
+        """The unit behind the number as it was written; empty where there is none.
+
+        >>> Number(460, units.DIMENSIONS["stiffness"], "0.46 kN*m/rad").unit_written
+        'kN*m/rad'
+        """
+        text = (self.text or "").strip()
+        number = units.NUMERAL.match(text)
+        return text[number.end() :].strip() if number else ""
+
     def value_in(self, values: Mapping[str, Any], algebra: Algebra = RATIONAL) -> Any:  # noqa: ARG002
         return algebra.number(self.value)
 

@@ -3,87 +3,178 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colorbar import Colorbar
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 import torsionnet.plot.style as style
-from torsionnet.core.errors import UsageError
-from torsionnet.plot.study_axes import BEYOND, axis_label, titled
+from torsionnet.core.number_text import on_screen, typeset_unit
+from torsionnet.plot.study_axes import (
+    ALIKE,
+    BEYOND,
+    axis_label,
+    by_factors,
+    ends_of,
+    in_factors,
+    is_wide,
+    known,
+    panel_columns,
+    say,
+    titled,
+)
+from torsionnet.response.frequency_response import FloatArray
+from torsionnet.study.shown_units import IN_SI, ShownUnits
 
 if TYPE_CHECKING:
     from torsionnet.study.answers.map_of_study import MapFound
     from torsionnet.study.answers.parameter_map import ParameterMap
 
 LINES = 9
-COLUMNS = 2
+COLOURS = 64
+WIDE = 100.0
+"""Ratio of the largest to the smallest value from which colours and lines have equal factors."""
+HEIGHTS = {1: 3.6, 2: 2.9, 3: 2.3, 4: 1.9}
+"""Inches of a panel, by how many stand in a row."""
+BAR = 1.1
+"""Inches of the bar of colours with its label."""
 
 
-def contour_map(found: MapFound, *, title: str | None = None) -> Figure:
+def contour_map(found: MapFound, *, units: ShownUnits = IN_SI, title: str | None = None) -> Figure:
     """Contours of equal values with the same colours in all configurations; a limit of the quantity in red.
+
+    Axes have equal factors where the values of a parameter have, and colours where the values span decades.
 
     Parameters
     ----------
     found : MapFound
         What the answer ``map`` of a study found.
+    units : ShownUnits, optional
+        By default SI.
     title : str, optional
 
     Returns
     -------
     matplotlib.figure.Figure
-
-    Raises
-    ------
-    UsageError
-        No point has a value.
     """
-    every = np.concatenate([one.values.ravel() for one in found.maps.values()])
-    if not np.isfinite(every).any():
-        raise UsageError(f"{found.quantity[0]} has no value anywhere on the map")
-    low, high = float(np.nanmin(every)), float(np.nanmax(every))
-    levels = np.linspace(low, high if high > low else low + (abs(low) or 1.0) * 1e-9, 65)
-    columns = min(COLUMNS, len(found.maps))
+    scale = units.scale(*found.quantity)
+    every = scale * known(one.values for one in found.maps.values())
+    levels, norm = _levels(every)
+    columns = panel_columns(len(found.maps))
     rows = math.ceil(len(found.maps) / columns)
-    figure = style.new_figure(style.WIDTH, 0.8 + rows * (3.6 if columns == 1 else 2.9))
-    panels = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
-    for axes, (case, one) in zip(panels.ravel(), found.maps.items(), strict=False):
-        filled = axes.contourf(one.x, one.y, one.values.T, levels=levels, cmap="viridis")
-        filled.set_edgecolor("face")
-        _lines(axes, one)
-        _limits(axes, found, one)
-        style.dress(axes)
-        axes.grid(visible=False)
-        if len(found.maps) > 1:
-            titled(axes, case)
-    for axes in panels.ravel()[len(found.maps) :]:
+    figure = style.new_figure(style.WIDTH, 0.8 + rows * HEIGHTS[columns])
+    share_x, share_y = (_alike(getattr(one, side) for one in found.maps.values()) for side in "xy")
+    grid = figure.subplots(rows, columns, squeeze=False, sharex=share_x, sharey=share_y)
+    panels = grid.ravel()[: len(found.maps)].tolist()
+    width = (style.WIDTH - BAR) / columns
+    for axes, (case, one) in zip(panels, found.maps.items(), strict=True):
+        _panel(axes, _axes_of(found, one, units), scale * one.values.T, levels, norm)
+        _limits(axes, found, _axes_of(found, one, units), scale * one.values.T, scale)
+        if len(panels) > 1:
+            titled(axes, case, width - 0.3)
+    for axes in grid.ravel()[len(panels) :]:
         axes.remove()
-    for axes in panels[:, 0]:
-        axes.set_ylabel(axis_label(*found.y))
-    for axes in panels.ravel()[: len(found.maps)][-columns:]:
-        axes.set_xlabel(axis_label(*found.x))
+    for axes in grid[:, 0]:
+        axes.set_ylabel(axis_label(found.y[0], units.unit(*found.y), HEIGHTS[columns]))
+    for axes in panels[-columns:]:
+        axes.set_xlabel(axis_label(found.x[0], units.unit(*found.x), width))
         axes.tick_params(labelbottom=True)
-    bar = figure.colorbar(
-        panels[0, 0].collections[0], ax=panels.ravel()[: len(found.maps)].tolist(), shrink=0.9, ticks=MaxNLocator(7)
-    )
-    which = "" if found.others == "fixed" else f", {found.others} over the others"
-    bar.set_label(axis_label(found.quantity[0], found.quantity[1]) + which, fontsize=style.FONT)
-    bar.ax.tick_params(labelsize=style.SMALL)
+    if len(every):
+        _bar(figure, found, panels, ScalarMappable(norm, "viridis"), units)
     style.heading(figure, found.title if title is None else title)
     return figure
 
 
-def _lines(axes: Axes, one: ParameterMap) -> None:
-    if np.nanmax(one.values) > np.nanmin(one.values):
-        lines = axes.contour(one.x, one.y, one.values.T, levels=LINES, colors=style.PAPER, linewidths=0.8)
+def _alike(points: Iterable[FloatArray]) -> bool:
+    """Whether an axis is the same in all configurations: values in per cent are those of each."""
+    first, *others = points
+    return all(np.array_equal(first, one) for one in others)
+
+
+def _levels(every: FloatArray) -> tuple[FloatArray, Normalize]:
+    low, high = ends_of(every)
+    if is_wide(every, WIDE):
+        return np.geomspace(low, high, COLOURS + 1), LogNorm(low, high)
+    return np.linspace(low, high, COLOURS + 1), Normalize(low, high)
+
+
+def _axes_of(found: MapFound, one: ParameterMap, units: ShownUnits) -> tuple[FloatArray, FloatArray]:
+    return one.x * units.scale(*found.x), one.y * units.scale(*found.y)
+
+
+def _panel(
+    axes: Axes,
+    at: tuple[FloatArray, FloatArray],
+    values: FloatArray,
+    levels: FloatArray,
+    norm: Normalize,
+) -> None:
+    for side, points in zip("xy", at, strict=True):
+        if in_factors(points):
+            by_factors(axes, side, points[0], points[-1])
+        else:
+            (axes.xaxis if side == "x" else axes.yaxis).set_major_formatter(
+                FuncFormatter(lambda at, _: style.plain(at))
+            )
+    # Rounding of the levels must not leave out the ends.
+    filled = axes.contourf(*at, np.clip(values, levels[0], levels[-1]), levels=levels, norm=norm, cmap="viridis")
+    filled.set_edgecolor("face")
+    here = values[np.isfinite(values)]
+    if not len(here):
+        say(axes, "no point has a value")
+    elif np.ptp(here) > ALIKE * np.abs(here).max():
+        lines = axes.contour(*at, values, levels=_lines(here), colors=style.PAPER, linewidths=0.8)
         axes.clabel(lines, fontsize=style.SMALL, fmt=style.plain)
+    axes.set(xlim=(at[0][0], at[0][-1]), ylim=(at[1][0], at[1][-1]))
+    style.dress(axes)
+    axes.grid(visible=False)
 
 
-def _limits(axes: Axes, found: MapFound, one: ParameterMap) -> None:
-    if found.limit is None:
+def _lines(here: FloatArray) -> Any:
+    """Where lines of equal values are drawn: at round numbers, or at powers of ten."""
+    if not is_wide(here, WIDE):
+        return MaxNLocator(LINES).tick_values(float(here.min()), float(here.max()))
+    first, last = math.floor(math.log10(here.min())), math.ceil(math.log10(here.max()))
+    return 10.0 ** np.arange(first, last + 1, max(1, (last - first) // LINES))
+
+
+def _limits(axes: Axes, found: MapFound, at: tuple[FloatArray, FloatArray], values: FloatArray, scale: float) -> None:
+    here = values[np.isfinite(values)]
+    if found.limit is None or not len(here):
         return
     for side in (found.limit.below, found.limit.above):
-        if side is not None and np.nanmin(one.values) < side < np.nanmax(one.values):
-            axes.contour(one.x, one.y, one.values.T, levels=[side], colors=BEYOND, linewidths=2.2)
+        if side is not None and here.min() < scale * side < here.max():
+            axes.contour(*at, values, levels=[scale * side], colors=BEYOND, linewidths=2.2)
+
+
+def _bar(figure: Figure, found: MapFound, panels: list[Axes], colours: ScalarMappable, units: ShownUnits) -> None:
+    unit, scale = units.unit(*found.quantity), units.scale(*found.quantity)
+    bar: Colorbar = figure.colorbar(colours, ax=panels, shrink=0.9)
+    low, high = bar.ax.get_ylim()
+    if bar.ax.get_yscale() == "log":
+        style.log_ticks(bar.ax.yaxis, low, high)
+        bar.ax.minorticks_off()
+    else:
+        bar.ax.yaxis.set_major_locator(MaxNLocator(7))
+    which = "" if found.others == "fixed" else f", {found.others} over the others"
+    blank = "" if all(np.isfinite(one.values).all() for one in found.maps.values()) else ", blank where there is none"
+    bar.set_label(axis_label(found.quantity[0], unit) + which + blank, fontsize=style.FONT)
+    bar.ax.tick_params(labelsize=style.SMALL)
+    sides = [] if found.limit is None else [found.limit.below, found.limit.above]
+    for side in sides:
+        if side is None:
+            continue
+        if low < side * scale < high:
+            bar.ax.axhline(side * scale, color=BEYOND, linewidth=2.2)
+        else:
+            text = f"limit {on_screen(side * scale, 4)} {typeset_unit(unit)}".rstrip()
+            place, ends = (1.02, "bottom") if side * scale >= high else (-0.02, "top")
+            bar.ax.text(
+                0.5, place, text, transform=bar.ax.transAxes, ha="center", va=ends, fontsize=style.SMALL, color=BEYOND
+            )

@@ -17,6 +17,7 @@ from torsionnet.model.files.reader import find_model
 from torsionnet.model.report import Pair, ReportPlan, parse_band
 from torsionnet.model.report.report_plan import section_fault
 from torsionnet.report.document_tree import Report
+from torsionnet.report.own_studies import require_own_studies
 from torsionnet.report.report_data import ReportData, cases_of, digest_of, require_answers
 from torsionnet.report.request import Measured, Request, read_date
 
@@ -137,7 +138,7 @@ def make_report(
     Raises
     ------
     UsageError
-        An unknown section, configuration or transfer function.
+        An unknown section, configuration or transfer function, or a study of another model.
     ModelError
         The template folder is wrong; every fault with its place.
 
@@ -149,6 +150,8 @@ def make_report(
     drivetrain, file, data = _read(model)
     if settings:
         drivetrain = drivetrain.configured(**settings)
+    shown = tuple(studies)
+    require_own_studies(drivetrain, [result.study for result in shown])
     plan = drivetrain.definition.report or ReportPlan()
     read = _template(template or (plan.template and file.parent / plan.template))
     texts = {"title": title, "author": author, "notes": notes, "angle": angle, "simplify": simplify}
@@ -170,7 +173,7 @@ def make_report(
         today,
         _tests(tests),
         tuple(fits),
-        tuple(studies),
+        shown,
     )
     cases = cases_of(drivetrain, plan.configurations)
     subject = ReportData(drivetrain, cases, request, file.name, digest_of(data))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from torsionnet.core.number_text import aligned
@@ -54,20 +54,32 @@ def table(
     )
 
 
-def of_results(found: Table, caption: Cell, *, notes: bool = True, most: int | None = None) -> TableBlock:
-    """A table of results as it stands on the screen, in the form of a report; empty columns are left out."""
+def of_results(
+    found: Table,
+    caption: Cell,
+    *,
+    notes: bool = True,
+    most: int | None = None,
+    words: Callable[[str], Cell] = plain,
+    heads: Callable[[str], Cell] = capital,
+) -> TableBlock:
+    """A table of results as it stands on the screen, in the form of a report; empty columns are left out.
+
+    ``words`` and ``heads`` make of texts and of headings what a reader sees.
+    """
     columns = []
     cells: list[list[Cell]] = []
     for index, column in enumerate(found.columns):
         values = [row[index] for row in found.rows]
-        heading = SYMBOLS.get(column.name, capital(column.name))
+        heading = SYMBOLS[column.name] if column.name in SYMBOLS else heads(column.name)
         if found.is_numeric(index):
             prefix, factor = _prefix(values) if column.unit.startswith("N*m") else ("", 1.0)
             columns.append(Heading(heading, unit(prefix + column.unit) if column.unit else "", numeric=True))
             cells.append(_numbers(values, column.digits, factor))
         else:
             columns.append(Heading(heading, unit(column.unit) if column.unit else ""))
-            cells.append([_text(value) for value in values])
+            is_unit = column.name == "unit"
+            cells.append([unit(value) if is_unit and value else _text(value, words) for value in values])
     rows = list(zip(*cells, strict=True))
     return table(caption, columns, rows, [plain(note) for note in found.notes] if notes else [], most)
 
@@ -90,8 +102,8 @@ def _numbers(values: Sequence[Any], digits: int, factor: float) -> list[Cell]:
     )
 
 
-def _text(value: Any) -> Cell:
-    return "" if value is None else plain(f"{value:.6g}" if isinstance(value, float) else str(value))
+def _text(value: Any, words: Callable[[str], Cell]) -> Cell:
+    return "" if value is None else words(f"{value:.6g}" if isinstance(value, float) else str(value))
 
 
 def alike(rows: Sequence[tuple[Cell, ...]]) -> tuple[tuple[Cell, ...], ...]:

@@ -56,15 +56,17 @@ def named(name: str) -> Inline:
     return Math(symbol_latex(name)) if is_symbol(name) else plain(name)
 
 
-def sentence(text: str, rig: Drivetrain) -> Text:
-    """A sentence in which names from the model become words, and those of quantities symbols.
+def sentence(text: str, rig: Drivetrain, further: Sequence[str] = ()) -> Text:
+    """A sentence in which names from the model become words, and those of quantities symbols, ``further`` ones too.
 
     >>> import torsionnet as tn
     >>> sentence("cut at T_T, without half_shaft", tn.load("amt_rig"))
     ('cut at ', Math(latex='T_{T}'), ', without half shaft')
     """
     text = text.replace(" %", "\N{NO-BREAK SPACE}%")
-    symbols = {name for table in (rig.inputs, rig.sensors, rig.parameters) for name in table if _can_be_told(name)}
+    symbols = {
+        name for table in (rig.inputs, rig.sensors, rig.parameters, further) for name in table if _can_be_told(name)
+    }
     words = {name for name in (*rig.nodes, *rig.definition.elements) if "_" in name} - symbols
     names = sorted({*symbols, *words}, key=len, reverse=True)
     if not names:

@@ -77,8 +77,8 @@ class Conclusion(Protocol):
         """In full precision, for JSON."""
         ...
 
-    def figure(self, plot: ModuleType) -> Figure:
-        """As a picture, by :mod:`torsionnet.plot`."""
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        """As a picture, by :mod:`torsionnet.plot`; ``look`` are its ``units`` (:func:`shown_units`) and ``title``."""
         ...
 
 
@@ -89,9 +89,14 @@ class StudyAnswer(Declared):
     article: ClassVar[str] = "an answer"
     of_variants: ClassVar[bool] = True
     """Whether it rests on the variants that the study has calculated, rather than choosing its own."""
+    naming: ClassVar[Mapping[str, str]] = {}
+    """Keys of the entries that name something of the study, and what that is: see ``answer_names``."""
 
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
-        """What does not fit the study: unknown quantities, correlated parameters where none may be, ..."""
+        """What does not fit the study: curves, correlated parameters where none may be, ...
+
+        Names that the study does not have are told by ``naming``, and may come here.
+        """
         del study
         yield from ()
 

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from torsionnet.core.entries.format_version import version_faults
 from torsionnet.core.errors import Fault, ModelError, UsageError, did_you_mean
@@ -16,11 +14,8 @@ from torsionnet.model.files.decoding import decode
 from torsionnet.model.files.library import library_models, library_studies
 from torsionnet.model.files.located import LocatedDocument, compose
 from torsionnet.model.files.placing import placed, presentable
-from torsionnet.study.space import Space
-from torsionnet.study.space_entries import SpaceEntries
 from torsionnet.study.study import Study, study_of
-from torsionnet.study.study_file import StudyEntries, chosen_configurations
-from torsionnet.study.study_fit import lacking, unknown_limits
+from torsionnet.study.study_file import StudyEntries
 
 
 def load_study(path: str | os.PathLike[str]) -> Study:
@@ -52,39 +47,15 @@ def load_study(path: str | os.PathLike[str]) -> Study:
         text = f"this is a model, no study; a study names it and what varies: model: {file.name}, vary: ..."
         raise ModelError(placed([*document.faults, Fault(text, ("elements",), on_key=True)], document), file.name)
     faults = [*document.faults, *version_faults(document.data, "study")]
-    entries, found = StudyEntries.read(document.data)
-    faults += found
     name = document.data.get("model")
     model, found = _model(str(name), file.parent) if isinstance(name, str) else (None, [])
     faults += found
-    study = None
-    if entries is not None and model is not None:
-        study, found = study_of(model, entries)
-        faults += found
-    elif model is not None:
-        faults += _further_faults(document.data, model)
+    study, found = study_of(model, document.data) if model is not None else (None, StudyEntries.read(document.data)[1])
+    faults += found
     errors = [fault for fault in faults if fault.severity == "error"]
     if errors or study is None:
         raise ModelError(placed(errors, document), file.name)
     return replace(study, findings=tuple(placed(faults, document)))
-
-
-def _further_faults(data: Mapping[str, Any], model: Drivetrain) -> list[Fault]:
-    """What does not fit the model in a file that has other faults: configurations, what varies, what is asked.
-
-    Names are compared with those that the file gives, sound or not.
-    """
-    read = ("vary", "configurations", "quantities")
-    entries, _ = StudyEntries.read_entries({key: data[key] for key in read if key in data})
-    model = model.with_entries_named(entries.get("vary") or ())
-    configurations, faults = chosen_configurations(entries.get("configurations") or (), model)
-    faults += lacking(model, configurations, entries.get("quantities") or {})
-    if entries.get("vary"):
-        faults += Space.of(SpaceEntries(vary=entries["vary"]), model)[1]
-    limits, quantities = data.get("limits"), data.get("quantities")
-    if isinstance(limits, dict) and isinstance(quantities, dict):
-        faults += unknown_limits(limits, quantities)
-    return [fault for fault in faults if fault.severity == "error"]
 
 
 def _find(study: str | os.PathLike[str]) -> Path:

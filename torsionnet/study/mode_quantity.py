@@ -46,6 +46,13 @@ class ModeQuantity(StudyQuantity):
         del quantities
         yield from self.beyond(len(vibrating(natural_modes(model)[0])))
 
+    @property
+    def which_mode(self) -> str:
+        """Which mode, in words."""
+        if self.order == ASCENDING:
+            return f"mode {self.mode} by frequency"
+        return f"mode {self.mode}, followed by its shape"
+
     def beyond(self, count: int) -> Iterator[Fault]:
         """What is wrong where there are only so many modes."""
         if self.mode > count:

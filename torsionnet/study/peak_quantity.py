@@ -26,6 +26,11 @@ class PeakQuantity(TransferQuantity):
 
     band: Any = entry(Band("where it is looked for"))
 
+    @property
+    def where(self) -> str:
+        """The band, in words."""
+        return f"from {self.band[0]:g} to {self.band[1]:g} Hz"
+
     def peaks(self, block: VariantBlock) -> FoundPeaks:
         """Of every variant; searched once for all quantities of this band."""
         return block.once(("peaks", self.output, self.input, self.excitation, self.band), lambda: self._searched(block))

@@ -51,6 +51,16 @@ class StudyQuantity(Declared):
     singly: ClassVar[bool] = False
     """Whether every variant is a model of its own, as nothing solves many of them together."""
 
+    @property
+    def asked(self) -> str:
+        """What it is, in words with names of the model in them."""
+        raise NotImplementedError
+
+    @property
+    def made_of(self) -> frozenset[str]:
+        """Names of the other quantities that it is calculated from."""
+        return frozenset()
+
     def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         """What does not fit a model in one of its configurations."""
         del model, quantities

@@ -8,13 +8,14 @@ from typing import Any
 from torsionnet.core.entries.scalars import AnyNumber, read_value
 from torsionnet.core.errors import Fault, Path
 from torsionnet.core.expressions import Number
-from torsionnet.core.units import DIMENSIONS, Dimension, UnitError, parse_unit
+from torsionnet.core.units import CELSIUS, DIMENSIONS, Dimension, UnitError, parse_unit
 
 
 class ValueInUnit(float):
-    """A number in SI, with the dimension in which it was written; None of a bare number."""
+    """A number in SI, with the dimension and the unit in which it was written; none of a bare number."""
 
     dimension: Dimension | None = None
+    unit: str = ""
 
 
 class QuantityValue(AnyNumber):
@@ -25,7 +26,9 @@ class QuantityValue(AnyNumber):
             return raw
         found = ValueInUnit(super().coerce(raw))
         value = read_value(raw)
-        found.dimension = value.unit_dimension if isinstance(value, Number) else None
+        if isinstance(value, Number):
+            found.dimension = value.unit_dimension
+            found.unit = "" if value.unit_written == CELSIUS else value.unit_written
         return found
 
 
@@ -39,3 +42,14 @@ def wrong_unit(value: float | None, quantity: str, unit: str, path: Path) -> Ite
     if dimension is not None and dimension != own:
         shown = f"in {unit}" if unit else "a number without unit"
         yield Fault(f"{quantity} is {shown}, not in {dimension}", path)
+
+
+def as_written(value: float, unit: str) -> str:
+    """A value with the unit in which it was written, else with that of its quantity, in SI.
+
+    >>> as_written(QuantityValue("limit").coerce("0.5 deg/(N*m)"), "rad/(N*m)"), as_written(0.1, "")
+    ('0.5 deg/(N*m)', '0.1')
+    """
+    written = value.unit if isinstance(value, ValueInUnit) else ""
+    shown = value / float(parse_unit(written).factor) if written else value
+    return f"{shown:g} {written or unit}".rstrip()

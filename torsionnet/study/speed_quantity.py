@@ -13,6 +13,7 @@ from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, Text
 from torsionnet.core.errors import Fault
+from torsionnet.core.units import RPM
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.model.excitations.speed_range import SpeedBand
 from torsionnet.study.quantity import StudyQuantity
@@ -43,7 +44,23 @@ class SpeedQuantity(StudyQuantity):
             found = found[(found >= low * (1 - 1e-9)) & (found <= high * (1 + 1e-9))]
         return np.append(found[:-1][:: self.every], found[-1:])
 
+    @property
+    def where(self) -> str:
+        """Speeds and excitations, in words."""
+        acting = f"under {', '.join(self.excitations)}, " if self.excitations else ""
+        over = "at all speeds" if self.speeds is None else speed_words(self.speeds)
+        return acting + (over if self.every == 1 else f"{over}, one of {self.every}")
+
     def nowhere(self, model: Drivetrain) -> Iterator[Fault]:
         """What is wrong where no speed is left."""
         if model.definition.speeds is not None and not len(self.at(model)):
             yield Fault("none of the model's speeds lies in this range", ("speeds",))
+
+
+def speed_words(speeds: tuple[float, float]) -> str:
+    """A range of speeds in rad/s, in words.
+
+    >>> speed_words((62.83185307179586, 157.07963267948966))
+    'from 600 to 1500 r/min'
+    """
+    return f"from {speeds[0] * RPM:.6g} to {speeds[1] * RPM:.6g} r/min"

@@ -12,13 +12,13 @@ from typing import Any
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.study.answer import StudyAnswer
+from torsionnet.study.answer_fit import misnamed_in_answers, unfit_answers
 from torsionnet.study.evaluator import Evaluator
+from torsionnet.study.examined_study import examined
 from torsionnet.study.quantity import StudyQuantity
 from torsionnet.study.quantity_limit import QuantityLimit
 from torsionnet.study.space import Space
-from torsionnet.study.space_in_configurations import faults_in
 from torsionnet.study.study_file import StudyEntries
-from torsionnet.study.study_fit import fitted
 
 COMPILED = 2000
 """Variants from which on the compiled solver is worth its start."""
@@ -172,29 +172,22 @@ def define(
         "limits": limits,
         "answers": answers,
     }
-    entries, faults = StudyEntries.read({"model": model.name, **{key: one for key, one in given.items() if one}})
-    if entries is None:
-        raise ModelError(faults, name or "the study")
-    study, faults = study_of(model, entries)
+    study, faults = study_of(model, {"model": model.name, **{key: one for key, one in given.items() if one}})
     if study is None:
         raise ModelError([fault for fault in faults if fault.severity == "error"], name or "the study")
     return study
 
 
-def study_of(model: Drivetrain, entries: StudyEntries) -> tuple[Study | None, list[Fault]]:
-    """The study that entries describe, None if anything does not fit the model, and all findings."""
-    model = model.with_entries_named(entries.vary)
-    configurations, faults = entries.chosen(model)
-    space, found = Space.of(entries.space, model)
-    faults += found
-    faults += fitted(model, configurations, entries)
-    if space is not None:
-        faults += faults_in(space, {name: model.configured(name) for name in configurations if name})
-    if space is None or any(fault.severity == "error" for fault in faults):
-        return None, faults
-    study = Study(model, space, entries.quantities, configurations, entries.limits, entries.answers, entries.name)
-    for name, answer in entries.answers.items():
-        faults += [fault.under("answers", name) for fault in answer.unfit(study)]
-    if any(fault.severity == "error" for fault in faults):
+def study_of(model: Drivetrain, given: Mapping[str, Any]) -> tuple[Study | None, list[Fault]]:
+    """The study of a model that entries describe as a file has them, None if anything is wrong, and all findings."""
+    read = examined(model, given)
+    values = read.values
+    faults = [*read.faults, *misnamed_in_answers(read)]
+    study = None
+    if read.space is not None:
+        answers, name = values.get("answers") or {}, values.get("name") or ""
+        study = Study(read.model, read.space, read.quantities, read.configurations, read.limits, answers, name)
+        faults += unfit_answers(study, answers, is_whole=read.is_sound)
+    if study is None or any(fault.severity == "error" for fault in faults):
         return None, faults
     return replace(study, findings=tuple(faults)), faults

@@ -9,15 +9,8 @@ from typing import Any
 from torsionnet.core.errors import Fault, did_you_mean
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.study.quantity import StudyQuantity
+from torsionnet.study.quantity_limit import QuantityLimit
 from torsionnet.study.quantity_value import wrong_unit
-from torsionnet.study.study_file import StudyEntries
-
-
-def fitted(model: Drivetrain, configurations: Sequence[str], entries: StudyEntries) -> list[Fault]:
-    """Faults of quantities that a configuration lacks, and of limits of quantities that are none."""
-    faults = lacking(model, configurations, entries.quantities)
-    faults += unknown_limits(entries.limits, entries.quantities)
-    return faults or _wrong_units(model, configurations, entries)
 
 
 def unknown_limits(limits: Iterable[Any], quantities: Iterable[Any]) -> list[Fault]:
@@ -46,12 +39,17 @@ def lacking(model: Drivetrain, configurations: Sequence[str], quantities: Mappin
     return [_said(same, len(configurations)) for same in found.values()]
 
 
-def _wrong_units(model: Drivetrain, configurations: Sequence[str], entries: StudyEntries) -> list[Fault]:
+def wrong_units(
+    model: Drivetrain,
+    configurations: Sequence[str],
+    quantities: Mapping[str, StudyQuantity],
+    limits: Mapping[str, QuantityLimit],
+) -> list[Fault]:
     """Limits in units in which their quantity is not."""
     here = model.configured(configurations[0]) if configurations and configurations[0] else model
     faults: list[Fault] = []
-    for name, limit in entries.limits.items():
-        unit = entries.quantities[name].measured(here, entries.quantities).unit
+    for name, limit in limits.items():
+        unit = quantities[name].measured(here, quantities).unit
         for key in ("below", "above"):
             faults += wrong_unit(getattr(limit, key), name, unit, ("limits", name, key))
     return faults

@@ -42,6 +42,12 @@ class TransferQuantity(StudyQuantity):
         found = [fault for name, ask in asked for fault in refusal(ask, name)]
         yield from found or refusal(lambda: remembered(model, self.output, self.input, self.excitation), "input")
 
+    @property
+    def quotient(self) -> str:
+        """The transfer function, in words."""
+        driven_by = f", driven at {self.excitation}" if self.excitation else ""
+        return f"{self.output}/{self.input}{driven_by}"
+
     def unit(self, model: Drivetrain) -> str:
         """Of the output over that of the input."""
         request = remembered(model, self.output, self.input, self.excitation)

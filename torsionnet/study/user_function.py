@@ -53,6 +53,10 @@ class UserFunction(StudyQuantity):
             text = f"{self.called} gives values of shape {found}; expected {expected if self.over else 'one number'}"
             yield Fault(text)
 
+    @property
+    def asked(self) -> str:
+        return f"what the function {self.called} calculates"
+
     def measure(self, model: Drivetrain) -> QuantityForm:
         del model
         if not self.over:

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from torsionnet.core.errors import UsageError
-from torsionnet.model.checks.units_in_use import parameter_units
+from torsionnet.core.errors import SolveError
+from torsionnet.core.number_text import typeset_unit
 from torsionnet.report.document_tree import (
     Block,
     Cell,
+    Facts,
     Heading,
     Listing,
     NumberText,
-    Paragraph,
     Picture,
+    Remark,
     Section,
     TableBlock,
     Text,
@@ -22,15 +23,25 @@ from torsionnet.report.document_tree import (
 from torsionnet.report.report_data import ReportData
 from torsionnet.report.report_tables import of_results, table
 from torsionnet.report.report_words import capital, named, sentence, unit
+from torsionnet.report.sections.varied_parameters import correlations, varied_parameters
+from torsionnet.report.shown_numbers import in_shown_units
+from torsionnet.study.shown_units import ShownUnits, shown_units
 
 if TYPE_CHECKING:
+    from torsionnet.response.table import Table
     from torsionnet.study.answer import StudyAnswer
+    from torsionnet.study.study import Study
     from torsionnet.study.study_result import StudyResult
 
 LEFT_OUT = ("variants", "smallest", "largest", "largest at variant")
 """Columns that a page has no room for."""
 LONGEST = 60
 """Rows up to which a table of an answer stands in a report; a map has thousands, and a picture."""
+METHODS = {
+    "random": "independent random draws",
+    "latin_hypercube": "Latin hypercube",
+    "sobol": "scrambled Sobol sequence",
+}
 
 
 def studies_section(subject: ReportData) -> Section:
@@ -40,76 +51,102 @@ def studies_section(subject: ReportData) -> Section:
 
 def _study(subject: ReportData, result: StudyResult, number: int) -> Section:
     study = result.study
-    if study.model.name != subject.model.name:
-        raise UsageError(
-            f"the study {study.title} is of {study.model.name}, and the report of {subject.model.name}; a report shows "
-            "studies of its own model"
-        )
-    blocks: list[Block] = [Paragraph((_extent(result),)), _varied(subject, result)]
+    units = shown_units(study, subject.conventions)
+    blocks: list[Block] = [
+        Facts(tuple(_facts(study))),
+        varied_parameters(study, units),
+        *correlations(study),
+        _asked(subject, result, units),
+    ]
     numbers = result.table()
-    kept = numbers.chosen([place for place, one in enumerate(numbers.columns) if one.name not in LEFT_OUT])
-    blocks.append(of_results(kept, "Quantities over all variants", notes=False))
+    if numbers.rows:
+        kept = numbers.chosen([place for place, one in enumerate(numbers.columns) if one.name not in LEFT_OUT])
+        blocks.append(_results(subject, study, kept, "Quantities over all variants", units))
     if result.notes:
-        blocks.append(Listing(tuple(_said(subject, note) for note in result.notes)))
-    for place, (name, answer) in enumerate(study.answers.items(), 1):
-        blocks += _answer(subject, result, answer, f"study_{number}_{place}", name)
+        blocks.append(Listing(tuple(_said(subject, study, note) for note in result.notes)))
+    blocks += [
+        _answer(subject, result, answer, f"study_{number}_{place}", name, units)
+        for place, (name, answer) in enumerate(study.answers.items(), 1)
+    ]
     return Section(f"study_{number}", sentence(study.title, subject.model), tuple(blocks))
 
 
-def _extent(result: StudyResult) -> str:
+def _facts(study: Study) -> Iterator[tuple[str, Text]]:
+    """In which configurations, how many variants, and how they were drawn."""
+    space, cases = study.space, [name for name in study.configurations if name]
+    yield "Configurations", (", ".join(cases) or "the model as it stands",)
+    if space.grid:
+        counts = " × ".join(str(axis.count) for axis in space.grid.values())
+        yield "Values in turn", (f"{counts}, every combination",)
+    if space.random_names and space.sampling is not None:
+        one = space.sampling
+        yield "Draws", (f"{one.count}: {METHODS[one.method]}, seed {one.seed}",)
+    if study.count:
+        each = f", {space.count} in each configuration" if len(cases) > 1 else ""
+        yield "Variants", (f"{study.count}{each}",)
+
+
+def _asked(subject: ReportData, result: StudyResult, units: ShownUnits) -> TableBlock:
     study = result.study
-    cases = [name for name in study.configurations if name]
-    where = f" in configurations {', '.join(cases)}" if len(cases) > 1 else ""
-    where = f" in configuration {cases[0]}" if len(cases) == 1 else where
-    sampling = study.space.sampling
-    drawn = ""
-    if sampling is not None and study.space.random_names:
-        drawn = f" Drawn: {sampling.method.replace('_', ' ')}, {sampling.count} draws, seed {sampling.seed}."
-    return f"{study.count} variants{where}.{drawn}"
-
-
-def _varied(subject: ReportData, result: StudyResult) -> TableBlock:
-    space = result.study.space
-    known = subject.model.parameters
-    units = parameter_units(subject.model.definition)
-    rows: list[tuple[Cell, ...]] = [
-        (
-            named(name),
-            NumberText(known[name]) if name in known else "",
-            unit(units[name]) if name in units else "",
-            _words(variation.kind, variation.to_data()),
-        )
-        for name, variation in space.entries.vary.items()
-    ]
-    notes: list[Cell] = [
-        f"Correlation of {' and '.join(one.between)}: {one.coefficient:g}" for one in space.entries.correlation
-    ]
     columns = (
-        Heading("Parameter"),
-        Heading("In the model", numeric=True),
+        Heading("Quantity"),
+        Heading("What it is", wide=True),
         Heading("Unit"),
-        Heading("Varied", wide=True),
+        Heading("Not below", numeric=True),
+        Heading("Not above", numeric=True),
     )
-    return table("What varies", columns, rows, notes)
+    rows: list[tuple[Cell, ...]] = []
+    for name, quantity in study.quantities.items():
+        limit = study.limits.get(name)
+        sides = (None, None) if limit is None else (limit.above, limit.below)
+        scale = units.scale(name)
+        limits = ["" if side is None else NumberText(side * scale, 5) for side in sides]
+        rows.append((named(name), _phrase(subject, study, quantity.asked), unit(units.unit(name)), *limits))
+    return table("What is asked of every variant, and its limits", columns, rows)
 
 
-def _words(kind: str, data: dict[str, Any]) -> str:
-    """How a parameter varies, as its file says it."""
-    return ", ".join([kind, *(f"{key} {value}" for key, value in data.items())])
-
-
-def _answer(subject: ReportData, result: StudyResult, answer: StudyAnswer, file: str, name: str) -> Iterator[Block]:
+def _answer(
+    subject: ReportData, result: StudyResult, answer: StudyAnswer, file: str, name: str, units: ShownUnits
+) -> Section:
     import torsionnet.plot as plot
 
-    found = answer.found(result.study, result)
+    study, title = result.study, (capital(name.replace("_", " ")),)
+    try:
+        found = answer.found(study, result)
+    except SolveError as error:
+        text = sentence(f"{answer.kind.replace('_', ' ')}: {error}", subject.model)
+        return Section(file, title, (Remark("warning", text),))
     numbers = found.table()
-    caption = capital(name.replace("_", " ")) + "."
-    yield Picture(file, found.figure(plot), (caption,), caption)
+    about = capital(numbers.title.removeprefix(f"{study.title}: "))
+    caption = _phrase(subject, study, about + ".")
+    blocks: list[Block] = []
     if found.sentences:
-        yield Listing(tuple(_said(subject, text) for text in found.sentences))
+        blocks.append(Listing(tuple(_said(subject, study, text) for text in found.sentences)))
+    blocks.append(Picture(file, found.figure(plot, units=units, title=""), caption, about + "."))
     if len(numbers.rows) <= LONGEST:
-        yield of_results(numbers, sentence(capital(numbers.title), subject.model), notes=False)
+        blocks.append(_results(subject, study, numbers, about, units))
+    return Section(file, title, tuple(blocks))
 
 
-def _said(subject: ReportData, text: str) -> Text:
-    return sentence(capital(text) + ".", subject.model)
+def _results(subject: ReportData, study: Study, found: Table, caption: str, units: ShownUnits) -> TableBlock:
+    """Results in the units of the study; a quantity that all rows are of is told once, in the caption."""
+
+    def shown(text: str) -> Cell:
+        is_name = text in study.quantities or text in study.space.names
+        return named(text) if is_name else _phrase(subject, study, capital(text))
+
+    told = in_shown_units(found, units)
+    place = next((place for place, one in enumerate(told.columns) if one.name == "quantity"), None)
+    if place is not None and len({row[place] for row in told.rows}) == 1:
+        caption = f"{caption}: {told.rows[0][place]}"
+        told = told.chosen([one for one in range(len(told.columns)) if one != place])
+    return of_results(told, _phrase(subject, study, caption), notes=False, words=shown, heads=shown)
+
+
+def _said(subject: ReportData, study: Study, text: str) -> Text:
+    return _phrase(subject, study, capital(text) + ".")
+
+
+def _phrase(subject: ReportData, study: Study, text: str) -> Text:
+    """A text in which names of the model and of quantities become words and symbols."""
+    return sentence(typeset_unit(text), subject.model, (*study.quantities, *study.space.names))

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.core.errors import Fault
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.study.answer import AskedStudy
 from torsionnet.study.quantity import QuantityForm
+from torsionnet.study.quantity_value import as_written
 
 
 def case_label(configuration: str) -> str:
@@ -32,34 +33,34 @@ def chosen_quantities(study: AskedStudy, names: tuple[str, ...]) -> tuple[str, .
 
 
 def limit_words(study: AskedStudy, name: str) -> str:
-    """What the limit of a quantity does not allow, ``peak above 20 N*m``; of a curve ``largest H above 2 rad``."""
+    """What the limit of a quantity does not allow, ``peak above 20 N*m``; of a curve ``largest H above 2 rad``.
+
+    In the units in which the limit was written.
+    """
     limit, form = study.limits[name], measure_of(study, name)
     sides = (("above", "largest", limit.below), ("below", "smallest", limit.above))
-    said = [(word, f"{which} {name}", value) for word, which, value in sides if value is not None]
+    said = [
+        (word, f"{which} {name}", as_written(value, form.unit)) for word, which, value in sides if value is not None
+    ]
     if form.is_curve:
-        return " or ".join(f"{what} {word} {value:g} {form.unit}".rstrip() for word, what, value in said)
-    return f"{name} " + " or ".join(f"{word} {value:g} {form.unit}".rstrip() for word, _, value in said)
+        return " or ".join(f"{what} {word} {value}" for word, what, value in said)
+    return f"{name} " + " or ".join(f"{word} {value}" for word, _, value in said)
 
 
 def quantity_faults(study: AskedStudy, names: tuple[str, ...], key: str) -> Iterator[Fault]:
-    """Names of no quantity, and of curves, which are not single numbers."""
+    """Names of curves, which are not single numbers."""
     for place, name in enumerate(names):
         path = (key, place) if key == "quantities" else (key,)
-        if name not in study.quantities:
-            yield unknown_name("quantity", name, study.quantities, path)
-        elif measure_of(study, name).is_curve:
+        if name in study.quantities and measure_of(study, name).is_curve:
             yield Fault(f"{name} is a curve; name a quantity that is a single number, as its peak", path)
     if not names and not chosen_quantities(study, ()):
         yield Fault("none of the quantities is a single number, as a frequency or a peak", on_key=True)
 
 
-def limit_faults(study: AskedStudy, names: tuple[str, ...]) -> Iterator[Fault]:
+def limit_faults(study: AskedStudy) -> Iterator[Fault]:
     """Limits that are not there."""
     if not study.limits:
         yield Fault("no quantity has a limit; give the study limits: {QUANTITY: {below: VALUE}}", on_key=True)
-    for place, name in enumerate(names):
-        if name not in study.limits:
-            yield unknown_name("limit", name, study.limits, ("limits", place))
 
 
 def distribution_faults(study: AskedStudy) -> Iterator[Fault]:

@@ -10,9 +10,10 @@ from torsionnet.core.entries.band import Band
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
-from torsionnet.core.errors import Fault, UsageError, unknown_name
+from torsionnet.core.errors import Fault, UsageError
 from torsionnet.solve.transfer_request import driven, named_output
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answer_names import PARAMETER
 from torsionnet.study.optimum.conditions_damper import DamperOverConditions, damper_over_conditions
 from torsionnet.study.optimum.design_entries import DESIGN, DesignBounds, bounded
 
@@ -28,6 +29,7 @@ class BestDamper(StudyAnswer):
 
     kind: ClassVar[str] = "best_damper"
     of_variants: ClassVar[bool] = False
+    naming: ClassVar[Mapping[str, str]] = {"design": PARAMETER}
 
     design: Mapping[str, DesignBounds | None] = entry(DESIGN, None)
     output: str = entry(Text("sensor, node, torque(element): what is to be small"))
@@ -49,12 +51,6 @@ class BestDamper(StudyAnswer):
             )
         if not self.design:
             yield Fault("say which values are chosen, as design: {c_dmp: [low, high]}", on_key=True)
-        known = study.model.parameters
-        yield from (
-            unknown_name("parameter", name, known, ("design", name), on_key=True)
-            for name in self.design
-            if name not in known
-        )
         found, faults = bounded(study.model, self.design)
         yield from (fault.under("design") for fault in faults)
         for one in found:

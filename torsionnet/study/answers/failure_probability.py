@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.scalars import Value
@@ -14,13 +14,15 @@ from torsionnet.core.entries.words import Count, OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answer_names import LIMIT
 from torsionnet.study.answers.answer_case import answer_cases
 from torsionnet.study.answers.asking import distribution_faults, limit_faults, limit_words
 from torsionnet.study.answers.conclusion_data import PlainConclusion
 from torsionnet.study.answers.failure_margin import failure_margin
-from torsionnet.study.answers.importance_sampling import importance_sampling
+from torsionnet.study.answers.importance_sampling import FEWEST, importance_sampling
 from torsionnet.study.answers.point_functions import OfPoints
 from torsionnet.study.answers.rare_event import RareEvent
+from torsionnet.study.answers.subset_levels import LENGTH
 from torsionnet.study.answers.subset_sampling import subset_sampling
 
 if TYPE_CHECKING:
@@ -42,6 +44,7 @@ class FailureProbability(StudyAnswer):
 
     kind: ClassVar[str] = "failure_probability"
     of_variants: ClassVar[bool] = False
+    naming: ClassVar[Mapping[str, str]] = {"limits": LIMIT}
 
     limits: tuple[str, ...] = entry(Listed("quantities whose limits count; default: all", Text("quantity")), None)
     method: str = entry(OneOf("how variants are chosen", (IMPORTANCE, SUBSET)), IMPORTANCE)
@@ -56,8 +59,17 @@ class FailureProbability(StudyAnswer):
     seed: int = entry(Count("another seed draws other variants", lower=0, upper=2**32 - 1), 1)
     confidence: float = entry(Value("of the interval", "1", exclusive=True, below=1), 0.95)
 
+    def contradictions(self) -> list[Fault]:
+        if self.count is None:
+            return []
+        if self.method == IMPORTANCE and self.count < FEWEST:
+            return [Fault(f"importance sampling needs {FEWEST} variants or more, got {self.count}", ("count",))]
+        if self.method == SUBSET and self.count % LENGTH:
+            return [Fault(f"the variants of a level are a multiple of {LENGTH}, got {self.count}", ("count",))]
+        return []
+
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
-        yield from limit_faults(study, self.limits)
+        yield from limit_faults(study)
         yield from distribution_faults(study)
 
     def found(self, study: AskedStudy, result: VariantValues | None = None) -> FailureFound:
@@ -110,5 +122,5 @@ class FailureFound(PlainConclusion):
         note = f"that {self.beyond}; intervals {100 * self.confidence:g} %"
         return Table(f"{self.title}: failure probability", columns, rows, (note, *self.sentences))
 
-    def figure(self, plot: ModuleType) -> Figure:
-        return plot.failure_probabilities(self)  # type: ignore[no-any-return]
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        return plot.failure_probabilities(self, **look)  # type: ignore[no-any-return]

@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf, Text
-from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answer_names import QUANTITY, VARIED
 from torsionnet.study.answers.answer_case import AnswerCase, answer_cases
 from torsionnet.study.answers.asking import measure_of, quantity_faults, units_of
 from torsionnet.study.answers.conclusion_data import PlainConclusion
@@ -38,6 +39,7 @@ class Map(StudyAnswer):
 
     kind: ClassVar[str] = "map"
     of_variants: ClassVar[bool] = False
+    naming: ClassVar[Mapping[str, str]] = {"quantity": QUANTITY, "x": VARIED, "y": VARIED}
 
     x: str = entry(Text("parameter"))
     y: str = entry(Text("parameter"))
@@ -51,9 +53,6 @@ class Map(StudyAnswer):
 
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
         yield from quantity_faults(study, (self.quantity,), "quantity")
-        for key in ("x", "y"):
-            if getattr(self, key) not in study.space.names:
-                yield unknown_name("varied parameter", getattr(self, key), study.space.names, (key,))
         if self.x == self.y:
             yield Fault(f"{self.x} is on both axes", ("y",))
         for one in study.space.entries.correlation:
@@ -143,5 +142,5 @@ class MapFound(PlainConclusion):
         )
         return Table(f"{self.title}: map of {self.quantity[0]}", columns, rows, (note, *self.sentences))
 
-    def figure(self, plot: ModuleType) -> Figure:
-        return plot.contour_map(self)  # type: ignore[no-any-return]
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        return plot.contour_map(self, **look)  # type: ignore[no-any-return]

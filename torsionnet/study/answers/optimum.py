@@ -39,12 +39,6 @@ class SingleDesign(DesignAnswer):
         """Whether limits alone are not enough."""
         return True
 
-    def named(self) -> Iterator[tuple[str, tuple[str | int, ...]]]:
-        yield from super().named()
-        yield from ((name, ("targets", name)) for name in self.targets)
-        for key in ("minimise", "maximise"):
-            yield from ((name, (key, place)) for place, name in enumerate(getattr(self, key)))
-
     def with_values(self) -> Iterator[tuple[str, float | None, Path]]:
         yield from super().with_values()
         yield from ((name, one.value, ("targets", name)) for name, one in self.targets.items())

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from torsionnet.core.entries.words import Count, Text
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answer_names import QUANTITY
 from torsionnet.study.answers.asking import chosen_quantities, measure_of, quantity_faults, units_of
 from torsionnet.study.answers.case_values import case_values
 from torsionnet.study.answers.conclusion_data import IN_WORDS, PlainConclusion
@@ -34,6 +35,7 @@ class ParallelCoordinates(StudyAnswer):
     """
 
     kind: ClassVar[str] = "parallel_coordinates"
+    naming: ClassVar[Mapping[str, str]] = {"quantities": QUANTITY}
 
     quantities: tuple[str, ...] = entry(Listed("default: all that are single numbers", Text("quantity")), None)
     lines: int = entry(Count("most variants that are drawn of a configuration", upper=10_000), 400)
@@ -92,5 +94,5 @@ class ParallelFound(PlainConclusion):
         rows = tuple((*key, *pair, self.units[key[1]]) for key, pair in self.medians.items())
         return Table(f"{self.title}: variants within and beyond limits", columns, rows, self.sentences)
 
-    def figure(self, plot: ModuleType) -> Figure:
-        return plot.parallel_coordinates(self)  # type: ignore[no-any-return]
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        return plot.parallel_coordinates(self, **look)  # type: ignore[no-any-return]

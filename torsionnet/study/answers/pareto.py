@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -34,11 +34,6 @@ class Pareto(DesignAnswer):
             text = "a front needs two quantities or more under minimise and maximise; for one there is type: optimum"
             return [Fault(text, on_key=True)]
         return []
-
-    def named(self) -> Iterator[tuple[str, tuple[str | int, ...]]]:
-        yield from super().named()
-        for key in ("minimise", "maximise"):
-            yield from ((name, (key, place)) for place, name in enumerate(getattr(self, key)))
 
     def goals(self, limits: Mapping[str, QuantityLimit]) -> DesignGoals:
         objectives = [DesignObjective((name,)) for name in self.minimise]

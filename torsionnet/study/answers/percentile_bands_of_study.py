@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.composite import Listed
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
-from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answer_names import QUANTITY
 from torsionnet.study.answers.asking import case_label, measure_of
 from torsionnet.study.answers.conclusion_data import PlainConclusion
 from torsionnet.study.quantity import QuantityForm
@@ -31,6 +32,7 @@ class PercentileBands(StudyAnswer):
     """Percentiles of a curve at each of its frequencies or speeds, in each configuration."""
 
     kind: ClassVar[str] = "percentile_bands"
+    naming: ClassVar[Mapping[str, str]] = {"quantity": QUANTITY}
 
     quantity: str = entry(Text("quantity that is a curve"))
     percentiles: tuple[float, ...] = entry(
@@ -39,9 +41,7 @@ class PercentileBands(StudyAnswer):
     )  # fmt: skip
 
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
-        if self.quantity not in study.quantities:
-            yield unknown_name("quantity", self.quantity, study.quantities, ("quantity",))
-        elif not measure_of(study, self.quantity).is_curve:
+        if self.quantity in study.quantities and not measure_of(study, self.quantity).is_curve:
             yield Fault(f"{self.quantity} is a single number and no curve", ("quantity",))
 
     def found(self, study: AskedStudy, result: VariantValues) -> BandsFound:
@@ -89,5 +89,5 @@ class BandsFound(PlainConclusion):
         )
         return Table(f"{self.title}: percentiles of {self.quantity}", columns, rows, self.sentences)
 
-    def figure(self, plot: ModuleType) -> Figure:
-        return plot.percentile_bands(self)  # type: ignore[no-any-return]
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        return plot.percentile_bands(self, **look)  # type: ignore[no-any-return]

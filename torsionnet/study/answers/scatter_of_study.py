@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from torsionnet.core.entries.words import Text
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answer_names import QUANTITY
 from torsionnet.study.answers.asking import chosen_quantities, measure_of, quantity_faults, units_of
 from torsionnet.study.answers.case_values import case_values
 from torsionnet.study.answers.conclusion_data import IN_WORDS, PlainConclusion
@@ -38,6 +39,7 @@ class Scatter(StudyAnswer):
     """
 
     kind: ClassVar[str] = "scatter"
+    naming: ClassVar[Mapping[str, str]] = {"quantities": QUANTITY}
 
     quantities: tuple[str, ...] = entry(Listed("default: all that are single numbers", Text("quantity")), None)
 
@@ -100,5 +102,5 @@ class ScatterFound(PlainConclusion):
         )
         return Table(f"{self.title}: rank correlations", columns, rows, ("intervals 95 %", *self.sentences))
 
-    def figure(self, plot: ModuleType) -> Figure:
-        return plot.scatter_matrix(self)  # type: ignore[no-any-return]
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        return plot.scatter_matrix(self, **look)  # type: ignore[no-any-return]

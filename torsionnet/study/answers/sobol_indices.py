@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.composite import Listed
@@ -15,6 +15,7 @@ from torsionnet.core.entries.words import Count, Text
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answer_names import QUANTITY
 from torsionnet.study.answers.answer_case import AnswerCase, answer_cases
 from torsionnet.study.answers.asking import chosen_quantities, distribution_faults, quantity_faults
 from torsionnet.study.answers.conclusion_data import PlainConclusion
@@ -36,6 +37,7 @@ class SobolIndices(StudyAnswer):
 
     kind: ClassVar[str] = "sobol_indices"
     of_variants: ClassVar[bool] = False
+    naming: ClassVar[Mapping[str, str]] = {"quantities": QUANTITY}
 
     quantities: tuple[str, ...] = entry(Listed("default: all that are single numbers", Text("quantity")), None)
     count: int = entry(Count("base points, a power of two", lower=FEWEST, upper=2**22), 1024)
@@ -110,8 +112,8 @@ class SobolFound(PlainConclusion):
         note = f"estimators of Saltelli and Jansen, bootstrap intervals {100 * self.confidence:g} %"
         return Table(f"{self.title}: Sobol indices", columns, rows, (note, *self.sentences))
 
-    def figure(self, plot: ModuleType) -> Figure:
-        return plot.sobol_indices(self)  # type: ignore[no-any-return]
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        return plot.sobol_indices(self, **look)  # type: ignore[no-any-return]
 
 
 def _columns(one: SobolEstimates) -> tuple[FloatArray, ...]:

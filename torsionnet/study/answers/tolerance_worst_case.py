@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -14,6 +14,7 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answer_names import QUANTITY
 from torsionnet.study.answers.answer_case import AnswerCase, answer_cases
 from torsionnet.study.answers.asking import measure_of, quantity_faults, units_of
 from torsionnet.study.answers.worst_case_found import WorstCaseFound, WorstVariant
@@ -36,6 +37,7 @@ class WorstCase(StudyAnswer):
 
     kind: ClassVar[str] = "worst_case"
     of_variants: ClassVar[bool] = False
+    naming: ClassVar[Mapping[str, str]] = {"quantity": QUANTITY}
 
     quantity: str = entry(Text("quantity"))
     direction: str = entry(OneOf("which value is sought", tuple(SIGNS)), BOTH)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from torsionnet.core.entries.words import OneOf, Text
 from torsionnet.core.errors import Fault
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answer_names import QUANTITY
 from torsionnet.study.answers.answer_case import AnswerCase, answer_cases
 from torsionnet.study.answers.asking import chosen_quantities, measure_of, quantity_faults, units_of
 from torsionnet.study.answers.conclusion_data import PlainConclusion
@@ -40,6 +41,7 @@ class Tornado(StudyAnswer):
 
     kind: ClassVar[str] = "tornado"
     of_variants: ClassVar[bool] = False
+    naming: ClassVar[Mapping[str, str]] = {"quantities": QUANTITY}
 
     quantities: tuple[str, ...] = entry(Listed("default: all that are single numbers", Text("quantity")), None)
     span: str = entry(OneOf("how far each parameter is moved", (TOLERANCE, DEVIATION)), TOLERANCE)
@@ -119,5 +121,5 @@ class TornadoFound(PlainConclusion):
         )  # fmt: skip
         return Table(f"{self.title}: one parameter at a time", columns, rows, self.sentences)
 
-    def figure(self, plot: ModuleType) -> Figure:
-        return plot.study_tornado(self)  # type: ignore[no-any-return]
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        return plot.study_tornado(self, **look)  # type: ignore[no-any-return]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answers.conclusion_data import PlainConclusion
@@ -99,5 +99,5 @@ class WorstCaseFound(PlainConclusion):
         )  # fmt: skip
         return Table(f"{self.title}: worst case of {self.quantity}", columns, rows, self.sentences)
 
-    def figure(self, plot: ModuleType) -> Figure:
-        return plot.worst_variants(self)  # type: ignore[no-any-return]
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        return plot.worst_variants(self, **look)  # type: ignore[no-any-return]

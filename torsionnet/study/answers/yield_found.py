@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from types import ModuleType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from torsionnet.response.table import Column, Table
 from torsionnet.study.answers.conclusion_data import IN_WORDS, PlainConclusion
@@ -86,5 +86,5 @@ class YieldFound(PlainConclusion):
         notes = [f"intervals of Clopper and Pearson, {100 * self.confidence:g} %"] if not self.exhaustive else []
         return Table(f"{self.title}: yield", columns, rows, (*notes, *self.sentences[len(self._headline) :]))
 
-    def figure(self, plot: ModuleType) -> Figure:
-        return plot.limit_shares(self)  # type: ignore[no-any-return]
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
+        return plot.limit_shares(self, **look)  # type: ignore[no-any-return]

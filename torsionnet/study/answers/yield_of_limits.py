@@ -13,8 +13,9 @@ from torsionnet.core.entries.composite import Listed, Named
 from torsionnet.core.entries.scalars import Value
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Text
-from torsionnet.core.errors import Fault, unknown_name
+from torsionnet.core.errors import Fault
 from torsionnet.study.answer import AskedStudy, StudyAnswer, VariantValues, register_answer
+from torsionnet.study.answer_names import CONFIGURATION, LIMIT
 from torsionnet.study.answers.asking import case_label, limit_faults, limit_words
 from torsionnet.study.answers.draws_beyond import CountedBeyond, DrawsBeyond, KeptBeyond
 from torsionnet.study.answers.limited_values import limited_values
@@ -33,6 +34,7 @@ class Yield(StudyAnswer):
     """
 
     kind: ClassVar[str] = "yield"
+    naming: ClassVar[Mapping[str, str]] = {"limits": LIMIT, "weights": CONFIGURATION}
 
     limits: tuple[str, ...] = entry(Listed("quantities whose limits count; default: all", Text("quantity")), None)
     weights: Mapping[str, float] = entry(
@@ -44,10 +46,7 @@ class Yield(StudyAnswer):
     confidence: float = entry(Value("of the interval", "1", exclusive=True, below=1), 0.95)
 
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
-        yield from limit_faults(study, self.limits)
-        for name in self.weights:
-            if name not in study.configurations:
-                yield unknown_name("configuration of the study", name, study.configurations, ("weights", name))
+        yield from limit_faults(study)
 
         if self.weights and not sum(self.weights.values()) > 0:
             yield Fault("weights are shares of configurations; at least one of them is above 0", ("weights",))

@@ -119,9 +119,9 @@ class DamperOverConditions:
         best = [f"{one.name} = {one.value:.6g} {one.unit} (given: {one.start:.6g})" for one in self.parameters]
         return Table(f"{self.title}: best damper for all conditions", columns, rows, (*best, *self.sentences))
 
-    def figure(self, plot: ModuleType) -> Figure:
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
         """As a picture, by :mod:`torsionnet.plot`."""
-        return cast("Figure", plot.damper_over_conditions(self))
+        return cast("Figure", plot.damper_over_conditions(self, **look))
 
     def to_data(self) -> dict[str, Any]:
         """In full precision, for JSON."""

@@ -10,10 +10,11 @@ from typing import ClassVar
 from torsionnet.core.entries.composite import Named, Nested
 from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count
-from torsionnet.core.errors import Fault, ModelError, Path, unknown_name
+from torsionnet.core.errors import Fault, ModelError, Path
 from torsionnet.model.checks.units_in_use import parameter_units
 from torsionnet.response.damper_optimum import DesignParameter
 from torsionnet.study.answer import AskedStudy, StudyAnswer
+from torsionnet.study.answer_names import PARAMETER, QUANTITY
 from torsionnet.study.optimum.design_entries import DESIGN, DesignBounds, bounded
 from torsionnet.study.optimum.design_goals import DesignGoals
 from torsionnet.study.optimum.design_problem import DesignProblem
@@ -28,6 +29,9 @@ class DesignAnswer(StudyAnswer):
     """Base of the answers on designs; every configuration of the study counts."""
 
     of_variants: ClassVar[bool] = False
+    naming: ClassVar[Mapping[str, str]] = {
+        "design": PARAMETER, "limits": QUANTITY, "targets": QUANTITY, "minimise": QUANTITY, "maximise": QUANTITY,
+    }  # fmt: skip
 
     design: Mapping[str, DesignBounds | None] = entry(DESIGN, None)
     limits: Mapping[str, QuantityLimit] = entry(
@@ -43,24 +47,8 @@ class DesignAnswer(StudyAnswer):
         """What is sought, within these limits."""
         raise NotImplementedError
 
-    def named(self) -> Iterator[tuple[str, tuple[str | int, ...]]]:
-        """Quantities with the path of the entry that names them."""
-        for name in self.limits:
-            yield name, ("limits", name)
-
     def unfit(self, study: AskedStudy) -> Iterator[Fault]:
         known = study.quantities
-        unknown = [
-            unknown_name("quantity", name, known, path, rest=f"there are {', '.join(known)}")
-            for name, path in self.named()
-            if name not in known
-        ]
-        strange = [
-            unknown_name("parameter", name, study.model.parameters, ("design", name), on_key=True)
-            for name in self.design
-            if name not in study.model.parameters
-        ]
-        yield from [*unknown, *strange]
         _, faults = bounded(study.model, self.design)
         yield from (fault.under("design") for fault in faults)
         for name, value, path in self.with_values():

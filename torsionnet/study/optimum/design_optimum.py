@@ -171,9 +171,9 @@ class DesignOptimum:
             f"{self.title}: optimum".removeprefix(": "), tuple(map(Column, names)), tuple(rows), self.sentences
         )
 
-    def figure(self, plot: ModuleType) -> Figure:
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
         """As a picture, by :mod:`torsionnet.plot`."""
-        return cast("Figure", plot.design_optimum(self))
+        return cast("Figure", plot.design_optimum(self, **look))
 
     def to_data(self) -> dict[str, Any]:
         """In full precision, for JSON."""

@@ -105,9 +105,9 @@ class ParetoFront:
         )
         return Table(f"{self.title}: best compromises".removeprefix(": "), columns, rows, self.sentences)
 
-    def figure(self, plot: ModuleType) -> Figure:
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
         """As a picture, by :mod:`torsionnet.plot`."""
-        return cast("Figure", plot.pareto_front(self))
+        return cast("Figure", plot.pareto_front(self, **look))
 
     def to_data(self) -> dict[str, Any]:
         """In full precision, for JSON."""

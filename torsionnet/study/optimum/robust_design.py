@@ -127,9 +127,9 @@ class RobustOptimum:
             rows.append(("share that keeps all limits", "", *(one.share_kept[0] for one in self.designs)))
         return Table(f"{self.title}: robust optimum".removeprefix(": "), columns, tuple(rows), self.sentences)
 
-    def figure(self, plot: ModuleType) -> Figure:
+    def figure(self, plot: ModuleType, **look: Any) -> Figure:
         """As a picture, by :mod:`torsionnet.plot`."""
-        return cast("Figure", plot.robust_optimum(self))
+        return cast("Figure", plot.robust_optimum(self, **look))
 
     def to_data(self) -> dict[str, Any]:
         """In full precision, for JSON."""

@@ -28,6 +28,11 @@ class BandMean(TransferQuantity):
     points: int = entry(Count("evenly spaced, both ends among them", lower=2, upper=100_000), 200)
     mean: str = entry(OneOf("root mean square, or mean of the magnitudes", ("rms", "arithmetic")), "rms")
 
+    @property
+    def asked(self) -> str:
+        what = "mean" if self.mean == "arithmetic" else "root mean square"
+        return f"{what} of the magnitude of {self.quotient} from {self.band[0]:g} to {self.band[1]:g} Hz"
+
     def measure(self, model: Drivetrain) -> QuantityForm:
         return QuantityForm(self.unit(model))
 

@@ -19,6 +19,7 @@ from torsionnet.model.excitations.speed_range import SpeedBand
 from torsionnet.solve.critical_speeds import excited_frequencies, excited_lines, order_margins
 from torsionnet.solve.order_response import with_motions_held
 from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity
+from torsionnet.study.speed_quantity import speed_words
 from torsionnet.study.transfer_quantity import refusal
 from torsionnet.study.variant_block import VariantBlock
 
@@ -53,6 +54,13 @@ class CriticalSpeedMargin(StudyQuantity):
         del quantities
         found = list(refusal(lambda: self._asked(model)))
         yield from found or refusal(lambda: self._ranges(model), *(("orders",) if self.orders else ()))
+
+    @property
+    def asked(self) -> str:
+        orders = f"orders {', '.join(f'{one:g}' for one in self.orders)}" if self.orders else "all orders"
+        acting = f" of {', '.join(self.excitations)}" if self.excitations else ""
+        over = "" if self.speeds is None else f" {speed_words(self.speeds)}"
+        return f"relative distance of the nearest natural frequency from the frequencies of {orders}{acting}{over}"
 
     def measure(self, model: Drivetrain) -> QuantityForm:
         del model

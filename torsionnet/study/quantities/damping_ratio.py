@@ -21,6 +21,10 @@ class DampingRatio(ModeQuantity):
 
     kind: ClassVar[str] = "damping_ratio"
 
+    @property
+    def asked(self) -> str:
+        return f"damping ratio of {self.which_mode}"
+
     def measure(self, model: Drivetrain) -> QuantityForm:
         del model
         return QuantityForm()

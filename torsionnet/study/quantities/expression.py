@@ -67,14 +67,17 @@ class QuantityExpression(StudyQuantity):
     of: Any = entry(QuantityFormula("numbers, names of quantities, + - * / powers, sqrt and pi"))
     unit: str | None = entry(Text("of what comes out; default: by the units of the quantities"), None)
 
+    @property
+    def made_of(self) -> frozenset[str]:
+        return frozenset(self.of.names)
+
     def unfit(self, model: Drivetrain, quantities: Mapping[str, StudyQuantity]) -> Iterator[Fault]:
         for name in sorted(self.of.names - quantities.keys()):
             yield unknown_name("quantity", name, quantities, ("of",), rest=f"there are {', '.join(quantities)}")
-        if self.of.names - quantities.keys():
-            return
         circle = self.circle(quantities)
         if circle:
             yield Fault(f"{' needs '.join(circle)}: quantities go round in a circle", ("of",))
+        if circle or not self.has_all(quantities):
             return
         try:
             self.measured(model, quantities)
@@ -95,6 +98,17 @@ class QuantityExpression(StudyQuantity):
             if found:
                 return found
         return ()
+
+    def has_all(self, quantities: Mapping[str, StudyQuantity]) -> bool:
+        """Whether all that it is made of is there, and what that is made of; there is no circle."""
+        if not self.of.names <= quantities.keys():
+            return False
+        below = [quantities[name] for name in self.of.names]
+        return all(one.has_all(quantities) for one in below if isinstance(one, QuantityExpression))
+
+    @property
+    def asked(self) -> str:
+        return str(self.of)
 
     def measure(self, model: Drivetrain) -> QuantityForm:
         del model

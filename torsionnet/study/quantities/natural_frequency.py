@@ -19,6 +19,7 @@ from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quan
 from torsionnet.study.variant_block import VariantBlock
 
 UNDAMPED = "undamped"
+WORDS = {"natural": "natural frequency", "damped": "frequency of the damped vibration"}
 
 
 @register_quantity
@@ -44,6 +45,12 @@ class NaturalFrequency(ModeQuantity):
             yield from super().unfit(model, quantities)
         else:
             yield from self.beyond(int(np.sum(natural_modes(model)[0].undamped_natural_frequencies > 0)))
+
+    @property
+    def asked(self) -> str:
+        if self.which == UNDAMPED:
+            return f"undamped natural frequency number {self.mode}"
+        return f"{WORDS[self.which]} of {self.which_mode}"
 
     def measure(self, model: Drivetrain) -> QuantityForm:
         del model

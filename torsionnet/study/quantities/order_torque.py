@@ -29,6 +29,8 @@ SIZES: Mapping[str, Callable[[OrderResponse], FloatArray]] = {
     "rms": lambda run: run.rms[:, 0],
 }
 
+WORDS = {"half_range": "half of the range", "peak": "largest distance from the mean", "rms": "root mean square"}
+
 
 @register_quantity
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +71,11 @@ class OrderTorque(SpeedQuantity):
         del quantities
         found = [*refusal(lambda: named_output(model, self.output), "output"), *self.nowhere(model)]
         yield from found or refusal(lambda: self._of(self._alone(model)), *(("order",) if self.order else ()))
+
+    @property
+    def asked(self) -> str:
+        what = WORDS[self.size or "half_range"] if self.order is None else f"amplitude of order {self.order:g}"
+        return f"{what} of {self.output} {self.where}" + (", one by one" if self.curve else ", the largest")
 
     def measure(self, model: Drivetrain) -> QuantityForm:
         unit = named_output(model, self.output).unit

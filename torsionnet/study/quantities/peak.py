@@ -36,6 +36,10 @@ class PeakMagnitude(PeakQuantity):
 
     kind: ClassVar[str] = "peak"
 
+    @property
+    def asked(self) -> str:
+        return f"largest magnitude of {self.quotient} {self.where}"
+
     def measure(self, model: Drivetrain) -> QuantityForm:
         return QuantityForm(self.unit(model))
 

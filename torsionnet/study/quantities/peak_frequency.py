@@ -19,6 +19,10 @@ class PeakFrequency(PeakQuantity):
 
     kind: ClassVar[str] = "peak_frequency"
 
+    @property
+    def asked(self) -> str:
+        return f"frequency of the largest magnitude of {self.quotient} {self.where}"
+
     def measure(self, model: Drivetrain) -> QuantityForm:
         del model
         return QuantityForm("Hz")

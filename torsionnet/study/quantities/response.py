@@ -85,6 +85,20 @@ class ResponseQuantity(TransferQuantity):
         is_log = self.spacing == "log" or (self.spacing is None and 0 < 10 * low <= high)
         return np.asarray((np.geomspace if is_log else np.linspace)(low, high, self.points or DEFAULT_POINTS))
 
+    @property
+    def asked(self) -> str:
+        what = (
+            "size in dB"
+            if self.part == "dB"
+            else self.part
+            if self.part in ("magnitude", "phase")
+            else f"{self.part} part"
+        )
+        if self.at is not None:
+            return f"{what} of {self.quotient} at {', '.join(f'{one:g}' for one in self.at)} Hz"
+        low, high = self.band
+        return f"{what} of {self.quotient} from {low:g} to {high:g} Hz, {len(self.frequencies)} points"
+
     def measure(self, model: Drivetrain) -> QuantityForm:
         unit = _UNITS.get(self.part) or self.unit(model)
         frequencies = self.frequencies

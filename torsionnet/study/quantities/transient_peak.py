@@ -39,6 +39,14 @@ READ: Mapping[str, Callable[[FloatArray], float]] = {
     "last": lambda values: float(values[-1]),
 }
 
+READ_WORDS = {
+    "size": "largest size",
+    "highest": "highest value",
+    "lowest": "lowest value",
+    "range": "range",
+    "last": "last value",
+}
+
 
 @register_quantity
 @dataclass(frozen=True, kw_only=True)
@@ -100,6 +108,16 @@ class TransientPeak(StudyQuantity):
             *refusal(lambda: driven(model, self.input, None), "input"),
         ]
         yield from found or refusal(lambda: self._motion(model, self.torques(model)))
+
+    @property
+    def asked(self) -> str:
+        what = READ_WORDS[self.value]
+        if self.history is not None:
+            return f"{what} of {self.output} after a history of torques on {self.input}"
+        shape = (self.shape or STEP).replace("_", " ")
+        rise = "" if self.rise is None else f" of {self.rise:g} s"
+        torque = f"a {shape}{rise} of {self.torque:g} N*m on {self.input}"
+        return f"{what} of {self.output} within {self.duration:g} s of {torque}"
 
     def measure(self, model: Drivetrain) -> QuantityForm:
         return QuantityForm(named_output(model, self.output).unit)

@@ -59,6 +59,12 @@ class Utilisation(SpeedQuantity):
             return
         yield from list(self.nowhere(model)) or refusal(lambda: self._of(model))
 
+    @property
+    def asked(self) -> str:
+        limit = f"the limit {self.limit}" if self.limit else "all limits"
+        criterion = f", criterion {self.criterion}," if self.criterion else ""
+        return f"largest value over value allowed of {limit}{criterion} {self.where}"
+
     def measure(self, model: Drivetrain) -> QuantityForm:
         del model
         return QuantityForm()

@@ -16,7 +16,14 @@ from torsionnet.study.variations.marginal import Marginal
 from torsionnet.study.variations.nominal import NominalReader
 from torsionnet.study.variations.normal import DEVIATION, HIGH, LOW, MEAN
 from torsionnet.study.variations.truncated import truncated
-from torsionnet.study.variations.variation import Variation, register_variation
+from torsionnet.study.variations.variation import (
+    HIGHEST_VALUE,
+    LOWEST_VALUE,
+    MIDDLE,
+    SPREAD,
+    Variation,
+    register_variation,
+)
 
 
 class LognormalMarginal(Marginal):
@@ -76,6 +83,16 @@ class Lognormal(Variation):
     deviation: Any = entry(DEVIATION)
     low: Any = entry(LOW, None)
     high: Any = entry(HIGH, None)
+
+    @property
+    def words(self) -> str:
+        return self.kind if self.low is None and self.high is None else f"{self.kind}, truncated"
+
+    def sizes(self, reader: NominalReader) -> dict[str, float]:
+        mean = reader.value(self.mean, "mean")
+        ends = ((LOWEST_VALUE, "low", self.low), (HIGHEST_VALUE, "high", self.high))
+        limits = {what: reader.value(one, key) for what, key, one in ends if one is not None}
+        return {MIDDLE: mean, SPREAD: reader.spread(self.deviation, mean, "deviation"), **limits}
 
     def bound(self, reader: NominalReader) -> Marginal | None:
         mean = reader.value(self.mean, "mean")

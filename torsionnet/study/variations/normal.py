@@ -15,7 +15,15 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.variations.marginal import Marginal
 from torsionnet.study.variations.nominal import NominalReader
 from torsionnet.study.variations.truncated import truncated
-from torsionnet.study.variations.variation import ParameterValue, Variation, register_variation
+from torsionnet.study.variations.variation import (
+    HIGHEST_VALUE,
+    LOWEST_VALUE,
+    MIDDLE,
+    SPREAD,
+    ParameterValue,
+    Variation,
+    register_variation,
+)
 
 MEAN = ParameterValue("mean; by default the value in the model")
 DEVIATION = ParameterValue("standard deviation; in percent it is a share of the mean")
@@ -72,6 +80,16 @@ class Normal(Variation):
     deviation: Any = entry(DEVIATION)
     low: Any = entry(LOW, None)
     high: Any = entry(HIGH, None)
+
+    @property
+    def words(self) -> str:
+        return self.kind if self.low is None and self.high is None else f"{self.kind}, truncated"
+
+    def sizes(self, reader: NominalReader) -> dict[str, float]:
+        mean = reader.value(self.mean, "mean")
+        ends = ((LOWEST_VALUE, "low", self.low), (HIGHEST_VALUE, "high", self.high))
+        limits = {what: reader.value(one, key) for what, key, one in ends if one is not None}
+        return {MIDDLE: mean, SPREAD: reader.spread(self.deviation, mean, "deviation"), **limits}
 
     def bound(self, reader: NominalReader) -> Marginal | None:
         mean = reader.value(self.mean, "mean")

@@ -13,7 +13,14 @@ from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.variations.marginal import Marginal
 from torsionnet.study.variations.nominal import NominalReader
 from torsionnet.study.variations.uniform import HIGHEST, LOWEST
-from torsionnet.study.variations.variation import ParameterValue, Variation, register_variation
+from torsionnet.study.variations.variation import (
+    HIGHEST_VALUE,
+    LOWEST_VALUE,
+    MOST_FREQUENT,
+    ParameterValue,
+    Variation,
+    register_variation,
+)
 
 
 class TriangularMarginal(Marginal):
@@ -76,6 +83,10 @@ class Triangular(Variation):
     low: Any = entry(LOWEST)
     mode: Any = entry(ParameterValue("most frequent value; by default the value in the model"), None)
     high: Any = entry(HIGHEST)
+
+    def sizes(self, reader: NominalReader) -> dict[str, float]:
+        ends = {LOWEST_VALUE: reader.value(self.low, "low"), HIGHEST_VALUE: reader.value(self.high, "high")}
+        return ends | {MOST_FREQUENT: reader.value(self.mode, "mode")}
 
     def bound(self, reader: NominalReader) -> Marginal | None:
         low, high = reader.value(self.low, "low"), reader.value(self.high, "high")

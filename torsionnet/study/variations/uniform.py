@@ -12,7 +12,13 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.variations.marginal import Marginal
 from torsionnet.study.variations.nominal import NominalReader
-from torsionnet.study.variations.variation import ParameterValue, Variation, register_variation
+from torsionnet.study.variations.variation import (
+    HIGHEST_VALUE,
+    LOWEST_VALUE,
+    ParameterValue,
+    Variation,
+    register_variation,
+)
 
 LOWEST = ParameterValue("lowest value; -10 % is relative to the value in the model")
 HIGHEST = ParameterValue("highest value; +10 % is relative to the value in the model")
@@ -60,6 +66,9 @@ class Uniform(Variation):
 
     low: Any = entry(LOWEST)
     high: Any = entry(HIGHEST)
+
+    def sizes(self, reader: NominalReader) -> dict[str, float]:
+        return {LOWEST_VALUE: reader.value(self.low, "low"), HIGHEST_VALUE: reader.value(self.high, "high")}
 
     def bound(self, reader: NominalReader) -> Marginal | None:
         low, high = reader.value(self.low, "low"), reader.value(self.high, "high")

@@ -13,7 +13,13 @@ from torsionnet.core.errors import Fault
 from torsionnet.response.frequency_response import FloatArray
 from torsionnet.study.variations.grid_axis import GridAxis
 from torsionnet.study.variations.nominal import NominalReader
-from torsionnet.study.variations.variation import ParameterValue, Variation, register_variation
+from torsionnet.study.variations.variation import (
+    HIGHEST_VALUE,
+    LOWEST_VALUE,
+    ParameterValue,
+    Variation,
+    register_variation,
+)
 
 
 @register_variation
@@ -34,6 +40,14 @@ class ListOfValues(Variation):
 
     def contradictions(self) -> list[Fault]:
         return [] if self.values else [Fault("the list holds no value", ("values",))]
+
+    @property
+    def words(self) -> str:
+        return "one value" if len(self.values) == 1 else f"{len(self.values)} values"
+
+    def sizes(self, reader: NominalReader) -> dict[str, float]:
+        values = [reader.value(one, "values", place) for place, one in enumerate(self.values)]
+        return {LOWEST_VALUE: min(values), HIGHEST_VALUE: max(values)}
 
     def bound(self, reader: NominalReader) -> GridAxis | None:
         found = [reader.value(number, "values", index) for index, number in enumerate(self.values)]

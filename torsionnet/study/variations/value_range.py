@@ -16,7 +16,7 @@ from torsionnet.study.many import Many
 from torsionnet.study.variations.grid_axis import GridAxis
 from torsionnet.study.variations.nominal import NominalReader
 from torsionnet.study.variations.uniform import HIGHEST, LOWEST
-from torsionnet.study.variations.variation import Variation, register_variation
+from torsionnet.study.variations.variation import HIGHEST_VALUE, LOWEST_VALUE, Variation, register_variation
 
 LOG = "log"
 OTHER_ENDS = ("from", "to", "start", "stop")
@@ -50,6 +50,13 @@ class ValueRange(Variation):
             else fault
             for fault in super().key_faults(raw, name)
         ]
+
+    @property
+    def words(self) -> str:
+        return f"{self.count} values at equal {'ratios' if self.spacing == LOG else 'steps'}"
+
+    def sizes(self, reader: NominalReader) -> dict[str, float]:
+        return {LOWEST_VALUE: reader.value(self.low, "low"), HIGHEST_VALUE: reader.value(self.high, "high")}
 
     def bound(self, reader: NominalReader) -> GridAxis | None:
         low, high = reader.value(self.low, "low"), reader.value(self.high, "high")

@@ -15,6 +15,10 @@ from torsionnet.study.variations.grid_axis import GridAxis
 from torsionnet.study.variations.marginal import Marginal
 from torsionnet.study.variations.nominal import NominalReader
 
+MIDDLE, SPREAD, LOWEST_VALUE, HIGHEST_VALUE = "mean", "standard deviation", "lowest", "highest"
+MOST_FREQUENT = "most frequent"
+"""Numbers of variations."""
+
 V = TypeVar("V", bound="type[Variation]")
 
 
@@ -43,6 +47,15 @@ class Variation(Declared):
     article: ClassVar[str] = "a variation"
     is_random: ClassVar[bool] = True
     """Whether it is a distribution that values are drawn from."""
+
+    @property
+    def words(self) -> str:
+        """What it is, as a reader of a report is told."""
+        return self.kind
+
+    def sizes(self, reader: NominalReader) -> dict[str, float]:
+        """The numbers that it is made of, in SI, by what they are: :data:`MIDDLE`, ...; of faultless entries."""
+        raise NotImplementedError
 
     def bound(self, reader: NominalReader) -> Marginal | GridAxis | None:
         """The distribution or the values in SI; None where the reader found faults."""

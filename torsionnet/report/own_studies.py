@@ -1,0 +1,72 @@
+"""Whether studies that a report is to show are of the model that it is about."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from torsionnet.core.errors import UsageError
+
+if TYPE_CHECKING:
+    from torsionnet.drivetrain import Drivetrain
+    from torsionnet.study.study import Study
+
+NO_MATTER = ("report", "description", "source")
+"""Entries of a model that no result depends on."""
+MOST = 6
+"""Names of what differs."""
+
+
+def require_own_studies(model: Drivetrain, studies: Iterable[Study]) -> None:
+    """Refuse studies of other models, or of the same with other values, before anything is calculated.
+
+    Raises
+    ------
+    UsageError
+        With all of them, and what differs.
+    """
+    found = [text for one in studies if (text := _refusal(model, one))]
+    if found:
+        raise UsageError("\n".join([*found, "a report shows studies of its own model"]))
+
+
+def _refusal(model: Drivetrain, study: Study) -> str:
+    own = study.model
+    if model.configuration and model.configuration in own.configurations:
+        own = own.configured(model.configuration)
+    differing = _differing(model.with_entries_named(study.space.names), own)
+    if not differing:
+        return ""
+    if own.name != model.name:
+        return f"the study {study.title} is of {own.name}, and the report of {model.name}"
+    what = ", ".join(differing[:MOST]) + (f" and {len(differing) - MOST} more" if len(differing) > MOST else "")
+    return f"the study {study.title} is of another {own.title} than the report of {model.title}: they differ in {what}"
+
+
+def _differing(one: Drivetrain, other: Drivetrain) -> list[str]:
+    """Entries that are not the same, with their values where these are short."""
+    mine, others = _data(one), _data(other)
+    found = []
+    for key in dict.fromkeys((*mine, *others)):
+        here, there = mine.get(key), others.get(key)
+        if isinstance(here, dict) and isinstance(there, dict):
+            names = [name for name in dict.fromkeys((*here, *there)) if here.get(name) != there.get(name)]
+            found += [f"{key}.{name}{_values(there.get(name), here.get(name))}" for name in names]
+        elif here != there:
+            found.append(key)
+    return found
+
+
+def _data(model: Drivetrain) -> dict[str, Any]:
+    data = json.loads(json.dumps(model.definition.flat_data(), default=str))
+    return {key: value for key, value in data.items() if key not in NO_MATTER}
+
+
+def _values(study: Any, report: Any) -> str:
+    """Both values of a parameter that has one."""
+    shown = [one.get("value") if isinstance(one, dict) else one for one in (study, report)]
+    told = ["missing" if one is None else one for one in shown]
+    return "" if any(isinstance(one, dict | list) or one == "" for one in told) or told == ["missing"] * 2 else (
+        f" ({told[0]} in the study, {told[1]} in the report)"
+    )  # fmt: skip

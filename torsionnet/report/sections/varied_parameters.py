@@ -1,0 +1,93 @@
+"""What varies in a study, as a table: distributions and values in the units of the model file, and correlations."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from torsionnet.core.number_text import typeset_unit
+from torsionnet.report.document_tree import Cell, Heading, NumberText, TableBlock, Text
+from torsionnet.report.report_tables import table
+from torsionnet.report.report_words import listed, named, unit
+from torsionnet.study.shown_units import ShownUnits
+from torsionnet.study.variations.nominal import NominalReader, nominals
+
+if TYPE_CHECKING:
+    from torsionnet.study.study import Study
+
+DIGITS = 5
+FEW = 4
+"""Configurations that are named."""
+
+
+@dataclass(frozen=True)
+class VariedThere:
+    """A parameter in the configurations in which it varies alike: numbers in SI."""
+
+    cases: tuple[str, ...]
+    given: float | None
+    sizes: dict[str, float]
+
+
+def varied_parameters(study: Study, units: ShownUnits) -> TableBlock:
+    """Each parameter with its unit, its value in the model, how it varies, and how that is written in the study."""
+    alike = {name: list(_by_configuration(study, name)) for name in study.space.names}
+    columns = (
+        Heading("Parameter"),
+        Heading("Configuration"),
+        Heading("Unit"),
+        Heading("In the model", numeric=True),
+        Heading("Distribution"),
+        Heading("Numbers", wide=True),
+        Heading("As written"),
+    )
+    rows: list[tuple[Cell, ...]] = []
+    for name, variation in study.space.entries.vary.items():
+        written = ", ".join(f"{key} {_plain(value)}" for key, value in variation.to_data().items())
+        for one in alike[name]:
+            where = listed(one.cases, FEW) if len(alike[name]) > 1 else ""
+            given = "" if one.given is None else NumberText(one.given * units.scale(name), DIGITS)
+            numbers = _numbers(one.sizes, units.scale(name))
+            rows.append((named(name), where, unit(units.unit(name)), given, variation.words, numbers, written))
+    return table("What varies", columns, rows)
+
+
+def correlations(study: Study) -> Iterator[TableBlock]:
+    """Which parameters vary together; nothing where none do."""
+    rows: list[tuple[Cell, ...]] = [
+        (_names(one.between), NumberText(one.coefficient)) for one in study.space.entries.correlation
+    ]
+    if rows:
+        columns = (Heading("Parameters"), Heading("Coefficient", numeric=True))
+        note = "Linear correlation of the values, of every two where more are named (Gaussian copula)."
+        yield table("Correlation of the parameters", columns, rows, [note])
+
+
+def _names(names: tuple[str, ...]) -> Text:
+    first, *others = names
+    return (named(first), *(part for name in others for part in (", ", named(name))))
+
+
+def _by_configuration(study: Study, name: str) -> Iterator[VariedThere]:
+    """Configurations in which the model gives the parameter the same value together."""
+    found: dict[tuple[float | None, ...], VariedThere] = {}
+    for case in study.configurations:
+        nominal = nominals(study.model_in(case), [name])[name]
+        sizes = study.space.entries.vary[name].sizes(NominalReader(nominal))
+        key = (nominal.value, *sizes.values())
+        cases = (*found[key].cases, case) if key in found else (case,)
+        found[key] = VariedThere(cases, nominal.value, sizes)
+    yield from found.values()
+
+
+def _numbers(sizes: Mapping[str, float], scale: float) -> Text:
+    """``mean 0.46, standard deviation 0.018``."""
+    parts = [part for what, size in sizes.items() for part in (f", {what} ", NumberText(size * scale, DIGITS))]
+    return (str(parts[0]).removeprefix(", "), *parts[1:])
+
+
+def _plain(value: object) -> str:
+    if isinstance(value, list):
+        return ", ".join(map(_plain, value))
+    return typeset_unit(str(value)).replace("-", "−").replace(" %", "\N{NO-BREAK SPACE}%")

@@ -1,0 +1,122 @@
+"""The entries of a study beside its model: what of them is sound, and everything that is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from torsionnet.core.errors import Fault
+from torsionnet.drivetrain import Drivetrain
+from torsionnet.study.correlation import Correlation, name_faults
+from torsionnet.study.quantity import StudyQuantity
+from torsionnet.study.quantity_limit import QuantityLimit
+from torsionnet.study.space import Space
+from torsionnet.study.space_entries import SpaceEntries
+from torsionnet.study.space_in_configurations import faults_in
+from torsionnet.study.study_file import StudyEntries, chosen_configurations
+from torsionnet.study.study_fit import lacking, unknown_limits, wrong_units
+from torsionnet.study.variations.variation import Variation
+
+
+@dataclass(frozen=True, eq=False)
+class ExaminedStudy:
+    """What of a study is sound, so that a fault in one place hides none in another.
+
+    Attributes
+    ----------
+    model : Drivetrain
+    given : mapping
+        The entries as they are written.
+    values : mapping
+        Those that could be read, answers among them.
+    configurations : tuple of str
+    space : Space or None
+        Of the parameters that vary soundly; None if there are none.
+    quantities, limits : mapping
+    faults : tuple of Fault
+        Of everything but what answers ask.
+    """
+
+    model: Drivetrain
+    given: Mapping[str, Any]
+    values: Mapping[str, Any]
+    configurations: tuple[str, ...]
+    space: Space | None
+    quantities: Mapping[str, StudyQuantity]
+    limits: Mapping[str, QuantityLimit]
+    faults: tuple[Fault, ...]
+
+    @property
+    def is_sound(self) -> bool:
+        return all(fault.severity != "error" for fault in self.faults)
+
+    def named(self, key: str) -> list[str]:
+        """Names in a table of the file, sound or not."""
+        return names_in(self.given, key)
+
+
+def names_in(given: Mapping[str, Any], key: str) -> list[str]:
+    """The keys of a table; none where it is no table."""
+    table = given.get(key)
+    return [str(name) for name in table] if isinstance(table, Mapping) else []
+
+
+def examined(model: Drivetrain, given: Mapping[str, Any]) -> ExaminedStudy:
+    """Read the entries of a study and compare them with its model, each as far as it is sound."""
+    values, faults = StudyEntries.read_entries(given)
+    model = model.with_entries_named(values.get("vary") or ())
+    configurations, found = chosen_configurations(values.get("configurations") or (), model)
+    faults += found
+    space, found = _space(model, given, values)
+    faults += found
+    if space is not None and not _errors(found):
+        faults += faults_in(space, {name: model.configured(name) for name in configurations if name})
+    asked: Mapping[str, StudyQuantity] = values.get("quantities") or {}
+    named = names_in(given, "quantities")
+    found = _not_about(lacking(model, configurations, asked), named)
+    faults += found
+    quantities = _sound_quantities(asked, found)
+    faults += unknown_limits(names_in(given, "limits"), named)
+    limits = {name: one for name, one in (values.get("limits") or {}).items() if name in quantities}
+    faults += wrong_units(model, configurations, quantities, limits)
+    return ExaminedStudy(model, given, values, configurations or ("",), space, quantities, limits, tuple(faults))
+
+
+def _space(model: Drivetrain, given: Mapping[str, Any], values: Mapping[str, Any]) -> tuple[Space | None, list[Fault]]:
+    """The space of all that varies, else of what varies soundly, and all findings."""
+    vary: Mapping[str, Variation] = values.get("vary") or {}
+    correlation: tuple[Correlation, ...] = values.get("correlation") or ()
+    if not vary:
+        return None, []
+    unread = [name for name in names_in(given, "vary") if name not in vary]
+    is_whole = not unread and len(correlation) == len(given.get("correlation") or ())
+    # A matrix of which a part is missing says nothing about the whole, nor do others about what could be drawn.
+    sampling = None if unread else values.get("sampling")
+    entries = SpaceEntries(vary=vary, correlation=correlation if is_whole else (), sampling=sampling)
+    space, faults = Space.of(entries, model)
+    if not is_whole:
+        random = [*unread, *(name for name, one in vary.items() if one.is_random)]
+        wrong = name_faults(correlation, random, [name for name in vary if name not in random])
+        faults += [fault.under("correlation") for fault in wrong]
+    if space is not None:
+        return space, faults
+    sound = {name: one for name, one in vary.items() if not any(fault.path[:2] == ("vary", name) for fault in faults)}
+    return (Space.of(SpaceEntries(vary=sound), model)[0] if sound else None), faults
+
+
+def _sound_quantities(asked: Mapping[str, StudyQuantity], faults: list[Fault]) -> dict[str, StudyQuantity]:
+    """Those without faults, and not made of others that have them."""
+    sound = {name: one for name, one in asked.items() if not any(fault.path[1:2] == (name,) for fault in faults)}
+    while lost := [name for name, one in sound.items() if one.made_of - sound.keys()]:
+        sound = {name: one for name, one in sound.items() if name not in lost}
+    return sound
+
+
+def _not_about(faults: list[Fault], names: list[str]) -> list[Fault]:
+    """Without those of names that are there, though what they name could not be read."""
+    return [fault for fault in faults if fault.kind != "unknown name" or fault.about not in names]
+
+
+def _errors(faults: list[Fault]) -> bool:
+    return any(fault.severity == "error" for fault in faults)

@@ -1,0 +1,119 @@
+"""In which units the numbers of a study are shown: those in which its author, or that of the model, wrote them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from torsionnet.core.expressions import Number
+from torsionnet.core.units import CELSIUS, UnitError, parse_unit
+from torsionnet.response.conventions import SI, Conventions
+from torsionnet.study.answer import AskedStudy
+from torsionnet.study.answers.asking import measure_of, units_of
+from torsionnet.study.quantity_value import ValueInUnit
+from torsionnet.study.variations.variation import Variation
+
+
+@dataclass(frozen=True)
+class ShownUnits:
+    """Units by parameter and quantity; what is not among them is shown by conventions.
+
+    Attributes
+    ----------
+    written : mapping
+        Name -> unit, ``"kN*m/rad"``.
+    si : mapping
+        Name -> unit in SI, for results that do not say it themselves.
+    conventions : Conventions
+        Of quantities, as the unit of angles.
+
+    Examples
+    --------
+    >>> units = ShownUnits({"k_1": "kN*m/rad"}, conventions=Conventions(angle="deg"))
+    >>> units.unit("k_1", "N*m/rad"), units.scale("k_1", "N*m/rad")
+    ('kN*m/rad', 0.001)
+    >>> units.unit("theta", "rad/(N*m)"), round(units.scale("theta", "rad/(N*m)"), 3)
+    ('deg/(N*m)', 57.296)
+    """
+
+    written: Mapping[str, str] = field(default_factory=dict)
+    si: Mapping[str, str] = field(default_factory=dict)
+    conventions: Conventions = SI
+
+    def unit(self, name: str, si: str | None = None) -> str:
+        """The unit shown of what is in ``si``."""
+        si = self.si.get(name, "") if si is None else si
+        return self.written.get(name) or (self.conventions.unit(si) if si and _factor(si) else si)
+
+    def scale(self, name: str, si: str | None = None) -> float:
+        """Factor from SI to the unit shown."""
+        si = self.si.get(name, "") if si is None else si
+        shown = self.unit(name, si)
+        factors = [_factor(one) if one else 1.0 for one in (si, shown)]
+        return factors[0] / factors[1] if factors[0] and factors[1] else 1.0
+
+
+IN_SI = ShownUnits()
+
+
+def _factor(unit: str) -> float | None:
+    """To SI; None of what is no unit of the field's, as dB."""
+    try:
+        return float(parse_unit(unit).factor)
+    except UnitError:
+        return None
+
+
+def shown_units(study: AskedStudy, conventions: Conventions | None = None) -> ShownUnits:
+    """The units of what varies and of what is asked, by the study's own values, then by those of the model.
+
+    Parameters
+    ----------
+    study : Study
+    conventions : Conventions, optional
+        Of quantities to which the study gives no limit with a unit; by default angles are in degrees where limits of
+        other quantities have them so.
+
+    Examples
+    --------
+    >>> import torsionnet as tn
+    >>> shown_units(tn.load_study("amt_tolerances")).written["theta_5"]
+    'deg/(N*m)'
+    """
+    written: dict[str, str] = {}
+    si = units_of(study) | {name: measure_of(study, name).unit for name in study.quantities}
+    for name, variation in study.space.entries.vary.items():
+        own = set(_units(variation))
+        unit = own.pop() if len(own) == 1 else _unit(study.model.parameter_definitions[name].value)
+        if unit and _is_of(unit, si[name]):
+            written[name] = unit
+    for name, limit in study.limits.items():
+        units = [one.unit for one in (limit.below, limit.above) if isinstance(one, ValueInUnit) and one.unit]
+        if units and _is_of(units[0], si[name]):
+            written[name] = units[0]
+    limited = " ".join(written.get(name, "") for name in study.limits)
+    usual = Conventions(angle="deg") if "deg" in limited and "rad" not in limited else SI
+    return ShownUnits(written, si, conventions or usual)
+
+
+def _units(variation: Variation) -> Iterator[str]:
+    """Of the values that a variation gives, but for shares."""
+    for key, _ in variation.specs():
+        value = getattr(variation, key)
+        for one in value if isinstance(value, tuple) else (value,):
+            if (unit := _unit(one)) and unit != "%":
+                yield unit
+
+
+def _unit(value: object) -> str:
+    """As it was written; empty where there is none, or the scale begins elsewhere than in SI."""
+    unit = value.unit_written if isinstance(value, Number) else ""
+    return "" if unit == CELSIUS else unit
+
+
+def _is_of(unit: str, si: str) -> bool:
+    """Whether it is a unit of what is in ``si``; a bare number is in %, or in nothing."""
+    try:
+        return parse_unit(unit).dimension == parse_unit(si or "rad").dimension
+    except UnitError:
+        return False
