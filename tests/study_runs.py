@@ -55,6 +55,12 @@ def started(folder: Path, processes: int = 1, threads: int = 1) -> subprocess.Po
     )
 
 
+def deaf(number: int) -> bool:
+    """Whether interrupts were held back from the process while it started."""
+    del number
+    return signal.SIGINT in signal.pthread_sigmask(signal.SIG_BLOCK, ())
+
+
 def deadly(number: int) -> None:
     """Ends its process, as a system does that has no memory left."""
     del number

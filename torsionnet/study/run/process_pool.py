@@ -13,6 +13,7 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import islice
+from multiprocessing import resource_tracker
 from typing import Any, TypeVar
 
 from torsionnet.core.errors import SolveError
@@ -34,6 +35,20 @@ def _begin(work: Callable[[int], Any]) -> None:
     _work = work
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the process that started this one ends it
     threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+@contextmanager
+def _uninterrupted() -> Iterator[None]:
+    """Ctrl-C waits; a process that is started meanwhile never hears of it, not even while it still imports."""
+    if os.name == "nt":
+        yield
+        return
+    resource_tracker.ensure_running()  # its own start lets interrupts through
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _end_with_parent() -> None:
@@ -73,7 +88,8 @@ class ProcessExecutor:
                     while True:
                         room = AHEAD * self.workers - len(waiting)
                         for number in [*again[:room], *islice(left, max(0, room - len(again)))]:
-                            waiting[pool.submit(_call, number)] = number
+                            with _uninterrupted():  # a process may be started here
+                                waiting[pool.submit(_call, number)] = number
                         again = again[room:]
                         if not waiting:
                             return
@@ -90,7 +106,8 @@ class ProcessExecutor:
         if count >= DEATHS:
             raise SolveError(
                 f"{count} processes died while chunk {number} was in hand; see whether memory was short, and try with "
-                "fewer workers. What was calculated is kept: the study goes on from there when it is run again"
+                "fewer workers; a script starts a study under if __name__ == '__main__':, as its processes read it "
+                "too. What was calculated is kept: the study goes on from there when it is run again"
             )
 
     @contextmanager
