@@ -29,7 +29,7 @@ from torsionnet.study.run.calculating import ChunkWork, chunk_file
 from torsionnet.study.run.chunks import Chunks
 from torsionnet.study.run.executor import Executor, SerialExecutor
 from torsionnet.study.run.process_pool import ProcessExecutor
-from torsionnet.study.samples import Samples
+from torsionnet.study.sampling.samples import Samples
 from torsionnet.study.space import Space
 from torsionnet.study.study import Study
 from torsionnet.study.variations.normal import Normal

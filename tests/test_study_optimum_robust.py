@@ -9,7 +9,6 @@ from scipy.stats import norm
 
 import torsionnet as tn
 from torsionnet.response.damper_optimum import DesignParameter
-from torsionnet.study.correlation import Correlation
 from torsionnet.study.optimum.design_goals import DesignGoals, DesignObjective, DesignTarget
 from torsionnet.study.optimum.design_problem import DesignProblem
 from torsionnet.study.optimum.design_tolerances import DesignTolerance, DesignTolerances
@@ -17,6 +16,7 @@ from torsionnet.study.optimum.robust_design import robust_optimum
 from torsionnet.study.optimum.robust_measures import MeanAndDeviation, Rejects, SamplePercentile
 from torsionnet.study.optimum.space_tolerances import SpaceTolerances
 from torsionnet.study.quantity_limit import QuantityLimit
+from torsionnet.study.sampling.correlation import Correlation
 from torsionnet.study.space import Space
 from torsionnet.study.variations.normal import Normal
 from torsionnet.study.variations.uniform import Uniform

@@ -15,7 +15,7 @@ import torsionnet as tn
 from torsionnet.core.collected_warnings import collected_warnings
 from torsionnet.core.errors import ModelError, TorsionnetWarning
 from torsionnet.model.excitations.speed_range import SpeedRange
-from torsionnet.study.peak_search import band_grid, largest
+from torsionnet.study.measuring.peak_search import band_grid, largest
 from torsionnet.study.quantity import QUANTITIES
 from torsionnet.study.variant_block import VariantBlock
 

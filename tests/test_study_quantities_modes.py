@@ -10,7 +10,7 @@ from study_blocks import columns, singly, spread, together
 import torsionnet as tn
 from torsionnet.response.modes import OSCILLATORY
 from torsionnet.study.evaluator import Evaluator
-from torsionnet.study.mode_quantity import MIXED
+from torsionnet.study.measuring.mode_quantity import MIXED
 from torsionnet.study.quantity import QUANTITIES
 
 AMT = tn.load("amt_rig").configured("II")

@@ -13,13 +13,13 @@ from scipy import stats
 from scipy.stats import qmc
 
 import torsionnet as tn
-import torsionnet.study.sampling_points as sampling_points
+import torsionnet.study.sampling.sampling_points as sampling_points
 from torsionnet.core.errors import ModelError
-from torsionnet.study.correlation import Correlation
-from torsionnet.study.keyed_permutation import permuted
-from torsionnet.study.nataf import CorrelationOfPair, HermiteSeries
-from torsionnet.study.samples import Samples
-from torsionnet.study.sampling_points import LatinHypercubePoints
+from torsionnet.study.sampling.correlation import Correlation
+from torsionnet.study.sampling.keyed_permutation import permuted
+from torsionnet.study.sampling.nataf import CorrelationOfPair, HermiteSeries
+from torsionnet.study.sampling.samples import Samples
+from torsionnet.study.sampling.sampling_points import LatinHypercubePoints
 from torsionnet.study.space import Space
 from torsionnet.study.space_in_configurations import faults_in
 from torsionnet.study.variations.lognormal import Lognormal, LognormalMarginal

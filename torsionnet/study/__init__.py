@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 from torsionnet.core.lazy import names_on_demand
 
 if TYPE_CHECKING:
-    from torsionnet.study.correlation import Correlation as Correlation
     from torsionnet.study.loading_study import load_study as load_study
     from torsionnet.study.optimum.conditions_damper import damper_over_conditions as damper_over_conditions
     from torsionnet.study.run.answering import answer_study as answer_study
     from torsionnet.study.run.run_chunks import run_study as run_study
     from torsionnet.study.run.workers import Workers as Workers
-    from torsionnet.study.samples import Samples as Samples
+    from torsionnet.study.sampling.correlation import Correlation as Correlation
+    from torsionnet.study.sampling.samples import Samples as Samples
     from torsionnet.study.space import Space as Space
     from torsionnet.study.study import Study as Study
     from torsionnet.study.study import define as define
@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from torsionnet.study.variations.value_range import ValueRange as ValueRange
 
 _HOMES = {
-    "Correlation": "torsionnet.study.correlation",
+    "Correlation": "torsionnet.study.sampling.correlation",
     "ListOfValues": "torsionnet.study.variations.value_list",
     "Lognormal": "torsionnet.study.variations.lognormal",
     "Normal": "torsionnet.study.variations.normal",
-    "Samples": "torsionnet.study.samples",
+    "Samples": "torsionnet.study.sampling.samples",
     "Space": "torsionnet.study.space",
     "Study": "torsionnet.study.study",
     "StudyResult": "torsionnet.study.study_result",

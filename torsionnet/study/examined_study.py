@@ -8,9 +8,9 @@ from typing import Any
 
 from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.correlation import Correlation, name_faults
 from torsionnet.study.quantity import StudyQuantity
 from torsionnet.study.quantity_limit import QuantityLimit
+from torsionnet.study.sampling.correlation import Correlation, name_faults
 from torsionnet.study.space import Space
 from torsionnet.study.space_entries import SpaceEntries
 from torsionnet.study.space_in_configurations import faults_in

@@ -13,8 +13,8 @@ import numpy as np
 from torsionnet.core.errors import Fault, ModelError
 from torsionnet.model.model import Model
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.study.correlation import Correlation
-from torsionnet.study.samples import Samples
+from torsionnet.study.sampling.correlation import Correlation
+from torsionnet.study.sampling.samples import Samples
 from torsionnet.study.space_entries import SpaceEntries
 from torsionnet.study.space_reading import BoundSpace, bound_space
 from torsionnet.study.variations.grid_axis import GridAxis

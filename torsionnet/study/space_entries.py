@@ -9,8 +9,8 @@ from typing import ClassVar
 from torsionnet.core.entries.composite import Listed, Named, Nested, Typed
 from torsionnet.core.entries.declared import Declared
 from torsionnet.core.entries.spec import entry
-from torsionnet.study.correlation import Correlation
-from torsionnet.study.samples import Samples
+from torsionnet.study.sampling.correlation import Correlation
+from torsionnet.study.sampling.samples import Samples
 from torsionnet.study.variations.variation import VARIATIONS, Variation
 
 VARY = Named(

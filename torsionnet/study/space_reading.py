@@ -13,11 +13,11 @@ from torsionnet.model.elements import Element
 from torsionnet.model.model import Model
 from torsionnet.model.named_entries import value_of_entry
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.study.correlation import Correlation, name_faults
-from torsionnet.study.correlation_matrix import normal_correlation
-from torsionnet.study.joint_distribution import JointDistribution
 from torsionnet.study.reachable import unreachable
-from torsionnet.study.samples import Samples
+from torsionnet.study.sampling.correlation import Correlation, name_faults
+from torsionnet.study.sampling.correlation_matrix import normal_correlation
+from torsionnet.study.sampling.joint_distribution import JointDistribution
+from torsionnet.study.sampling.samples import Samples
 from torsionnet.study.variations.grid_axis import GridAxis
 from torsionnet.study.variations.marginal import Marginal
 from torsionnet.study.variations.nominal import NominalReader, nominals

@@ -16,10 +16,10 @@ from torsionnet.core.errors import Fault, TorsionnetError
 from torsionnet.model.model import Model
 from torsionnet.model.report.report_plan import ConfigurationName
 from torsionnet.study.answer import ANSWERS, StudyAnswer
-from torsionnet.study.correlation import Correlation
 from torsionnet.study.quantity import QUANTITIES, StudyQuantity
 from torsionnet.study.quantity_limit import QuantityLimit
-from torsionnet.study.samples import Samples
+from torsionnet.study.sampling.correlation import Correlation
+from torsionnet.study.sampling.samples import Samples
 from torsionnet.study.space_entries import CORRELATION, SAMPLING, VARY, SpaceEntries
 from torsionnet.study.variations.variation import Variation
 

@@ -25,7 +25,7 @@ from torsionnet.solve.batch.mode_tracking import TrackedModes, tracked
 from torsionnet.solve.batch.own_frequencies import responses_at_own_frequencies
 from torsionnet.solve.transfer_request import TransferRequest, remembered
 from torsionnet.study.counted_remarks import remark
-from torsionnet.study.single_responses import GRAPH, single_response
+from torsionnet.study.measuring.single_responses import GRAPH, single_response
 
 Channels = str | Sensor | tuple[str | Sensor, ...]
 Driving = str | Sensor | tuple[str | Sensor | Input, ...]

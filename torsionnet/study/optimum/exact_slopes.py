@@ -13,7 +13,7 @@ from torsionnet.core.errors import SolveError
 from torsionnet.solve.sensitivity.mode_sensitivities import ModeSensitivities, mode_sensitivities
 from torsionnet.solve.sensitivity.parametric import ParametricResponse, parametric_response
 from torsionnet.study.evaluator import Evaluator
-from torsionnet.study.mode_quantity import ModeQuantity
+from torsionnet.study.measuring.mode_quantity import ModeQuantity
 from torsionnet.study.quantities.damping_ratio import DampingRatio
 from torsionnet.study.quantities.natural_frequency import UNDAMPED, NaturalFrequency
 from torsionnet.study.quantities.response import ResponseQuantity

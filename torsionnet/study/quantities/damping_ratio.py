@@ -9,7 +9,7 @@ import numpy as np
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.mode_quantity import ModeQuantity
+from torsionnet.study.measuring.mode_quantity import ModeQuantity
 from torsionnet.study.quantity import QuantityForm, register_quantity
 from torsionnet.study.variant_block import VariantBlock
 

@@ -14,7 +14,7 @@ from torsionnet.core.entries.words import OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.solve.modes import natural_modes
-from torsionnet.study.mode_quantity import ASCENDING, ModeQuantity
+from torsionnet.study.measuring.mode_quantity import ASCENDING, ModeQuantity
 from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity
 from torsionnet.study.variant_block import VariantBlock
 

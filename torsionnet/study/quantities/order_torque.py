@@ -17,10 +17,10 @@ from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.response.order_response import OrderResponse
 from torsionnet.solve.transfer_request import named_output
-from torsionnet.study.order_responses import order_responses
+from torsionnet.study.measuring.order_responses import order_responses
+from torsionnet.study.measuring.speed_quantity import SpeedQuantity
+from torsionnet.study.measuring.transfer_quantity import refusal
 from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity
-from torsionnet.study.speed_quantity import SpeedQuantity
-from torsionnet.study.transfer_quantity import refusal
 from torsionnet.study.variant_block import VariantBlock
 
 SIZES: Mapping[str, Callable[[OrderResponse], FloatArray]] = {

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.peak_quantity import PeakQuantity
+from torsionnet.study.measuring.peak_quantity import PeakQuantity
 from torsionnet.study.quantity import QuantityForm, register_quantity
 from torsionnet.study.variant_block import VariantBlock
 

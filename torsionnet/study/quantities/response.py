@@ -14,9 +14,9 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.drivetrain import Drivetrain
-from torsionnet.study.frequency_list import FrequencyList
+from torsionnet.study.measuring.frequency_list import FrequencyList
+from torsionnet.study.measuring.transfer_quantity import TransferQuantity
 from torsionnet.study.quantity import QuantityForm, register_quantity
-from torsionnet.study.transfer_quantity import TransferQuantity
 from torsionnet.study.variant_block import VariantBlock
 
 DEFAULT_POINTS = 200

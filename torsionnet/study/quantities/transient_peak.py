@@ -16,9 +16,9 @@ from torsionnet.core.errors import Fault, UsageError
 from torsionnet.drivetrain import Drivetrain
 from torsionnet.solve.modes import natural_modes
 from torsionnet.solve.transfer_request import driven, named_output
+from torsionnet.study.measuring.torque_history import TorqueHistory, TorqueHistoryEntry
+from torsionnet.study.measuring.transfer_quantity import refusal
 from torsionnet.study.quantity import QuantityForm, StudyQuantity, register_quantity
-from torsionnet.study.torque_history import TorqueHistory, TorqueHistoryEntry
-from torsionnet.study.transfer_quantity import refusal
 from torsionnet.study.variant_block import VariantBlock
 
 PER_PERIOD = 40

@@ -9,8 +9,8 @@ import numpy as np
 from torsionnet.core.errors import Fault
 from torsionnet.core.groups import Groups
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.study.correlation import Correlation
-from torsionnet.study.nataf import CorrelationOfPair, HermiteSeries
+from torsionnet.study.sampling.correlation import Correlation
+from torsionnet.study.sampling.nataf import CorrelationOfPair, HermiteSeries
 from torsionnet.study.variations.marginal import Marginal
 
 LEAST_EIGENVALUE = 1e-10

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from torsionnet.response.frequency_response import FloatArray
-from torsionnet.study.keyed_permutation import permuted
+from torsionnet.study.sampling.keyed_permutation import permuted
 
 BLOCK = 4096
 """Points that one state of the generator gives; whatever is asked for, blocks begin at its multiples."""

@@ -11,8 +11,8 @@ import numpy as np
 from torsionnet.assembly.rows import FloatArray
 from torsionnet.core.entries.band import Band
 from torsionnet.core.entries.spec import entry
-from torsionnet.study.peak_search import CANDIDATES, POINTS, FoundPeaks, band_grid, largest
-from torsionnet.study.transfer_quantity import TransferQuantity
+from torsionnet.study.measuring.peak_search import CANDIDATES, POINTS, FoundPeaks, band_grid, largest
+from torsionnet.study.measuring.transfer_quantity import TransferQuantity
 
 if TYPE_CHECKING:
     from torsionnet.study.variant_block import VariantBlock

@@ -11,8 +11,8 @@ from torsionnet.core.entries.spec import entry
 from torsionnet.core.entries.words import Count, OneOf
 from torsionnet.core.errors import Fault
 from torsionnet.study.many import Many
-from torsionnet.study.sampling_points import LatinHypercubePoints, RandomPoints, UnitPoints
-from torsionnet.study.sampling_sobol import BITS, SobolPoints
+from torsionnet.study.sampling.sampling_points import LatinHypercubePoints, RandomPoints, UnitPoints
+from torsionnet.study.sampling.sampling_sobol import BITS, SobolPoints
 
 RANDOM, LATIN, SOBOL = "random", "latin_hypercube", "sobol"
 

@@ -1,0 +1,1 @@
+"""How the values of variants are drawn: sequences, correlations, joint distributions."""
